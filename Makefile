@@ -1,0 +1,99 @@
+# Everything runs in .venv, which `make setup` fills from the lock; a target that needs it calls setup itself.
+
+BIN := .venv/bin
+READY := .venv/.set-up
+READY_FOR_BENCH := .venv/.set-up-bench
+PIP_INSTALL := $(BIN)/pip install -qq --disable-pip-version-check
+PACKAGES := cartgrasp estimation planning
+
+# The matrices are tiny, so threads inside BLAS only cost; and nothing here may open a window.
+ENV := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MPLBACKEND=Agg
+
+# The first of these that is 3.11 or newer makes .venv (`make setup PYTHON=...` names another).
+PYTHON := python3 python3.11 python3.12 python3.13
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help setup demo test prove lint format bench lock clean
+
+help:
+	@echo "make setup    make .venv from the lock and install cartgrasp into it, editable"
+	@echo "make demo     run the demonstration; its pages go to out/demo"
+	@echo "make test     run the tests"
+	@echo "make prove    run the long proofs that make test leaves out"
+	@echo "make lint     ruff check, ruff format --check, mypy --strict"
+	@echo "make format   let ruff format and mend what it can"
+	@echo "make bench    run the benchmarks (installs a few more solvers)"
+	@echo "make lock     resolve pyproject.toml anew into both lock files (LOCKFLAGS=--upgrade for newer versions)"
+	@echo "make clean    remove outputs and caches (.venv stays)"
+
+setup: $(READY)
+
+$(READY): requirements.txt pyproject.toml | $(BIN)/pip
+	@echo "Installing what requirements.txt pins ..."
+	@$(PIP_INSTALL) --require-hashes -r requirements.txt
+	@$(PIP_INSTALL) --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(READY_FOR_BENCH): requirements-bench.txt $(READY)
+	@$(PIP_INSTALL) --require-hashes -r requirements-bench.txt
+	@touch $@
+
+$(BIN)/pip:
+	@python=; \
+	for name in $(PYTHON); do \
+	    $$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && python=$$name && break; \
+	done; \
+	if [ -z "$$python" ]; then \
+	    echo "No Python 3.11 or newer among: $(PYTHON). Install python3.11, or name one: make setup PYTHON=..." >&2; \
+	    exit 1; \
+	fi; \
+	can_make_venv() { $$python -c 'import ensurepip, venv' 2>/dev/null; }; \
+	if ! can_make_venv && command -v apt-get >/dev/null; then \
+	    package=$${python##*/}-venv; \
+	    if [ "$$(id -u)" = 0 ]; then sudo=; else sudo="sudo -n"; fi; \
+	    echo "Installing $$package, which this Python needs to make .venv ..."; \
+	    { $$sudo apt-get update -qq && $$sudo apt-get install -y -qq $$package; } || true; \
+	fi; \
+	if ! can_make_venv; then \
+	    echo "$$python can't make a virtual environment: install its venv module (Debian: $${python##*/}-venv)." >&2; \
+	    exit 1; \
+	fi; \
+	$$python -m venv .venv
+
+demo: setup
+	$(ENV) $(BIN)/cartgrasp demo --out out/demo
+
+test: setup
+	$(ENV) $(BIN)/python -m pytest -n 2 --dist=worksteal
+
+# pytest's exit status 5 says that no test is marked `prove`.
+prove: setup
+	$(ENV) $(BIN)/python -m pytest -m prove tests || [ $$? -eq 5 ]
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy --strict $(PACKAGES)
+
+format: setup
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: setup $(READY_FOR_BENCH)
+	$(ENV) $(BIN)/python -m benchmarks
+
+# uv doesn't read pip's configuration, so an index that is set there is handed over; it isn't written into the locks.
+COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
+    --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" $(LOCKFLAGS) pyproject.toml
+
+lock: | $(BIN)/pip
+	@[ -x $(BIN)/uv ] || $(PIP_INSTALL) uv
+	@index=$${PIP_INDEX_URL:-$$($(BIN)/pip config get global.index-url 2>/dev/null)}; \
+	[ -z "$$index" ] || export UV_DEFAULT_INDEX="$$index"; \
+	$(COMPILE) --extra dev --extra parquet -o requirements.txt && \
+	$(COMPILE) --extra bench --constraint requirements.txt -o requirements-bench.txt
+
+clean:
+	rm -rf out dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find . -name .venv -prune -o -name __pycache__ -prune -exec rm -rf {} +

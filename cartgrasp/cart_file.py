@@ -1,0 +1,233 @@
+"""`cart.yaml` <-> `CartModel`: strict to read, exact about places, faithful to the reader's comments and order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+from .constraints import RollingConstraints
+from .effects import KNOWN_EFFECTS, Effect
+from .errors import CartgraspError, FileError
+from .inertia import Inertia
+from .model import CartModel
+from .wheels import Wheel
+from .yaml_file import (
+    StrictModel,
+    did_you_mean,
+    dump_yaml,
+    file_error,
+    parse_yaml,
+    plain,
+    read_yaml,
+    validate,
+    write_atomically,
+)
+
+Location = Sequence[str | int]
+
+
+class _WheelEntry(StrictModel):
+    kind: str
+    x: float
+    y: float
+    trail: float = 0.0
+
+
+class _CartEntry(StrictModel):
+    name: str = "cart"
+    mass: float
+    com: list[float] = Field(min_length=2, max_length=2)
+    inertia: float
+    com_height: float | None = None
+    constraints: list[dict[str, Any]] = []
+    wheels: list[_WheelEntry] = []
+    effects: dict[str, Any] = {}
+
+
+def load_cart(path: str | os.PathLike[str]) -> CartModel:
+    """The cart of a `cart.yaml`; a mistake is refused as `file:line:column: key: why`."""
+    return cart_from_document(read_yaml(path), str(path))
+
+
+def cart_from_text(text: str, name: str = "cart.yaml") -> CartModel:
+    return cart_from_document(parse_yaml(text, name), name)
+
+
+def cart_from_document(document: CommentedMap, name: str, prefix: Location = ()) -> CartModel:
+    """The cart of a mapping that stands under the keys `prefix` of a file called `name`."""
+    entry = validate(_CartEntry, document, name, prefix)
+
+    def refuse(location: Location, why: str) -> FileError:
+        return file_error(document, name, location, why, prefix)
+
+    if entry.mass <= 0:
+        raise refuse(["mass"], f"{entry.mass:g} kg is not positive")
+    if entry.inertia <= 0:
+        why = f"{entry.inertia:g} kg m² about the CoM is not positive, so J m > |m d|² fails"
+        raise refuse(["inertia"], why)
+    if entry.com_height is not None and entry.com_height < 0:
+        raise refuse(["com_height"], f"{entry.com_height:g} m is below the floor")
+    return CartModel(
+        inertia=Inertia(entry.mass, (entry.com[0], entry.com[1]), entry.inertia),
+        constraints=_constraints(entry.constraints, refuse),
+        effects=_effects(entry.effects, refuse),
+        wheels=_wheels(entry.wheels, refuse),
+        com_height=entry.com_height,
+        name=entry.name,
+        source=dump_yaml(document),
+    )
+
+
+def save_cart(cart: CartModel, path: str | os.PathLike[str]) -> Path:
+    """Writes the cart; comments and order of the file that it was read from stay."""
+    return write_atomically(path, cart_text(cart))
+
+
+def cart_text(cart: CartModel) -> str:
+    document = parse_yaml(cart.source, "cart.yaml") if cart.source else CommentedMap()
+    for key, value in _entries(cart).items():
+        _put(document, key, value)
+    return dump_yaml(document)
+
+
+def _constraints(entries: list[dict[str, Any]], refuse: Any) -> RollingConstraints:
+    axle_x, no_rotation = None, False
+    for i, entry in enumerate(entries):
+        where: list[str | int] = ["constraints", i]
+        if len(entry) != 1 or next(iter(entry)) not in ("no_lateral_slip", "no_rotation"):
+            found = ", ".join(entry) or "nothing"
+            raise refuse(where, f"{found}: each entry is `no_lateral_slip: {{x: …}}` or `no_rotation: {{}}`")
+        kind, values = next(iter(entry.items()))
+        where.append(kind)
+        allowed = {"x"} if kind == "no_lateral_slip" else set()
+        if not isinstance(values, dict) or not set(values) <= allowed:
+            raise refuse(where, f"{values!r} is not {'{x: …}' if allowed else 'an empty mapping {}'}")
+        if kind == "no_rotation":
+            if no_rotation:
+                raise refuse(where, "stands twice; keep one")
+            no_rotation = True
+            continue
+        if axle_x is not None:
+            raise refuse(where, "stands twice; two axles at different x are a rail: use `no_rotation: {}`")
+        axle_x = _number(values.get("x", 0.0), [*where, "x"], refuse)
+    if no_rotation and axle_x is None:
+        raise refuse(["constraints"], "no_rotation needs no_lateral_slip beside it (a rail has both)")
+    return RollingConstraints(axle_x, no_rotation)
+
+
+def _wheels(entries: list[_WheelEntry], refuse: Any) -> tuple[Wheel, ...]:
+    wheels = []
+    for i, entry in enumerate(entries):
+        if entry.kind not in ("fixed", "caster"):
+            raise refuse(["wheels", i, "kind"], f"{entry.kind!r} is neither fixed nor caster")
+        if entry.trail < 0:
+            raise refuse(["wheels", i, "trail"], f"{entry.trail:g} m is negative")
+        wheels.append(Wheel(entry.kind, entry.x, entry.y, entry.trail))
+    return tuple(wheels)
+
+
+def _effects(entries: Mapping[str, Any], refuse: Any) -> tuple[Effect, ...]:
+    effects: list[Effect] = []
+    for name, values in entries.items():
+        kind = KNOWN_EFFECTS.get(name)
+        if kind is None:
+            raise refuse(["effects", name], f"unknown effect{did_you_mean(name, KNOWN_EFFECTS)}")
+        values = {} if values is None else values
+        if not isinstance(values, dict):
+            raise refuse(["effects", name], f"{values!r} is not a mapping of parameters")
+        labelled = bool(values) and all(isinstance(v, dict) for v in values.values())
+        for label, numbers in (values.items() if labelled else [("", values)]):
+            where = ["effects", name, *([label] if labelled else [])]
+            effects.append(_effect(kind, str(label), numbers, where, refuse))
+    return tuple(effects)
+
+
+def _effect(kind: type[Effect], label: str, numbers: Mapping[str, Any], where: Location, refuse: Any) -> Effect:
+    known = {p.name: p for p in kind.parameters}
+    for key, value in numbers.items():
+        if key not in known:
+            raise refuse([*where, key], f"unknown parameter{did_you_mean(str(key), known)}")
+        number = _number(value, [*where, key], refuse)
+        parameter = known[key]
+        if not parameter.lower <= number <= parameter.upper:
+            low, high = f"{parameter.lower:g}", f"{parameter.upper:g}"
+            raise refuse([*where, key], f"{number:g} {parameter.unit} is outside [{low}, {high}]")
+    try:
+        return kind(**{k: float(v) for k, v in numbers.items()}, label=label)
+    except CartgraspError as error:
+        raise refuse(where, str(error)) from error
+
+
+def _number(value: Any, where: Location, refuse: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise refuse(where, f"{value!r} is not a number")
+    if not abs(float(value)) < float("inf"):
+        raise refuse(where, f"{value} is not a finite number")
+    return float(value)
+
+
+def _entries(cart: CartModel) -> dict[str, Any]:
+    entries: dict[str, Any] = {
+        "name": cart.name,
+        "mass": cart.inertia.mass,
+        "com": list(cart.inertia.com),
+        "inertia": cart.inertia.about_com,
+    }
+    if cart.com_height is not None:
+        entries["com_height"] = cart.com_height
+    constraints: list[dict[str, Any]] = []
+    if cart.constraints.axle_x is not None:
+        constraints.append({"no_lateral_slip": {"x": cart.constraints.axle_x}})
+    if cart.constraints.no_rotation:
+        constraints.append({"no_rotation": {}})
+    entries["constraints"] = constraints
+    if cart.wheels:
+        entries["wheels"] = [
+            {"kind": w.kind, "x": w.x, "y": w.y, **({"trail": w.trail} if w.trail else {})} for w in cart.wheels
+        ]
+    effects: dict[str, Any] = {}
+    for effect in cart.effects:
+        numbers = {p.name: float(v) for p, v in zip(effect.parameters, effect.values, strict=True)}
+        if effect.label:
+            effects.setdefault(effect.name, {})[effect.label] = numbers
+        else:
+            effects[effect.name] = numbers
+    entries["effects"] = effects
+    return entries
+
+
+def _put(document: Any, key: Any, value: Any) -> None:
+    """Sets a value where it differs, going into what is there so that comments and order stay."""
+    present = document[key] if (isinstance(document, list) or key in document) else None
+    if present is not None and plain(present) == value:
+        return
+    if isinstance(present, CommentedMap) and isinstance(value, dict):
+        for stale in [k for k in present if k not in value]:
+            del present[stale]
+        for inner, part in value.items():
+            _put(present, inner, part)
+    elif isinstance(present, CommentedSeq) and isinstance(value, list) and len(present) == len(value):
+        for i, part in enumerate(value):
+            _put(present, i, part)
+    elif value or key in document or not isinstance(value, dict | list):
+        document[key] = _fresh(value)
+
+
+def _fresh(value: Any) -> Any:
+    """A new entry, written in one line when it is small."""
+    if isinstance(value, dict):
+        entry = CommentedMap((k, _fresh(v)) for k, v in value.items())
+        if not any(isinstance(v, dict | list) for v in value.values()):
+            entry.fa.set_flow_style()
+        return entry
+    if isinstance(value, list):
+        sequence = CommentedSeq(_fresh(v) for v in value)
+        if not any(isinstance(v, dict | list) for v in value):
+            sequence.fa.set_flow_style()
+        return sequence
+    return value

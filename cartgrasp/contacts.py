@@ -1,0 +1,103 @@
+"""Where arms hold the cart, and the grasp map from contact wrenches to the cart's wrench.
+
+A contact frame {a} sits at a point of {b}, turned about z by a yaw. Its spatial wrench `F_a` becomes the cart's
+`wrench_b = (fx, fy, tau)` by the planar grasp map `G_ba = Bᵀ Ad_{g_ab}ᵀ`, 3 x 6, which for parallel axes is
+`[1 0 0 0 0 0; 0 1 0 0 0 0; -py px 0 0 0 1]` (physics 6, correcting (22)-(24)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import UsageError
+from .frames import Array, adjoint, rotation_z
+
+PLANAR_ROWS = (0, 1, 5)
+WRENCH_NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
+
+
+def grasp_map_spatial(position_b: ArrayLike, yaw: float = 0.0) -> Array:
+    """Ad_{g_ab}ᵀ, shape (6, 6): `wrench6_b = G @ wrench6_a`."""
+    rotation_ab = rotation_z(yaw).T
+    return adjoint(rotation_ab, -rotation_ab @ np.asarray(position_b, dtype=float)).T
+
+
+def grasp_map_planar(position_b: ArrayLike, yaw: ArrayLike = 0.0) -> Array:
+    """G_ba, shape (..., 3, 6), of contact points (..., 3) in {b} and yaws (...)."""
+    position = np.asarray(position_b, dtype=float)
+    x, y = position[..., 0], position[..., 1]
+    c, s = np.cos(yaw), np.sin(yaw)
+    grasp_map = np.zeros((*np.broadcast_shapes(x.shape, np.shape(c)), 3, 6))
+    grasp_map[..., 0, 0], grasp_map[..., 0, 1] = c, -s
+    grasp_map[..., 1, 0], grasp_map[..., 1, 1] = s, c
+    grasp_map[..., 2, 0] = x * s - y * c
+    grasp_map[..., 2, 1] = x * c + y * s
+    grasp_map[..., 2, 5] = 1.0
+    return grasp_map
+
+
+@dataclass(frozen=True)
+class Segment:
+    """All points between two ends in {b}: a handle."""
+
+    start: tuple[float, float, float]
+    stop: tuple[float, float, float]
+
+    def at(self, fraction: float) -> Array:
+        start, stop = np.array(self.start), np.array(self.stop)
+        return start + fraction * (stop - start)
+
+
+@dataclass(frozen=True)
+class ContactSet:
+    """Where an arm may hold: points and segments in {b}, m."""
+
+    points: tuple[tuple[float, float, float], ...] = ()
+    segments: tuple[Segment, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.points and not self.segments:
+            raise UsageError("contacts: none given; an arm needs a point or a segment to hold")
+        ends = [*self.points, *(end for s in self.segments for end in (s.start, s.stop))]
+        for point in ends:
+            if len(point) != 3 or not np.isfinite(point).all():
+                raise UsageError(f"contacts: {point} is not three finite numbers (x, y, z in {{b}}, m)")
+
+    @property
+    def first(self) -> Array:
+        """The first candidate: a point, or the middle of a segment."""
+        return np.array(self.points[0]) if self.points else self.segments[0].at(0.5)
+
+
+@dataclass(frozen=True)
+class ContactWrenches:
+    """What each arm gives to the cart: wrench (6,) in its contact frame {a}, at a point (3,) of {b}."""
+
+    wrenches: Mapping[str, Array] = field(default_factory=dict)
+    contacts: Mapping[str, Array] = field(default_factory=dict)
+    yaws: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if set(self.wrenches) != set(self.contacts):
+            raise UsageError(
+                f"wrenches of {sorted(self.wrenches)} but contacts of {sorted(self.contacts)}: name the same arms"
+            )
+
+    @property
+    def arms(self) -> tuple[str, ...]:
+        return tuple(self.wrenches)
+
+    def grasp_map_ba(self, arm: str) -> Array:
+        return grasp_map_planar(self.contacts[arm], self.yaws.get(arm, 0.0))
+
+    @property
+    def wrench_b(self) -> Array:
+        """Sum over arms of `G_ba @ F_a` (25), shape (3,)."""
+        total = np.zeros(3)
+        for arm, wrench_a in self.wrenches.items():
+            total += self.grasp_map_ba(arm) @ wrench_a
+        return total

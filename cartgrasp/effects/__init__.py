@@ -1,0 +1,60 @@
+"""The vocabulary of effects: one file each; a new effect is a new file and one line here."""
+
+from .caster_realignment import CasterRealignment
+from .directional_drag import DirectionalDrag
+from .effect import Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
+from .external_push import ExternalPush
+from .floor_patch import FloorPatch
+from .floor_slope import FloorSlope
+from .force_bias import ForceBias
+from .force_misalignment import ForceMisalignment
+from .force_scale import ForceScale
+from .payload_change import PayloadChange
+from .quadratic_drag import QuadraticDrag
+from .rolling_resistance import RollingResistance
+from .stribeck_friction import StribeckFriction
+from .viscous_drag import ViscousDrag
+from .wheel_drag_imbalance import WheelDragImbalance
+
+KNOWN_EFFECTS: dict[str, type[Effect]] = {
+    effect.name: effect
+    for effect in (
+        ViscousDrag,
+        RollingResistance,
+        StribeckFriction,
+        QuadraticDrag,
+        DirectionalDrag,
+        FloorSlope,
+        FloorPatch,
+        CasterRealignment,
+        WheelDragImbalance,
+        PayloadChange,
+        ForceBias,
+        ForceScale,
+        ForceMisalignment,
+        ExternalPush,
+    )
+}
+
+__all__ = [
+    "KNOWN_EFFECTS",
+    "CasterRealignment",
+    "DirectionalDrag",
+    "Effect",
+    "ExternalPush",
+    "FloorPatch",
+    "FloorSlope",
+    "ForceBias",
+    "ForceEffect",
+    "ForceMisalignment",
+    "ForceScale",
+    "InertiaEffect",
+    "Parameter",
+    "PayloadChange",
+    "QuadraticDrag",
+    "RollingResistance",
+    "SensorEffect",
+    "StribeckFriction",
+    "ViscousDrag",
+    "WheelDragImbalance",
+]

@@ -1,0 +1,173 @@
+"""What an effect is: named parameters, an own memory, and one contribution with analytic partials.
+
+A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `SensorEffect` stands between the true and
+the recorded wrench of an arm. `CartModel` alone decides signs and sums.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import UsageError
+from ..frames import Array
+from ..wheels import WheelSet
+
+SMOOTHING_SPEED = 0.002
+"""m/s: below it a Coulomb force fades to zero, so that dynamics stay smooth."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
+    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly."""
+
+    name: str
+    unit: str
+    typical: float
+    lower: float = -np.inf
+    upper: float = np.inf
+    absent: float = 0.0
+    estimated: bool = True
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What an effect may look at; arrays broadcast over leading axes. Velocity is (u, w, r) in {b}."""
+
+    time: Any
+    pose_sb: Array
+    velocity_b: Array
+    phi: Array
+    wheels: WheelSet
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """A value (..., k) and its partials (..., k, n); None where it does not depend on the argument."""
+
+    value: Array
+    by_pose: Array | None = None
+    by_velocity: Array | None = None
+    by_phi: Array | None = None
+    by_memory: Array | None = None
+    by_parameters: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect(ABC):
+    """Base of all. Fields named in `parameters` are the values; `label` tells several of one kind apart
+    (for a sensor effect it names the arm; empty: every arm)."""
+
+    label: str = field(default="", kw_only=True)
+
+    name: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    signature: ClassVar[str]
+    ordered: ClassVar[tuple[tuple[str, str], ...]] = ()
+
+    def __post_init__(self) -> None:
+        for parameter in self.parameters:
+            value = getattr(self, parameter.name)
+            if not np.isfinite(value):
+                raise UsageError(f"{self.key}.{parameter.name}: {value} is not a finite number")
+            if not parameter.lower <= value <= parameter.upper:
+                raise UsageError(
+                    f"{self.key}.{parameter.name}: {value:g} {parameter.unit} is outside "
+                    f"[{parameter.lower:g}, {parameter.upper:g}]"
+                )
+        for low, high in self.ordered:
+            if getattr(self, low) > getattr(self, high):
+                raise UsageError(
+                    f"{self.key}.{low}: {getattr(self, low):g} is above {high} = {getattr(self, high):g}"
+                )
+
+    @property
+    def key(self) -> str:
+        """`name`, or `name.label`."""
+        return f"{self.name}.{self.label}" if self.label else self.name
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Full names of the parameters."""
+        return tuple(f"{self.key}.{p.name}" for p in self.parameters)
+
+    @cached_property
+    def values(self) -> Array:
+        return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
+
+    def with_values(self, values: ArrayLike) -> Self:
+        """The same effect with other parameter values (n,); they are brought inside their bounds."""
+        clipped: dict[str, Any] = {
+            p.name: float(np.clip(v, p.lower, p.upper))
+            for p, v in zip(self.parameters, np.asarray(values), strict=True)
+        }
+        return replace(self, **clipped)
+
+    def without(self) -> Self:
+        """The same effect at the values at which it is absent."""
+        return self.with_values([p.absent for p in self.parameters])
+
+    @classmethod
+    def field_names(cls) -> tuple[str, ...]:
+        return tuple(f.name for f in fields(cls) if f.name != "label")
+
+
+class ForceEffect(Effect):
+    """Acts on the cart with a planar wrench about {b}'s origin, in {b}."""
+
+    def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
+        """Names of the internal states; none for most."""
+        return ()
+
+    def first_memory(self, wheels: WheelSet) -> Array:
+        return np.zeros(len(self.memory_names(wheels)))
+
+    @abstractmethod
+    def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
+        """The wrench (..., 3) it applies to the cart, with partials."""
+
+    def memory_rate(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
+        """Time derivative of the memory (..., k), with partials."""
+        return Contribution(np.zeros_like(memory))
+
+
+class InertiaEffect(Effect):
+    """Changes the inertial parameters."""
+
+    @abstractmethod
+    def phi_change(self, time: Any, parameters: Array) -> Contribution:
+        """What is added to phi (..., 4), with partials by parameters."""
+
+
+class SensorEffect(Effect):
+    """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm."""
+
+    def concerns(self, arm: str) -> bool:
+        return self.label in ("", arm)
+
+    @abstractmethod
+    def recorded(self, wrench_a: Array, parameters: Array) -> Array:
+        """What the sensor records of a true wrench."""
+
+    @abstractmethod
+    def corrected(self, wrench_a: Array, parameters: Array) -> Contribution:
+        """The true wrench behind a recorded one, with partials by parameters (..., 6, p) and, as `by_memory`,
+        by the recorded wrench (..., 6, 6; None: the identity)."""
+
+
+def coulomb(speed: Array) -> tuple[Array, Array]:
+    """A smooth sign of `speed`, and its derivative."""
+    norm = np.sqrt(speed**2 + SMOOTHING_SPEED**2)
+    return speed / norm, SMOOTHING_SPEED**2 / norm**3
+
+
+def smooth_step(distance: Array, width: float) -> tuple[Array, Array]:
+    """A smooth step from 0 to 1 where `distance` passes 0, and its derivative; it rises over `2 width`."""
+    tanh = np.tanh(distance / width)
+    return (1 + tanh) / 2, (1 - tanh**2) / (2 * width)

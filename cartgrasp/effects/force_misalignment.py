@@ -1,0 +1,45 @@
+"""A force/torque sensor whose axes are turned about z from where they are believed to be.
+
+The true wrench F in {a} is recorded in the turned axes, `Rz(angle)ᵀ F`, for force and moment alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ..frames import Array
+from .effect import Contribution, Parameter, SensorEffect
+
+QUARTER_TURN = np.kron(np.eye(2), [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+ALONG_Z = np.diag([0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
+
+
+@final
+@dataclass(frozen=True)
+class ForceMisalignment(SensorEffect):
+    """The sensor is turned by `angle` (rad, about z of {a}) against its believed pose."""
+
+    angle: float = 0.0
+
+    name: ClassVar[str] = "force_misalignment"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("angle", "rad", typical=0.05, lower=-np.pi, upper=np.pi),
+    )
+    signature: ClassVar[str] = "a side force in proportion to the forward force, and the other way round"
+
+    def recorded(self, wrench_a: Array, parameters: Array) -> Array:
+        return np.asarray((_turn(-parameters[..., 0]) @ wrench_a[..., None])[..., 0])
+
+    def corrected(self, wrench_a: Array, parameters: Array) -> Contribution:
+        turn = _turn(parameters[..., 0])
+        value = np.asarray((turn @ wrench_a[..., None])[..., 0])
+        return Contribution(value, by_memory=turn, by_parameters=QUARTER_TURN @ value[..., None])
+
+
+def _turn(angle: Array) -> Array:
+    """Rz(angle) on force and moment, shape (..., 6, 6)."""
+    cosine, sine = np.cos(angle)[..., None, None], np.sin(angle)[..., None, None]
+    return np.asarray(ALONG_Z + cosine * (np.eye(6) - ALONG_Z) + sine * QUARTER_TURN)

@@ -1,0 +1,39 @@
+"""A force/torque sensor with a wrong gain: `recorded = gain * true`.
+
+It scales every inertial and drag parameter alike, so only a prior or a known payload separates it from them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ..frames import Array
+from .effect import Contribution, Parameter, SensorEffect
+
+
+@final
+@dataclass(frozen=True)
+class ForceScale(SensorEffect):
+    """The sensor records `gain` times the wrench, on all six axes."""
+
+    gain: float = 1.0
+
+    name: ClassVar[str] = "force_scale"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("gain", "-", typical=0.05, lower=0.1, upper=10.0, absent=1.0),
+    )
+    signature: ClassVar[str] = "every wrench is too large or too small in the same proportion"
+
+    def recorded(self, wrench_a: Array, parameters: Array) -> Array:
+        return np.asarray(parameters * wrench_a)
+
+    def corrected(self, wrench_a: Array, parameters: Array) -> Contribution:
+        value = wrench_a / parameters
+        return Contribution(
+            value,
+            by_memory=np.eye(6) / parameters[..., None],
+            by_parameters=(-value / parameters)[..., None],
+        )

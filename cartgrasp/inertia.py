@@ -1,0 +1,89 @@
+"""Planar inertial parameters.
+
+`phi = (m, m dx, m dy, J)` with `J = I + m (dx² + dy²)` enters the dynamics linearly (paper, II.B). It is physical
+when `m > 0` and `J m > |m d|²`: the planar pseudo-inertia is positive definite (physics 18).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import UsageError
+from .frames import Array, components
+
+PHI_NAMES = ("m", "m_dx", "m_dy", "J")
+
+
+def phi_from_physical(mass: ArrayLike, com_x: ArrayLike, com_y: ArrayLike, inertia: ArrayLike) -> Array:
+    """phi, shape (..., 4), from mass, CoM in {b} and yaw inertia about the CoM."""
+    mass, com_x, com_y, inertia = (np.asarray(v, dtype=float) for v in (mass, com_x, com_y, inertia))
+    return np.stack(
+        np.broadcast_arrays(mass, mass * com_x, mass * com_y, inertia + mass * (com_x**2 + com_y**2)), axis=-1
+    )
+
+
+def physical_from_phi(phi: ArrayLike) -> Array:
+    """(mass, com_x, com_y, inertia about the CoM), shape (..., 4)."""
+    mass, first_x, first_y, J = components(np.asarray(phi, dtype=float))
+    return np.stack([mass, first_x / mass, first_y / mass, J - (first_x**2 + first_y**2) / mass], axis=-1)
+
+
+def physical_jacobian(phi: ArrayLike) -> Array:
+    """Partials of `physical_from_phi`, shape (..., 4, 4)."""
+    mass, first_x, first_y, _ = components(np.asarray(phi, dtype=float))
+    jacobian = np.zeros((*np.shape(mass), 4, 4))
+    jacobian[..., 0, 0] = 1.0
+    jacobian[..., 1, 0], jacobian[..., 1, 1] = -first_x / mass**2, 1 / mass
+    jacobian[..., 2, 0], jacobian[..., 2, 2] = -first_y / mass**2, 1 / mass
+    jacobian[..., 3, 0] = (first_x**2 + first_y**2) / mass**2
+    jacobian[..., 3, 1], jacobian[..., 3, 2] = -2 * first_x / mass, -2 * first_y / mass
+    jacobian[..., 3, 3] = 1.0
+    return jacobian
+
+
+def is_physical(phi: ArrayLike) -> np.bool_ | np.ndarray:
+    """True where `m > 0` and `J m > |m d|²`."""
+    mass, first_x, first_y, J = components(np.asarray(phi, dtype=float))
+    return np.asarray((mass > 0) & (J * mass > first_x**2 + first_y**2))
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Mass (kg), CoM in {b} (m) and yaw inertia about the CoM (kg m²) of the cart with its load."""
+
+    mass: float
+    com: tuple[float, float]
+    about_com: float
+
+    def __post_init__(self) -> None:
+        if not np.isfinite([self.mass, *self.com, self.about_com]).all():
+            raise UsageError(f"inertia: {self} has a value that is not finite")
+        if self.mass <= 0:
+            raise UsageError(f"mass: {self.mass:g} kg is not positive")
+        if self.about_com <= 0:
+            raise UsageError(
+                f"inertia: {self.about_com:g} kg m² about the CoM is not positive (J m > |m d|² must hold)"
+            )
+
+    @classmethod
+    def from_phi(cls, phi: ArrayLike) -> Inertia:
+        if np.asarray(phi)[0] <= 0:
+            raise UsageError(f"mass: {np.asarray(phi)[0]:g} kg is not positive")
+        mass, com_x, com_y, about_com = (float(v) for v in physical_from_phi(phi))
+        return cls(mass, (com_x, com_y), about_com)
+
+    @property
+    def phi(self) -> Array:
+        return phi_from_physical(self.mass, *self.com, self.about_com)
+
+    @property
+    def about_origin(self) -> float:
+        """J, yaw inertia about {b}'s origin."""
+        return float(self.phi[3])
+
+    def with_payload(self, mass: float, x: float, y: float) -> Inertia:
+        """The same cart with a point mass put on (or, when negative, taken off) at (x, y) in {b}."""
+        return Inertia.from_phi(self.phi + mass * np.array([1.0, x, y, x**2 + y**2]))

@@ -1,0 +1,140 @@
+"""Run logs as CSV: strict, with file, line and column of what can't be accepted; nothing is guessed."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import LogError, Place
+from ..frames import Array
+from ..yaml_file import did_you_mean, write_atomically
+from .run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS, ArmLog, RunLog
+
+ARM_COLUMNS = CONTACT_COLUMNS + WRENCH_COLUMNS
+MISSING = ("", "nan", "NaN", "NAN")
+
+
+def read_csv(path: str | Path) -> RunLog:
+    """The log of a CSV file with the header of the run-log contract."""
+    name = str(path)
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as stream:
+            rows = list(csv.reader(stream, strict=True))
+    except OSError as error:
+        raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise LogError(Place(name), "", f"is not UTF-8 text ({error.reason} at byte {error.start})") from error
+    except csv.Error as error:
+        raise LogError(Place(name), "", f"is not CSV: {error}") from error
+    if not rows or not any(rows[0]):
+        raise LogError(Place(name, 1), "", "the file is empty; a header line is needed")
+    header = [column.strip() for column in rows[0]]
+    check_columns(header, name)
+    lines = [(i, row) for i, row in enumerate(rows[1:], start=2) if row]
+    return log_from_table(header, _numbers(header, lines, name), name, [line for line, _ in lines])
+
+
+def write_csv(log: RunLog, path: str | Path) -> Path:
+    """Writes the log; floats are written so that they read back the same."""
+    rows = (",".join("" if math.isnan(v) else repr(v) for v in row) for row in log.table.tolist())
+    return write_atomically(path, "\n".join([",".join(log.columns), *rows]) + "\n")
+
+
+def check_columns(header: Sequence[str], name: str) -> None:
+    """Every column is known, none is missing, none stands twice."""
+    for column in header:
+        if list(header).count(column) > 1:
+            raise LogError(Place(name, 1), column, "stands twice in the header")
+    for column in ("t", *POSE_COLUMNS):
+        if column not in header:
+            raise LogError(Place(name, 1), column, "this column is missing")
+    has_velocity = [column in header for column in VELOCITY_COLUMNS]
+    if any(has_velocity) and not all(has_velocity):
+        lost = VELOCITY_COLUMNS[has_velocity.index(False)]
+        raise LogError(Place(name, 1), lost, "this column is missing; vx, vy and omega come together or not at all")
+    arms = arm_names(header)
+    if not arms:
+        raise LogError(Place(name, 1), "", "no arm: columns ARM.px … ARM.tz are needed for one arm or more")
+    for arm in arms:
+        for part in ARM_COLUMNS:
+            if f"{arm}.{part}" not in header:
+                raise LogError(Place(name, 1), f"{arm}.{part}", "this column is missing")
+    known = {"t", *POSE_COLUMNS, *VELOCITY_COLUMNS, *(f"{arm}.{part}" for arm in arms for part in ARM_COLUMNS)}
+    for column in header:
+        if column not in known:
+            raise LogError(Place(name, 1), column or "(empty)", f"unknown column{did_you_mean(column, sorted(known))}")
+
+
+def arm_names(header: Sequence[str]) -> list[str]:
+    """Arms of the columns ARM.part, in order of appearance."""
+    parts = (column.rsplit(".", 1) for column in header if "." in column)
+    return list(dict.fromkeys(p[0] for p in parts if p[0] and "." not in p[0] and p[1] in ARM_COLUMNS))
+
+
+def log_from_table(header: Sequence[str], table: Array, name: str, lines: Sequence[int] | None = None) -> RunLog:
+    """The log of a table (n, columns); `lines` are the lines of the file its rows are from."""
+    at = list(header).index
+    lines = range(2, len(table) + 2) if lines is None else lines
+    if not len(table):
+        raise LogError(Place(name, 2), "", "the log has no rows")
+    time = table[:, at("t")]
+    _check_clock(time, name, lines)
+
+    def columns(names: Sequence[str]) -> Array:
+        return np.ascontiguousarray(table[:, [at(n) for n in names]])
+
+    return RunLog(
+        time=np.ascontiguousarray(time),
+        pose=columns(POSE_COLUMNS),
+        velocity=columns(VELOCITY_COLUMNS) if "vx" in header else None,
+        arms={
+            arm: ArmLog(
+                columns([f"{arm}.{p}" for p in CONTACT_COLUMNS]), columns([f"{arm}.{p}" for p in WRENCH_COLUMNS])
+            )
+            for arm in arm_names(header)
+        },
+        name=name,
+    )
+
+
+def _numbers(header: Sequence[str], lines: Sequence[tuple[int, list[str]]], name: str) -> Array:
+    table = np.empty((len(lines), len(header)))
+    for i, (line, row) in enumerate(lines):
+        if len(row) != len(header):
+            why = f"{len(row)} cells, the header has {len(header)} columns"
+            raise LogError(Place(name, line), "", why)
+        try:
+            table[i] = row
+        except ValueError:
+            table[i] = [_number(cell, column, line, name) for cell, column in zip(row, header, strict=True)]
+        if np.isinf(table[i]).any():
+            j = int(np.flatnonzero(np.isinf(table[i]))[0])
+            raise LogError(Place(name, line, j + 1), header[j], f"{row[j].strip()} is not a finite number")
+    return table
+
+
+def _number(cell: str, column: str, line: int, name: str) -> float:
+    cell = cell.strip()
+    if cell in MISSING:
+        return math.nan
+    try:
+        return float(cell)
+    except ValueError:
+        why = f"{cell!r} is not a number (a missing sample is a blank cell or nan)"
+        raise LogError(Place(name, line), column, why) from None
+
+
+def _check_clock(time: Array, name: str, lines: Sequence[int]) -> None:
+    bad = np.flatnonzero(~np.isfinite(time))
+    if len(bad):
+        raise LogError(Place(name, lines[bad[0]]), "t", "a row without a time")
+    back = np.flatnonzero(np.diff(time) <= 0)
+    if len(back):
+        i = int(back[0]) + 1
+        step = "repeats" if time[i] == time[i - 1] else "goes back on"
+        why = f"{time[i]:.9g} s {step} {time[i - 1]:.9g} s of the row before; t must increase strictly"
+        raise LogError(Place(name, lines[i]), "t", why)

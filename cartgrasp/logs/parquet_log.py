@@ -1,0 +1,54 @@
+"""Run logs as Parquet, with the same columns as the CSV ones (extra `parquet`)."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import LogError, Place, UsageError
+from ..yaml_file import write_atomically
+from .csv_log import check_columns, log_from_table
+from .run_log import RunLog
+
+
+def read_parquet(path: str | Path) -> RunLog:
+    """The log of a Parquet file."""
+    arrow, parquet = _libraries()
+    name = str(path)
+    try:
+        table = parquet.read_table(path)
+    except (OSError, arrow.ArrowException) as error:
+        raise LogError(Place(name), "", f"can't be read as Parquet: {str(error).splitlines()[0]}") from error
+    header = [str(column) for column in table.column_names]
+    check_columns(header, name)
+    columns = []
+    for column in header:
+        try:
+            values = table.column(column).cast(arrow.float64()).to_numpy()
+        except (arrow.ArrowException, ValueError) as error:
+            why = f"holds {table.schema.field(column).type}, not numbers"
+            raise LogError(Place(name), column, why) from error
+        if np.isinf(values).any():
+            row = int(np.flatnonzero(np.isinf(values))[0])
+            raise LogError(Place(name, row + 1), column, "is not a finite number")
+        columns.append(values)
+    return log_from_table(header, np.column_stack(columns), name, range(1, table.num_rows + 1))
+
+
+def write_parquet(log: RunLog, path: str | Path) -> Path:
+    arrow, parquet = _libraries()
+    stream = io.BytesIO()
+    columns = dict(zip(log.columns, log.table.T, strict=True))
+    parquet.write_table(arrow.table({k: arrow.array(v, from_pandas=True) for k, v in columns.items()}), stream)
+    return write_atomically(path, stream.getvalue())
+
+
+def _libraries():  # type: ignore[no-untyped-def]
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise UsageError("Parquet logs need pyarrow: pip install 'cartgrasp[parquet]'") from error
+    return pyarrow, pyarrow.parquet

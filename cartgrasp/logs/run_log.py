@@ -1,0 +1,109 @@
+"""`RunLog`: the measured or simulated record of one push, one row per instant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import DataError
+from ..frames import Array
+from ..motion import Measurement
+
+POSE_COLUMNS = ("x", "y", "theta")
+VELOCITY_COLUMNS = ("vx", "vy", "omega")
+CONTACT_COLUMNS = ("px", "py", "pz")
+WRENCH_COLUMNS = ("fx", "fy", "fz", "tx", "ty", "tz")
+
+
+@dataclass(frozen=True)
+class ArmLog:
+    """Contact point (n, 3) in {b} and measured wrench (n, 6) in {a} of one arm; NaN where missing."""
+
+    contact: Array
+    wrench: Array
+
+
+@dataclass(frozen=True)
+class RunLog:
+    """Time (n,), pose (n, 3) of {b} in {s}, velocity (n, 3) in {s} or None, and the arms by name.
+
+    A missing sample is NaN. `name` says where the log is from.
+    """
+
+    time: Array
+    pose: Array
+    velocity: Array | None
+    arms: Mapping[str, ArmLog]
+    name: str = "run"
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        n = len(self.time)
+        if n == 0:
+            raise DataError(f"{self.name}: the log has no rows")
+        if not self.arms:
+            raise DataError(f"{self.name}: the log has no arm (columns ARM.px … ARM.tz)")
+        if not (np.isfinite(self.time).all() and (np.diff(self.time) > 0).all()):
+            raise DataError(f"{self.name}: t must be finite and strictly increasing")
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def duration(self) -> float:
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        arms = (f"{arm}.{c}" for arm in self.arms for c in CONTACT_COLUMNS + WRENCH_COLUMNS)
+        velocity = () if self.velocity is None else VELOCITY_COLUMNS
+        return ("t", *POSE_COLUMNS, *velocity, *arms)
+
+    @property
+    def table(self) -> Array:
+        """All columns, shape (n, columns)."""
+        velocity = [] if self.velocity is None else [self.velocity]
+        arms = [part for arm in self.arms.values() for part in (arm.contact, arm.wrench)]
+        return np.column_stack([self.time, self.pose, *velocity, *arms])
+
+    def measurements(self) -> Iterator[Measurement]:
+        """The rows one after another; a part that is missing whole is left out."""
+        for i, time in enumerate(self.time):
+            velocity = None if self.velocity is None else _present(self.velocity[i])
+            wrenches = {a: log.wrench[i] for a, log in self.arms.items() if np.isfinite(log.wrench[i]).all()}
+            contacts = {a: log.contact[i] for a, log in self.arms.items() if np.isfinite(log.contact[i]).all()}
+            yield Measurement(float(time), _present(self.pose[i]), velocity, wrenches, contacts)
+
+    @classmethod
+    def from_measurements(
+        cls, measurements: Sequence[Measurement], arms: Sequence[str], name: str = "run"
+    ) -> RunLog:
+        n = len(measurements)
+
+        def stack(parts: list[Array | None], width: int) -> Array:
+            table = np.full((n, width), np.nan)
+            for i, part in enumerate(parts):
+                if part is not None:
+                    table[i] = part
+            return table
+
+        velocities = [m.velocity for m in measurements]
+        return cls(
+            time=np.array([m.time for m in measurements]),
+            pose=stack([m.pose for m in measurements], 3),
+            velocity=None if all(v is None for v in velocities) else stack(velocities, 3),
+            arms={
+                arm: ArmLog(
+                    stack([m.contacts.get(arm) for m in measurements], 3),
+                    stack([m.wrenches.get(arm) for m in measurements], 6),
+                )
+                for arm in arms
+            },
+            name=name,
+        )
+
+
+def _present(row: Array) -> Array | None:
+    return None if np.isnan(row).all() else row

@@ -1,0 +1,70 @@
+"""The values that flow round the closed loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from .frames import Array
+
+if TYPE_CHECKING:
+    from .model import CartModel
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Pose (..., 3) of {b} in {s} and free velocities nu (..., n_free) of the cart."""
+
+    pose_sb: Array
+    velocity: Array
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Where the cart should be: pose of {b} in {s}, nu and its rate. It obeys the rolling constraints."""
+
+    time: float
+    pose_sb: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What was sensed at `time` (s). Any part may be missing (None, an absent arm, or NaN).
+
+    `pose` is (x, y, theta) of {b} in {s}; `velocity` is (vx, vy, omega) of its origin in {s}; `wrenches` are
+    what arms do to the cart, (6,) in {a}, at `contacts`, (3,) in {b}.
+    """
+
+    time: float
+    pose: Array | None = None
+    velocity: Array | None = None
+    wrenches: Mapping[str, Array] = field(default_factory=dict)
+    contacts: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """One parameter in SI units; `identifiable` says whether the motion so far could teach it."""
+
+    value: float
+    std: float
+    unit: str
+    identifiable: bool
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What an estimator knows at `time`: the motion, the parameters by name, and its own health."""
+
+    time: float
+    motion: Motion
+    parameters: Mapping[str, ParameterEstimate]
+    health: str
+    model: CartModel
+
+    def cart(self) -> CartModel:
+        """The cart as now estimated."""
+        return self.model

@@ -1,0 +1,65 @@
+"""Our own plant: the model, integrated."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..contacts import ContactWrenches
+from ..errors import PlantError
+from ..frames import Array
+from ..model import CartModel
+from ..motion import Motion
+from .integrate import runge_kutta_4
+
+MAX_STEP = 0.005
+
+
+class ModelPlant:
+    """A cart that moves as its `CartModel` says; wrenches are held over a control step, in {b}."""
+
+    def __init__(
+        self,
+        cart: CartModel,
+        pose_sb: ArrayLike = (0.0, 0.0, 0.0),
+        velocity: ArrayLike | None = None,
+        timestep: float = MAX_STEP,
+        caster_headings: ArrayLike | None = None,
+    ) -> None:
+        self.cart, self.timestep = cart, timestep
+        self._state = cart.state(pose_sb, velocity)
+        self._time = 0.0
+        if caster_headings is not None and cart.memory_names:
+            self._state[cart.memory_slice] = caster_headings
+
+    @property
+    def time(self) -> float:
+        return self._time
+
+    @property
+    def state(self) -> Array:
+        return self._state.copy()
+
+    @property
+    def motion(self) -> Motion:
+        return Motion(self._state[:3].copy(), self._state[self.cart.velocity_slice].copy())
+
+    @property
+    def caster_headings(self) -> Array | None:
+        headings = [i for i, name in enumerate(self.cart.state_names) if "heading" in name]
+        return self._state[headings].copy() if headings else None
+
+    def step(self, wrenches: ContactWrenches, duration: float) -> None:
+        wrench_b = wrenches.wrench_b
+        parameters = self.cart.parameters
+        n = max(1, int(np.ceil(duration / self.timestep - 1e-9)))
+
+        def rate(time: float, state: Array) -> Array:
+            return self.cart.rate(state, wrench_b, parameters, time).value
+
+        begin = self._time
+        for i in range(n):
+            self._state = runge_kutta_4(rate, begin + i * duration / n, self._state, duration / n)
+        self._time = begin + duration
+        if not np.isfinite(self._state).all():
+            raise PlantError(f"the simulated cart's state is not finite at t = {self._time:.3f} s")

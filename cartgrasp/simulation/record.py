@@ -1,0 +1,51 @@
+"""What a closed-loop run leaves behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..frames import Array
+from ..logs.run_log import RunLog
+from ..model import CartModel
+
+
+@dataclass(frozen=True)
+class Series:
+    """A parameter over time: estimate and standard deviation (n,), truth (n,) where it is known, unit."""
+
+    value: Array
+    std: Array
+    truth: Array | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """One closed-loop run, n control steps.
+
+    `log` holds what was measured; poses (n, 3) of {b} in {s} and speeds (n, n_free) are the truth and the
+    reference; `wrenches` what each arm really gave, (n, 6) in {a}; `parameters` the estimates by contract name
+    (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `statuses` one word a plan.
+    """
+
+    log: RunLog
+    cart: CartModel
+    pose: Array
+    velocity: Array
+    reference_pose: Array
+    reference_velocity: Array
+    wrenches: Mapping[str, Array]
+    parameters: Mapping[str, Series]
+    caster_headings: Array | None
+    statuses: tuple[str, ...]
+
+    @property
+    def time(self) -> Array:
+        return self.log.time
+
+    @property
+    def tracking_error(self) -> Array:
+        """Distance of {b}'s origin from the reference, (n,), m."""
+        difference = self.pose[:, :2] - self.reference_pose[:, :2]
+        return (difference**2).sum(axis=1) ** 0.5

@@ -1,0 +1,67 @@
+"""Sensors: seeded noise, own sample times, and what sensor effects do to recorded wrenches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..contacts import ContactWrenches
+from ..frames import body_to_world
+from ..model import CartModel
+from ..motion import Measurement, Motion
+
+
+@dataclass(frozen=True)
+class SensorNoise:
+    """Standard deviations of white noise, and sample times (s; 0: at every control step; None: never)."""
+
+    position: float = 0.0004
+    heading: float = 0.0004
+    linear_velocity: float = 0.005
+    yaw_rate: float = 0.005
+    force: float = 3.0
+    moment: float = 0.1
+    pose_period: float = 0.0
+    velocity_period: float | None = 0.0
+    wrench_period: float = 0.0
+
+    @classmethod
+    def quiet(cls) -> SensorNoise:
+        return cls(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class Sensors:
+    """Turns the truth into measurements; the same seed gives the same numbers."""
+
+    def __init__(self, cart: CartModel, noise: SensorNoise, seed: int = 0) -> None:
+        self.cart, self.noise = cart, noise
+        self._random = np.random.default_rng(seed)
+        self._due = {"pose": 0.0, "velocity": 0.0, "wrench": 0.0}
+
+    def motion(self, time: float, motion: Motion) -> Measurement:
+        """Pose and velocity, where they are due."""
+        n, draw = self.noise, self._random.standard_normal
+        pose = velocity = None
+        if self._is_due("pose", time, n.pose_period):
+            pose = motion.pose_sb + draw(3) * [n.position, n.position, n.heading]
+        if self._is_due("velocity", time, n.velocity_period):
+            velocity_b = self.cart.basis_b @ motion.velocity
+            velocity = body_to_world(motion.pose_sb[2]) @ velocity_b
+            velocity = velocity + draw(3) * [n.linear_velocity, n.linear_velocity, n.yaw_rate]
+        return Measurement(time, pose, velocity)
+
+    def wrenches(self, time: float, wrenches: ContactWrenches) -> Measurement:
+        """Wrenches as recorded, where they are due, and where the arms hold."""
+        recorded = {}
+        if self._is_due("wrench", time, self.noise.wrench_period):
+            scale = np.repeat([self.noise.force, self.noise.moment], 3)
+            for arm, wrench_a in wrenches.wrenches.items():
+                recorded[arm] = self.cart.recorded_wrench(arm, wrench_a) + self._random.standard_normal(6) * scale
+        return Measurement(time, wrenches=recorded, contacts=dict(wrenches.contacts))
+
+    def _is_due(self, what: str, time: float, period: float | None) -> bool:
+        if period is None or time < self._due[what] - 1e-9:
+            return False
+        self._due[what] += period if period else 0.0
+        return True

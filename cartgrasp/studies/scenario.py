@@ -1,0 +1,115 @@
+"""A closed-loop run described by values: what is pushed, believed, followed, sensed; `build` puts it together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from estimation import CartFilter, FilterNoise, PaperFilter, Prior
+from planning import WrenchPlanner
+from planning.contact_switching import FixedContacts, LeastEffortContacts, PeriodicContacts
+from planning.references import PathReference, Stretch
+from planning.tracking import Gains, build_tracker
+
+from ..arms import Arm
+from ..effects import InertiaEffect
+from ..errors import UsageError
+from ..inertia import physical_from_phi
+from ..model import CartModel
+from ..roles import ContactSource, Estimator, Plant
+from ..simulation.closed_loop import Loop, run
+from ..simulation.plant import ModelPlant
+from ..simulation.record import RunRecord
+from ..simulation.sensors import Sensors, SensorNoise
+
+LEARNING, FIRST_GUESS, PAPER = "learning", "first guess kept", "paper's literal filter"
+MODEL_PLANT, MUJOCO_PLANT = "model", "mujoco"
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """`truth` is what is pushed, `guess` what is believed at first. `estimation` is LEARNING, FIRST_GUESS (the
+    parameters stay as guessed, only the motion is filtered) or PAPER. `switching` (s) is the period of regrasps
+    (None: fixed contacts); with `least_effort` the planner chooses where. `relative` filter noise is in `noise`."""
+
+    truth: CartModel
+    guess: CartModel
+    arms: tuple[Arm, ...]
+    stretches: tuple[Stretch, ...]
+    sensors: SensorNoise
+    noise: FilterNoise
+    known: frozenset[str] = frozenset()
+    estimation: str = LEARNING
+    plant: str = MODEL_PLANT
+    switching: float | None = None
+    least_effort: bool = False
+    gains: Gains = Gains()
+    period: float = 0.01
+    plant_timestep: float | None = None
+    seed: int = 0
+    duration: float | None = None
+
+    def run(self, progress: Callable[[float], None] | None = None) -> RunRecord:
+        """The whole run, with the truth beside each estimate."""
+        return with_truth(run(self.build(), self.duration, progress), self.truth)
+
+    def build(self) -> Loop:
+        """The loop, ready to run."""
+        planner = WrenchPlanner(self.guess, list(self.arms), period=self.period)
+        reference = PathReference(self.stretches, self.truth.constraints)
+        return Loop(
+            reference=reference,
+            tracker=build_tracker(self.truth.constraints, self.gains),
+            contacts=self._contacts(planner),
+            planner=planner,
+            plant=self._plant(),
+            sensors=Sensors(self.truth, self.sensors, self.seed),
+            estimator=self._estimator(),
+            cart=self.guess,
+            period=self.period,
+            learn=self.estimation != FIRST_GUESS,
+        )
+
+    def _contacts(self, planner: WrenchPlanner) -> ContactSource:
+        if self.switching is None:
+            return FixedContacts(self.arms)
+        if self.least_effort:
+            return LeastEffortContacts(planner, self.arms, self.switching)
+        return PeriodicContacts(self.arms, self.switching)
+
+    def _plant(self) -> Plant:
+        if self.plant == MODEL_PLANT:
+            return ModelPlant(self.truth, **({"timestep": self.plant_timestep} if self.plant_timestep else {}))
+        if self.plant == MUJOCO_PLANT:
+            from ..simulation.mujoco_plant import MujocoPlant
+
+            return MujocoPlant(self.truth, **({"timestep": self.plant_timestep} if self.plant_timestep else {}))
+        raise UsageError(f"plant: {self.plant!r} is neither {MODEL_PLANT!r} nor {MUJOCO_PLANT!r}")
+
+    def _estimator(self) -> Estimator:
+        names = [arm.name for arm in self.arms]
+        yaws = {arm.name: arm.yaw for arm in self.arms}
+        known = self.known
+        if self.estimation == FIRST_GUESS:
+            known = known | {"mass", "com_x", "com_y", "inertia"} | {e.key for e in self.guess.effects}
+        kind = PaperFilter if self.estimation == PAPER else CartFilter
+        prior = Prior(known=frozenset() if kind is PaperFilter else frozenset(known))
+        return kind(self.guess, names, noise=self.noise, prior=prior, yaws=yaws)
+
+
+def with_truth(record: RunRecord, truth: CartModel) -> RunRecord:
+    """The record with the true value beside each parameter that the truth has."""
+    physical = physical_from_phi(np.array([truth.phi_at(t) for t in record.time]))
+    values = dict(zip(("mass", "com_x", "com_y", "inertia"), physical.T, strict=True))
+    for effect in truth.effects:
+        if not isinstance(effect, InertiaEffect):
+            for key, value in zip(effect.keys, effect.values, strict=True):
+                values[key] = np.full(len(record.time), value)
+    parameters = {name: replace(series, truth=values.get(name)) for name, series in record.parameters.items()}
+    return replace(record, parameters=parameters)
+
+
+def total_duration(stretches: Sequence[Stretch]) -> float:
+    return sum(stretch.duration for stretch in stretches)

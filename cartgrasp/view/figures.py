@@ -1,0 +1,128 @@
+"""Whole figures of a run, and how a figure becomes a file."""
+
+from __future__ import annotations
+
+import io
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..errors import UsageError
+from ..simulation.record import RunRecord
+from ..yaml_file import write_atomically
+from .plots import (
+    draw_contacts,
+    draw_forces,
+    draw_moments,
+    draw_parameter,
+    draw_path,
+    draw_tracking_error,
+    house_style,
+)
+
+DPI = 160
+UNDATED: Mapping[str, dict[str, Any]] = {
+    "png": {"Software": None},
+    "pdf": {"CreationDate": None, "Producer": None},
+    "svg": {"Date": None},
+}
+"""Metadata without date or version: the same run gives the same file."""
+
+
+def figure_overview(record: RunRecord) -> Figure:
+    """One page: path, tracking error, mass and CoM, and what the arms did."""
+    estimated = [name for name in ("mass", "com_x", "com_y") if name in record.parameters]
+    panels = ["error", *estimated, "contacts", "forces", "moments"]
+    n_rows = (len(panels) + 3) // 2
+    n_path = 2 * n_rows - len(panels)
+    with house_style():
+        figure = Figure(figsize=(7.2, 1.5 * n_rows))
+        left, right = figure.subfigures(1, 2, squeeze=False)[0]
+        below = len(panels) - n_rows
+        path, *others = left.subplots(1 + below, 1, height_ratios=[n_path, *[1] * below])
+        axes = dict(zip(panels, [*right.subplots(n_rows, 1), *others], strict=True))
+        draw_path(path, record.pose, record.reference_pose)
+        draw_tracking_error(axes["error"], record.time, record.tracking_error)
+        for name in estimated:
+            draw_parameter(
+                axes[name], record.time, record.parameters[name], name, legend=name == estimated[0]
+            )
+        _draw_what_arms_did(record, axes["forces"], axes["moments"], axes["contacts"])
+        for side, column in ((right, panels[:n_rows]), (left, panels[n_rows:])):
+            _stack([axes[name] for name in column])
+            side.align_ylabels()
+    return figure
+
+
+def figure_tracking(record: RunRecord) -> Figure:
+    """The path beside the tracking error."""
+    with house_style():
+        figure = Figure(figsize=(7.2, 2.8))
+        path, error = figure.subplots(1, 2)
+        draw_path(path, record.pose, record.reference_pose)
+        draw_tracking_error(error, record.time, record.tracking_error)
+    return figure
+
+
+def figure_parameters(record: RunRecord) -> Figure:
+    """Every estimated parameter over time."""
+    if not record.parameters:
+        raise UsageError(
+            f"{record.log.name}: nothing was estimated in this run, so there is no estimate to draw"
+        )
+    n_rows = (len(record.parameters) + 1) // 2
+    with house_style():
+        figure = Figure(figsize=(7.2, 1.9 * n_rows))
+        axes = figure.subplots(n_rows, 2, squeeze=False).ravel()
+        for ax, (name, series) in zip(axes, record.parameters.items(), strict=False):
+            draw_parameter(ax, record.time, series, name, legend=ax is axes[0])
+        for ax in axes[len(record.parameters) :]:
+            ax.remove()
+        for side in (0, 1):
+            _stack(list(axes[: len(record.parameters)][side::2]))
+        figure.align_ylabels()
+    return figure
+
+
+def figure_arms(record: RunRecord) -> Figure:
+    """Forces, moments and contacts of the arms over time."""
+    with house_style():
+        figure = Figure(figsize=(5.4, 5.4))
+        axes = figure.subplots(3, 1)
+        _draw_what_arms_did(record, *axes)
+        _stack(axes)
+        figure.align_ylabels()
+    return figure
+
+
+def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
+    """Writes a figure as its suffix says: `.png` (160 dpi), `.pdf` or `.svg`."""
+    kind = Path(path).suffix.lower().removeprefix(".")
+    if kind not in UNDATED:
+        raise UsageError(f"{path}: figures are written as {', '.join('.' + k for k in UNDATED)}")
+    content = io.BytesIO()
+    with house_style(), warnings.catch_warnings():
+        # A name from a log may use letters that the font lacks: it draws a box for them, which is enough.
+        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
+        figure.savefig(content, format=kind, dpi=DPI, metadata=UNDATED[kind])
+    return write_atomically(path, content.getvalue())
+
+
+def _draw_what_arms_did(record: RunRecord, forces: Axes, moments: Axes, contacts: Axes) -> None:
+    wrenches = {arm: record.wrenches.get(arm, log.wrench) for arm, log in record.log.arms.items()}
+    draw_forces(forces, record.time, wrenches)
+    draw_moments(moments, record.time, wrenches)
+    draw_contacts(contacts, record.time, {arm: log.contact for arm, log in record.log.arms.items()})
+
+
+def _stack(column: Sequence[Axes]) -> None:
+    """Axes under each other share their time; only the lowest writes it."""
+    for axes in column[:-1]:
+        axes.sharex(column[-1])
+        axes.tick_params(labelbottom=False)
+        axes.xaxis.label.set_visible(False)

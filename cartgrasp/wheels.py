@@ -1,0 +1,73 @@
+"""Wheels: where the cart touches the floor, and how its weight spreads over them.
+
+Loads are those of equal springs under a rigid cart at rest, the least-norm solution of the three equilibrium
+equations about the wheels' centre: affine in the wheel's position and linear in (m, m dx, m dy). Wheels in
+one line carry the whole weight too; the moment that they can't balance is left to the hands on the handle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import UsageError
+from .frames import Array
+
+GRAVITY = 9.81
+FIXED, CASTER = "fixed", "caster"
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A fixed wheel, which rolls along {b}'s x, or a caster, which trails its pivot by `trail`; (x, y) in {b}, m."""
+
+    kind: str
+    x: float
+    y: float
+    trail: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in (FIXED, CASTER):
+            raise UsageError(f"wheels: kind: {self.kind!r} is neither {FIXED!r} nor {CASTER!r}")
+        if not np.isfinite([self.x, self.y, self.trail]).all():
+            raise UsageError("wheels: a position or trail is not finite")
+        if self.trail < 0:
+            raise UsageError(f"wheels: trail: {self.trail:g} m is negative")
+
+
+@dataclass(frozen=True)
+class WheelSet:
+    """The wheels of a cart."""
+
+    wheels: tuple[Wheel, ...]
+
+    @classmethod
+    def of(cls, wheels: Sequence[Wheel], rolls_along_x: bool) -> WheelSet:
+        """The listed wheels, or one that carries the whole weight at {b}'s origin where none is listed."""
+        return cls(tuple(wheels) or (Wheel(FIXED if rolls_along_x else CASTER, 0.0, 0.0),))
+
+    @cached_property
+    def positions(self) -> Array:
+        """Shape (n, 2), in {b}."""
+        return np.array([[w.x, w.y] for w in self.wheels])
+
+    @cached_property
+    def is_caster(self) -> np.ndarray:
+        return np.array([w.kind == CASTER for w in self.wheels])
+
+    @cached_property
+    def load_map(self) -> Array:
+        """Shape (n, 4): `loads = load_map @ phi`, N."""
+        centre = self.positions.mean(axis=0)
+        equilibrium = np.vstack([np.ones(len(self.wheels)), (self.positions - centre).T])
+        about_centre = np.hstack([np.eye(3), np.zeros((3, 1))])
+        about_centre[1:, 0] = -centre
+        return GRAVITY * np.linalg.pinv(equilibrium, rcond=1e-9) @ about_centre
+
+    def loads(self, phi: ArrayLike) -> Array:
+        """Static load of each wheel, shape (..., n), N; none is below zero (a wheel can't pull on the floor)."""
+        return np.maximum(np.asarray(phi) @ self.load_map.T, 0.0)

@@ -1,0 +1,185 @@
+"""Strict YAML 1.2 with exact places: what can't be accepted is refused as `file:line:column: key: why`."""
+
+from __future__ import annotations
+
+import difflib
+import io
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.constructor import DuplicateKeyError
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.scalarbool import ScalarBoolean
+
+from .errors import FileError, Place
+
+
+class StrictModel(BaseModel):
+    """Unknown keys, wrong types and non-finite numbers are refused."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_yaml(path: str | os.PathLike[str]) -> CommentedMap:
+    """The document of a file, with comments and places kept."""
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise FileError(Place(str(path)), "", f"is not UTF-8 text ({error.reason} at byte {error.start})") from error
+    except OSError as error:
+        raise FileError(Place(str(path)), "", f"can't be read: {error.strerror or error}") from error
+    return parse_yaml(text, str(path))
+
+
+def parse_yaml(text: str, name: str) -> CommentedMap:
+    try:
+        document = YAML(typ="rt").load(text)
+    except DuplicateKeyError as error:
+        mark = error.problem_mark
+        why = "stands twice in this mapping; keep one"
+        raise FileError(_mark_place(name, mark), _quoted(error.problem), why) from error
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        why = f"not valid YAML: {error.problem or error.context}"
+        raise FileError(_mark_place(name, mark), "", why) from error
+    except (YAMLError, ValueError, RecursionError) as error:
+        why = f"not valid YAML: {str(error).splitlines()[0] if str(error) else type(error).__name__}"
+        raise FileError(Place(name), "", why) from error
+    if not isinstance(document, CommentedMap):
+        raise FileError(Place(name, 1, 1), "", "a mapping `key: value` is needed at the top of the file")
+    return document
+
+
+def validate(model: type[Model], document: CommentedMap, name: str, prefix: Sequence[str | int] = ()) -> Model:
+    """The document as a pydantic model; the first mistake is raised with its place."""
+    try:
+        return model.model_validate(plain(document))
+    except ValidationError as error:
+        first = min(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+        location = [part for part in first["loc"] if _is_key(part)]
+        why = _why(first)
+        if first["type"] == "extra_forbidden" and len(location) == 1:
+            why = f"unknown key{did_you_mean(str(location[0]), model.model_fields)}"
+        raise file_error(document, name, location, why, prefix) from error
+
+
+def file_error(
+    document: Any, name: str, location: Sequence[str | int], why: str, prefix: Sequence[str | int] = ()
+) -> FileError:
+    """An error at the deepest part of `location` that the document has."""
+    key = ".".join(str(part) for part in (*prefix, *location))
+    return FileError(_place(document, name, location), key, why)
+
+
+def plain(value: Any) -> Any:
+    """ruamel's decorated values as plain Python ones."""
+    if isinstance(value, Mapping):
+        return {plain(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [plain(v) for v in value]
+    if isinstance(value, ScalarBoolean):
+        return bool(value)
+    for kind in (bool, int, float, str):
+        if isinstance(value, kind):
+            return kind(value)
+    return value
+
+
+def dump_yaml(document: CommentedMap) -> str:
+    yaml = YAML(typ="rt")
+    yaml.width = 110
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    stream = io.StringIO()
+    yaml.dump(document, stream)
+    return stream.getvalue()
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """`; did you mean …?`, or the list of what is known."""
+    known = list(known)
+    close = difflib.get_close_matches(word, known, n=1)
+    return f"; did you mean {close[0]}?" if close else f"; known are {', '.join(known) or 'none'}"
+
+
+def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path:
+    """Writes aside, then renames: readers see the old file or the new one."""
+    path = Path(path)
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(aside, 0o644)
+        os.replace(aside, path)
+    except BaseException:
+        Path(aside).unlink(missing_ok=True)
+        raise
+    return path
+
+
+def _is_key(part: Any) -> bool:
+    """pydantic adds names of union branches to a location; keys and indices stay."""
+    return isinstance(part, int) or (isinstance(part, str) and not part.endswith("]") and "-" not in part)
+
+
+def _place(document: Any, name: str, location: Sequence[str | int]) -> Place:
+    line, column = _start(document)
+    node = document
+    for part in location:
+        try:
+            if isinstance(node, CommentedMap):
+                line, column = node.lc.key(part)
+            elif isinstance(node, CommentedSeq):
+                line, column = node.lc.item(part)
+            else:
+                break
+            node = node[part]
+        except (KeyError, IndexError, TypeError, AttributeError):
+            break
+    return Place(name, line + 1, column + 1)
+
+
+def _start(document: Any) -> tuple[int, int]:
+    if isinstance(document, CommentedMap | CommentedSeq):
+        return int(document.lc.line or 0), int(document.lc.col or 0)
+    return 0, 0
+
+
+def _mark_place(name: str, mark: Any) -> Place:
+    return Place(name) if mark is None else Place(name, mark.line + 1, mark.column + 1)
+
+
+def _quoted(problem: str | None) -> str:
+    parts = (problem or "").split('"')
+    return parts[1] if len(parts) > 1 else ""
+
+
+def _why(error: Any) -> str:
+    given = error.get("input")
+    reasons = {
+        "extra_forbidden": "unknown key; remove it or mend its spelling",
+        "missing": "is missing; add it",
+        "finite_number": f"{given} is not a finite number",
+        "float_type": f"{given!r} is not a number",
+        "int_type": f"{given!r} is not a whole number",
+        "string_type": f"{given!r} is not text",
+        "list_type": f"{given!r} is not a list",
+        "tuple_type": f"{given!r} is not a list",
+        "dict_type": f"{given!r} is not a mapping `key: value`",
+        "model_type": f"{given!r} is not a mapping `key: value`",
+        "model_attributes_type": f"{given!r} is not a mapping `key: value`",
+    }
+    message = str(error.get("msg", "")).removeprefix("Value error, ")
+    return reasons.get(error["type"], message[:1].lower() + message[1:])

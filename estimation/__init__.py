@@ -1,0 +1,8 @@
+"""Learning a cart's load, drag and sensor offsets from how it moves when it is pushed."""
+
+from .cart_filter import CartFilter
+from .noise import FilterNoise
+from .paper_filter import PaperFilter
+from .prior import Prior
+
+__all__ = ["CartFilter", "FilterNoise", "PaperFilter", "Prior"]

@@ -1,0 +1,279 @@
+"""The online EKF over motion, effect memory, parameters and the pushing wrench.
+
+It is the augmented filter of (8)-(20), corrected as physics.md says: reduced dynamics with analytic partials instead
+of the singular `M'`, a midpoint step and Van Loan's process noise instead of Euler, Joseph's form, measured
+velocities projected on the free directions. The reduced wrench `Sᵀ Σ G F` is a state with its own noisy measurement:
+a noisy force used as an exact input biases the mass (errors in variables, physics 11). Inertia is carried in the
+coordinates of `mobility.py`.
+
+State: `(pose, nu, memory | free parameters | reduced wrench)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array, body_to_world, wrap_angle
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Measurement, Motion
+
+from .filtering import discretised, innovation, predicted, updated
+from .gaussian import Gaussian
+from .health import Health, Watch
+from .noise import FilterNoise
+from .parameter_block import ParameterBlock
+from .prior import Prior
+from .wrench_sensing import WrenchSensing
+
+MAX_STEP = 0.01
+LONG_GAP = 1.0
+JUMP = 14.0
+UNKNOWN_FORCE = 100.0
+MEASUREMENT_FLOOR = 1e-10
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the parts of the state stand."""
+
+    motion: slice
+    parameters: slice
+    wrench: slice
+
+    @classmethod
+    def of(cls, cart: CartModel, n_free: int) -> Layout:
+        n = len(cart.state_names)
+        k = n + n_free
+        return cls(slice(0, n), slice(n, k), slice(k, k + cart.constraints.n_free))
+
+
+class CartFilter:
+    """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
+
+    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws.
+    """
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[str] | None = None,
+        *,
+        noise: FilterNoise | None = None,
+        prior: Prior | None = None,
+        yaws: Mapping[str, float] | None = None,
+    ) -> None:
+        self.cart, self.noise = cart, noise or FilterNoise()
+        self._block = ParameterBlock(cart, prior or Prior())
+        self.layout = Layout.of(cart, len(self._block.free))
+        self._sensing = WrenchSensing(cart, arms, yaws or {}, self.noise.wrench_covariance)
+        self._watch = Watch()
+        self._belief: Gaussian | None = None
+        self._time = np.nan
+        self._has_wrench = False
+        self._lift = cart.planar_wrench(np.eye(cart.constraints.n_free)).T
+        self._project = np.linalg.pinv(cart.basis_b)
+
+    def update(self, measurement: Measurement) -> Estimate:
+        """Predicts to the measurement's time, takes in what it holds, and says what is known."""
+        if not np.isfinite(measurement.time):
+            raise UsageError(f"measurement: time {measurement.time} is not finite")
+        self._sensing.note_contacts(measurement)
+        if self._belief is None:
+            self._start(measurement)
+        elif measurement.time < self._time - 1e-9:
+            return replace(self.estimate, health=Health.CLOCK)
+        else:
+            self._predict(measurement.time)
+            if measurement.pose is not None:
+                self._take_pose(np.asarray(measurement.pose, dtype=float))
+        if measurement.velocity is not None:
+            self._take_velocity(np.asarray(measurement.velocity, dtype=float))
+        if measurement.wrenches:
+            self._take_wrenches(measurement)
+        self._keep_physical()
+        if self._watch.wants_reset(self._time):
+            self._open_load()
+        return self.estimate
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance over the whole state."""
+        if self._belief is None:
+            raise UsageError("filter: no measurement has come yet")
+        return self._belief
+
+    @property
+    def nis(self) -> Mapping[str, tuple[float, int]]:
+        """Normalised innovation squared of the last samples, with its dimension, by sensor."""
+        return self._watch.last
+
+    @property
+    def estimate(self) -> Estimate:
+        mean, part = self.belief.mean, self.layout.parameters
+        motion = Motion(mean[:3].copy(), mean[self.cart.velocity_slice].copy())
+        parameters = self._block.report(mean[part], self.belief.covariance[part, part])
+        health = self._watch.health if self._has_wrench else Health.NO_WRENCH
+        model = self.cart.with_parameters(self._block.theta(mean[part]))
+        return Estimate(self._time, motion, parameters, health, model)
+
+    # --- prediction ------------------------------------------------------------------------------------------
+
+    def _start(self, measurement: Measurement) -> None:
+        pose = np.full(3, np.nan) if measurement.pose is None else np.asarray(measurement.pose, dtype=float)
+        known = np.isfinite(pose)
+        cart, layout = self.cart, self.layout
+        mean = np.zeros(layout.wrench.stop)
+        mean[layout.motion] = cart.state(np.where(known, pose, 0.0))
+        mean[layout.parameters] = self._block.first
+        variances = np.zeros(len(mean))
+        variances[:3] = np.where(known, np.diag(self.noise.pose_covariance), 100.0)
+        variances[cart.velocity_slice] = 1.0
+        variances[cart.memory_slice] = 0.5**2
+        variances[layout.wrench] = self._wrench_variance(UNKNOWN_FORCE)
+        covariance = np.diag(variances)
+        covariance[layout.parameters, layout.parameters] = self._block.first_covariance
+        self._belief, self._time = Gaussian(mean, covariance), measurement.time
+
+    def _predict(self, time: float) -> None:
+        gap = time - self._time
+        if gap > LONG_GAP:
+            self._coast(gap)
+        else:
+            n = int(np.ceil(gap / MAX_STEP - 1e-6))
+            for i in range(n):
+                self._step(self._time + i * gap / n, gap / n)
+        self._time = time
+
+    def _step(self, time: float, step: float) -> None:
+        belief, layout, cart = self.belief, self.layout, self.cart
+        block = belief.mean[layout.parameters]
+        theta, wrench_b = self._block.theta(block), self._lift @ belief.mean[layout.wrench]
+        state = belief.mean[layout.motion]
+        first = cart.rate(state, wrench_b, theta, time)
+        middle = cart.rate(state + step / 2 * first.value, wrench_b, theta, time + step / 2)
+        mean = belief.mean.copy()
+        mean[layout.motion] += step * middle.value
+        jacobian = np.zeros((len(mean), len(mean)))
+        rows = layout.motion
+        jacobian[rows, rows] = middle.by_state
+        jacobian[rows, layout.parameters] = middle.by_parameters @ self._block.jacobian(block)
+        jacobian[rows, layout.wrench] = middle.by_wrench @ self._lift
+        phi, noise = discretised(jacobian, self._density(middle.by_wrench), step)
+        self._belief = predicted(belief, mean, phi, noise + self._walk(step))
+
+    def _density(self, by_wrench: Array) -> Array:
+        """Of the continuous process noise: disturbance force, slip, swivel."""
+        n, noise, cart = self.layout.wrench.stop, self.noise, self.cart
+        density = np.zeros((n, n))
+        disturbance = np.array([1.0, 1.0, noise.lever]) * noise.disturbance
+        reach = (by_wrench * disturbance)[cart.velocity_slice]
+        density[cart.velocity_slice, cart.velocity_slice] = reach @ reach.T
+        density[range(3), range(3)] = noise.slip**2
+        memory = range(cart.memory_slice.start, cart.memory_slice.stop)
+        density[memory, memory] = noise.swivel**2
+        return density
+
+    def _walk(self, step: float) -> Array:
+        """Of the random walks that step between samples: parameters, and the held wrench."""
+        n, layout = self.layout.wrench.stop, self.layout
+        walk = np.zeros((n, n))
+        walk[layout.parameters, layout.parameters] = (
+            self.noise.parameter_drift**2 * step * self._block.first_covariance
+        )
+        wrench = range(layout.wrench.start, layout.wrench.stop)
+        walk[wrench, wrench] = self._wrench_variance(self.noise.wrench_change) * step
+        return walk
+
+    def _coast(self, gap: float) -> None:
+        """Over a long gap in the log nothing is kept but the parameters: motion starts anew."""
+        layout = self.layout
+        covariance = self.belief.covariance.copy()
+        for part in (layout.motion, layout.wrench):
+            covariance[part, :] = covariance[:, part] = 0.0
+        motion, wrench = range(layout.motion.stop), range(layout.wrench.start, layout.wrench.stop)
+        covariance[motion, motion] = 1.0 + gap**2
+        covariance[wrench, wrench] = self._wrench_variance(UNKNOWN_FORCE)
+        self._belief = Gaussian(self.belief.mean, covariance)
+        self._watch.note_gap()
+
+    # --- measurements ----------------------------------------------------------------------------------------
+
+    def _take_pose(self, pose: Array) -> None:
+        known = np.flatnonzero(np.isfinite(pose))
+        if not len(known):
+            return
+        residual = pose - self.belief.mean[:3]
+        residual[2] = wrap_angle(residual[2])
+        H = np.zeros((len(known), self.layout.wrench.stop))
+        H[range(len(known)), known] = 1.0
+        self._absorb("pose", residual[known], H, self.noise.pose_covariance[np.ix_(known, known)])
+
+    def _take_velocity(self, velocity: Array) -> None:
+        if not np.isfinite(velocity).all():
+            return
+        to_free = self._project @ body_to_world(self.belief.mean[2]).T
+        where = self.cart.velocity_slice
+        H = np.zeros((self.cart.constraints.n_free, self.layout.wrench.stop))
+        H[:, where] = np.eye(self.cart.constraints.n_free)
+        R = to_free @ self.noise.velocity_covariance @ to_free.T
+        self._absorb("velocity", to_free @ velocity - self.belief.mean[where], H, R)
+
+    def _take_wrenches(self, measurement: Measurement) -> None:
+        layout = self.layout
+        block = self.belief.mean[layout.parameters]
+        sensed = self._sensing.sense(measurement, self._block.theta(block))
+        if sensed is None:
+            return
+        H = np.zeros((len(sensed.value), layout.wrench.stop))
+        H[:, layout.wrench] = np.eye(len(sensed.value))
+        H[:, layout.parameters] = -sensed.by_parameters @ self._block.jacobian(block)
+        self._follow_jump(sensed.value, sensed.covariance)
+        self._absorb("wrench", sensed.value - self.belief.mean[layout.wrench], H, sensed.covariance)
+        self._has_wrench = True
+
+    def _follow_jump(self, measured: Array, R: Array) -> None:
+        """A step of the wrench (a regrasp, a switch of the controller) is followed at once, not walked to."""
+        where = self.layout.wrench
+        residual = measured - self.belief.mean[where]
+        covariance = self.belief.covariance[where, where] + R + MEASUREMENT_FLOOR * np.eye(len(R))
+        if residual @ np.linalg.solve(covariance, residual) < JUMP:
+            return
+        widened = self.belief.covariance.copy()
+        widened[where, where] += np.outer(residual, residual)
+        self._belief = Gaussian(self.belief.mean, widened)
+
+    def _absorb(self, sensor: str, residual: Array, H: Array, R: Array) -> None:
+        R = R + MEASUREMENT_FLOOR * np.eye(len(R))
+        news = innovation(self.belief, residual, H, R)
+        scale = self._watch.noise_scale(sensor, float(news.nis), len(residual))
+        if scale > 1.0:
+            R = scale * R
+            news = innovation(self.belief, residual, H, R)
+        self._belief = updated(self.belief, news, H, R)
+
+    # --- parameters ------------------------------------------------------------------------------------------
+
+    def _keep_physical(self) -> None:
+        block = self.belief.mean[self.layout.parameters]
+        inside = self._block.inside(block)
+        if inside is not block:
+            mean = self.belief.mean.copy()
+            mean[self.layout.parameters] = inside
+            self._belief = Gaussian(mean, self.belief.covariance)
+
+    def _open_load(self) -> None:
+        """The load may have changed: the parameters' covariance opens."""
+        part = self.layout.parameters
+        covariance = self.belief.covariance.copy()
+        covariance[part, part] += self._block.load_covariance(self.belief.mean[part])
+        self._belief = Gaussian(self.belief.mean, covariance)
+
+    def _wrench_variance(self, force: float) -> Array:
+        """Variances of the reduced wrench for a force scale (N): moments by the lever."""
+        lever = self.noise.lever
+        scale = {0: [1.0, 1.0, lever], 1: [1.0, lever], 2: [1.0]}[self.cart.constraints.n_rows]
+        return np.square(scale) * force**2

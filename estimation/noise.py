@@ -1,0 +1,51 @@
+"""Noise, in physical units: of the sensors, and of what the model leaves out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+
+@dataclass(frozen=True)
+class FilterNoise:
+    """Sensors: standard deviations of one sample. Left out of the model: random walks and disturbances, per √s.
+
+    `wrench_change` is how fast the pushing force may wander between samples (N/√s; moments by `lever`, m);
+    `disturbance` an unmodelled force (N·√s); `parameter_drift` a share of each prior's standard deviation (1/√s).
+    """
+
+    position: float = 0.0005
+    heading: float = 0.0005
+    linear_velocity: float = 0.005
+    yaw_rate: float = 0.005
+    force: float = 3.0
+    moment: float = 0.1
+    wrench_change: float = 10.0
+    disturbance: float = 0.05
+    lever: float = 0.3
+    slip: float = 0.0002
+    swivel: float = 0.05
+    parameter_drift: float = 0.002
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (np.isfinite(value) and value >= 0):
+                raise UsageError(f"noise: {item.name}: {value} is not a finite number >= 0")
+
+    @property
+    def pose_covariance(self) -> Array:
+        return np.diag([self.position, self.position, self.heading]) ** 2
+
+    @property
+    def velocity_covariance(self) -> Array:
+        return np.diag([self.linear_velocity, self.linear_velocity, self.yaw_rate]) ** 2
+
+    @property
+    def wrench_covariance(self) -> Array:
+        """Of one arm's spatial wrench, (6, 6)."""
+        return np.diag([self.force] * 3 + [self.moment] * 3) ** 2

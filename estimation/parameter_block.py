@@ -1,0 +1,114 @@
+"""The parameters inside the filter's state: which are free, in what coordinates, and how they are reported."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.inertia import physical_from_phi, physical_jacobian
+from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from .mobility import build_chart
+from .prior import Prior, report_names, report_units
+
+IDENTIFIABLE_SHARE = 0.5
+LOAD_SHARE = 0.3
+LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
+
+
+class ParameterBlock:
+    """Between the free coordinates (f,) that the filter carries and the model's parameters (p,)."""
+
+    def __init__(self, cart: CartModel, prior: Prior) -> None:
+        self.cart, self.prior = cart, prior
+        self.free = prior.free(cart)
+        self._chart = build_chart(cart.constraints)
+        self._phi_is_free = bool(np.isin(0, self.free))
+        self._full = cart.parameters.copy()
+        self._full[:N_PHI] = self._chart.coordinates(cart.inertia.phi)
+        self.first = self._full[self.free]
+        self._prior_std = prior.deviations(cart)
+        self._is_free = np.isin(np.arange(len(self._full)), self.free)
+        self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
+        bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
+        self._lower, self._upper = np.array(bounds).reshape(-1, 2).T
+
+    @cached_property
+    def first_covariance(self) -> Array:
+        """Of the first guess, (f, f), in the filter's coordinates."""
+        return self._to_coordinates(self.prior.covariance(self.cart), self.first)
+
+    def theta(self, block: Array) -> Array:
+        """The model's parameters (p,)."""
+        full = self._full.copy()
+        full[self.free] = block
+        full[:N_PHI] = self._chart.phi(full[:N_PHI])
+        return full
+
+    def jacobian(self, block: Array) -> Array:
+        """Partials (p, f) of `theta`."""
+        full = self._full.copy()
+        full[self.free] = block
+        partials = np.eye(len(full))
+        partials[:N_PHI, :N_PHI] = self._chart.jacobian(full[:N_PHI])
+        return partials[:, self.free]
+
+    def inside(self, block: Array) -> Array:
+        """The nearest block that is physical (m > 0, J m > |m d|², physics 18) and within the effects' bounds."""
+        theta = self.theta(block)
+        body = self.cart.inertia
+        clipped = theta.copy()
+        clipped[N_PHI:] = np.clip(theta[N_PHI:], self._lower, self._upper)
+        mass, com_x, com_y, about_com = physical_from_phi(theta[:N_PHI])
+        least_mass = LEAST_MASS_SHARE * body.mass
+        if not (mass >= least_mass and about_com >= LEAST_INERTIA_SHARE * body.about_com):
+            mass = max(mass, least_mass) if mass > 0 else least_mass
+            com = np.clip([com_x, com_y], -5 * self.prior.com, 5 * self.prior.com) if mass == least_mass else [com_x, com_y]
+            J = max(about_com, LEAST_INERTIA_SHARE * body.about_com) + mass * (com[0] ** 2 + com[1] ** 2)
+            clipped[:N_PHI] = [mass, mass * com[0], mass * com[1], J]
+        if not self._phi_is_free:
+            clipped[:N_PHI] = theta[:N_PHI]
+        if (clipped == theta).all():
+            return block
+        clipped[:N_PHI] = self._chart.coordinates(clipped[:N_PHI])
+        return clipped[self.free]
+
+    def load_covariance(self, block: Array) -> Array:
+        """What a load change may add, (f, f): a point mass put on or taken off, `m (1, x, y, x² + y²)`, with m
+        and (x, y) independent, centred on the first guess of the CoM."""
+        theta = self.theta(block)
+        x, y = self.cart.inertia.com
+        mass, place = LOAD_SHARE * theta[0], self.prior.com
+        shape = np.array([1.0, x, y, x**2 + y**2 + 2 * place**2])
+        spread = np.diag([0.0, place**2, place**2, 4 * place**2 * (x**2 + y**2) + 4 * place**4])
+        spread[3, 1] = spread[1, 3] = 2 * x * place**2
+        spread[3, 2] = spread[2, 3] = 2 * y * place**2
+        covariance = np.zeros((len(theta), len(theta)))
+        covariance[:N_PHI, :N_PHI] = mass**2 * (np.outer(shape, shape) + spread)
+        return self._to_coordinates(covariance, block)
+
+    def report(self, block: Array, covariance: Array) -> dict[str, ParameterEstimate]:
+        """The parameters by name, with standard deviations and whether this motion has taught them."""
+        theta = self.theta(block)
+        to_report = np.eye(len(theta))
+        to_report[:N_PHI, :N_PHI] = physical_jacobian(theta[:N_PHI])
+        root = to_report @ self.jacobian(block)
+        std = np.sqrt(np.maximum(((root @ covariance) * root).sum(axis=1), 0.0))
+        learned = self._is_free & (std < IDENTIFIABLE_SHARE * self._prior_std)
+        theta[:N_PHI] = physical_from_phi(theta[:N_PHI])
+        return {
+            name: ParameterEstimate(value, deviation, unit, known)
+            for (name, unit), value, deviation, known in zip(
+                self._names, theta.tolist(), std.tolist(), learned.tolist(), strict=True
+            )
+        }
+
+    def _to_coordinates(self, covariance: Array, block: Array) -> Array:
+        full = self._full.copy()
+        full[self.free] = block
+        inverse = np.eye(len(full))
+        inverse[:N_PHI, :N_PHI] = np.linalg.inv(self._chart.jacobian(full[:N_PHI]))
+        return (inverse @ covariance @ inverse.T)[np.ix_(self.free, self.free)]

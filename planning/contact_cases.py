@@ -1,0 +1,113 @@
+"""One solved case of contact choice: a pair of vertices (high, low), equal where the contacts are points.
+
+Two questions are asked of cases, and answered in the same form: the least effort, or (when nothing is
+feasible) the least ½ distance² to what is asked. Each answer comes with a cut that bounds it over all other
+contacts (duality.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .allocation_template import AllocationTemplate
+from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by
+from .infeasibility import Projection, project
+from .objectives import Cost
+from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
+from .solvers import QuadraticSolver, solve_with_clarabel
+
+GAP_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """`value` is infinite where infeasible, else `wrenches` (6n,) reach the effective wrench `reached` (k,);
+    `proven` is False where no solver gave a verified answer."""
+
+    value: float
+    cut: Cut | None = None
+    wrenches: Array = field(default_factory=lambda: np.zeros(0))
+    reached: Array = field(default_factory=lambda: np.zeros(0))
+    proven: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of every case: an effective wrench (k,) at a cost, or the distance to it."""
+
+    target: Array
+    cost: Cost
+    distance: bool = False
+
+    def tolerance(self, value: float) -> float:
+        """How near to a value a bound has to come: 1e-9 relative, of at least 1 for an effort."""
+        if self.distance:
+            return GAP_TOLERANCE * value + 1e-18 * (1.0 + float(self.target @ self.target))
+        return GAP_TOLERANCE * max(1.0, abs(value))
+
+
+class CaseSolver:
+    """Warm solvers for point cases and range cases, each for efforts and for distances."""
+
+    def __init__(self, template: AllocationTemplate) -> None:
+        self.template = template
+        self.solved = 0
+        self._effort = {False: QuadraticSolver(), True: QuadraticSolver()}
+        self._distance = {False: QuadraticSolver(always_feasible=True), True: QuadraticSolver(always_feasible=True)}
+        self._slack_map = {key: template.slack_map(key) for key in (False, True) if self._has(key)}
+
+    def answer(self, question: Question, high: Array, low: Array) -> Answer:
+        """Contacts (n, 3) at the high and the low vertex, the same object for points."""
+        template, self.solved = self.template, self.solved + 1
+        is_range = high is not low and template.moment_row is not None
+        rows = (
+            (template.contact_rows(high), template.contact_rows(low))
+            if is_range
+            else (template.contact_rows(high),)
+        )
+        if len(rows) == 2:
+            program = template.range_program(rows, question.target, question.cost)
+        else:
+            program = template.program(rows[0], question.target, question.cost)
+        if question.distance:
+            return self._distance_answer(question, program, is_range)
+        return self._effort_answer(question, program, is_range)
+
+    def _effort_answer(self, question: Question, program: QuadraticProgram, is_range: bool) -> Answer:
+        solution = self._effort[is_range].solve(program)
+        if solution.status == OPTIMAL:
+            return self._solved(question, solution, is_range)
+        projection = self._project(program, is_range)
+        if projection.solution.status == OPTIMAL and not projection.is_feasible(question.target):
+            normal = projection.normal, projection.normal_solution
+            if infeasible_by(program, normal[1], normal[0]) > 0:
+                return Answer(np.inf, farkas_cut(self.template, normal[1], normal[0], question.target))
+        solution = solve_with_clarabel(program)
+        if solution.status == OPTIMAL:
+            return self._solved(question, solution, is_range)
+        return Answer(np.inf, proven=False)
+
+    def _distance_answer(self, question: Question, program: QuadraticProgram, is_range: bool) -> Answer:
+        projection = self._project(program, is_range)
+        if projection.solution.status != OPTIMAL:
+            return Answer(np.inf, proven=False)
+        cut = distance_cut(self.template, projection.solution, projection.slack, question.target)
+        return Answer(
+            0.5 * projection.distance**2, cut, projection.wrenches, question.target - projection.slack
+        )
+
+    def _solved(self, question: Question, solution: QPSolution, is_range: bool) -> Answer:
+        start = len(solution.x) + len(self.template.limits.limits)
+        multipliers = solution.multipliers[start:] @ self._slack_map[is_range]
+        cut = effort_cut(self.template, solution, multipliers, question.target, question.cost)
+        return Answer(solution.cost, cut, solution.x, question.target)
+
+    def _project(self, program: QuadraticProgram, is_range: bool) -> Projection:
+        return project(self._distance[is_range], program, self._slack_map[is_range])
+
+    def _has(self, is_range: bool) -> bool:
+        return not is_range or self.template.moment_row is not None

@@ -1,0 +1,233 @@
+"""Which contacts to hold: a proven optimum over points and segments of several arms, hands a distance apart.
+
+Best-first branch and bound. A node is a table of choices (an option for each arm), bounded by the cuts of
+everything solved so far, or a box of contacts, bounded by its parent's optimum. A box is solved over the hull
+of its allowed contacts (contact_regions.py), which is exact for the wrench (allocation_template.py), as one
+case for each pair of extreme vertices. If contacts that realise the optimum keep the distance, the box is
+done; else it is halved.
+
+With three or more arms on segments and a distance that binds, the hull is the box itself and convergence is
+linear: the limit on solves may end the search first. The incumbent is then returned with the gap that is
+certified.
+"""
+
+from __future__ import annotations
+
+import heapq
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .contact_bounds import Candidates, ChoiceTable, CutPool
+from .contact_cases import Answer, CaseSolver, Question
+from .contact_regions import DISTANCE_TOLERANCE, Box, Region, boxes, hand_distance
+from .quadratic_program import EQUALITY_TOLERANCE
+
+SMALLEST_BOX = 1e-9  # m
+TABLE_SIZE = 2**16
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """The best contacts (n, 3) found and their value, None and infinite if there are none; the true optimum
+    is not below `bound`. `solved` counts programs; `complete` is False if the search ended at its limit."""
+
+    contacts: Array | None
+    value: float
+    bound: float
+    solved: int
+    complete: bool
+
+    @property
+    def gap(self) -> float:
+        """Relative: (value - bound) / max(1, |value|)."""
+        if self.contacts is None:
+            return np.inf
+        return max(0.0, (self.value - self.bound) / max(1.0, abs(self.value)))
+
+
+@dataclass(frozen=True)
+class SearchLimit:
+    """How long to search: programs solved, and seconds (None: no deadline)."""
+
+    solves: int = 5000
+    seconds: float | None = None
+
+
+class ContactSearch:
+    """One search over candidates; `run` once."""
+
+    def __init__(
+        self,
+        candidates: Candidates,
+        solver: CaseSolver,
+        question: Question,
+        limit: SearchLimit = SearchLimit(),
+    ) -> None:
+        self._candidates, self._solver, self._question, self._limit = candidates, solver, question, limit
+        scale = max(1.0, float(np.abs(question.target).max()))
+        self._cuts = CutPool(candidates, solver.template, EQUALITY_TOLERANCE * scale)
+        self._heap: list[tuple[float, int, ChoiceTable | Box]] = []
+        self._pushed, self._before, self._start = 0, solver.solved, time.perf_counter()
+        self._best, self._contacts = np.inf, np.zeros(0)
+        self._floor = np.inf
+
+    def run(self, seed: Array | None = None) -> Choice:
+        """`seed` (n, 3) is tried first, such as the contacts of the last tick."""
+        if seed is not None and self._keeps_distance(seed):
+            self._try(seed)
+        self._push(-np.inf, self._cuts.children((), self._next_arms(0)))
+        while self._heap and self._heap[0][0] < self._cutoff and not self._spent():
+            bound, _, node = heapq.heappop(self._heap)
+            if isinstance(node, Box):
+                self._solve_box(bound, node)
+            else:
+                self._visit(node)
+        left = self._heap[0][0] if self._heap else np.inf
+        found = self._contacts if np.isfinite(self._best) else None
+        return Choice(
+            contacts=found,
+            value=self._best,
+            bound=float(min(left, self._best, self._floor)),
+            solved=self._solver.solved - self._before,
+            complete=not self._spent() or left >= self._cutoff,
+        )
+
+    # --- nodes --------------------------------------------------------------------------------------------
+
+    def _visit(self, table: ChoiceTable) -> None:
+        """Brings a table up to date; if it still holds the least bound, its best choice is taken up."""
+        self._cuts.refresh(table)
+        bound = table.least
+        if bound >= self._cutoff or (self._heap and bound > self._heap[0][0]):
+            self._push(bound, table)
+            return
+        choice = table.take()
+        self._push(table.least, table)
+        if len(choice) < self._candidates.n_arms:
+            self._push(bound, self._cuts.children(choice, self._next_arms(len(choice))))
+            return
+        for box in boxes(self._candidates.pieces(choice), self._candidates.distance):
+            self._solve_box(bound, box)
+
+    def _next_arms(self, start: int) -> int:
+        """How many arms one table takes in: as many as the last ones that it has room for, or one."""
+        sizes = np.diff(self._candidates.starts)[start:]
+        return len(sizes) if np.prod(sizes, dtype=float) <= TABLE_SIZE else 1
+
+    def _solve_box(self, bound: float, box: Box) -> None:
+        region = Region.of(box, self._candidates.distance)
+        if region is None:
+            return
+        answer = self._best_case(bound, region)
+        if answer is None:
+            return
+        contacts = self._realise(region, answer)
+        if self._keeps_distance(contacts):
+            self._accept(answer.value, contacts)
+            return
+        allowed = region.vertices[
+            hand_distance(region.vertices) >= self._candidates.distance - DISTANCE_TOLERANCE
+        ]
+        if len(allowed):
+            away = np.linalg.norm(allowed - contacts, axis=(1, 2))
+            self._try(allowed[away.argmin()])
+        if box.size < SMALLEST_BOX:
+            self._leave(answer.value)
+            return
+        for half in box.halves():
+            self._push(max(bound, answer.value), half)
+
+    def _best_case(self, bound: float, region: Region) -> Answer | None:
+        """The least over the region's pairs of extreme vertices; pairs that a cut puts above it are left
+        out."""
+        pairs, best = region.extremes(), None
+        if self._solver.template.moment_row is None:
+            pairs = pairs[:1]
+        high, low = (region.vertices[list(side)] for side in zip(*pairs, strict=True))
+        bounds = self._cuts.at(high, low) if len(pairs) > 1 else np.array([bound])
+        for i in np.argsort(bounds):
+            lowest = max(bound, bounds[i], self._cuts.at(high[i : i + 1], low[i : i + 1])[0])
+            if lowest >= self._cutoff or (best and lowest >= best.value):
+                self._leave(lowest if lowest >= self._cutoff else np.inf)
+                continue
+            vertex = high[i]
+            answer = self._ask(vertex, vertex if len(pairs) == 1 else low[i])
+            if not answer.proven:
+                self._leave(lowest)
+            elif answer.value >= self._cutoff:
+                self._leave(answer.value)
+            elif best is None or answer.value < best.value:
+                best = answer
+        return best
+
+    # --- answers ------------------------------------------------------------------------------------------
+
+    def _ask(self, high: Array, low: Array) -> Answer:
+        answer = self._solver.answer(self._question, high, low)
+        if answer.cut is not None:
+            self._cuts.add(answer.cut)
+        return answer
+
+    def _try(self, contacts: Array) -> None:
+        answer = self._ask(contacts, contacts)
+        if answer.value < self._best:
+            self._accept(answer.value, contacts)
+
+    def _accept(self, value: float, contacts: Array) -> None:
+        self._best, self._contacts = value, contacts
+
+    def _realise(self, region: Region, answer: Answer) -> Array:
+        """Contacts in a region at which the wrenches give what was reached: of all, the hands farthest apart.
+
+        They are a slice of the region; its vertices are where the moment crosses zero between two of the
+        region's.
+        """
+        rows, row = self._solver.template.contact_rows(region.vertices), self._solver.template.moment_row
+        excess = np.zeros(len(region.s))
+        if row is not None:
+            excess = (
+                np.einsum("vnj,nj->v", rows[:, :, row], answer.wrenches.reshape(-1, 6)) - answer.reached[row]
+            )
+        excess[np.abs(excess) < 1e-13 * max(1.0, float(np.abs(excess).max()))] = 0.0
+        one, other = np.triu_indices(len(excess))
+        crosses = excess[one] * excess[other] <= 0
+        if not crosses.any():
+            return np.asarray(region.vertices[np.abs(excess).argmin()])
+        one, other = one[crosses], other[crosses]
+        span = excess[one] - excess[other]
+        weight = np.where(span == 0, 0.5, excess[one] / np.where(span == 0, 1.0, span))
+        s = region.s[one] + weight[:, None] * (region.s[other] - region.s[one])
+        if self._candidates.distance <= 0:
+            return region.box.at(s.mean(axis=0))
+        contacts = region.box.at(s)
+        return np.asarray(contacts[hand_distance(contacts).argmax()])
+
+    # --- limits -------------------------------------------------------------------------------------------
+
+    @property
+    def _cutoff(self) -> float:
+        return self._best - self._question.tolerance(self._best) if np.isfinite(self._best) else np.inf
+
+    def _keeps_distance(self, contacts: Array) -> bool:
+        return bool(hand_distance(contacts) >= self._candidates.distance - DISTANCE_TOLERANCE)
+
+    def _spent(self) -> bool:
+        seconds = self._limit.seconds
+        late = seconds is not None and time.perf_counter() - self._start > seconds
+        return late or self._solver.solved - self._before >= self._limit.solves
+
+    def _push(self, bound: float, node: ChoiceTable | Box) -> None:
+        """Of equal bounds the last pushed goes first: depth first, until there is an incumbent."""
+        if bound >= self._cutoff:
+            self._leave(bound)
+            return
+        self._pushed += 1
+        heapq.heappush(self._heap, (bound, -self._pushed, node))
+
+    def _leave(self, bound: float) -> None:
+        """Something is left unsolved: the result's bound may not be above its bound."""
+        self._floor = min(self._floor, bound)

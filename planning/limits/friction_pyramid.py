@@ -1,0 +1,44 @@
+"""Coulomb friction as a pyramid inscribed in the cone `‖(fy, fz)‖ <= mu fx`, push only (fx >= 0).
+
+The pyramid's edges (generators) are `fx (1, mu cos a_k, mu sin a_k)` with a_k = 2 pi k / sides from y. Row
+"friction edge k" is the side from edge k to edge k + 1, with normal at a_k + pi / sides:
+
+    cos(a_k + pi/sides) fy + sin(a_k + pi/sides) fz <= mu cos(pi/sides) fx.
+
+A force on edge k makes rows k - 1 and k active.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+
+from .limit import Limit, LimitRows
+
+PUSH_ONLY = "push only"
+
+
+class FrictionPyramid(Limit):
+    def rows(self, arm: Arm) -> LimitRows:
+        if arm.friction is None or not isinstance(arm.friction.sides, int):
+            raise UsageError(f"arm {arm.name}: a friction pyramid needs friction with a number of sides")
+        sides = arm.friction.sides
+        angles = (2 * np.arange(sides) + 1) * np.pi / sides
+        rows = np.zeros((sides, 6))
+        rows[:, 0] = -arm.friction.mu * np.cos(np.pi / sides)
+        rows[:, 1], rows[:, 2] = np.cos(angles), np.sin(angles)
+        names = tuple(f"friction edge {k}" for k in range(sides))
+        push = push_only()
+        return LimitRows(
+            lower=push.lower, lower_names=push.lower_names, rows=rows, limits=np.zeros(sides), names=names
+        )
+
+
+def push_only() -> LimitRows:
+    """fx >= 0, which the pyramid and the cone imply unless mu is 0."""
+    plain = LimitRows()
+    lower = plain.lower.copy()
+    lower[0] = 0.0
+    return LimitRows(lower=lower, lower_names=(PUSH_ONLY, *plain.lower_names[1:]))

@@ -1,0 +1,52 @@
+"""Penalises departure from stated shares of the load: `base + weight sum_i ‖f_i - share_i sum_j f_j‖²`,
+with f_i the horizontal force of arm i in {b}, N."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array, rotation_planar
+
+from .objective import Cost, Objective
+from .weighted_wrench import WeightedWrench
+
+
+@dataclass(frozen=True)
+class LoadShare(Objective):
+    """Shares by arm name; they are >= 0 and add up to 1."""
+
+    shares: Mapping[str, float]
+    weight: float = 1.0
+    base: Objective = field(default_factory=WeightedWrench)
+
+    def __post_init__(self) -> None:
+        shares = list(self.shares.values())
+        if not (
+            np.isfinite(shares).all() and min(shares, default=-1.0) >= 0 and abs(sum(shares) - 1) <= 1e-9
+        ):
+            raise UsageError(f"load share: {dict(self.shares)} are not shares >= 0 that add up to 1")
+        if not (np.isfinite(self.weight) and self.weight >= 0):
+            raise UsageError(f"load share: weight: {self.weight} is not a finite number >= 0")
+
+    @property
+    def looks_back(self) -> bool:
+        return self.base.looks_back
+
+    def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
+        if {arm.name for arm in arms} != set(self.shares):
+            raise UsageError(
+                f"load share: shares of {sorted(self.shares)}, arms {sorted(a.name for a in arms)}"
+            )
+        base = self.base.cost(arms, previous)
+        forces = np.zeros((len(arms), 2, 6 * len(arms)))  # f_i = forces[i] @ F
+        for i, arm in enumerate(arms):
+            forces[i, :, 6 * i : 6 * i + 2] = rotation_planar(arm.yaw)
+        shares = np.array([self.shares[arm.name] for arm in arms])
+        departure = (forces - shares[:, None, None] * forces.sum(axis=0)).reshape(-1, 6 * len(arms))
+        coupling = self.weight * departure.T @ departure
+        return replace(base, coupling=coupling if base.coupling is None else base.coupling + coupling)

@@ -1,0 +1,37 @@
+"""What a good allocation is: an Objective answers with a convex quadratic cost of all arms' wrenches F
+(6n,)."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cartgrasp.arms import Arm
+from cartgrasp.frames import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Cost:
+    """`sum weights F² + gradientᵀ F + Fᵀ coupling F + constant`; weights (6n,) >= 0, coupling (6n, 6n)
+    positive semidefinite or None. What doesn't couple arms or axes belongs in the weights: contact choice
+    bounds by them."""
+
+    weights: Array
+    gradient: Array
+    coupling: Array | None = None
+    constant: float = 0.0
+
+
+class Objective(ABC):
+    """Independent of the contacts and of the wrench asked for, so the fast path only changes the equality's
+    value."""
+
+    @abstractmethod
+    def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
+        """The cost for these arms, `previous` (6n,) being the wrenches of the last plan (zero at first)."""
+
+    @property
+    @abstractmethod
+    def looks_back(self) -> bool:
+        """Whether the cost changes with `previous`."""

@@ -1,0 +1,41 @@
+"""Penalises change as well: `base + sum rate weight (F - F_previous)²`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from .objective import Cost, Objective
+from .weighted_wrench import WeightedWrench
+
+
+@dataclass(frozen=True)
+class Smoothness(Objective):
+    """`rate` scales each arm's own weights: 1 makes a change as costly as the wrench itself."""
+
+    rate: float = 1.0
+    base: Objective = field(default_factory=WeightedWrench)
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.rate) and self.rate >= 0):
+            raise UsageError(f"smoothness: rate: {self.rate} is not a finite number >= 0")
+
+    @property
+    def looks_back(self) -> bool:
+        return True
+
+    def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
+        base = self.base.cost(arms, previous)
+        added = self.rate * np.concatenate([arm.weights for arm in arms])
+        return replace(
+            base,
+            weights=base.weights + added,
+            gradient=base.gradient - 2 * added * previous,
+            constant=base.constant + float(added @ previous**2),
+        )

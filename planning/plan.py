@@ -1,0 +1,94 @@
+"""`Plan`: what a planner answers, with its proof."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from cartgrasp.contacts import ContactWrenches
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from .infeasibility import Certificate, Nearest
+from .quadratic_program import OPTIMAL, Residuals
+
+INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "invalid_input", "stale_estimate", "timeout"
+
+
+@dataclass(frozen=True)
+class ChoiceProof:
+    """No choice of contacts costs less than `bound` (of the objective); `gap` is relative to max(1, cost);
+    `solved` counts programs."""
+
+    bound: float
+    gap: float
+    solved: int
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"bound": _finite(self.bound), "gap": _finite(self.gap), "solved": self.solved}
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A status, and when it is `optimal` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.
+
+    `effort` is `sum weight component²`. When `infeasible`, `certificate` proves it and holds the nearest
+    plan. `held` is what `plan_or_hold` gives instead when the status is not `optimal`.
+    """
+
+    status: str
+    wrenches: Mapping[str, Array] = field(default_factory=dict)
+    contacts: Mapping[str, Array] = field(default_factory=dict)
+    yaws: Mapping[str, float] = field(default_factory=dict)
+    effort: float | None = None
+    active: tuple[str, ...] = ()
+    residuals: Residuals | None = None
+    choice: ChoiceProof | None = None
+    certificate: Certificate | None = None
+    solve_time: float = 0.0
+    solver: str = ""
+    message: str = ""
+    held: ContactWrenches | None = None
+
+    @property
+    def contact_wrenches(self) -> ContactWrenches:
+        """What the arms should do: the plan, or what is held instead of one."""
+        if self.status == OPTIMAL:
+            return ContactWrenches(self.wrenches, self.contacts, self.yaws)
+        if self.held is None:
+            raise UsageError(
+                f"this plan is {self.status}: {self.message or 'it has no wrenches'}; use plan_or_hold"
+            )
+        return self.held
+
+    @property
+    def nearest(self) -> Nearest | None:
+        return None if self.certificate is None else self.certificate.nearest
+
+    def as_dict(self) -> dict[str, Any]:
+        """The JSON of `cartgrasp plan`; `nearest` only when infeasible, `message` only when there is no
+        certificate."""
+        document: dict[str, Any] = {
+            "status": self.status,
+            "effort": self.effort,
+            "arms": {
+                name: {"contact": self.contacts[name].tolist(), "wrench": wrench.tolist()}
+                for name, wrench in self.wrenches.items()
+            },
+            "active": list(self.active),
+            "residuals": None if self.residuals is None else self.residuals.as_dict(),
+            "choice": None if self.choice is None else self.choice.as_dict(),
+            "certificate": None if self.certificate is None else self.certificate.as_dict(),
+            "solve_time_s": self.solve_time,
+        }
+        if self.certificate is not None:
+            document["nearest"] = None if self.nearest is None else self.nearest.as_dict()
+        elif self.status != OPTIMAL:
+            document["message"] = self.message
+        return document
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

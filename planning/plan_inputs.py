@@ -1,0 +1,76 @@
+"""Checks before the solve: a solver would return numbers for a NaN, so no NaN gets there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cartgrasp.errors import CartgraspError
+from cartgrasp.frames import Array
+
+from .plan import INVALID_INPUT, STALE_ESTIMATE
+
+if TYPE_CHECKING:
+    from cartgrasp.motion import Estimate
+
+LARGEST_WRENCH = 1e9  # N, N·m
+LARGEST_POSITION = 1e6  # m
+MAX_ESTIMATE_AGE = 0.5  # s
+
+
+class RefusedError(CartgraspError):
+    """Data that can't be planned with; becomes a plan's status and message."""
+
+    def __init__(self, status: str, message: str) -> None:
+        self.status = status
+        super().__init__(message)
+
+
+def read_wrench(wrench: Any) -> Array:
+    """(fx, fy, tau) in {b}, shape (3,)."""
+    return _read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH)
+
+
+def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str, Array]:
+    """Contacts (3,) in {b} of some or all arms."""
+    if not isinstance(contacts, Mapping):
+        raise RefusedError(INVALID_INPUT, "contacts: a mapping from arm to (x, y, z) is needed")
+    for name in contacts:
+        if name not in names:
+            raise RefusedError(
+                INVALID_INPUT, f"contacts: there is no arm {name!r}; there are {', '.join(names)}"
+            )
+    return {
+        name: _read(point, f"contacts: {name}", "(x, y, z) in {b}", LARGEST_POSITION)
+        for name, point in contacts.items()
+    }
+
+
+def check_estimate(estimate: Estimate, newest: float) -> float:
+    """The time of the newest estimate so far, s; refused if this one isn't finite or much older."""
+    values = [float(parameter.value) for parameter in estimate.parameters.values()]
+    numbers = np.concatenate([np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity), values])
+    if not (math.isfinite(estimate.time) and np.isfinite(numbers).all()):
+        raise RefusedError(INVALID_INPUT, "estimate: its time, motion or a parameter is not finite")
+    if estimate.time < newest - MAX_ESTIMATE_AGE:
+        age = newest - estimate.time
+        raise RefusedError(STALE_ESTIMATE, f"estimate: {age:.3g} s older than the newest one given before")
+    return max(newest, estimate.time)
+
+
+def _read(value: Any, what: str, form: str, largest: float) -> Array:
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RefusedError(INVALID_INPUT, f"{what}: {value!r} is not three numbers {form}") from error
+    if numbers.shape != (3,):
+        raise RefusedError(INVALID_INPUT, f"{what}: shape {numbers.shape} instead of three numbers {form}")
+    a, b, c = numbers.tolist()
+    if not (abs(a) <= largest and abs(b) <= largest and abs(c) <= largest):
+        raise RefusedError(
+            INVALID_INPUT, f"{what}: {[a, b, c]} is not finite, or beyond {largest:g}; {form} is needed"
+        )
+    return numbers

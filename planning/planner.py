@@ -1,0 +1,248 @@
+"""`WrenchPlanner`: what a controller calls at its rate; it checks, chooses contacts, allocates, and
+proves."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cartgrasp.arms import Arm
+from cartgrasp.contacts import ContactSet, ContactWrenches
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from .allocation import conclude
+from .allocation_template import AllocationTemplate
+from .contact_bounds import Candidates
+from .contact_cases import CaseSolver, Question
+from .contact_choice import Choice, ContactSearch, SearchLimit
+from .contact_regions import DISTANCE_TOLERANCE
+from .infeasibility import Certificate
+from .objectives import Objective
+from .plan import TIMEOUT, ChoiceProof, Plan
+from .plan_inputs import RefusedError, check_estimate, read_contacts, read_wrench
+from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
+from .solvers import QuadraticSolver, solve_with_clarabel
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Estimate
+
+PERIOD = 1e-3  # s, between calls of plan_or_hold
+HOLD_TIME = 0.1  # s, time constant with which a held wrench decays
+NO_LIMIT = SearchLimit()
+
+
+class WrenchPlanner:
+    """Plans for one cart and its arms. It remembers its last wrench: to hold it, to start the next choice of
+    contacts from, and for `Smoothness`."""
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        *,
+        objective: Objective | None = None,
+        min_hand_distance: float = 0.0,
+        search_limit: SearchLimit = NO_LIMIT,
+        period: float = PERIOD,
+    ) -> None:
+        if not (math.isfinite(min_hand_distance) and min_hand_distance >= 0):
+            raise UsageError(f"min_hand_distance: {min_hand_distance} is not a finite number >= 0, in m")
+        if not (math.isfinite(period) and period > 0):
+            raise UsageError(f"period: {period} is not a finite number > 0, in s")
+        self._template = AllocationTemplate.of(cart, arms, objective)
+        self._sets = {arm.name: arm.contacts for arm in self._template.arms}
+        self._candidates = Candidates.of(list(self._sets.values()), min_hand_distance)
+        self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
+        self._yaws = dict(zip(self._template.names, self._template.yaws.tolist(), strict=True))
+        self._solver, self._cases = QuadraticSolver(), CaseSolver(self._template)
+        self._program: QuadraticProgram | None = None
+        self._program_points = np.zeros((0, 3))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets the last wrench, contacts and estimate."""
+        self._last = np.zeros(self._template.n)
+        self._last_points = np.array([contacts.first for contacts in self._sets.values()])
+        self._cost = self._template.cost(self._last)
+        self._newest_estimate = -math.inf
+
+    def warm_up(self) -> None:
+        """Does now what would cost at the first call: workspaces, and the import of the fallback solver."""
+        self.plan((0.0, 0.0, 0.0))
+        self.plan((1.0, 0.0, 0.1))
+        self.reset()
+        solve_with_clarabel(self._program_at(self._last_points, np.zeros(self._template.basis_b.shape[1])))
+
+    # --- planning -----------------------------------------------------------------------------------------
+
+    def plan(
+        self,
+        wrench: ArrayLike,
+        contacts: Mapping[str, ArrayLike] | None = None,
+        estimate: Estimate | None = None,
+    ) -> Plan:
+        """`wrench` is the desired (fx, fy, tau) on the cart in {b}; `contacts` (3,) by arm are fixed this
+        tick, and for arms left out the planner chooses. An estimate 0.5 s older than the newest given is
+        stale."""
+        start = time.perf_counter()
+        try:
+            target = self._template.basis_b.T @ read_wrench(wrench)
+            candidates = self._candidates if contacts is None else self._narrowed(contacts)
+            if estimate is not None:
+                self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+        except RefusedError as refused:
+            return self._refusal(refused.status, str(refused), start)
+        if candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
+            return self._too_near(candidates, start)
+        points = candidates.single
+        if points is None:
+            return self._choose(candidates, target, start)
+        return self._solve_at(points, target, start)
+
+    def plan_or_hold(self, wrench: ArrayLike, contacts: Mapping[str, ArrayLike] | None = None) -> Plan:
+        """As `plan`, and a safe wrench whatever the status: when it is not `optimal`, the last one, decaying
+        with a time constant of 0.1 s (zero if there was none). Limits are convex and hold the zero wrench, so
+        it stays within."""
+        plan = self.plan(wrench, contacts)
+        if plan.status == OPTIMAL:
+            return plan
+        self._remember(self._decay * self._last, self._last_points)
+        held = ContactWrenches(self._by_arm(self._last), self._by_arm(self._last_points), self._yaws)
+        return replace(plan, held=held)
+
+    # --- contacts -----------------------------------------------------------------------------------------
+
+    def _narrowed(self, contacts: Mapping[str, ArrayLike]) -> Candidates:
+        """The candidates with some arms' contacts fixed."""
+        given = read_contacts(contacts, self._template.names)
+        sets = [
+            ContactSet((tuple(given[name].tolist()),)) if name in given else own
+            for name, own in self._sets.items()
+        ]
+        return Candidates.of(sets, self._candidates.distance)
+
+    def _solve_at(self, points: Array, target: Array, start: float) -> Plan:
+        program = self._program_at(points, target)
+        solution = self._solver.solve(program)
+        if solution.status != OPTIMAL:
+            return self._concluded(points, program, solution, None, start)
+        return self._solved(points, program, solution, ChoiceProof(solution.cost, 0.0, 1), start)
+
+    def _choose(self, candidates: Candidates, target: Array, start: float) -> Plan:
+        question = Question(target, self._cost)
+        choice = ContactSearch(candidates, self._cases, question, self._limit).run(self._last_points)
+        if choice.contacts is None:
+            return self._none_found(candidates, question, choice, start)
+        program = self._program_at(choice.contacts, target)
+        solution = self._solver.solve(program)
+        cost = solution.cost if solution.status == OPTIMAL else choice.value
+        gap = max(0.0, cost - choice.bound) / max(1.0, abs(cost))
+        proof = ChoiceProof(choice.bound, gap, choice.solved + 1)
+        return self._concluded(choice.contacts, program, solution, proof, start)
+
+    def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:
+        if not choice.complete:
+            message = (
+                f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
+            )
+            return self._refusal(TIMEOUT, message, start)
+        if np.isfinite(choice.bound):
+            return self._refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
+        nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
+        if nearest.contacts is None and nearest.complete and not np.isfinite(nearest.bound):
+            return self._too_near(candidates, start)
+        if nearest.contacts is None:
+            return self._refusal(
+                NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start
+            )
+        program = self._program_at(nearest.contacts, question.target)
+        proof = ChoiceProof(np.inf, np.inf, choice.solved + nearest.solved + 1)
+        plan = self._concluded(nearest.contacts, program, self._solver.solve(program), proof, start)
+        if plan.certificate is None:
+            return plan
+        others = f"at the nearest of {candidates.count} choices of contacts; none is feasible"
+        words = f"{plan.certificate.words} ({others})"
+        return replace(plan, certificate=replace(plan.certificate, words=words), message=words)
+
+    def _program_at(self, points: Array, target: Array) -> QuadraticProgram:
+        """The program at contacts; where these are as at the last call, only its equality's value is new."""
+        if self._program is None or not np.array_equal(points, self._program_points):
+            self._program = self._template.program(self._template.contact_rows(points), target, self._cost)
+            self._program_points = points
+        program = self._program.with_equality_value(target)
+        if self._template.objective.looks_back:
+            program = replace(program, gradient=self._cost.gradient, constant=self._cost.constant)
+        return program
+
+    # --- answers ------------------------------------------------------------------------------------------
+
+    def _solved(
+        self, points: Array, program: QuadraticProgram, solution: QPSolution, proof: ChoiceProof, start: float
+    ) -> Plan:
+        self._remember(solution.x, points)
+        return Plan(
+            status=OPTIMAL,
+            wrenches=self._by_arm(solution.x),
+            contacts=self._by_arm(points),
+            yaws=self._yaws,
+            effort=self._template.effort(solution.x),
+            active=program.active(solution),
+            residuals=solution.residuals,
+            choice=proof,
+            solve_time=time.perf_counter() - start,
+            solver=solution.solver,
+            message=solution.message,
+        )
+
+    def _concluded(
+        self,
+        points: Array,
+        program: QuadraticProgram,
+        solution: QPSolution,
+        proof: ChoiceProof | None,
+        start: float,
+    ) -> Plan:
+        """As `_solved`, for what may have failed."""
+        allocation = conclude(self._template, points, program, solution)
+        if allocation.status == OPTIMAL:
+            proof = proof or ChoiceProof(allocation.solution.cost, 0.0, 1)
+            return self._solved(points, program, allocation.solution, proof, start)
+        words = allocation.certificate.words if allocation.certificate else allocation.solution.message
+        return Plan(
+            status=allocation.status,
+            choice=proof,
+            certificate=allocation.certificate,
+            solve_time=time.perf_counter() - start,
+            solver=allocation.solution.solver,
+            message=words,
+        )
+
+    def _too_near(self, candidates: Candidates, start: float) -> Plan:
+        asked, most = candidates.distance, candidates.widest
+        words = f"min_hand_distance: no choice of contacts keeps the hands {asked:g} m apart"
+        if most < asked:
+            words += f"; at most {most:.6g} m is possible"
+        else:
+            most = math.nan  # each pair of arms can, all at once can't
+        certificate = Certificate(words, asked, most, limits={"min_hand_distance": asked})
+        spent = time.perf_counter() - start
+        return Plan(INFEASIBLE, certificate=certificate, solve_time=spent, message=words)
+
+    def _refusal(self, status: str, message: str, start: float) -> Plan:
+        return Plan(status, solve_time=time.perf_counter() - start, message=message)
+
+    def _remember(self, wrenches: Array, points: Array) -> None:
+        self._last, self._last_points = wrenches, points
+        if self._template.objective.looks_back:
+            self._cost = self._template.cost(wrenches)
+
+    def _by_arm(self, values: Array) -> dict[str, Array]:
+        return dict(zip(self._template.names, values.reshape(len(self._template.arms), -1), strict=True))

@@ -1,0 +1,243 @@
+"""The exam that every effect of the vocabulary sits. A new one in KNOWN_EFFECTS is examined without a line here,
+except that a force says below whether it can give energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from cartgrasp.cart_file import cart_from_text, cart_text
+from cartgrasp.effects import KNOWN_EFFECTS, SensorEffect
+from cartgrasp.errors import UsageError
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from tests.core.differences import assert_partials
+from tests.core.drawn import numbers, vectors
+
+from .drawn import FORCE_EFFECTS, INERTIA_EFFECTS, SENSOR_EFFECTS, effects, trials
+
+GIVES_ENERGY = {
+    "viscous_drag": False,
+    "rolling_resistance": False,
+    "stribeck_friction": False,
+    "quadratic_drag": False,
+    "directional_drag": False,  # while neither value is negative
+    "floor_slope": True,
+    "floor_patch": False,
+    "caster_realignment": False,
+    "wheel_drag_imbalance": True,  # a moment whose wheel's place is not known
+    "external_push": True,
+}
+CONTRACT = {
+    "viscous_drag": {"linear": "N·s/m", "angular": "N·m·s/rad"},
+    "rolling_resistance": {"coefficient": "-"},
+    "stribeck_friction": {"breakaway": "N", "speed": "m/s"},
+    "quadratic_drag": {"coefficient": "N·s²/m²"},
+    "directional_drag": {"forward": "N·s/m", "backward": "N·s/m"},
+    "floor_slope": {"grade_x": "-", "grade_y": "-"},
+    "floor_patch": {"x_min": "m", "x_max": "m", "y_min": "m", "y_max": "m", "coefficient": "-"},
+    "caster_realignment": {"swivel_torque": "N·m", "trail": "m"},
+    "wheel_drag_imbalance": {"force": "N", "moment": "N·m"},
+    "payload_change": {"time": "s", "mass": "kg", "x": "m", "y": "m"},
+    "force_bias": {"fx": "N", "fy": "N", "tz": "N·m"},
+    "force_scale": {"gain": "-"},
+    "force_misalignment": {"angle": "rad"},
+    "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
+}
+PARTIALS = {
+    "pose_sb": "by_pose",
+    "velocity_b": "by_velocity",
+    "phi": "by_phi",
+    "memory": "by_memory",
+    "parameters": "by_parameters",
+}
+
+every_effect = pytest.mark.parametrize("kind", KNOWN_EFFECTS.values(), ids=lambda kind: kind.name)
+every_force = pytest.mark.parametrize("kind", FORCE_EFFECTS, ids=lambda kind: kind.name)
+every_change = pytest.mark.parametrize("kind", INERTIA_EFFECTS, ids=lambda kind: kind.name)
+every_sensor = pytest.mark.parametrize("kind", SENSOR_EFFECTS, ids=lambda kind: kind.name)
+spatial_wrenches = vectors(6, -80.0, 80.0)
+
+
+@every_effect
+def test_speaks_the_contracts_language(kind):
+    assert {p.name: p.unit for p in kind.parameters} == CONTRACT[kind.name]
+    assert kind.field_names() == tuple(p.name for p in kind.parameters)
+    assert len(kind.signature.split()) > 4
+    for parameter in kind.parameters:
+        assert parameter.typical > 0
+        assert parameter.lower <= parameter.absent <= parameter.upper
+        assert getattr(kind(), parameter.name) == parameter.absent
+
+
+@every_force
+@given(data=st.data())
+def test_partials_of_the_wrench(kind, data):
+    trial = data.draw(trials(kind))
+    at = {
+        "pose_sb": trial.situation.pose_sb,
+        "velocity_b": trial.situation.velocity_b,
+        "phi": trial.situation.phi,
+        "memory": trial.memory,
+        "parameters": trial.values,
+    }
+    for method in ("wrench_b", "memory_rate") if len(trial.memory) else ("wrench_b",):
+        contribution = trial.contribution(method)
+        for argument, name in PARTIALS.items():
+            analytic = getattr(contribution, name)
+            analytic = np.zeros((1, len(at[argument]))) if analytic is None else analytic
+            if argument == "parameters" and getattr(trial.effect, "trail", None) == 0.0:
+                assert not analytic[..., 1].any()  # a trail of 0 stands for the listed one
+                continue
+
+            def value(moved, method=method, argument=argument):
+                return trial.contribution(method, **{argument: moved}).value
+
+            assert_partials(analytic, value, at[argument])
+
+
+@every_change
+@given(data=st.data(), time=numbers(-40, 40))
+def test_partials_of_a_change_of_phi(kind, data, time):
+    effect = data.draw(effects(kind))
+    assume(abs(time - effect.time) > 1e-3)  # it jumps there
+    change = effect.phi_change(time, effect.values)
+    assert_partials(change.by_parameters, lambda v: effect.phi_change(time, v).value, effect.values)
+
+
+@every_sensor
+@given(data=st.data(), wrench=spatial_wrenches)
+def test_partials_and_inverse_of_a_sensor(kind, data, wrench):
+    effect = data.draw(effects(kind))
+    corrected = effect.corrected(wrench, effect.values)
+    by_memory = np.eye(6) if corrected.by_memory is None else corrected.by_memory
+    assert_partials(by_memory, lambda w: effect.corrected(w, effect.values).value, wrench)
+    assert_partials(corrected.by_parameters, lambda v: effect.corrected(wrench, v).value, effect.values)
+    recorded = effect.recorded(wrench, effect.values)
+    np.testing.assert_allclose(effect.corrected(recorded, effect.values).value, wrench, atol=1e-12)
+
+
+@every_force
+@given(data=st.data())
+def test_a_force_is_zero_where_it_is_absent(kind, data):
+    trial = data.draw(trials(kind))
+    absent = replace(trial, effect=trial.effect.without())
+    contribution = absent.contribution()
+    assert not contribution.value.any()
+    for partial in (contribution.by_pose, contribution.by_velocity, contribution.by_phi, contribution.by_memory):
+        assert partial is None or not partial.any()
+
+
+@every_change
+@given(time=numbers(-40, 40))
+def test_a_change_of_phi_is_zero_where_it_is_absent(kind, time):
+    assert not kind().phi_change(time, kind().without().values).value.any()
+
+
+@every_sensor
+@given(data=st.data(), wrench=spatial_wrenches)
+def test_a_sensor_is_true_where_its_effect_is_absent(kind, data, wrench):
+    absent = data.draw(effects(kind)).without()
+    np.testing.assert_array_equal(absent.recorded(wrench, absent.values), wrench)
+    np.testing.assert_array_equal(absent.corrected(wrench, absent.values).value, wrench)
+
+
+@pytest.mark.parametrize("kind", [k for k in FORCE_EFFECTS if not GIVES_ENERGY[k.name]], ids=lambda k: k.name)
+@given(data=st.data())
+def test_dissipation_never_gives_energy(kind, data):
+    trial = data.draw(trials(kind, at_least=0.0 if kind.name == "directional_drag" else -np.inf))
+    parts = trial.wrench() * trial.situation.velocity_b
+    assert parts.sum() <= 1e-14 * np.abs(parts).sum()
+
+
+@every_force
+@given(data=st.data())
+def test_broadcasting_equals_looping(kind, data):
+    """Three situations against two sets of parameters; time, pose, velocity, phi and memory stacked."""
+    trial = data.draw(trials(kind))
+    others = [data.draw(trials(kind)) for _ in range(2)]
+    rows = [trial, *(replace(o, situation=replace(o.situation, wheels=trial.situation.wheels)) for o in others)]
+    n = len(trial.memory)
+    memory = np.array([np.resize(np.append(row.memory, 0.1), n) for row in rows])
+    stacked = replace(
+        trial.situation,
+        time=np.array([row.situation.time for row in rows]),
+        pose_sb=np.array([row.situation.pose_sb for row in rows]),
+        velocity_b=np.array([row.situation.velocity_b for row in rows]),
+        phi=np.array([row.situation.phi for row in rows]),
+    )
+    values = np.array([trial.values, others[0].values])
+    for method in ("wrench_b", "memory_rate"):
+        together = getattr(trial.effect, method)(stacked, memory, values[:, None])
+        for i, own in enumerate(values):
+            for j, row in enumerate(rows):
+                alone = getattr(trial.effect, method)(row.situation, memory[j], own)
+                for name in ("value", *PARTIALS.values()):
+                    one, many = getattr(alone, name), getattr(together, name)
+                    assert (one is None) == (many is None)
+                    if one is not None:
+                        many = np.broadcast_to(many, (2, 3, *one.shape))
+                        np.testing.assert_allclose(many[i, j], one, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", INERTIA_EFFECTS + SENSOR_EFFECTS, ids=lambda kind: kind.name)
+@given(data=st.data(), stack=st.lists(spatial_wrenches, min_size=3, max_size=3))
+def test_broadcasting_of_sensors_and_inertia_equals_looping(kind, data, stack):
+    drawn = [data.draw(effects(kind)) for _ in range(2)]
+    values = np.array([effect.values for effect in drawn])
+
+    def contribution(at, parameters):
+        if issubclass(kind, SensorEffect):
+            return drawn[0].corrected(at, parameters)
+        return drawn[0].phi_change(at if np.ndim(at) < 2 else at[:, 0], parameters)
+
+    for at in (np.array(stack), np.array(stack)[:1]):
+        together = contribution(at, values[:, None])
+        for i, own in enumerate(values):
+            for j, one in enumerate(at):
+                alone = contribution(one if issubclass(kind, SensorEffect) else one[0], own)
+                np.testing.assert_allclose(together.value[i, j], alone.value, atol=1e-12)
+                many = np.broadcast_to(together.by_parameters, (2, len(at), *alone.by_parameters.shape))
+                np.testing.assert_allclose(many[i, j], alone.by_parameters, atol=1e-12)
+
+
+@every_effect
+def test_values_outside_the_bounds_are_refused(kind):
+    for parameter in kind.parameters:
+        wrong = [np.nan, np.inf, -np.inf]
+        wrong += [np.nextafter(parameter.lower, -np.inf)] if np.isfinite(parameter.lower) else []
+        wrong += [np.nextafter(parameter.upper, np.inf)] if np.isfinite(parameter.upper) else []
+        for value in wrong:
+            with pytest.raises(UsageError, match=rf"^{kind.name}\.{parameter.name}: .*(finite|outside)"):
+                kind(**{parameter.name: value})
+    for low, high in kind.ordered:
+        with pytest.raises(UsageError, match=rf"{kind.name}\.{low}: 2 is above {high} = 1"):
+            kind(**{low: 2.0, high: 1.0})
+
+
+@every_effect
+@given(data=st.data())
+def test_with_values_brings_them_inside_the_bounds(kind, data):
+    wanted = [data.draw(numbers(-100, 100)) for _ in kind.parameters]
+    names = [p.name for p in kind.parameters]
+    for low, high in kind.ordered:
+        i, j = names.index(low), names.index(high)
+        wanted[i], wanted[j] = sorted((wanted[i], wanted[j]))
+    effect = kind(label="left").with_values(wanted)
+    assert effect.label == "left"
+    for parameter, value, got in zip(kind.parameters, wanted, effect.values, strict=True):
+        assert got == min(max(value, parameter.lower), parameter.upper)
+        assert got == getattr(effect, parameter.name)
+
+
+@every_effect
+@given(data=st.data())
+def test_cart_file_round_trip(kind, data):
+    effect = data.draw(effects(kind))
+    cart = CartModel(Inertia(20.0, (0.3, 0.1), 2.0), effects=(effect,))
+    assert cart_from_text(cart_text(cart)) == cart
+    assert cart.parameter_names[4:] == effect.keys

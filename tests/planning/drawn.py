@@ -1,0 +1,150 @@
+"""Random problems, and small carts and arms that many tests share."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.optimize import linprog
+
+from cartgrasp.arms import Arm, Friction
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.contacts import grasp_map_planar
+
+FORCE, MOMENT = (60.0, 60.0, 40.0), (8.0, 8.0, 6.0)
+
+
+def cart(rows=1, axle_x=0.0):
+    """A stand-in for CartModel with 0, 1 or 2 constraint rows."""
+    constraints = RollingConstraints(None if rows == 0 else axle_x, no_rotation=rows == 2)
+    return SimpleNamespace(constraints=constraints)
+
+
+def arm(name="left", contacts=((-0.25, 0.2, 1.0),), **changes):
+    values = {
+        "force_limit": FORCE,
+        "moment_limit": MOMENT,
+        "friction": Friction(0.6, 4),
+    } | changes
+    return Arm(name, contacts, **values)
+
+
+def bar(name="left", low=-0.25, high=0.25, **changes):
+    """An arm that may hold anywhere on a straight handle along y."""
+    return arm(name, (), segment=((-0.25, low, 1.0), (-0.25, high, 1.0)), **changes)
+
+
+def random_cart(rng):
+    return cart(int(rng.integers(0, 3)), float(rng.uniform(-0.3, 0.3)))
+
+
+def random_arms(rng, n, n_points=1, sides=None):
+    """Arms with every mix of limits: with and without friction, unlimited, and with limits of zero."""
+    arms = []
+    for i in range(n):
+        force, moment = rng.uniform(5, 60, 3), rng.uniform(0.5, 8, 3)
+        if rng.random() < 0.2:
+            moment[rng.integers(3)] = 0.0
+        if rng.random() < 0.2:
+            force[:] = np.inf
+        kind = rng.choice([0, 3, 4, 8]) if sides is None else sides
+        friction = None if kind == 0 else Friction(float(rng.uniform(0.2, 1.0)), kind if sides else int(kind))
+        points = rng.uniform((-0.5, -0.5, 0.8), (0.5, 0.5, 1.2), (n_points, 3))
+        weights = rng.uniform(0.5, 12, 6)
+        arms.append(
+            Arm(
+                f"arm{i}",
+                points.tolist(),
+                yaw=float(rng.uniform(-0.8, 0.8)),
+                force_limit=force,
+                moment_limit=moment,
+                friction=friction,
+                weights=weights,
+            )
+        )
+    return arms
+
+
+def replace_friction(a, friction):
+    return Arm(
+        a.name,
+        a.contacts,
+        yaw=a.yaw,
+        force_limit=a.force_limit,
+        moment_limit=a.moment_limit,
+        friction=friction,
+        weights=a.weights,
+    )
+
+
+def first_contacts(arms):
+    return {a.name: np.array(a.contacts.first) for a in arms}
+
+
+def linear_limits(arms):
+    """Limits as (C, d, bounds) written down independently of planning.limits."""
+    rows, limits, bounds = [], [], []
+    for i, a in enumerate(arms):
+        for j, limit in enumerate([*a.force_limit, *a.moment_limit]):
+            low = 0.0 if a.friction is not None and j == 0 else -limit
+            bounds.append((None if np.isinf(low) else low, None if np.isinf(limit) else limit))
+        if a.friction is None:
+            continue
+        sides, mu = a.friction.sides, a.friction.mu
+        corners = [
+            mu * np.array([np.cos(2 * np.pi * k / sides), np.sin(2 * np.pi * k / sides)]) for k in range(sides)
+        ]
+        for one, other in zip(corners, corners[1:] + corners[:1], strict=True):
+            normal = np.array([other[1] - one[1], one[0] - other[0]])  # outward for a walk against the clock
+            row = np.zeros(6 * len(arms))
+            row[6 * i : 6 * i + 3] = [-normal @ one, *normal]
+            rows.append(row)
+            limits.append(0.0)
+    matrix = np.array(rows).reshape(len(rows), 6 * len(arms))
+    return matrix, np.array(limits), bounds
+
+
+def effective_matrix(model, arms, contacts):
+    maps = [grasp_map_planar(contacts[a.name], a.yaw) for a in arms]
+    return model.constraints.basis_b.T @ np.hstack(maps)
+
+
+def support(model, arms, contacts, direction):
+    """Most that the arms can give along a direction of (fx, fy, tau), by HiGHS; infinite if without limit."""
+    matrix, limits, bounds = linear_limits(arms)
+    maps = np.hstack([grasp_map_planar(contacts[a.name], a.yaw) for a in arms])
+    found = linprog(-(np.asarray(direction) @ maps), matrix, limits, bounds=bounds, method="highs")
+    return np.inf if found.status == 3 else -found.fun
+
+
+def is_feasible(model, arms, contacts, wrench):
+    matrix, limits, bounds = linear_limits(arms)
+    equality = effective_matrix(model, arms, contacts)
+    target = model.constraints.basis_b.T @ np.asarray(wrench)
+    found = linprog(np.zeros(6 * len(arms)), matrix, limits, equality, target, bounds=bounds, method="highs")
+    return found.status == 0
+
+
+def largest_scale(model, arms, contacts, wrench):
+    """The largest t such that t times the wrench is feasible, by HiGHS; infinite if every t is."""
+    matrix, limits, bounds = linear_limits(arms)
+    equality = effective_matrix(model, arms, contacts)
+    target = model.constraints.basis_b.T @ np.asarray(wrench)
+    cost = np.zeros(6 * len(arms) + 1)
+    cost[-1] = -1.0
+    wide = np.hstack([matrix, np.zeros((len(matrix), 1))])
+    equal = np.hstack([equality, -target[:, None]])
+    found = linprog(
+        cost, wide, limits, equal, np.zeros(len(target)), bounds=[*bounds, (0, None)], method="highs"
+    )
+    return np.inf if found.status == 3 else -found.fun
+
+
+def violation(arms, wrenches):
+    """By how much wrenches break the limits, written down independently."""
+    matrix, limits, bounds = linear_limits(arms)
+    x = np.concatenate([wrenches[a.name] for a in arms])
+    lower = np.array([-np.inf if low is None else low for low, _ in bounds])
+    upper = np.array([np.inf if high is None else high for _, high in bounds])
+    rows = matrix @ x - limits if len(matrix) else np.zeros(1)
+    return max(0.0, float(np.max(x - upper)), float(np.max(lower - x)), float(np.max(rows)))

@@ -1,0 +1,206 @@
+"""The player's page in a browser, where one is found."""
+
+from __future__ import annotations
+
+import html
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from cartgrasp.logs.run_log import ArmLog
+from cartgrasp.simulation.record import RunRecord
+from cartgrasp.view.player import write_player
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+    "--hide-scrollbars",
+    "--enable-logging=stderr",
+    "--force-device-scale-factor=1",
+    "--window-size=1400,900",
+)
+
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no chromium or google-chrome on the path")
+
+
+@dataclass(frozen=True)
+class Visit:
+    """The page's DOM after some time, and what it wrote on its console."""
+
+    dom: str
+    console: tuple[str, ...]
+
+    def text(self, name: str) -> str:
+        found = re.search(rf'id="{name}"[^>]*>([^<]*)<', self.dom)
+        assert found, f"no element {name}"
+        return html.unescape(found[1])
+
+    def number(self, name: str) -> float:
+        return float(self.text(name).replace("−", "-"))
+
+
+def run_browser(page: Path, fragment: str, *flags: str) -> subprocess.CompletedProcess[str]:
+    assert BROWSER is not None
+    profile = page.parent / f"profile-{len(list(page.parent.iterdir()))}"
+    command = [BROWSER, *FLAGS, f"--user-data-dir={profile}", *flags, f"{page.as_uri()}#{fragment}"]
+    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+
+
+def visit(page: Path, fragment: str = "", virtual_ms: int = 1000) -> Visit:
+    done = run_browser(page, fragment, f"--virtual-time-budget={virtual_ms}", "--dump-dom")
+    return Visit(done.stdout, tuple(line for line in done.stderr.splitlines() if "CONSOLE" in line))
+
+
+def count_of(colour: str, pixels: np.ndarray) -> int:
+    wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    return int((np.abs(pixels[..., :3] - wanted).max(-1) < 0.02).sum())
+
+
+@pytest.fixture
+def page(record: RunRecord, tmp_path) -> Path:
+    return write_player(record, tmp_path / "run.html", "Two bends")
+
+
+@pytest.mark.parametrize("time", [12.3, 34.0])
+def test_fragment_sets_the_time_and_readouts_follow(time: float, page: Path, record: RunRecord):
+    seen = visit(page, f"t={time}")
+    assert seen.console == ()
+    assert 'id="problem" role="alert" hidden' in seen.dom
+    i = int(np.searchsorted(record.time, time - 1e-6))
+    assert seen.number("time") == time
+    assert seen.number("error") == pytest.approx(100 * record.tracking_error[i], abs=0.02)
+    assert seen.number("speed") == pytest.approx(record.velocity[i, 0], abs=0.011)
+    assert seen.text("status") == record.statuses[i]
+
+
+def test_playing_moves_on_and_stops_at_the_end(page: Path, record: RunRecord):
+    playing = visit(page, "t=5&play=1", virtual_ms=8000)
+    assert playing.console == ()
+    assert 5.0 < playing.number("time") <= 13.1  # how many frames come depends on the machine
+    assert 'aria-label="Pause"' in playing.dom
+    ended = visit(page, "t=58&play=1&rate=8", virtual_ms=8000)
+    assert ended.number("time") == pytest.approx(record.time[-1], abs=0.011)
+    assert 'aria-label="Play"' in ended.dom
+
+
+PRESSES = """<script>
+const pressed = (key, shiftKey) => new KeyboardEvent("keydown", {key, shiftKey, bubbles: true});
+const press = (key, shiftKey) => document.body.dispatchEvent(pressed(key, shiftKey));
+const times = [];
+const note = () => { draw(); times.push(element("time").value); };
+press("ArrowRight"); note(); press("ArrowRight", true); note(); press("ArrowLeft"); note();
+press("End"); note(); press("Home"); note(); press("."); note(); press(","); note();
+element("scrubber").value = 7.5; element("scrubber").dispatchEvent(new Event("input")); note();
+press("c"); times.push(camera.mode);
+document.querySelector("[data-camera=path]").click(); times.push(camera.mode);
+element("rate").value = "4"; element("rate").dispatchEvent(new Event("change")); times.push(player.rate);
+element("parameter").selectedIndex = 1; element("parameter").dispatchEvent(new Event("change")); draw();
+times.push(element("chart-parameter").querySelector("output").value);
+press(" "); times.push(player.playing); element("play").click(); times.push(player.playing);
+document.title = times.join("|");
+</script></body>"""
+
+
+def test_keys_and_controls(page: Path):
+    text = page.read_text(encoding="utf-8").replace("Content-Security-Policy", "none")
+    page.write_text(text.replace("</body>", PRESSES), encoding="utf-8")
+    seen = visit(page)
+    assert seen.console == ()
+    title = re.search("<title>(.*)</title>", seen.dom)
+    assert title
+    *noted, parameter, playing, paused = title[1].split("|")
+    assert noted == ["0.50", "5.50", "5.00", "59.99", "0.00", "0.04", "0.00", "7.50", "heading", "path", "4"]
+    assert re.fullmatch(r"0\.\d{3} ± 0\.\d{3}, true 0\.300 m", parameter)
+    assert (playing, paused) == ("true", "false")
+
+
+@pytest.mark.parametrize("camera", ["follow", "heading", "path"])
+def test_cart_paths_and_arms_are_painted(camera: str, page: Path, tmp_path):
+    shot = tmp_path / "shot.png"
+    run_browser(page, f"t=40&camera={camera}", "--virtual-time-budget=1000", f"--screenshot={shot}")
+    stage = imread(shot)[60:780, 230:780]  # beside the legend and the charts
+    assert count_of("#009e73", stage) > 100, "driven path"
+    assert count_of("#0072b2", stage) > 60, "left arm"
+    assert count_of("#d55e00", stage) > 40, "right arm"
+    assert count_of("#3c4654", stage) > 20, "wheels"
+
+
+def test_dark_scheme_is_dark(page: Path, tmp_path):
+    shot = tmp_path / "dark.png"
+    dark = "--blink-settings=preferredColorScheme=0"
+    run_browser(page, "t=20", "--virtual-time-budget=1000", f"--screenshot={shot}", dark)
+    assert np.median(imread(shot)[..., :3]) < 0.2
+
+
+def test_bare_and_gappy_runs_are_shown(bare_record: RunRecord, tmp_path):
+    pose = bare_record.pose.copy()
+    pose[:300] = np.nan
+    page = write_player(replace(bare_record, pose=pose), tmp_path / "bare.html", "Bare")
+    seen = visit(page, "t=1")
+    assert seen.console == ()
+    assert seen.text("error") == "–"
+    assert visit(page, "t=5").number("error") > 0
+
+
+def test_one_row_is_a_run_too(record: RunRecord, tmp_path):
+    first = slice(0, 1)
+    arms = {a: ArmLog(log.contact[first], log.wrench[first]) for a, log in record.log.arms.items()}
+    single = replace(
+        record,
+        log=replace(record.log, time=record.time[first], pose=record.log.pose[first], arms=arms),
+        pose=record.pose[first],
+        velocity=record.velocity[first],
+        reference_pose=record.reference_pose[first],
+        wrenches={a: w[first] for a, w in record.wrenches.items()},
+        parameters={},
+        caster_headings=None,
+        statuses=("optimal",),
+    )
+    seen = visit(write_player(single, tmp_path / "single.html", "One row"), "play=1")
+    assert seen.console == ()
+    assert seen.number("time") == 0.0
+
+
+def test_hostile_names_stay_text(record: RunRecord, tmp_path):
+    name = (
+        "</script><script>document.title = 'owned'</script><img src=x onerror=\"document.title = 'owned'\">"
+    )
+    arm = record.log.arms["left"]
+    hostile = replace(
+        record,
+        log=replace(record.log, arms={name: arm, "__proto__": arm, "constructor": arm}, name=name),
+        cart=replace(record.cart, name=name),
+        parameters={name: replace(record.parameters["mass"], unit=name)},
+        statuses=(name,) * len(record.time),
+    )
+    seen = visit(write_player(hostile, tmp_path / "hostile.html", name), "t=20")
+    assert seen.console == ()
+    assert "<img" not in seen.dom
+    assert seen.dom.count("<script") == 2
+    assert "owned" in seen.text("status")
+    assert html.escape(name, quote=False) in seen.dom
+
+
+def test_policy_stops_what_gets_in(page: Path):
+    """The control of the tests above: what they listen for does speak, and the policy does bite."""
+    text = page.read_text(encoding="utf-8")
+    intruder = "<script>document.title = 'owned'</script><img src='http://127.0.0.1:9/x.png'></body>"
+    page.write_text(text.replace("</body>", intruder), encoding="utf-8")
+    seen = visit(page)
+    assert "<title>Two bends</title>" in seen.dom
+    assert len(seen.console) >= 2
+    assert "blocked" in seen.text("problem")
