@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -90,8 +91,13 @@ def save_cart(cart: CartModel, path: str | os.PathLike[str]) -> Path:
 
 def cart_text(cart: CartModel) -> str:
     document = parse_yaml(cart.source, "cart.yaml") if cart.source else CommentedMap()
-    for key, value in _entries(cart).items():
+    entries = _entries(cart)
+    for stale in ("com_height", "wheels"):
+        if stale in document and stale not in entries:
+            del document[stale]
+    for key, value in entries.items():
         _put(document, key, value)
+    _order(document.get("effects"), entries["effects"])
     return dump_yaml(document)
 
 
@@ -140,11 +146,20 @@ def _effects(entries: Mapping[str, Any], refuse: Any) -> tuple[Effect, ...]:
         values = {} if values is None else values
         if not isinstance(values, dict):
             raise refuse(["effects", name], f"{values!r} is not a mapping of parameters")
-        labelled = bool(values) and all(isinstance(v, dict) for v in values.values())
-        for label, numbers in (values.items() if labelled else [("", values)]):
-            where = ["effects", name, *([label] if labelled else [])]
-            effects.append(_effect(kind, str(label), numbers, where, refuse))
+        own = {key: value for key, value in values.items() if not isinstance(value, dict)}
+        for label in _labels(values) or [None]:
+            where = ["effects", name] if label is None else ["effects", name, label]
+            numbers = own if label is None else values[label]
+            effect = _effect(kind, "" if label is None else str(label), numbers, where, refuse)
+            if effect.key in (other.key for other in effects):
+                raise refuse(where, f"{effect.key} stands twice; give each its own label")
+            effects.append(effect)
     return tuple(effects)
+
+
+def _labels(values: Mapping[Any, Any]) -> list[Any]:
+    """The labels of an effect's entries in their order; None stands for its own, unlabelled numbers."""
+    return list(dict.fromkeys(key if isinstance(value, dict) else None for key, value in values.items()))
 
 
 def _effect(kind: type[Effect], label: str, numbers: Mapping[str, Any], where: Location, refuse: Any) -> Effect:
@@ -166,39 +181,55 @@ def _effect(kind: type[Effect], label: str, numbers: Mapping[str, Any], where: L
 def _number(value: Any, where: Location, refuse: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise refuse(where, f"{value!r} is not a number")
-    if not abs(float(value)) < float("inf"):
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
         raise refuse(where, f"{value} is not a finite number")
-    return float(value)
+    return number
 
 
 def _entries(cart: CartModel) -> dict[str, Any]:
     entries: dict[str, Any] = {
         "name": cart.name,
-        "mass": cart.inertia.mass,
-        "com": list(cart.inertia.com),
-        "inertia": cart.inertia.about_com,
+        "mass": float(cart.inertia.mass),
+        "com": [float(v) for v in cart.inertia.com],
+        "inertia": float(cart.inertia.about_com),
     }
     if cart.com_height is not None:
-        entries["com_height"] = cart.com_height
+        entries["com_height"] = float(cart.com_height)
     constraints: list[dict[str, Any]] = []
     if cart.constraints.axle_x is not None:
-        constraints.append({"no_lateral_slip": {"x": cart.constraints.axle_x}})
+        constraints.append({"no_lateral_slip": {"x": float(cart.constraints.axle_x)}})
     if cart.constraints.no_rotation:
         constraints.append({"no_rotation": {}})
     entries["constraints"] = constraints
     if cart.wheels:
-        entries["wheels"] = [
-            {"kind": w.kind, "x": w.x, "y": w.y, **({"trail": w.trail} if w.trail else {})} for w in cart.wheels
-        ]
+        entries["wheels"] = [_wheel_entry(wheel) for wheel in cart.wheels]
     effects: dict[str, Any] = {}
     for effect in cart.effects:
         numbers = {p.name: float(v) for p, v in zip(effect.parameters, effect.values, strict=True)}
-        if effect.label:
-            effects.setdefault(effect.name, {})[effect.label] = numbers
-        else:
-            effects[effect.name] = numbers
+        own = effects.setdefault(effect.name, {})
+        own.update({effect.label: numbers} if effect.label else numbers)
     entries["effects"] = effects
     return entries
+
+
+def _wheel_entry(wheel: Wheel) -> dict[str, Any]:
+    trail = {"trail": float(wheel.trail)} if wheel.trail else {}
+    return {"kind": wheel.kind, "x": float(wheel.x), "y": float(wheel.y), **trail}
+
+
+def _order(document: Any, effects: Mapping[str, Any]) -> None:
+    """Puts effects, and the labels of each, in the cart's order: sensor effects act one after another."""
+    if effects and list(document) != list(effects):
+        for name in effects:
+            document.move_to_end(name)
+    for name, values in effects.items():
+        if _labels(document[name]) != _labels(values):
+            for key in values:
+                document[name].move_to_end(key)
 
 
 def _put(document: Any, key: Any, value: Any) -> None:
@@ -206,7 +237,7 @@ def _put(document: Any, key: Any, value: Any) -> None:
     present = document[key] if (isinstance(document, list) or key in document) else None
     if present is not None and plain(present) == value:
         return
-    if isinstance(present, CommentedMap) and isinstance(value, dict):
+    if isinstance(present, CommentedMap) and isinstance(value, dict) and value:
         for stale in [k for k in present if k not in value]:
             del present[stale]
         for inner, part in value.items():

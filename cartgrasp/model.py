@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 N_PHI = len(PHI_NAMES)
+STRUCTURE = ("wheel_set", "basis_b", "parameter_names", "memory_names", "state_names", "velocity_slice", "memory_slice")
+"""Cached properties that do not depend on numbers."""
 N_POSE = 3
 
 
@@ -84,7 +86,10 @@ class CartModel:
         """The same structure with other numbers (p,)."""
         parameters = np.asarray(parameters, dtype=float)
         effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
-        return replace(self, inertia=Inertia.from_phi(parameters[:N_PHI]), effects=effects)
+        other = replace(self, inertia=Inertia.from_phi(parameters[:N_PHI]), effects=effects)
+        structure = {k: v for k, v in self.__dict__.items() if k in STRUCTURE}
+        other.__dict__.update(structure)
+        return other
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Writes `cart.yaml`, with the comments and order of the file it was read from."""
@@ -171,6 +176,7 @@ class CartModel:
         bias, bias_by_velocity = bias_b(situation.velocity_b, situation.phi)
         inverse = np.linalg.inv(basis.T @ mass_matrix_b(situation.phi) @ basis)
         acceleration = _apply(inverse @ basis.T, wrench_b + wrench.value - bias)
+        reach = inverse @ basis.T
         rigid = regressor_b(situation.velocity_b, acceleration @ basis.T)
 
         lead = np.broadcast_shapes(acceleration.shape[:-1], parameters.shape[:-1])
@@ -185,7 +191,6 @@ class CartModel:
         by_state[..., 0, 2], by_state[..., 1, 2] = -value[..., 1], value[..., 0]
         by_state[..., :3, nv] = rotation @ basis
 
-        reach = inverse @ basis.T
         value[..., nv] = acceleration
         by_state[..., nv, :3] = reach @ wrench.by_pose
         by_state[..., nv, nv] = reach @ (wrench.by_velocity - bias_by_velocity) @ basis
@@ -199,6 +204,24 @@ class CartModel:
         self._memory_rate(situation, state, parameters, (value, by_state, by_parameters))
         return StateRate(value, by_state, by_wrench, by_parameters)
 
+    def state_rate(
+        self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0
+    ) -> Array:
+        """Forward dynamics without partials: the rate of the state, (..., n)."""
+        parameters = self.parameters if parameters is None else parameters
+        situation, _ = self._situation(state, parameters, time)
+        basis, phi = self.basis_b, situation.phi
+        push = wrench_b + self._effects(situation, state, parameters) - bias_b(situation.velocity_b, phi)[0]
+        inverse = np.linalg.inv(basis.T @ mass_matrix_b(phi) @ basis)
+        value = np.zeros((*np.broadcast_shapes(push.shape[:-1], state.shape[:-1]), state.shape[-1]))
+        value[..., :3] = _apply(body_to_world(situation.pose_sb[..., 2]), situation.velocity_b)
+        value[..., self.velocity_slice] = _apply(inverse @ basis.T, push)
+        for effect, where, own in self.force_effects:
+            if own.stop > own.start:
+                rows = slice(self.memory_slice.start + own.start, self.memory_slice.start + own.stop)
+                value[..., rows] = effect.memory_rate(situation, state[..., rows], parameters[..., where]).value
+        return value
+
     def required_wrench(
         self, state: Array, acceleration: Array, parameters: Array | None = None, time: Any = 0.0
     ) -> Array:
@@ -206,7 +229,7 @@ class CartModel:
         parameters = self.parameters if parameters is None else parameters
         situation, _ = self._situation(state, parameters, time)
         rigid = regressor_b(situation.velocity_b, acceleration @ self.basis_b.T)
-        effects = _Wrench(self, situation, state, parameters).value
+        effects = self._effects(situation, state, parameters)
         return (_apply(rigid, situation.phi) - effects) @ self.basis_b
 
     def regressor(self, velocity: Array, acceleration: Array) -> Array:
@@ -217,7 +240,14 @@ class CartModel:
         """Sum of the force effects on the cart, (..., 3), in {b}."""
         parameters = self.parameters if parameters is None else parameters
         situation, _ = self._situation(state, parameters, time)
-        return _Wrench(self, situation, state, parameters).value
+        return self._effects(situation, state, parameters)
+
+    def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
+        """Wrenches (3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""
+        situation, _ = self._situation(state, parameters, time)
+        memory = state[..., self.memory_slice]
+        found = [e.stiction(situation, memory[..., own], parameters[..., s]) for e, s, own in self.force_effects]
+        return np.concatenate([np.zeros((3, 0)), *(f for f in found if f is not None)], axis=-1)
 
     def planar_wrench(self, reduced: Array) -> Array:
         """A wrench (..., 3) in {b} without side force whose effective rows `Sᵀ wrench_b` are `reduced`."""
@@ -270,6 +300,14 @@ class CartModel:
             phi = phi + change.value
         velocity_b = state[..., self.velocity_slice] @ self.basis_b.T
         return Situation(time, state[..., :3], velocity_b, phi, self.wheel_set), changes
+
+    def _effects(self, situation: Situation, state: Array, parameters: Array) -> Array:
+        memory = state[..., self.memory_slice]
+        lead = np.broadcast_shapes(state.shape[:-1], parameters.shape[:-1], np.shape(situation.time))
+        total = np.zeros((*lead, 3))
+        for effect, where, own in self.force_effects:
+            total += effect.wrench_b(situation, memory[..., own], parameters[..., where]).value
+        return total
 
     def _memory_rate(
         self, situation: Situation, state: Array, parameters: Array, out: tuple[Array, Array, Array]

@@ -57,14 +57,16 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What an estimator knows at `time`: the motion, the parameters by name, and its own health."""
+    """What an estimator knows at `time`: the motion, the parameters by name, and its own health. `structure` is the
+    cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated."""
 
     time: float
     motion: Motion
     parameters: Mapping[str, ParameterEstimate]
     health: str
-    model: CartModel
+    structure: CartModel
+    model_parameters: Array
 
     def cart(self) -> CartModel:
         """The cart as now estimated."""
-        return self.model
+        return self.structure.with_parameters(self.model_parameters)

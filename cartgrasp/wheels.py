@@ -60,14 +60,47 @@ class WheelSet:
         return np.array([w.kind == CASTER for w in self.wheels])
 
     @cached_property
+    def rolling_map(self) -> Array:
+        """Shape (n, 2, 3): velocity (2,) with which each wheel rolls, from (u, w, r); a fixed one rolls along x only.
+        Its transpose carries a force at the wheel to {b}'s origin."""
+        x, y = self.positions.T
+        rolling = np.zeros((len(x), 2, 3))
+        rolling[:, 0, 0], rolling[:, 0, 2] = 1.0, -y
+        rolling[self.is_caster, 1, 1] = 1.0
+        rolling[self.is_caster, 1, 2] = x[self.is_caster]
+        return rolling
+
+    @cached_property
     def load_map(self) -> Array:
-        """Shape (n, 4): `loads = load_map @ phi`, N."""
-        centre = self.positions.mean(axis=0)
-        equilibrium = np.vstack([np.ones(len(self.wheels)), (self.positions - centre).T])
-        about_centre = np.hstack([np.eye(3), np.zeros((3, 1))])
-        about_centre[1:, 0] = -centre
-        return GRAVITY * np.linalg.pinv(equilibrium, rcond=1e-9) @ about_centre
+        """Shape (n, 4): `loads = load_map @ phi`, N, while every wheel stands on the floor."""
+        return self._load_map(np.ones(len(self.wheels), dtype=bool))
 
     def loads(self, phi: ArrayLike) -> Array:
-        """Static load of each wheel, shape (..., n), N; none is below zero (a wheel can't pull on the floor)."""
-        return np.maximum(np.asarray(phi) @ self.load_map.T, 0.0)
+        """Static load of each wheel, shape (..., n), N."""
+        return self.loads_with_map(phi)[0]
+
+    def loads_with_map(self, phi: ArrayLike) -> tuple[Array, Array]:
+        """Loads (..., n), and their partials by phi, (..., n, 4) or (n, 4). A wheel can't pull on the floor:
+        one that would stands off it, and the others carry all."""
+        phi = np.asarray(phi, dtype=float)
+        load_map, loads = self.load_map, phi @ self.load_map.T
+        standing = np.ones(loads.shape, dtype=bool)
+        while (pulling := standing & (loads < 0)).any():
+            standing &= ~pulling
+            patterns, which = np.unique(standing.reshape(-1, loads.shape[-1]), axis=0, return_inverse=True)
+            load_map = np.stack([self._load_map(pattern) for pattern in patterns])[which.ravel()]
+            load_map = load_map.reshape(*loads.shape, phi.shape[-1])
+            loads = (load_map @ phi[..., None])[..., 0]
+        return loads, load_map
+
+    def _load_map(self, standing: np.ndarray) -> Array:
+        """The load map when only some wheels stand on the floor."""
+        load_map = np.zeros((len(self.wheels), 4))
+        if standing.any():
+            positions = self.positions[standing]
+            centre = positions.mean(axis=0)
+            equilibrium = np.vstack([np.ones(len(positions)), (positions - centre).T])
+            about_centre = np.hstack([np.eye(3), np.zeros((3, 1))])
+            about_centre[1:, 0] = -centre
+            load_map[standing] = GRAVITY * np.linalg.pinv(equilibrium, rcond=1e-9) @ about_centre
+        return load_map

@@ -6,6 +6,7 @@ import difflib
 import io
 import os
 import tempfile
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -14,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.constructor import DuplicateKeyError
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.error import MarkedYAMLError, YAMLError, YAMLWarning
 from ruamel.yaml.scalarbool import ScalarBoolean
 
 from .errors import FileError, Place
@@ -27,6 +28,9 @@ class StrictModel(BaseModel):
 
 
 Model = TypeVar("Model", bound=BaseModel)
+
+MOST_VALUES = 100_000
+DEEPEST = 50
 
 
 def read_yaml(path: str | os.PathLike[str]) -> CommentedMap:
@@ -43,7 +47,9 @@ def read_yaml(path: str | os.PathLike[str]) -> CommentedMap:
 
 def parse_yaml(text: str, name: str) -> CommentedMap:
     try:
-        document = YAML(typ="rt").load(text)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", YAMLWarning)  # an anchor may be used again in YAML 1.2
+            document = YAML(typ="rt").load(text)
     except DuplicateKeyError as error:
         mark = error.problem_mark
         why = "stands twice in this mapping; keep one"
@@ -52,11 +58,13 @@ def parse_yaml(text: str, name: str) -> CommentedMap:
         mark = error.problem_mark or error.context_mark
         why = f"not valid YAML: {error.problem or error.context}"
         raise FileError(_mark_place(name, mark), "", why) from error
-    except (YAMLError, ValueError, RecursionError) as error:
+    except (YAMLError, ValueError, LookupError, TypeError, AttributeError, RuntimeError) as error:
+        # beside its own errors, what ruamel stumbles over: tags (`!!set 3`), odd comments, depth
         why = f"not valid YAML: {str(error).splitlines()[0] if str(error) else type(error).__name__}"
         raise FileError(Place(name), "", why) from error
     if not isinstance(document, CommentedMap):
         raise FileError(Place(name, 1, 1), "", "a mapping `key: value` is needed at the top of the file")
+    _refuse_odd_shapes(document, name)
     return document
 
 
@@ -66,7 +74,7 @@ def validate(model: type[Model], document: CommentedMap, name: str, prefix: Sequ
         return model.model_validate(plain(document))
     except ValidationError as error:
         first = min(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
-        location = [part for part in first["loc"] if _is_key(part)]
+        location = _keys(document, first["loc"], is_missing=first["type"] == "missing")
         why = _why(first)
         if first["type"] == "extra_forbidden" and len(location) == 1:
             why = f"unknown key{did_you_mean(str(location[0]), model.model_fields)}"
@@ -129,9 +137,40 @@ def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path
     return path
 
 
-def _is_key(part: Any) -> bool:
-    """pydantic adds names of union branches to a location; keys and indices stay."""
-    return isinstance(part, int) or (isinstance(part, str) and not part.endswith("]") and "-" not in part)
+def _refuse_odd_shapes(document: CommentedMap, name: str) -> None:
+    """An alias may hold itself, or multiply without end; and a key may be nothing, or a mapping."""
+    waiting: list[tuple[Any, int]] = [(document, 0)]
+    seen = 0
+    while waiting:
+        node, depth = waiting.pop()
+        seen += 1
+        if depth > DEEPEST or seen > MOST_VALUES:
+            why = f"is nested more than {DEEPEST} deep, or holds more than {MOST_VALUES} values"
+            raise _refusal(name, node, why)
+        if isinstance(node, Mapping):
+            if any(key is None or isinstance(key, Mapping | tuple) for key in node):
+                raise _refusal(name, node, "a key must be a word, not nothing, a list or a mapping")
+            waiting.extend((value, depth + 1) for value in node.values())
+        elif isinstance(node, list):
+            waiting.extend((value, depth + 1) for value in node)
+
+
+def _refusal(name: str, node: Any, why: str) -> FileError:
+    line, column = _start(node)
+    return FileError(Place(name, line + 1, column + 1), "", why)
+
+
+def _keys(document: Any, location: Sequence[str | int], is_missing: bool) -> list[str | int]:
+    """The parts of pydantic's location that stand in the document, and the last one where it is missing
+    there; pydantic puts names of union branches between them."""
+    found: list[str | int] = []
+    node = document
+    for part in location:
+        inside = range(len(node)) if isinstance(node, CommentedSeq) else node
+        if isinstance(inside, CommentedMap | range) and part in inside:
+            found.append(part)
+            node = node[part]
+    return [*found, location[-1]] if is_missing else found
 
 
 def _place(document: Any, name: str, location: Sequence[str | int]) -> Place:

@@ -1,7 +1,7 @@
 """The online EKF over motion, effect memory, parameters and the pushing wrench.
 
 It is the augmented filter of (8)-(20), corrected as physics.md says: reduced dynamics with analytic partials instead
-of the singular `M'`, a midpoint step and Van Loan's process noise instead of Euler, Joseph's form, measured
+of the singular `M'`, an exponential step and Van Loan's process noise instead of Euler, Joseph's form, measured
 velocities projected on the free directions. The reduced wrench `Sᵀ Σ G F` is a state with its own noisy measurement:
 a noisy force used as an exact input biases the mass (errors in variables, physics 11). Inertia is carried in the
 coordinates of `mobility.py`.
@@ -21,7 +21,7 @@ from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion
 
-from .filtering import discretised, innovation, predicted, updated
+from .filtering import exponential_step, innovation, predicted, updated
 from .gaussian import Gaussian
 from .health import Health, Watch
 from .noise import FilterNoise
@@ -32,8 +32,11 @@ from .wrench_sensing import WrenchSensing
 MAX_STEP = 0.01
 LONG_GAP = 1.0
 JUMP = 14.0
+TREND = 0.2
 UNKNOWN_FORCE = 100.0
 MEASUREMENT_FLOOR = 1e-10
+STICTION_MEMORY = 0.1
+"""s: how long a stuck friction force keeps its value."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class CartFilter:
         self._block = ParameterBlock(cart, prior or Prior())
         self.layout = Layout.of(cart, len(self._block.free))
         self._sensing = WrenchSensing(cart, arms, yaws or {}, self.noise.wrench_covariance)
+        self._trend = np.zeros(cart.constraints.n_free)
         self._watch = Watch()
         self._belief: Gaussian | None = None
         self._time = np.nan
@@ -117,8 +121,7 @@ class CartFilter:
         motion = Motion(mean[:3].copy(), mean[self.cart.velocity_slice].copy())
         parameters = self._block.report(mean[part], self.belief.covariance[part, part])
         health = self._watch.health if self._has_wrench else Health.NO_WRENCH
-        model = self.cart.with_parameters(self._block.theta(mean[part]))
-        return Estimate(self._time, motion, parameters, health, model)
+        return Estimate(self._time, motion, parameters, health, self.cart, self._block.theta(mean[part]))
 
     # --- prediction ------------------------------------------------------------------------------------------
 
@@ -153,26 +156,28 @@ class CartFilter:
         block = belief.mean[layout.parameters]
         theta, wrench_b = self._block.theta(block), self._lift @ belief.mean[layout.wrench]
         state = belief.mean[layout.motion]
-        first = cart.rate(state, wrench_b, theta, time)
-        middle = cart.rate(state + step / 2 * first.value, wrench_b, theta, time + step / 2)
-        mean = belief.mean.copy()
-        mean[layout.motion] += step * middle.value
-        jacobian = np.zeros((len(mean), len(mean)))
-        rows = layout.motion
-        jacobian[rows, rows] = middle.by_state
-        jacobian[rows, layout.parameters] = middle.by_parameters @ self._block.jacobian(block)
-        jacobian[rows, layout.wrench] = middle.by_wrench @ self._lift
-        phi, noise = discretised(jacobian, self._density(middle.by_wrench), step)
-        self._belief = predicted(belief, mean, phi, noise + self._walk(step))
+        flow = cart.rate(state, wrench_b, theta, time)
+        n, rows = len(belief.mean), layout.motion
+        rate, jacobian = np.zeros(n), np.zeros((n, n))
+        rate[rows] = flow.value
+        jacobian[rows, rows] = flow.by_state
+        jacobian[rows, layout.parameters] = flow.by_parameters @ self._block.jacobian(block)
+        jacobian[rows, layout.wrench] = flow.by_wrench @ self._lift
+        stiction = cart.stiction(state, theta, time)
+        density = self._density(state[2], flow.by_wrench[cart.velocity_slice], stiction)
+        advance = exponential_step(rate, jacobian, density, step)
+        self._belief = predicted(belief, replace(advance, noise=advance.noise + self._walk(step)))
 
-    def _density(self, by_wrench: Array) -> Array:
-        """Of the continuous process noise: disturbance force, slip, swivel."""
+    def _density(self, heading: float, reach: Array, stiction: Array) -> Array:
+        """Of the continuous process noise: disturbance force, stiction, slip, swivel."""
         n, noise, cart = self.layout.wrench.stop, self.noise, self.cart
         density = np.zeros((n, n))
         disturbance = np.array([1.0, 1.0, noise.lever]) * noise.disturbance
-        reach = (by_wrench * disturbance)[cart.velocity_slice]
-        density[cart.velocity_slice, cart.velocity_slice] = reach @ reach.T
-        density[range(3), range(3)] = noise.slip**2
+        roots = np.hstack([reach * disturbance, STICTION_MEMORY**0.5 * (reach @ stiction)])
+        density[cart.velocity_slice, cart.velocity_slice] = roots @ roots.T
+        sideways = np.array([-np.sin(heading), np.cos(heading)])
+        density[:2, :2] = noise.slip**2 * np.outer(sideways, sideways)
+        density[2, 2] = noise.slip**2
         memory = range(cart.memory_slice.start, cart.memory_slice.stop)
         density[memory, memory] = noise.swivel**2
         return density
@@ -236,15 +241,21 @@ class CartFilter:
         self._has_wrench = True
 
     def _follow_jump(self, measured: Array, R: Array) -> None:
-        """A step of the wrench (a regrasp, a switch of the controller) is followed at once, not walked to."""
+        """A step of the wrench (a regrasp, the start of an acceleration) is followed at once, not walked to: it shows
+        in one residual, or in the trend of several."""
         where = self.layout.wrench
         residual = measured - self.belief.mean[where]
-        covariance = self.belief.covariance[where, where] + R + MEASUREMENT_FLOOR * np.eye(len(R))
-        if residual @ np.linalg.solve(covariance, residual) < JUMP:
+        root = np.linalg.cholesky(self.belief.covariance[where, where] + R + MEASUREMENT_FLOOR * np.eye(len(R)))
+        whitened = np.linalg.solve(root, residual)
+        self._trend = self._trend + TREND * (whitened - self._trend)
+        usual = TREND / (2.0 - TREND)
+        if whitened @ whitened < JUMP and self._trend @ self._trend < JUMP * usual:
             return
+        step = residual if whitened @ whitened >= JUMP else root @ self._trend
         widened = self.belief.covariance.copy()
-        widened[where, where] += np.outer(residual, residual)
+        widened[where, where] += np.outer(step, step)
         self._belief = Gaussian(self.belief.mean, widened)
+        self._trend = np.zeros_like(self._trend)
 
     def _absorb(self, sensor: str, residual: Array, H: Array, R: Array) -> None:
         R = R + MEASUREMENT_FLOOR * np.eye(len(R))
@@ -258,11 +269,21 @@ class CartFilter:
     # --- parameters ------------------------------------------------------------------------------------------
 
     def _keep_physical(self) -> None:
-        block = self.belief.mean[self.layout.parameters]
-        inside = self._block.inside(block)
-        if inside is not block:
-            mean = self.belief.mean.copy()
-            mean[self.layout.parameters] = inside
+        """Back inside the effects' bounds and a physical phi, where noise has led out (physics 18). What is believed
+        together with a parameter moves with it: the belief is conditioned on the bound, its covariance kept."""
+        part = self.layout.parameters
+        block = self.belief.mean[part]
+        inside = self._block.within_bounds(block)
+        mean = self.belief.mean
+        for i in np.flatnonzero(inside != block):
+            column = self.belief.covariance[:, part.start + i]
+            mean = mean + column / column[part.start + i] * (inside[i] - mean[part.start + i])
+        block = mean[part]
+        physical = self._block.physical(block)
+        if physical is not block:
+            mean = mean.copy()
+            mean[part] = physical
+        if mean is not self.belief.mean:
             self._belief = Gaussian(mean, self.belief.covariance)
 
     def _open_load(self) -> None:

@@ -28,24 +28,43 @@ class Innovation:
 
 
 def transition(jacobian: Array, step: float) -> Array:
-    """`exp(F dt)` to fourth order, (..., n, n); F dt is small at every step this library takes."""
+    """`exp(F dt)`, (..., n, n), by scaling, a fourth-order Taylor step, and squaring; stiff decays stay decays."""
     scaled = jacobian * step
+    halvings = max(0, int(np.ceil(np.log2(np.abs(scaled).sum(axis=-1).max() + 1e-300))) + 2)
+    scaled = scaled / 2**halvings
     identity = np.eye(jacobian.shape[-1])
-    return identity + scaled @ (identity + scaled / 2 @ (identity + scaled / 3 @ (identity + scaled / 4)))
+    result = identity + scaled @ (identity + scaled / 2 @ (identity + scaled / 3 @ (identity + scaled / 4)))
+    for _ in range(halvings):
+        result = result @ result
+    return np.asarray(result)
 
 
-def discretised(jacobian: Array, density: Array, step: float) -> tuple[Array, Array]:
-    """Transition, and `∫ exp(F s) Q exp(F s)ᵀ ds` (Van Loan's integral) by Simpson's rule: of fourth order, and a sum
-    of positive semidefinite terms."""
-    half = transition(jacobian, step / 2)
+@dataclass(frozen=True)
+class Step:
+    """A step of the linearised flow: increment of the state, transition, and added noise."""
+
+    increment: Array
+    transition: Array
+    noise: Array
+
+
+def exponential_step(rate: Array, jacobian: Array, density: Array, step: float) -> Step:
+    """The Rosenbrock-Euler step `∫ exp(F s) ds f`, of second order and stable where F is stiff, with the noise
+    `∫ exp(F s) Q exp(F s)ᵀ ds` (Van Loan's integral) by Simpson's rule: a sum of positive semidefinite terms."""
+    n = len(rate)
+    augmented = np.zeros((n + 1, n + 1))
+    augmented[:n, :n], augmented[:n, n] = jacobian, rate
+    half = transition(augmented, step / 2)
     whole = half @ half
-    noise = density + 4 * _congruence(half, density) + _congruence(whole, density)
-    return whole, step / 6 * noise
+    middle, end = half[:n, :n], whole[:n, :n]
+    noise = step / 6 * (density + 4 * _congruence(middle, density) + _congruence(end, density))
+    return Step(whole[:n, n], end, noise)
 
 
-def predicted(prior: Gaussian, mean: Array, phi: Array, noise: Array) -> Gaussian:
-    """The Gaussian after a step to `mean`, with transition `phi` and added `noise`."""
-    return Gaussian(mean, symmetric(_congruence(phi, prior.covariance) + noise))
+def predicted(prior: Gaussian, step: Step) -> Gaussian:
+    """The Gaussian after a step."""
+    covariance = _congruence(step.transition, prior.covariance) + step.noise
+    return Gaussian(prior.mean + step.increment, symmetric(covariance))
 
 
 def innovation(prior: Gaussian, residual: Array, H: Array, R: Array) -> Innovation:

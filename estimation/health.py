@@ -5,10 +5,9 @@ from __future__ import annotations
 from enum import StrEnum
 
 SMOOTHING = 0.04
-LOUD, QUIET = 2.0, 1.4
+LOUD, QUIET = 2.5, 1.5
 HOLD_OFF = 0.6
-REST_AFTER_FUTILE = 8.0
-FUTILE_RESETS = 3
+MOST_RESETS, MEMORY = 3, 20.0
 SETTLING_SAMPLES = 100
 GATE = 25.0
 
@@ -25,16 +24,15 @@ class Health(StrEnum):
 
 
 class Watch:
-    """Follows normalised innovations (1 in the mean when the model fits). When they stay loud, the load is first
-    taken to have changed (a reset of the parameters' covariance); when resets do not help, the filter is called
-    inconsistent."""
+    """Follows normalised innovations (1 in the mean when the model fits). When they get loud, the load is taken to
+    have changed (a reset of the parameters' covariance); when that happens too often, it is the model that does not
+    fit, and the filter is called inconsistent."""
 
     def __init__(self) -> None:
         self.last: dict[str, tuple[float, int]] = {}
         self.level = 1.0
-        self._hold_until = -float("inf")
         self._samples = 0
-        self._resets = 0
+        self._resets: tuple[float, ...] = ()
         self._outliers = 0.0
 
     def noise_scale(self, sensor: str, nis: float, size: int) -> float:
@@ -50,12 +48,11 @@ class Watch:
 
     def wants_reset(self, time: float) -> bool:
         """Whether the parameters should be opened now."""
-        if self.level < QUIET:
-            self._resets = 0
-        if self._samples < SETTLING_SAMPLES or self.level < LOUD or time < self._hold_until:
+        self._resets = tuple(t for t in self._resets if time - t < MEMORY)
+        recent = self._resets and time - self._resets[-1] < HOLD_OFF
+        if self._samples < SETTLING_SAMPLES or self.level < LOUD or recent or len(self._resets) >= MOST_RESETS:
             return False
-        self._resets += 1
-        self._hold_until = time + (HOLD_OFF if self._resets < FUTILE_RESETS else REST_AFTER_FUTILE)
+        self._resets = (*self._resets, time)
         return True
 
     def note_gap(self) -> None:
@@ -64,8 +61,8 @@ class Watch:
 
     @property
     def health(self) -> Health:
-        if self._resets >= FUTILE_RESETS:
+        if len(self._resets) >= MOST_RESETS:
             return Health.INCONSISTENT
-        if self._resets:
+        if self._resets and self.level > QUIET:
             return Health.LOAD_CHANGED
         return Health.OUTLIERS if self._outliers > 0.1 else Health.OK

@@ -15,7 +15,8 @@ class FilterNoise:
     """Sensors: standard deviations of one sample. Left out of the model: random walks and disturbances, per √s.
 
     `wrench_change` is how fast the pushing force may wander between samples (N/√s; moments by `lever`, m);
-    `disturbance` an unmodelled force (N·√s); `parameter_drift` a share of each prior's standard deviation (1/√s).
+    `disturbance` an unmodelled force (N·√s); `slip` how far wheels creep sideways and turn (m/√s, rad/√s); `swivel`
+    the same for casters' headings; `parameter_drift` a share of each prior's standard deviation (1/√s).
     """
 
     position: float = 0.0005

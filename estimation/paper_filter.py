@@ -79,7 +79,8 @@ class PaperFilter:
             name: ParameterEstimate(float(v), float(s), unit, bool(s < 0.5 * p))
             for name, unit, v, s, p in zip(PHYSICAL_NAMES, PHYSICAL_UNITS, values, std, prior_std, strict=True)
         }
-        return Estimate(self._time, self._motion, parameters, DIVERGED if self._diverged else LITERAL, self._model)
+        health = DIVERGED if self._diverged else LITERAL
+        return Estimate(self._time, self._motion, parameters, health, self.cart, self._model_parameters)
 
     @property
     def _motion(self) -> Motion:
@@ -87,12 +88,12 @@ class PaperFilter:
         return Motion(self._mean[:3].copy(), self.cart.constraints.free_velocity(velocity_b))
 
     @property
-    def _model(self) -> CartModel:
-        """The last model that is physical: a controller needs one."""
-        mass, com_x, com_y, about_com = physical_from_phi(self._mean[6:])
-        if self._diverged or mass <= 0 or about_com <= 0 or not np.isfinite(self._mean).all():
-            return self.cart
-        return self.cart.with_parameters(np.concatenate([self._mean[6:], self.cart.parameters[N_PHI:]]))
+    def _model_parameters(self) -> Array:
+        """Those of the estimate where it is physical, else of the first guess: a controller needs some."""
+        mass, _, _, about_com = physical_from_phi(self._mean[6:])
+        if self._diverged or not (mass > 0 and about_com > 0 and np.isfinite(self._mean).all()):
+            return self.cart.parameters
+        return np.concatenate([self._mean[6:], self.cart.parameters[N_PHI:]])
 
     def _start(self, measurement: Measurement) -> None:
         if measurement.pose is not None:

@@ -7,16 +7,18 @@ from functools import cached_property
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.inertia import physical_from_phi, physical_jacobian
+from cartgrasp.inertia import phi_from_physical, physical_from_phi, physical_jacobian
 from cartgrasp.model import N_PHI, CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .mobility import build_chart
 from .prior import Prior, report_names, report_units
 
-IDENTIFIABLE_SHARE = 0.5
+IDENTIFIABLE_SHARE = 0.25
 LOAD_SHARE = 0.3
 LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
+FARTHEST = 5.0
+"""CoM and radius of gyration stay within this many of the prior's CoM standard deviations."""
 
 
 class ParameterBlock:
@@ -33,8 +35,8 @@ class ParameterBlock:
         self._prior_std = prior.deviations(cart)
         self._is_free = np.isin(np.arange(len(self._full)), self.free)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
-        bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
-        self._lower, self._upper = np.array(bounds).reshape(-1, 2).T
+        bounds = [(-np.inf, np.inf)] * N_PHI + [(p.lower, p.upper) for e in cart.effects for p in e.parameters]
+        self._lower, self._upper = np.array(bounds)[self.free].T
 
     @cached_property
     def first_covariance(self) -> Array:
@@ -56,25 +58,33 @@ class ParameterBlock:
         partials[:N_PHI, :N_PHI] = self._chart.jacobian(full[:N_PHI])
         return partials[:, self.free]
 
-    def inside(self, block: Array) -> Array:
-        """The nearest block that is physical (m > 0, J m > |m d|², physics 18) and within the effects' bounds."""
-        theta = self.theta(block)
-        body = self.cart.inertia
-        clipped = theta.copy()
-        clipped[N_PHI:] = np.clip(theta[N_PHI:], self._lower, self._upper)
-        mass, com_x, com_y, about_com = physical_from_phi(theta[:N_PHI])
-        least_mass = LEAST_MASS_SHARE * body.mass
-        if not (mass >= least_mass and about_com >= LEAST_INERTIA_SHARE * body.about_com):
-            mass = max(mass, least_mass) if mass > 0 else least_mass
-            com = np.clip([com_x, com_y], -5 * self.prior.com, 5 * self.prior.com) if mass == least_mass else [com_x, com_y]
-            J = max(about_com, LEAST_INERTIA_SHARE * body.about_com) + mass * (com[0] ** 2 + com[1] ** 2)
-            clipped[:N_PHI] = [mass, mass * com[0], mass * com[1], J]
+    def within_bounds(self, block: Array) -> Array:
+        """The block with the effects' parameters inside their bounds."""
+        return np.clip(block, self._lower, self._upper)
+
+    def physical(self, block: Array) -> Array:
+        """The block itself, or with phi brought back to what a cart can have: m > 0, J m > |m d|² (physics 18)."""
         if not self._phi_is_free:
-            clipped[:N_PHI] = theta[:N_PHI]
-        if (clipped == theta).all():
             return block
-        clipped[:N_PHI] = self._chart.coordinates(clipped[:N_PHI])
-        return clipped[self.free]
+        theta = self.theta(block)
+        phi = self._physical_phi(theta[:N_PHI])
+        if (phi == theta[:N_PHI]).all():
+            return block
+        theta[:N_PHI] = self._chart.coordinates(phi)
+        return theta[self.free]
+
+    def _physical_phi(self, phi: Array) -> Array:
+        """phi itself, or with mass, CoM and inertia brought back to what a cart can have."""
+        body, reach = self.cart.inertia, FARTHEST * self.prior.com
+        mass, com_x, com_y, about_com = physical_from_phi(phi)
+        if not mass >= LEAST_MASS_SHARE * body.mass:
+            mass, com_x, com_y = LEAST_MASS_SHARE * body.mass, *body.com
+        least, most = LEAST_INERTIA_SHARE * body.about_com, max(4 * body.about_com, mass * reach**2)
+        near_x, near_y = (np.clip(v, c - reach, c + reach) for v, c in zip((com_x, com_y), body.com, strict=True))
+        inside = np.clip(about_com, least, most)
+        if (mass, near_x, near_y, inside) == (phi[0], com_x, com_y, about_com):
+            return phi
+        return phi_from_physical(mass, near_x, near_y, inside)
 
     def load_covariance(self, block: Array) -> Array:
         """What a load change may add, (f, f): a point mass put on or taken off, `m (1, x, y, x² + y²)`, with m

@@ -67,7 +67,7 @@ class AllocationTemplate:
         """Number of wrench components, 6 per arm."""
         return 6 * len(self.arms)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         return tuple(arm.name for arm in self.arms)
 

@@ -20,6 +20,7 @@ from .contact_regions import DISTANCE_TOLERANCE
 from .duality import Cut
 
 RECENT = 32  # cuts tried on a box
+TABLE_SIZE = 2**16  # choices that one table holds
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
@@ -71,16 +72,22 @@ class Candidates:
     @cached_property
     def reach(self) -> Array:
         """Largest distance between a pair of options, (O, O): at their ends, since distance is convex."""
-        ends = self.vertices[self.options]  # (O, 2, 3)
-        apart = np.linalg.norm(ends[:, None, :, None] - ends[None, :, None, :], axis=-1)
-        return np.asarray(apart.max(axis=(2, 3)))
+        apart = np.linalg.norm(self.vertices[:, None] - self.vertices, axis=-1)
+        ends = self.options.T
+        return np.asarray(np.max([apart[np.ix_(one, other)] for one in ends for other in ends], axis=0))
 
     @cached_property
     def widest(self) -> float:
-        """An upper bound of the hands' distance over all choices: the worst pair of arms at its best."""
+        """An upper bound of the hands' distance over all choices; for points (and up to 2^16 choices) the
+        largest."""
         pairs = [(i, j) for j in range(self.n_arms) for i in range(j)]
         slices = [slice(a, b) for a, b in zip(self.starts, self.starts[1:], strict=False)]
-        return min((float(self.reach[slices[i], slices[j]].max()) for i, j in pairs), default=np.inf)
+        if self.count > TABLE_SIZE:
+            return min((float(self.reach[slices[i], slices[j]].max()) for i, j in pairs), default=np.inf)
+        least = np.full([part.stop - part.start for part in slices], np.inf)
+        for i, j in pairs:
+            least = np.minimum(least, _along(self.reach[slices[i], slices[j]], (i, j), self.n_arms))
+        return float(least.max())
 
     def pieces(self, choice: Sequence[int]) -> list[tuple[Array, Array]]:
         """Ends of the chosen options, counted within each arm."""

@@ -56,8 +56,8 @@ class CaseSolver:
     def __init__(self, template: AllocationTemplate) -> None:
         self.template = template
         self.solved = 0
-        self._effort = {False: QuadraticSolver(), True: QuadraticSolver()}
-        self._distance = {False: QuadraticSolver(always_feasible=True), True: QuadraticSolver(always_feasible=True)}
+        self._effort = {is_range: QuadraticSolver() for is_range in (False, True)}
+        self._distance = {is_range: QuadraticSolver(always_feasible=True) for is_range in (False, True)}
         self._slack_map = {key: template.slack_map(key) for key in (False, True) if self._has(key)}
 
     def answer(self, question: Question, high: Array, low: Array) -> Answer:

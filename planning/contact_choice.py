@@ -21,13 +21,12 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .contact_bounds import Candidates, ChoiceTable, CutPool
+from .contact_bounds import TABLE_SIZE, Candidates, ChoiceTable, CutPool
 from .contact_cases import Answer, CaseSolver, Question
 from .contact_regions import DISTANCE_TOLERANCE, Box, Region, boxes, hand_distance
 from .quadratic_program import EQUALITY_TOLERANCE
 
 SMALLEST_BOX = 1e-9  # m
-TABLE_SIZE = 2**16
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +149,9 @@ class ContactSearch:
         high, low = (region.vertices[list(side)] for side in zip(*pairs, strict=True))
         bounds = self._cuts.at(high, low) if len(pairs) > 1 else np.array([bound])
         for i in np.argsort(bounds):
-            lowest = max(bound, bounds[i], self._cuts.at(high[i : i + 1], low[i : i + 1])[0])
+            lowest = max(bound, bounds[i])
+            if len(pairs) > 1:  # by the cuts of the pairs before as well
+                lowest = max(lowest, self._cuts.at(high[i : i + 1], low[i : i + 1])[0])
             if lowest >= self._cutoff or (best and lowest >= best.value):
                 self._leave(lowest if lowest >= self._cutoff else np.inf)
                 continue
@@ -186,6 +187,8 @@ class ContactSearch:
         They are a slice of the region; its vertices are where the moment crosses zero between two of the
         region's.
         """
+        if len(region.s) == 1:
+            return np.asarray(region.vertices[0])
         rows, row = self._solver.template.contact_rows(region.vertices), self._solver.template.moment_row
         excess = np.zeros(len(region.s))
         if row is not None:

@@ -86,8 +86,8 @@ def farkas_cut(template: AllocationTemplate, solution: QPSolution, slack: Array,
 
 
 def infeasible_by(program: QuadraticProgram, solution: QPSolution, slack: Array) -> float:
-    """A distance that a program's equalities are missed by at least, from its projection's `solution`: positive
-    proves the program infeasible. Other than a cut, it weighs the two rows of a range one by one."""
+    """A distance that a program's equalities are missed by at least, from its projection's `solution`:
+    positive proves the program infeasible. Other than a cut, it weighs the two rows of a range one by one."""
     n, start = program.n, len(solution.x)
     y = solution.multipliers[start:]
     lower, upper = program.lower[n:], program.upper[n:]

@@ -79,7 +79,8 @@ class Certificate:
         return self.asked > self.most
 
     def as_dict(self) -> dict[str, Any]:
-        numbers = {"asked": self.asked, "most": self.most, "direction": list(self.direction)}
+        most = self.most if np.isfinite(self.most) else None
+        numbers = {"asked": self.asked, "most": most, "direction": list(self.direction)}
         return {"words": self.words, **numbers, "limits": dict(self.limits)}
 
 
@@ -126,8 +127,8 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
 
 
 def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array) -> Projection:
-    """The projection. Where what is missing is little, its multipliers are little too, and rounding blurs the normal:
-    then it is taken from a point farther out along the same normal, whose projection is the same."""
+    """The projection. Where what is missing is little, its multipliers are little too, and rounding blurs the
+    normal: then it is taken from a point farther out along the same normal, whose projection is the same."""
     near = projection_program(program, slack_map)
     solution = solver.solve(near)
     slack = _slack(solution, program.n)
@@ -187,9 +188,6 @@ def certify(
     cut = farkas_cut(template, projection.normal_solution, projection.normal, target)
     margin = float(cut.value(template.contact_rows(contacts)))
     normal = -cut.multipliers
-    largest = float(np.abs(normal).max())
-    if np.sum(np.abs(normal) > 1e-9 * largest) == 1:
-        normal, margin = normal / largest, margin / largest
     asked = float(normal @ target)
     if margin <= 1e-12 * max(1.0, float(np.abs(target).max())):
         return None

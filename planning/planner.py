@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 PERIOD = 1e-3  # s, between calls of plan_or_hold
 HOLD_TIME = 0.1  # s, time constant with which a held wrench decays
-NO_LIMIT = SearchLimit()
+DEFAULT_SEARCH = SearchLimit()
 
 
 class WrenchPlanner:
@@ -50,7 +50,7 @@ class WrenchPlanner:
         *,
         objective: Objective | None = None,
         min_hand_distance: float = 0.0,
-        search_limit: SearchLimit = NO_LIMIT,
+        search_limit: SearchLimit = DEFAULT_SEARCH,
         period: float = PERIOD,
     ) -> None:
         if not (math.isfinite(min_hand_distance) and min_hand_distance >= 0):
@@ -71,6 +71,7 @@ class WrenchPlanner:
         """Forgets the last wrench, contacts and estimate."""
         self._last = np.zeros(self._template.n)
         self._last_points = np.array([contacts.first for contacts in self._sets.values()])
+        self._last_choice: Array | None = None
         self._cost = self._template.cost(self._last)
         self._newest_estimate = -math.inf
 
@@ -100,7 +101,7 @@ class WrenchPlanner:
                 self._newest_estimate = check_estimate(estimate, self._newest_estimate)
         except RefusedError as refused:
             return self._refusal(refused.status, str(refused), start)
-        if candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
+        if candidates.distance > 0 and candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
             return self._too_near(candidates, start)
         points = candidates.single
         if points is None:
@@ -138,9 +139,12 @@ class WrenchPlanner:
 
     def _choose(self, candidates: Candidates, target: Array, start: float) -> Plan:
         question = Question(target, self._cost)
-        choice = ContactSearch(candidates, self._cases, question, self._limit).run(self._last_points)
+        seed = self._last_choice if candidates is self._candidates else None
+        choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
         if choice.contacts is None:
             return self._none_found(candidates, question, choice, start)
+        if candidates is self._candidates:
+            self._last_choice = choice.contacts
         program = self._program_at(choice.contacts, target)
         solution = self._solver.solve(program)
         cost = solution.cost if solution.status == OPTIMAL else choice.value
@@ -231,7 +235,7 @@ class WrenchPlanner:
         if most < asked:
             words += f"; at most {most:.6g} m is possible"
         else:
-            most = math.nan  # each pair of arms can, all at once can't
+            most = math.nan  # proven by exhaustion
         certificate = Certificate(words, asked, most, limits={"min_hand_distance": asked})
         spent = time.perf_counter() - start
         return Plan(INFEASIBLE, certificate=certificate, solve_time=spent, message=words)
@@ -240,9 +244,11 @@ class WrenchPlanner:
         return Plan(status, solve_time=time.perf_counter() - start, message=message)
 
     def _remember(self, wrenches: Array, points: Array) -> None:
+        wrenches.setflags(write=False)  # plans show them
+        points.setflags(write=False)
         self._last, self._last_points = wrenches, points
         if self._template.objective.looks_back:
             self._cost = self._template.cost(wrenches)
 
     def _by_arm(self, values: Array) -> dict[str, Array]:
-        return dict(zip(self._template.names, values.reshape(len(self._template.arms), -1), strict=True))
+        return dict(zip(self._template.names, values.reshape(len(self._sets), -1), strict=True))

@@ -16,7 +16,8 @@ and `gap` is the primal less the dual value. Effort, here as in the contract, is
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from copy import copy
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
@@ -85,7 +86,10 @@ class QuadraticProgram:
         lower, upper = self.lower.copy(), self.upper.copy()
         start = len(lower) - self.n_equalities
         lower[start:] = upper[start:] = value
-        return replace(self, lower=lower, upper=upper)
+        program = copy(self)
+        object.__setattr__(program, "lower", lower)
+        object.__setattr__(program, "upper", upper)
+        return program
 
     def cost(self, x: Array) -> float:
         return float(x @ (0.5 * (self.hessian @ x) + self.gradient)) + self.constant
@@ -93,26 +97,41 @@ class QuadraticProgram:
     def active(self, solution: QPSolution) -> tuple[str, ...]:
         """Names of the limits that push back on a solution (multiplier above 1e-7 of the largest)."""
         y, names = solution.multipliers, []
-        largest = max(1.0, float(np.abs(y).max(initial=0.0)))
-        for index in np.flatnonzero(np.abs(y) > 1e-7 * largest):
-            if index < len(y) - self.n_equalities:
-                names.append(self.upper_names[index] if y[index] > 0 else self.lower_names[index])
+        largest = max(1.0, float(y.max()), -float(y.min()))
+        for i in y.nonzero()[0].tolist():
+            if i < len(y) - self.n_equalities and abs(y[i]) > 1e-7 * largest:
+                names.append(self.upper_names[i] if y[i] > 0 else self.lower_names[i])
         pairs = zip(self.cones, solution.cone_multipliers, strict=True)
         return (*names, *(cone.name for cone, z in pairs if z[0] > 1e-7 * largest))
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """Worst violation of A x = b, of limits and cones, of stationarity, and the duality gap over max(1,
-    |cost|)."""
+    """Worst violation of A x = b, of limits and cones, of stationarity, and the duality gap over
+    max(1, |cost|); and what they are measured by: the cost, the largest |b| and the largest slope of the
+    cost, each at least 1."""
 
     equality: float
     limits: float
     stationarity: float
     gap: float
+    cost: float = np.inf
+    wrench_scale: float = 1.0
+    slope_scale: float = 1.0
+
+    @property
+    def proven(self) -> bool:
+        """Whether all are within tolerance: absolute up to wrenches of 1 N, relative above."""
+        feasible = EQUALITY_TOLERANCE * self.wrench_scale
+        return (
+            self.equality <= feasible
+            and self.limits <= feasible
+            and self.stationarity <= STATIONARITY_TOLERANCE * self.slope_scale
+            and self.gap <= STATIONARITY_TOLERANCE
+        )
 
     def as_dict(self) -> dict[str, float]:
-        return {part.name: getattr(self, part.name) for part in fields(self)}
+        return {name: getattr(self, name) for name in ("equality", "limits", "stationarity", "gap")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,60 +152,55 @@ class QPSolution:
     def failed(cls, program: QuadraticProgram, status: str, solver: str, message: str) -> Self:
         nothing = Residuals(np.inf, np.inf, np.inf, np.inf)
         x, y = np.zeros(program.n), np.zeros(len(program.upper))
-        return cls(
-            status,
-            x,
-            y,
-            tuple(np.zeros(len(c.offset)) for c in program.cones),
-            nothing,
-            np.inf,
-            solver,
-            message,
-        )
+        z = tuple(np.zeros(len(cone.offset)) for cone in program.cones)
+        return cls(status, x, y, z, nothing, np.inf, solver, message)
 
     @classmethod
     def checked(
         cls, program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array], solver: str, message: str = ""
     ) -> Self:
         """A candidate with its residuals; `optimal` only if these are within tolerance."""
-        residuals, cost = verify(program, x, y, z), program.cost(x)
-        status = OPTIMAL if is_proven(program, x, residuals) else NUMERICAL
-        return cls(status, x, y, tuple(z), residuals, cost, solver, message)
+        residuals = verify(program, x, y, z)
+        status = OPTIMAL if residuals.proven else NUMERICAL
+        return cls(status, x, y, tuple(z), residuals, residuals.cost, solver, message)
 
 
 def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = ()) -> Residuals:
     """Residuals of the KKT conditions, by numpy alone. A multiplier of the wrong sign, against a limit that
     isn't there, counts as zero: it can't hide a gradient."""
-    lower, upper, n = program.lower, program.upper, program.n
+    n, first = program.n, len(y) - program.n_equalities
+    curved = program.hessian @ x
+    cost = float(x @ (0.5 * curved + program.gradient)) + program.constant
+    gradient = curved + program.gradient
+    slope = max(1.0, float(gradient.max()), -float(gradient.min()))
     values = np.concatenate((x, program.rows @ x))
-    above, below = upper - values, values - lower
-    y = np.where(np.where(y > 0, above, below) < np.inf, y, 0.0)
-    gradient = program.hessian @ x + program.gradient + y[:n] + y[n:] @ program.rows
-    held = y != 0
-    gap = float(np.abs(y[held]) @ np.abs(np.where(y > 0, above, below)[held]))
-    first = len(values) - program.n_equalities
-    equality = float(np.abs(above[first:]).max(initial=0.0))
-    limits = max(0.0, -float(above[:first].min(initial=0.0)), -float(below[:first].min(initial=0.0)))
+    above, below = program.upper - values, values - program.lower
+    gap = 0.0
+    held = y.nonzero()[0].tolist()
+    if held:
+        for i in held:
+            slack = above[i] if y[i] > 0 else below[i]
+            if slack == np.inf:
+                y = y.copy()
+                y[i] = 0.0
+            else:
+                gap += abs(float(y[i] * slack))
+        gradient += y[:n] + y[n:] @ program.rows
+    limits = max(0.0, -float(above[:first].min()), -float(below[:first].min()))
     for cone, multiplier in zip(program.cones, z, strict=True):
-        s = cone.offset + cone.rows @ x
-        inside = into_cone(multiplier)
-        gradient = gradient - inside @ cone.rows
+        s, inside = cone.offset + cone.rows @ x, into_cone(multiplier)
+        gradient -= inside @ cone.rows
         gap += abs(float(inside @ s))
         limits = max(limits, float(np.linalg.norm(s[1:]) - s[0]))
-    scale = max(1.0, abs(program.cost(x)))
-    return Residuals(equality, limits, float(np.abs(gradient).max(initial=0.0)), gap / scale)
-
-
-def is_proven(program: QuadraticProgram, x: Array, residuals: Residuals) -> bool:
-    """Whether residuals are within tolerance, absolute up to wrenches of 1 N and relative above."""
-    first = len(program.upper) - program.n_equalities
-    scale = max(1.0, float(np.abs(program.upper[first:]).max(initial=0.0)))
-    slope = max(1.0, float(np.abs(program.hessian @ x + program.gradient).max(initial=0.0)))
-    return (
-        residuals.equality <= EQUALITY_TOLERANCE * scale
-        and residuals.limits <= EQUALITY_TOLERANCE * scale
-        and residuals.stationarity <= STATIONARITY_TOLERANCE * slope
-        and residuals.gap <= STATIONARITY_TOLERANCE
+    missed, asked = above[first:].tolist(), program.upper[first:].tolist()
+    return Residuals(
+        equality=max(map(abs, missed), default=0.0),
+        limits=limits,
+        stationarity=max(float(gradient.max()), -float(gradient.min())),
+        gap=gap / max(1.0, abs(cost)),
+        cost=cost,
+        wrench_scale=max(1.0, *map(abs, asked)),
+        slope_scale=slope,
     )
 
 

@@ -1,4 +1,4 @@
-"""How hypothesis draws: the same examples on every run; `HYPOTHESIS_PROFILE=prove` searches longer and anew."""
+"""How hypothesis draws: the same examples on every run; HYPOTHESIS_PROFILE=prove searches longer and anew."""
 
 from __future__ import annotations
 

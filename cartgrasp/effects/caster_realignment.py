@@ -67,6 +67,13 @@ class CasterRealignment(ForceEffect):
         assert by_memory.shape[-1] == side
         return Contribution(value, by_velocity=by_velocity, by_memory=by_memory, by_parameters=by_parameters)
 
+    def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array:
+        rate, trail = self._swivel(situation, memory, parameters)
+        slip, _ = _smooth_sign(rate.value)
+        arm, _ = _side_wrench(_pivots(situation.wheels)[0], memory, trail)
+        level = parameters[..., 0, None] / trail * (1.0 - slip**2)
+        return np.swapaxes(level[..., None] * arm, -1, -2)
+
     def memory_rate(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         return self._swivel(situation, memory, parameters)[0]
 

@@ -132,6 +132,11 @@ class ForceEffect(Effect):
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         """The wrench (..., 3) it applies to the cart, with partials."""
 
+    def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array | None:
+        """Wrenches (..., 3, k), in {b}, that may act beside `wrench_b` near standstill, where a Coulomb force
+        takes whatever value holds things still; they vanish with speed. None where there is no such force."""
+        return None
+
     def memory_rate(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         """Time derivative of the memory (..., k), with partials."""
         return Contribution(np.zeros_like(memory))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..frames import Array, rotation_planar
 from .effect import Contribution, ForceEffect, Parameter, Situation, smooth_step
-from .rolling_resistance import rolling_wrenches
+from .rolling_resistance import rolling_stiction, rolling_wrenches
 
 EDGE = 0.005
 """m: a wheel's share inside goes from 12 % to 88 % within twice this."""
@@ -44,11 +44,10 @@ class FloorPatch(ForceEffect):
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         coefficient = parameters[..., 4]
         directions, by_velocity = rolling_wrenches(situation)
-        loads = situation.wheels.loads(situation.phi)
+        loads, carried = situation.wheels.loads_with_map(situation.phi)
         share, by_place, by_edge = _share_inside(situation, parameters)
         pressing = share * loads
         by_share = -coefficient[..., None, None] * directions * loads[..., None, :]
-        carried = (loads > 0)[..., None] * situation.wheels.load_map
         value = -coefficient[..., None] * np.einsum("...jn,...n->...j", directions, pressing)
         by_parameters = np.zeros((*value.shape, 5))
         by_parameters[..., :4] = by_share @ by_edge
@@ -61,6 +60,10 @@ class FloorPatch(ForceEffect):
             by_phi=(-coefficient[..., None, None] * directions * share[..., None, :]) @ carried,
             by_parameters=by_parameters,
         )
+
+    def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array:
+        share, _, _ = _share_inside(situation, parameters)
+        return rolling_stiction(situation, parameters[..., 4, None] * share)
 
 
 def _share_inside(situation: Situation, parameters: Array) -> tuple[Array, Array, Array]:

@@ -31,31 +31,40 @@ class RollingResistance(ForceEffect):
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         directions, by_velocity = rolling_wrenches(situation)
         coefficient = parameters[..., 0]
-        loads = situation.wheels.loads(situation.phi)
+        loads, carried = situation.wheels.loads_with_map(situation.phi)
         by_load = -coefficient[..., None, None] * directions
-        carried = (loads > 0)[..., None] * situation.wheels.load_map
         return Contribution(
-            value=np.einsum("...ij,...j->...i", by_load, loads),
-            by_velocity=-coefficient[..., None, None] * np.einsum("...n,...nij->...ij", loads, by_velocity),
+            value=(by_load @ loads[..., None])[..., 0],
+            by_velocity=-coefficient[..., None, None] * (loads[..., None, None] * by_velocity).sum(axis=-3),
             by_phi=by_load @ carried,
             by_parameters=-(directions @ loads[..., None]),
         )
 
+    def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array:
+        return rolling_stiction(situation, parameters[..., 0, None])
+
+
+def rolling_stiction(situation: Situation, coefficients: Array) -> Array:
+    """`ForceEffect.stiction` (..., 3, 2 n) of wheels with rolling resistance `coefficients` (..., n)."""
+    unit, _ = smooth_rolling(situation)
+    still = 1.0 - (unit**2).sum(axis=-1)
+    level = coefficients * situation.wheels.loads(situation.phi) * still
+    columns = level[..., None, None] * situation.wheels.rolling_map
+    return np.swapaxes(columns.reshape(*columns.shape[:-3], -1, 3), -1, -2)
+
+
+def smooth_rolling(situation: Situation) -> tuple[Array, Array]:
+    """Direction of each wheel's rolling (..., n, 2), below 1 at standstill; smoothed speed (..., n, 1)."""
+    speed = (situation.wheels.rolling_map @ situation.velocity_b[..., None, :, None])[..., 0]
+    norm = np.sqrt((speed**2).sum(axis=-1) + SMOOTHING_SPEED**2)[..., None]
+    return speed / norm, norm
+
 
 def rolling_wrenches(situation: Situation) -> tuple[Array, Array]:
     """Wrench of a unit force along each wheel's rolling (..., 3, n), partials by velocity (..., n, 3, 3)."""
-    wheels = situation.wheels
-    x, y = wheels.positions.T
-    n = len(x)
-    # wheel velocity (2,) = at_wheel @ (u, w, r); its transpose carries a force at the wheel to {b}'s origin
-    at_wheel = np.zeros((n, 2, 3))
-    at_wheel[:, 0, 0], at_wheel[:, 0, 2] = 1.0, -y
-    at_wheel[wheels.is_caster, 1, 1] = 1.0
-    at_wheel[wheels.is_caster, 1, 2] = x[wheels.is_caster]
-    speed = np.einsum("nij,...j->...ni", at_wheel, situation.velocity_b)
-    norm = np.sqrt((speed**2).sum(axis=-1) + SMOOTHING_SPEED**2)[..., None]
-    unit = speed / norm
+    rolling = situation.wheels.rolling_map
+    unit, norm = smooth_rolling(situation)
     unit_by_speed = (np.eye(2) - unit[..., :, None] * unit[..., None, :]) / norm[..., None]
-    directions = np.einsum("nij,...ni->...jn", at_wheel, unit)
-    by_velocity = np.swapaxes(at_wheel, -1, -2) @ unit_by_speed @ at_wheel
-    return directions, by_velocity
+    transposed = np.swapaxes(rolling, -1, -2)
+    directions = np.swapaxes((transposed @ unit[..., None])[..., 0], -1, -2)
+    return directions, transposed @ unit_by_speed @ rolling

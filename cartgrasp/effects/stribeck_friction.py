@@ -51,3 +51,9 @@ class StribeckFriction(ForceEffect):
         by_parameters[..., :2, 0] = -fade * unit
         by_parameters[..., :2, 1] = force * 2 * squared / speed**3
         return Contribution(value, by_velocity=by_velocity, by_parameters=by_parameters)
+
+    def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array:
+        squared = (situation.velocity_b[..., :2] ** 2).sum(axis=-1)
+        still = SMOOTHING_SPEED**2 / (squared + SMOOTHING_SPEED**2)
+        level = parameters[..., 0] * np.exp(-squared / parameters[..., 1] ** 2) * still
+        return np.asarray(level[..., None, None] * np.eye(3)[:, :2])

@@ -44,3 +44,9 @@ class WheelDragImbalance(ForceEffect):
         )
         value = np.asarray((by_parameters @ parameters[..., None])[..., 0])
         return Contribution(value, by_velocity=by_velocity, by_parameters=by_parameters)
+
+    def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array:
+        sign, _ = coulomb(situation.velocity_b[..., 0])
+        force, moment = parameters[..., 0], parameters[..., 1]
+        pull = np.stack([-force, np.zeros_like(force), moment], axis=-1)
+        return np.asarray(((1.0 - sign**2)[..., None] * pull)[..., None])

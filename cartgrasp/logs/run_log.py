@@ -68,6 +68,21 @@ class RunLog:
         arms = [part for arm in self.arms.values() for part in (arm.contact, arm.wrench)]
         return np.column_stack([self.time, self.pose, *velocity, *arms])
 
+    def thinned(self, rate: float = 250.0) -> RunLog:
+        """At most `rate` rows a second: poses at the start of each bin of rows, wrenches averaged over it."""
+        step = float(np.median(np.diff(self.time))) if len(self) > 1 else np.inf
+        size = int(1.0 / (rate * step) + 1e-6)
+        if size < 2:
+            return self
+        n = len(self) // size * size
+
+        def mean(columns: Array) -> Array:
+            return np.asarray(columns[:n].reshape(-1, size, columns.shape[1]).mean(axis=1))
+
+        arms = {name: ArmLog(arm.contact[:n:size], mean(arm.wrench)) for name, arm in self.arms.items()}
+        velocity = None if self.velocity is None else self.velocity[:n:size]
+        return RunLog(self.time[:n:size], self.pose[:n:size], velocity, arms, self.name, self.notes)
+
     def measurements(self) -> Iterator[Measurement]:
         """The rows one after another; a part that is missing whole is left out."""
         for i, time in enumerate(self.time):

@@ -94,4 +94,5 @@ def _record(loop: Loop, rows: list[_Row]) -> RunRecord:
         parameters=parameters,
         caster_headings=None if headings[0] is None else np.array(headings),
         statuses=tuple(row.status for row in rows),
+        identifiable={name: rows[-1].estimate.parameters[name].identifiable for name in names},
     )

@@ -1,13 +1,15 @@
-"""A cart as MuJoCo sees it: chassis, fixed wheels, casters with forks, and effects as MuJoCo's own mechanisms.
+"""A cart as MuJoCo sees it: chassis, fixed wheels, casters with forks, effects as MuJoCo's own mechanisms.
 
-The chassis frame is {b}. Each wheel is a sphere that touches the floor in one point, so that it doesn't scrub when it
-turns on the spot; a caster's fork swivels at its pivot and the wheel trails it. Wheels and forks are light, a fork
-balances its wheel about the pivot, and the chassis makes up the rest: mass, CoM and yaw inertia of the whole are those
-of the cart, at every heading. (The spin of the wheels still adds half their mass, 0.2 % of the cart for four, to
-what a forward push feels.)
+The chassis frame is {b}. Each wheel is a sphere that touches the floor in one point, so that it doesn't
+scrub when it turns on the spot; a caster's fork swivels at its pivot and the wheel trails it. Wheels and
+forks are light, a fork balances its wheel about the pivot, and the chassis makes up the rest: mass, CoM and
+yaw inertia of the whole are the cart's at every heading. Only the spin of a wheel comes on top: half its
+mass (0.1 % of the cart's for four wheels) resists being pushed forward.
 
-Contacts are stiff, equally so at every wheel: at rest loads are those of `wheels.py`, with a caster's load at its
-patch instead of its pivot. Measured for a 24 kg cart: wheels sink 16 µm, fixed wheels creep under 5 µm/s sideways at 40 N.
+The floor is equally stiff under every wheel, so at rest loads are those of `wheels.py` with a caster's load
+at its patch, not its pivot. Measured for 24 kg: wheels sink 1 µm, and under 40 N from the side fixed wheels
+creep 0.03 µm/s. MuJoCo's contacts look at velocities alone, so in a curve `velocity_b` shows an outward
+creep of 1 ms times `u r`, half of it real: 0.5 mm/s at 1 m/s and 0.5 rad/s.
 """
 
 from __future__ import annotations
@@ -32,20 +34,20 @@ RADIUS = 0.06
 """m, of every wheel."""
 DEFAULT_COM_HEIGHT = 0.5
 DEFAULT_HALF_TRACK, DEFAULT_WHEELBASE = 0.27, 0.72
-WHEEL_SHARE = 0.001
+WHEEL_SHARE = 0.0005
 """Mass of a wheel, and of a fork, over the mass of the cart."""
 INERTIA_SHARE = 0.1
 """Wheels and forks have at most this part of the yaw inertia."""
 SLIDING_FRICTION = 1.5
 IMPRATIO = 100.0
-SOLREF = (0.005, 1.0)
-CONTACT_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
-FRICTION_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+FLOOR_SOLREF, FLOOR_SOLIMP = (0.01, 1.0), (0.999, 0.999, 0.001, 0.5, 2.0)
+"""Stiffer, and the four wheels of a rigid cart chatter; softer, and the cart leans under its load."""
+FRICTION_SOLREF, FRICTION_SOLIMP = (0.002, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0)
 
 
 @dataclass(frozen=True)
 class Mechanisms:
-    """What the effects of a cart come to in MuJoCo: damping, friction losses, instants at which mass changes."""
+    """What the effects of a cart come to: damping, friction losses, instants at which mass changes."""
 
     linear_damping: float = 0.0
     angular_damping: float = 0.0
@@ -55,22 +57,24 @@ class Mechanisms:
     load_times: tuple[float, ...] = ()
 
 
-def _viscous_drag(has: Mechanisms, effect: Any) -> Mechanisms:
+def _viscous_drag(has: Mechanisms, effect: ViscousDrag) -> Mechanisms:
     linear, angular = has.linear_damping + effect.linear, has.angular_damping + effect.angular
     return replace(has, linear_damping=linear, angular_damping=angular)
 
 
-def _rolling_resistance(has: Mechanisms, effect: Any) -> Mechanisms:
+def _rolling_resistance(has: Mechanisms, effect: RollingResistance) -> Mechanisms:
     return replace(has, rolling_coefficient=has.rolling_coefficient + effect.coefficient)
 
 
-def _caster_realignment(has: Mechanisms, effect: Any) -> Mechanisms:
+def _caster_realignment(has: Mechanisms, effect: CasterRealignment) -> Mechanisms:
     if has.swivel_torque and has.trail != effect.trail:
-        raise PlantError(f"MuJoCo plant: {effect.key}: its casters have two trails; give each effect the same one")
+        raise PlantError(
+            f"MuJoCo plant: {effect.key}: its casters have two trails; give each effect the same one"
+        )
     return replace(has, swivel_torque=has.swivel_torque + effect.swivel_torque, trail=effect.trail)
 
 
-def _payload_change(has: Mechanisms, effect: Any) -> Mechanisms:
+def _payload_change(has: Mechanisms, effect: PayloadChange) -> Mechanisms:
     return replace(has, load_times=tuple(sorted({*has.load_times, effect.time})))
 
 
@@ -90,7 +94,9 @@ def mechanisms_of(cart: CartModel) -> Mechanisms:
             continue
         if type(effect) not in MECHANISMS:
             known = ", ".join(kind.name for kind in MECHANISMS)
-            raise PlantError(f"MuJoCo plant: {effect.key}: no counterpart in MuJoCo; it knows {known} and sensors")
+            raise PlantError(
+                f"MuJoCo plant: {effect.key}: no counterpart in MuJoCo; it knows {known} and sensors"
+            )
         found = MECHANISMS[type(effect)](found, effect)
     if cart.constraints.n_rows == 2 and found.swivel_torque:
         raise PlantError("MuJoCo plant: caster_realignment: a cart on a rail has no casters here")
@@ -105,13 +111,19 @@ def physical_wheels(cart: CartModel, mechanisms: Mechanisms) -> tuple[Wheel, ...
     fixed = [w for w in wheels if w.kind == FIXED]
     axle_x = cart.constraints.axle_x
     if axle_x is None and fixed:
-        raise PlantError("MuJoCo plant: wheels: a fixed wheel forbids lateral slip, but the cart has no such constraint")
+        raise PlantError(
+            "MuJoCo plant: wheels: a fixed wheel forbids lateral slip, but the cart has no such constraint"
+        )
     if axle_x is not None and not fixed:
-        raise PlantError("MuJoCo plant: wheels: no_lateral_slip needs a fixed wheel, and all listed ones are casters")
+        raise PlantError(
+            "MuJoCo plant: wheels: no_lateral_slip needs a fixed wheel, and all listed ones are casters"
+        )
     if any(abs(w.x - (axle_x or 0.0)) > 1e-9 for w in fixed):
         raise PlantError(f"MuJoCo plant: wheels: a fixed wheel stands off the axle at x = {axle_x:g} m")
     trail = mechanisms.trail
-    return tuple(replace(w, trail=trail or w.trail or DEFAULT_TRAIL) if w.kind == CASTER else w for w in wheels)
+    return tuple(
+        replace(w, trail=trail or w.trail or DEFAULT_TRAIL) if w.kind == CASTER else w for w in wheels
+    )
 
 
 def _default_wheels(cart: CartModel) -> tuple[Wheel, ...]:
@@ -140,10 +152,14 @@ def check_stands(wheels: Sequence[Wheel], headings: Array, com: Sequence[float])
     try:
         edges = ConvexHull(patches(wheels, headings)).equations
     except QhullError as error:
-        raise PlantError("MuJoCo plant: wheels: a cart stands on at least 3 wheels, not all in one line") from error
+        raise PlantError(
+            "MuJoCo plant: wheels: a cart stands on at least 3 wheels, not all in one line"
+        ) from error
     if (edges[:, :2] @ np.asarray(com) + edges[:, 2]).max() > 0:
         where = f"({com[0]:g}, {com[1]:g}) m"
-        raise PlantError(f"MuJoCo plant: wheels: the cart tips over, its CoM at {where} is not between its wheels")
+        raise PlantError(
+            f"MuJoCo plant: wheels: the cart tips over, its CoM at {where} is not between its wheels"
+        )
 
 
 @dataclass(frozen=True)
@@ -173,13 +189,15 @@ class MujocoCart:
 
     @property
     def wheel_mass(self) -> float:
-        """Mass of a wheel, and of a fork; the square of a caster's trail counts for its fork and wheel."""
-        squares = sum((1 + (w.kind == CASTER)) * (w.x**2 + w.y**2 + w.trail**2) for w in self.wheels)
+        """Mass of a wheel, and of a fork: light, for a cart of little yaw inertia too."""
         inertia = self.cart.inertia
-        return min(WHEEL_SHARE * inertia.mass, INERTIA_SHARE * inertia.about_com / max(squares, 1e-9))
+        far = 2 * sum(
+            (w.x - inertia.com[0]) ** 2 + (w.y - inertia.com[1]) ** 2 + w.trail**2 for w in self.wheels
+        )
+        return min(WHEEL_SHARE * inertia.mass, INERTIA_SHARE * inertia.about_com / max(far, 1e-9))
 
     def compile(self, time: float) -> mujoco.MjModel:
-        """The cart with the load of `time`; actuators 0..5 are the wrench (6,) on it at {b}'s origin, in {b}."""
+        """The cart with its load at `time`; actuators 0..5 are the wrench (6,) at {b}'s origin, in {b}."""
         spec = mujoco.MjSpec()
         _set_options(spec.option)
         floor = mujoco.mjtGeom.mjGEOM_PLANE
@@ -192,8 +210,8 @@ class MujocoCart:
         self._add_base(chassis, time)
         self._set_chassis_inertia(chassis, time)
         resistances = self.mechanisms.rolling_coefficient * RADIUS * self.static_loads(time)
-        for i, wheel in enumerate(self.wheels):
-            self._add_wheel(spec, chassis, i, resistances[i])
+        for i, resistance in enumerate(resistances[: len(self.wheels)]):
+            self._add_wheel(spec, chassis, i, resistance)
         model = spec.compile()
         self._set_arrays(model)
         return model
@@ -207,8 +225,9 @@ class MujocoCart:
 
     def _set_chassis_inertia(self, chassis: Any, time: float) -> None:
         """What wheels and forks leave of mass, CoM and yaw inertia; pitch and roll as of a square box."""
-        phi, height = self.cart.phi_at(time), self.cart.com_height or DEFAULT_COM_HEIGHT
-        vertical, light = phi[0] * height, self.wheel_mass
+        phi, light = self.cart.phi_at(time), self.wheel_mass
+        height = DEFAULT_COM_HEIGHT if self.cart.com_height is None else self.cart.com_height
+        vertical = phi[0] * height
         for wheel in self.wheels:
             parts = 2 if wheel.kind == CASTER else 1
             share = Inertia(parts * light, (wheel.x, wheel.y), _own_yaw_inertia(wheel, light))
@@ -225,8 +244,7 @@ class MujocoCart:
         holder, place = chassis, [wheel.x, wheel.y, RADIUS]
         if wheel.kind == CASTER:
             holder, place = chassis.add_body(name=f"fork{i}", pos=place), [-wheel.trail, 0.0, 0.0]
-            _set_disc(holder, light)
-            holder.ipos = [wheel.trail, 0.0, 0.0]
+            _set_disc(holder, light, com_x=wheel.trail)
             swivel = holder.add_joint(name=f"swivel{i}", type=hinge, axis=[0, 0, 1])
             _set_friction_loss(swivel, self.mechanisms.swivel_torque)
         body = holder.add_body(name=name, pos=place)
@@ -234,11 +252,12 @@ class MujocoCart:
         _set_friction_loss(body.add_joint(name=f"roll{i}", type=hinge, axis=[0, 1, 0]), resistance)
         ball = mujoco.mjtGeom.mjGEOM_SPHERE
         body.add_geom(name=name, type=ball, size=[RADIUS, 0, 0], contype=0, conaffinity=0)
-        pair = spec.add_pair(geomname1="floor", geomname2=name, condim=3, solref=SOLREF, solimp=CONTACT_SOLIMP)
+        pair = spec.add_pair(geomname1="floor", geomname2=name, condim=3, solref=FLOOR_SOLREF)
+        pair.solimp, pair.solreffriction = FLOOR_SOLIMP, FRICTION_SOLREF
         pair.friction = [SLIDING_FRICTION, SLIDING_FRICTION, 0, 0, 0]
 
     def _set_arrays(self, model: mujoco.MjModel) -> None:
-        """What a file of MuJoCo can't say: damping of single degrees of freedom, and equally stiff contacts."""
+        """What a spec can't say: damping of single degrees of freedom, and equally stiff contacts."""
         model.dof_damping[0] = self.mechanisms.linear_damping
         if self.wheels:
             model.dof_damping[1] = self.mechanisms.linear_damping
@@ -254,9 +273,10 @@ def _set_options(option: Any) -> None:
     option.disableflags = int(off.mjDSBL_AUTORESET) | int(off.mjDSBL_MIDPHASE) | int(off.mjDSBL_SENSOR)
 
 
-def _set_disc(body: Any, mass: float) -> None:
+def _set_disc(body: Any, mass: float, com_x: float = 0.0) -> None:
     """Inertia of a thin disc that spins about y."""
     body.explicitinertial = True
+    body.ipos = [com_x, 0.0, 0.0]
     body.mass, body.inertia = mass, mass * RADIUS**2 * np.array([0.25, 0.5, 0.25])
 
 
@@ -268,4 +288,4 @@ def _own_yaw_inertia(wheel: Wheel, mass: float) -> float:
 
 def _set_friction_loss(joint: Any, loss: float) -> None:
     joint.frictionloss = loss
-    joint.solref_friction, joint.solimp_friction = SOLREF, FRICTION_SOLIMP
+    joint.solref_friction, joint.solimp_friction = FRICTION_SOLREF, FRICTION_SOLIMP

@@ -1,8 +1,9 @@
 """A plant whose physics is MuJoCo's: floor contacts, rolling wheels, swinging casters.
 
-It differs in structure from every `CartModel`: wheels may creep, loads shift when a cart is pushed high up, friction
-is Coulomb's down to standstill, a caster's wheel drags along its own rolling. What it shares is the cart file; loads
-enter rolling resistance as the static ones, as they do in the model. MuJoCo's world is the frame of the first pose.
+It differs in structure from every `CartModel`: wheels may creep, loads shift when a cart is pushed high up,
+friction is Coulomb's down to standstill, a caster's wheel drags along its own rolling. What it shares is
+the cart file; loads enter rolling resistance as the static ones, as they do in the model. MuJoCo's world is
+the frame of the first pose.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from ..errors import PlantError, UsageError
 from ..frames import Array, rotation_planar, wrap_angle
 from ..model import CartModel
 from ..motion import Motion
-from ..wheels import CASTER, FIXED, WheelSet
+from ..wheels import CASTER, FIXED
 from .mujoco_cart import RADIUS, MujocoCart, check_stands
 
 LARGEST_TILT = np.radians(20.0)
@@ -40,6 +41,9 @@ class MujocoPlant:
     `heading` is that of the casters in {b}, (k,) or one for all: 0 trails a cart that moves forward.
     """
 
+    _model: mujoco.MjModel
+    _data: mujoco.MjData
+
     def __init__(
         self,
         cart: CartModel,
@@ -55,7 +59,8 @@ class MujocoPlant:
         self._timestep, self._time, self._yaw = timestep, 0.0, 0.0
         self._lifted = np.zeros(len(self._cart.wheels))
         self._casters = self._cart.numbered(CASTER)
-        headings = np.broadcast_to(np.asarray(0.0 if heading is None else heading, dtype=float), len(self._casters))
+        heading = 0.0 if heading is None else heading
+        headings = np.broadcast_to(np.asarray(heading, dtype=float), len(self._casters))
         self._load()
         if self._cart.wheels:
             check_stands(self._cart.wheels, headings, self._cart.inertia_at(0.0).com)
@@ -64,7 +69,7 @@ class MujocoPlant:
             self._set_velocity(cart.basis_b @ np.asarray(velocity, dtype=float), headings)
         mujoco.mj_forward(self._model, self._data)
 
-    # --- what can be seen --------------------------------------------------------------------------------------
+    # --- what can be seen -----------------------------------------------------------------------------------
 
     @property
     def time(self) -> float:
@@ -87,13 +92,13 @@ class MujocoPlant:
         return np.array([*planar, self._data.qvel[5]])
 
     @property
-    def caster_headings(self) -> Array:
-        """Direction in {b} in which each caster (k,) rolls when it trails, rad, not wrapped."""
-        return self._data.qpos[self._swivel_qpos].copy()
+    def caster_headings(self) -> Array | None:
+        """Where each caster (k,) rolls when it trails, rad in {b}, not wrapped; None without casters."""
+        return np.array(self._data.qpos[self._swivel_qpos]) if self._casters else None
 
     @property
     def lateral_force(self) -> float:
-        """What fixed wheels, or the rail, do to the cart along {b}'s y, N; mean over the last physics step."""
+        """What fixed wheels, or the rail, do to the cart along {b}'s y in the last physics step, N."""
         if not self._cart.wheels:
             return -float(self._data.ctrl[1])
         across = np.array([-np.sin(self._yaw), np.cos(self._yaw), 0.0])
@@ -103,8 +108,8 @@ class MujocoPlant:
     def wheel_loads(self) -> Array:
         """What the floor carries at each wheel, (n,), N; static loads of the listed wheels on a rail."""
         if not self._cart.wheels:
-            model = self._cart.cart
-            return WheelSet.loads(model.wheel_set, model.phi_at(self._time))
+            cart = self._cart.cart
+            return cart.wheel_set.loads(cart.phi_at(self._time))
         return self._floor_forces()[:, 2]
 
     def _floor_forces(self) -> Array:
@@ -116,29 +121,24 @@ class MujocoPlant:
             forces[self._wheel_of_geom[contact.geom[1]]] += force[:3] @ contact.frame.reshape(3, 3)
         return forces
 
-    # --- what can be done --------------------------------------------------------------------------------------
+    # --- what can be done -----------------------------------------------------------------------------------
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
         """Pushes for `duration` (s) with wrenches that are held in {b}: they turn with the cart."""
-        wrench_b = _wrench_b(wrenches)
-        if not np.isfinite(wrench_b).all():
-            raise PlantError(f"MuJoCo plant: the wrench at {self._time:g} s is not finite: {wrench_b}")
-        self._data.ctrl[:] = wrench_b
+        self._data.ctrl[:] = _wrench_b(wrenches)
         stop = self._time + duration
         for instant in self._cart.mechanisms.load_times:
             if self._time < instant < stop + INSTANT:
                 self._advance(instant)
                 self._load()
         self._advance(stop)
-        self._time = stop
 
     def _advance(self, stop: float) -> None:
         """Equal physics steps up to a time."""
         gap = stop - self._time
-        if gap < INSTANT:
-            return
-        left = ceil(gap / self._timestep - 1e-6)
-        self._model.opt.timestep = gap / left
+        left = ceil(gap / self._timestep - 1e-6) if gap > INSTANT else 0
+        if left:
+            self._model.opt.timestep = gap / left
         while left > 0:
             n = min(left, CHUNK)
             with _own_reports():
@@ -146,9 +146,10 @@ class MujocoPlant:
             left -= n
             self._time = stop - left * self._model.opt.timestep
             self._look_after(n * self._model.opt.timestep)
+        self._time = stop
 
     def _look_after(self, passed: float) -> None:
-        """Follows the yaw over full turns; refuses a cart that tips, lifts a wheel for long or is no longer finite."""
+        """Follows the yaw over full turns; refuses a cart that tips, lifts a wheel or isn't finite."""
         data = self._data
         if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
             raise PlantError(f"MuJoCo plant: the motion is no longer finite at {self._time:g} s")
@@ -159,15 +160,19 @@ class MujocoPlant:
         self._yaw += float(wrap_angle(yaw - self._yaw))
         tilt = acos(max(1 - 2 * (i * i + j * j), -1.0))
         if tilt > LARGEST_TILT:
-            raise PlantError(f"MuJoCo plant: the cart tips over at {self._time:g} s: tilted by {np.degrees(tilt):.0f}°")
+            raise PlantError(
+                f"MuJoCo plant: the cart tips over at {self._time:g} s: tilted by {np.degrees(tilt):.0f}°"
+            )
         high = data.geom_xpos[self._wheel_geoms, 2] > RADIUS + LIFT
         self._lifted = np.where(high, self._lifted + passed, 0.0)
         if self._lifted.max() > LIFT_TIME:
             wheel = self._cart.wheels[int(self._lifted.argmax())]
             where = f"the {wheel.kind} wheel at ({wheel.x:g}, {wheel.y:g}) m"
-            raise PlantError(f"MuJoCo plant: {where} has been off the floor for {LIFT_TIME} s at {self._time:g} s")
+            raise PlantError(
+                f"MuJoCo plant: {where} has been off the floor for {LIFT_TIME} s at {self._time:g} s"
+            )
 
-    # --- MuJoCo's data -----------------------------------------------------------------------------------------
+    # --- MuJoCo's data --------------------------------------------------------------------------------------
 
     def _load(self) -> None:
         """Builds the cart with the load of now; where it was moving, it goes on with the same velocities."""
@@ -184,12 +189,12 @@ class MujocoPlant:
         self._swivel_qpos = [model.joint(f"swivel{i}").qposadr[0] for i, _ in self._casters]
 
     def _settle(self, headings: Array) -> None:
-        """Lets the cart sink to rest, so that it starts without a bump; the planar pose stays where it began."""
+        """Lets the cart sink to rest, so that it starts without a bump; its planar pose stays."""
         self._data.qpos[self._swivel_qpos] = headings
         mujoco.mj_step(self._model, self._data, ceil(SETTLE_TIME / self._timestep))
-        self._data.qpos[:2] = 0.0
+        self._data.qpos[[0, 1, 6]] = 0.0
+        self._data.qpos[self._swivel_qpos] = headings
         self._data.qvel[:] = 0.0
-        self._look_after(0.0)
 
     def _set_velocity(self, velocity_b: Array, headings: Array) -> None:
         """Sets the chassis, and every wheel as it rolls and every fork as it swivels with it (physics 17)."""
@@ -224,6 +229,8 @@ def _wrench_b(wrenches: ContactWrenches) -> Array:
     """Sum of the contacts' wrenches at {b}'s origin, (6,), in {b}."""
     total = np.zeros(6)
     for arm, wrench_a in wrenches.wrenches.items():
+        if not (abs(wrench_a) < mujoco.mjMAXVAL).all():
+            raise PlantError(f"MuJoCo plant: the wrench of {arm} is not finite or beyond reason: {wrench_a}")
         position = np.asarray(wrenches.contacts[arm], dtype=float)
         total += _grasp_map(tuple(position.tolist()), float(wrenches.yaws.get(arm, 0.0))) @ wrench_a
     return total

@@ -55,7 +55,7 @@ class ModelPlant:
         n = max(1, int(np.ceil(duration / self.timestep - 1e-9)))
 
         def rate(time: float, state: Array) -> Array:
-            return self.cart.rate(state, wrench_b, parameters, time).value
+            return self.cart.state_rate(state, wrench_b, parameters, time)
 
         begin = self._time
         for i in range(n):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..frames import Array
 from ..logs.run_log import RunLog
@@ -26,7 +26,7 @@ class RunRecord:
 
     `log` holds what was measured; poses (n, 3) of {b} in {s} and speeds (n, n_free) are the truth and the
     reference; `wrenches` what each arm really gave, (n, 6) in {a}; `parameters` the estimates by contract name
-    (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `statuses` one word a plan.
+    (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `statuses` one word a plan; `identifiable` says at the end which the motion has taught.
     """
 
     log: RunLog
@@ -39,6 +39,7 @@ class RunRecord:
     parameters: Mapping[str, Series]
     caster_headings: Array | None
     statuses: tuple[str, ...]
+    identifiable: Mapping[str, bool] = field(default_factory=dict)
 
     @property
     def time(self) -> Array:

@@ -18,8 +18,8 @@ __all__ = ["QuadraticSolver", "solve_with_clarabel"]
 class QuadraticSolver:
     """Solves programs of one structure, warm; what it returns as `optimal` has been verified.
 
-    `always_feasible` is for projections: they have a solution, whatever daqp says, and a Hessian without full rank,
-    where daqp iterates; so each is polished even within tolerance.
+    `always_feasible` is for projections: they have a solution, whatever daqp says, and a Hessian without full
+    rank, where daqp iterates; so each is polished even within tolerance.
     """
 
     def __init__(self, always_feasible: bool = False) -> None:

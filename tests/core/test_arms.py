@@ -14,7 +14,9 @@ HANDLE = (POINT, (-0.25, -0.2, 1.0))
 
 
 def test_an_arm_keeps_what_it_is_given():
-    arm = Arm("left", [POINT], yaw=0.3, force_limit=(60, 60, 40), moment_limit=(8, 8, 6), friction=Friction(0.6))
+    arm = Arm(
+        "left", [POINT], yaw=0.3, force_limit=(60, 60, 40), moment_limit=(8, 8, 6), friction=Friction(0.6)
+    )
     np.testing.assert_array_equal(arm.wrench_limit, [60, 60, 40, 8, 8, 6])
     np.testing.assert_array_equal(arm.contacts.first, POINT)
     assert arm.weights == (1, 1, 1, 10, 10, 10)
@@ -45,7 +47,10 @@ def test_a_handle_is_held_in_its_middle_first():
         (lambda: Arm("left", segment=(POINT, POINT, POINT)), "arm left: segment: 2 ends are needed, 3 given"),
         (lambda: Arm("left", ContactSet((POINT,)), segment=HANDLE), "arm left: segment: .*ContactSet"),
         (lambda: Arm("left", [POINT], yaw=np.nan), "arm left: yaw: nan is not finite"),
-        (lambda: Arm("left", [POINT], force_limit=(1, 2)), "arm left: force_limit: 3 numbers are needed, 2 given"),
+        (
+            lambda: Arm("left", [POINT], force_limit=(1, 2)),
+            "arm left: force_limit: 3 numbers are needed, 2 given",
+        ),
         (lambda: Arm("left", [POINT], force_limit=(1, 2, -3)), "arm left: force_limit: .* negative limit"),
         (lambda: Arm("left", [POINT], moment_limit=(1, np.nan, 3)), "arm left: moment_limit: .* holds a NaN"),
         (lambda: Arm("left", [POINT], weights=(1,) * 5), "arm left: weights: 6 numbers are needed, 5 given"),

@@ -1,4 +1,4 @@
-"""cart.yaml: what is read is what is written, comments and all; every mistake has its place; nothing else escapes."""
+"""cart.yaml: what is read is written back, comments and all; mistakes have a place; nothing else escapes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ wheels:                   # optional: needed for wheel loads, skid and tip-over 
   - {kind: fixed,  x: 0.00, y: -0.27}
   - {kind: caster, x: 0.72, y:  0.20, trail: 0.045}
   - {kind: caster, x: 0.72, y: -0.20, trail: 0.045}
-effects:                  # names and parameters as in effects.md; this list is what "adds it to the model" extends
+effects:                  # names and parameters as in effects.md; this list is what adds it to the model
   viscous_drag: {linear: 3.0, angular: 1.2}
 """
 SHORT = "mass: 20\ncom: [0.3, 0]\ninertia: 2\n"
@@ -41,8 +41,8 @@ BARE = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), RollingConstraints(None))
 
 
 def squeezed(text):
-    """Runs of blanks inside flow mappings as one: what ruamel makes of them."""
-    return re.sub(r"(?<=[,:]) {2,}", " ", text)
+    """Runs of blanks, inside flow mappings and before comments, as ruamel sets them."""
+    return re.sub(r"(?<=[,:]) {2,}", " ", re.sub(r" +#", "  #", text))
 
 
 def test_the_contracts_example_is_what_it_says():
@@ -64,8 +64,8 @@ def test_the_contracts_example_is_written_back_as_it_was():
 
 
 def test_comments_and_order_stay_when_numbers_change(tmp_path):
-    text = "inertia: 2.0  # guessed\n# weighed on Tuesday\nmass: 24.0  # kg\n\ncom: [0.30, 0.00]  # m\neffects:\n"
-    text += "  viscous_drag: {angular: 1.2, linear: 3.0}  # from coasting\n"
+    text = "inertia: 2.0  # guessed\n# weighed on Tuesday\nmass: 24.0  # kg\n\ncom: [0.30, 0.00]  # m\n"
+    text += "effects:\n  viscous_drag: {angular: 1.2, linear: 3.0}  # from coasting\n"
     cart = cart_from_text(text)
     changed = cart.with_inertia(Inertia(30.5, (0.30, 0.1), 2.0)).with_effect(RollingResistance(0.02))
     path = changed.save(tmp_path / "cart.yaml")
@@ -78,10 +78,8 @@ def test_comments_and_order_stay_when_numbers_change(tmp_path):
         "  viscous_drag: {angular: 1.2, linear: 3.0}  # from coasting",
         "  rolling_resistance: {coefficient: 0.02}",
     ):
-        assert line in written.splitlines()
-    assert [word for word in ("inertia", "mass", "com", "effects") if f"\n{word}:" in "\n" + written] == sorted(
-        ("inertia", "mass", "com", "effects"), key=written.index
-    )
+        assert line in squeezed(written).splitlines()
+    assert re.findall(r"^\w+(?=:)", written, re.MULTILINE)[:4] == ["inertia", "mass", "com", "effects"]
     assert load_cart(path) == changed
 
 
@@ -91,16 +89,18 @@ def test_comments_and_order_stay_when_numbers_change(tmp_path):
     wheels=st.sampled_from([(), SHOPPING_CART, (Wheel("fixed", 0.1, -0.2),)]),
     com_height=st.none() | numbers(0, 2),
     effects=st.lists(
-        st.sampled_from([ViscousDrag(3.0, 1.2), RollingResistance(0.02), ForceScale(1.1), ForceBias(1.0)]), unique=True
+        st.sampled_from([ViscousDrag(3.0, 1.2), RollingResistance(0.02), ForceScale(1.1), ForceBias(1.0)]),
+        unique=True,
     ),
     labels=st.lists(st.sampled_from(["left", "right", "1"]), unique=True),
+    own_first=st.booleans(),
 )
 @pytest.mark.parametrize("source", ["", CONTRACT, SHORT], ids=["new", "contract", "short"])
-def test_any_cart_round_trip(source, inertia, constraints, wheels, com_height, effects, labels):
+def test_any_cart_round_trip(source, inertia, constraints, wheels, com_height, effects, labels, own_first):
     """Also onto a file that said something else before: what the cart does not have must go."""
     effects = tuple(effects)
     if ForceBias(1.0) in effects:
-        at = effects.index(ForceBias(1.0)) + 1
+        at = effects.index(ForceBias(1.0)) + own_first
         effects = (*effects[:at], *(ForceBias(2.0, label=label) for label in labels), *effects[at:])
     cart = CartModel(inertia, constraints, effects, wheels, com_height, "a cart: with # signs")
     kept = cart_text(cart_from_text(source)) if source else ""
@@ -172,16 +172,28 @@ MISTAKES = [
         *(7, 5, "constraints.2.no_rotation", "stands twice"),
     ),
     (SHORT + "wheels:\n  - {kind: fixed, x: 0}\n", 5, 5, "wheels.0.y", "is missing"),
-    (SHORT + "wheels:\n  - {kind: fixed, x: 0, y: 0, z: 1}\n", 5, 32, "wheels.0.z", "unknown key"),
+    (SHORT + "wheels:\n  - {kind: fixed, x: 0, y: 0, z: 1}\n", 5, 31, "wheels.0.z", "unknown key"),
     (SHORT + "wheels:\n  - {kind: steered, x: 0, y: 0}\n", 5, 6, "wheels.0.kind", "neither fixed nor caster"),
-    (SHORT + "wheels:\n  - {kind: caster, x: 0, y: 0, trail: -1}\n", 5, 33, "wheels.0.trail", "is negative"),
+    (SHORT + "wheels:\n  - {kind: caster, x: 0, y: 0, trail: -1}\n", 5, 32, "wheels.0.trail", "is negative"),
     (SHORT + "effects:\n  vicous_drag: {}\n", 5, 3, "effects.vicous_drag", "did you mean viscous_drag?"),
-    (SHORT + "effects:\n  viscous_drag: 3\n", 5, 3, "effects.viscous_drag", "3 is not a mapping of parameters"),
+    (
+        SHORT + "effects:\n  viscous_drag: 3\n",
+        5,
+        3,
+        "effects.viscous_drag",
+        "3 is not a mapping of parameters",
+    ),
     (
         SHORT + "effects:\n  viscous_drag: {linaer: 3}\n",
         *(5, 18, "effects.viscous_drag.linaer", "did you mean linear?"),
     ),
-    (SHORT + "effects:\n  viscous_drag: {linear: x}\n", 5, 18, "effects.viscous_drag.linear", "'x' is not a number"),
+    (
+        SHORT + "effects:\n  viscous_drag: {linear: x}\n",
+        5,
+        18,
+        "effects.viscous_drag.linear",
+        "'x' is not a number",
+    ),
     (
         SHORT + "effects:\n  viscous_drag: {linear: yes, angular: -1}\n",
         *(5, 18, "effects.viscous_drag.linear", "'yes' is not a number"),
@@ -206,17 +218,28 @@ MISTAKES = [
         SHORT + "effects:\n  force_bias:\n    left: {fx: 1}\n    right: 3\n",
         *(7, 5, "effects.force_bias.right", "unknown parameter; known are fx, fy, tz"),
     ),
+    (
+        SHORT + "effects:\n  force_bias:\n    1: {fx: 1}\n    '1': {fx: 2}\n",
+        *(7, 5, "effects.force_bias.1", "force_bias.1 stands twice"),
+    ),
+    (
+        SHORT + "effects:\n  force_bias:\n    fx: 1\n    '': {fx: 2}\n",
+        *(7, 5, "effects.force_bias.", "force_bias stands twice"),
+    ),
     (SHORT + "effects: [viscous_drag]\n", 4, 1, "effects", "is not a mapping"),
     (SHORT + "name: [a\nb: 3\n", 5, 2, "", "not valid YAML"),
     (SHORT + "name: 'a\n", 5, 1, "", "not valid YAML"),
     (SHORT + "name: *a\n", 4, 7, "", "not valid YAML: found undefined alias 'a'"),
     (SHORT + "\tname: a\n", 4, 1, "", "not valid YAML"),
+    (SHORT + "effects:\n  viscous_drag: {linear: 3.0, :\n  1.2}\n", 5, 17, "", "a key must be"),
     ("? {a: 1}\n: 2\n", 1, 1, "", "a key must be"),
-    (SHORT + "name: &a [*a, {b: *a}]\n", None, None, "", "nested"),
+    ("&a {mass: *a}\n", 1, 1, "", "is nested more than 50 deep"),
 ]
 
 
-@pytest.mark.parametrize(("text", "line", "column", "key", "words"), MISTAKES, ids=[m[3] or m[4][:20] for m in MISTAKES])
+@pytest.mark.parametrize(
+    ("text", "line", "column", "key", "words"), MISTAKES, ids=[m[3] or m[4][:20] for m in MISTAKES]
+)
 def test_a_mistake_is_told_with_its_place(text, line, column, key, words):
     with pytest.raises(FileError, match=re.escape(words)) as caught:
         cart_from_text(text, "carts/cart.yaml")
@@ -240,10 +263,9 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path):
 def only_file_errors(text):
     try:
         cart = cart_from_text(text)
-    except FileError as error:
-        assert str(error).startswith("cart.yaml")
-    else:
-        assert cart_from_text(cart_text(cart)) == cart
+    except FileError:
+        return
+    assert cart_from_text(cart_text(cart)) == cart
 
 
 @given(text=st.text(max_size=200))
@@ -252,11 +274,80 @@ def test_any_text_is_a_cart_or_a_file_error(text):
 
 
 WORDS = [
-    *("mass", "com", "inertia", "effects", "wheels", "constraints", "no_rotation", "force_bias", "left", "fx"),
-    *(": ", ":\n  ", ", ", "\n", "\n- ", "[", "]", "{", "}", "? ", "|\n ", ">\n ", "'", '"', " #", "---\n", "...\n"),
-    *("&a ", "*a", "<<: ", "!!bool ", "!!int ", "!!float ", "!!set ", "!!omap ", "!!binary ", "!!timestamp ", "!x "),
-    *("%YAML 1.1\n", "%TAG ! x\n", "1", "-0.5", "1e400", "0x", "0o8", "1_0", ".nan", "~", "2001-01-01", "true", "é"),
+    *(
+        "mass",
+        "com",
+        "inertia",
+        "effects",
+        "wheels",
+        "constraints",
+        "no_rotation",
+        "force_bias",
+        "left",
+        "fx",
+    ),
+    *(
+        ": ",
+        ":\n  ",
+        ", ",
+        "\n",
+        "\n- ",
+        "[",
+        "]",
+        "{",
+        "}",
+        "? ",
+        "|\n ",
+        ">\n ",
+        "'",
+        '"',
+        " #",
+        "---\n",
+        "...\n",
+    ),
+    *(
+        "&a ",
+        "*a",
+        "<<: ",
+        "!!bool ",
+        "!!int ",
+        "!!float ",
+        "!!set ",
+        "!!omap ",
+        "!!binary ",
+        "!!timestamp ",
+        "!x ",
+    ),
+    *(
+        "%YAML 1.1\n",
+        "%TAG ! x\n",
+        "1",
+        "-0.5",
+        "1e400",
+        "0x",
+        "0o8",
+        "1_0",
+        ".nan",
+        "~",
+        "2001-01-01",
+        "true",
+        "é",
+    ),
 ]
+
+
+@pytest.mark.parametrize(
+    "tag", ["!!set", "!!omap", "!!int", "!!float", "!!bool", "!!binary", "!!timestamp", "!!null"]
+)
+@pytest.mark.parametrize("value", ["", "x", "[x]", "{x: 1}", "{[x]: 1}"])
+def test_a_tagged_value_is_a_cart_or_a_file_error(tag, value):
+    for text in (
+        f"{tag} {value}",
+        f"mass: {tag} {value}",
+        f"{SHORT}name: {tag} {value}",
+        f"{tag} {value}: 3\n",
+    ):
+        only_file_errors(text)
 
 
 @given(words=st.lists(st.sampled_from(WORDS), max_size=25))
@@ -265,7 +356,11 @@ def test_any_words_of_yaml_are_a_cart_or_a_file_error(words):
     only_file_errors(SHORT + "".join(words))
 
 
-@given(cut=st.integers(0, len(CONTRACT)), length=st.integers(0, 12), words=st.lists(st.sampled_from(WORDS), max_size=3))
+@given(
+    cut=st.integers(0, len(CONTRACT)),
+    length=st.integers(0, 12),
+    words=st.lists(st.sampled_from(WORDS), max_size=3),
+)
 def test_a_damaged_example_is_a_cart_or_a_file_error(cut, length, words):
     only_file_errors(CONTRACT[:cut] + "".join(words) + CONTRACT[cut + length :])
 
@@ -278,7 +373,7 @@ def test_any_bytes_are_a_file_error(data, tmp_path_factory):
         load_cart(path)
 
 
-@pytest.mark.parametrize("depth", [50, 500, 20_000])
+@pytest.mark.parametrize("depth", [60, 400])
 @pytest.mark.parametrize(("opening", "closing"), [("[", "]"), ("{a: ", "}"), ("- ", ""), ("[{a: ", "}]")])
 def test_deep_nesting_is_a_file_error(depth, opening, closing):
     with pytest.raises(FileError):

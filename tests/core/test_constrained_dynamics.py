@@ -1,7 +1,8 @@
 """The reduced dynamics against the paper's full constrained form, in world components (physics 1 to 5).
 
-This file knows nothing of S, nu or the body-frame matrices. It takes the kinetic energy (1) and derives (2) from it by
-complex steps, writes the constraints (3) as velocities of a point of the axle, and solves (4) with its multipliers:
+This file knows nothing of S, nu or the body-frame matrices. It takes the kinetic energy (1) and derives (2)
+from it by complex steps, writes the constraints (3) as velocities of a point of the axle, and solves (4) with
+its multipliers:
 
     [M  Λᵀ] [ qdd ]   [Γ - c(q, qd)]
     [Λ  0 ] [ -λ' ] = [  -Λdot qd   ],    λ' = -λ of (4): the force of the constraint on the cart.
@@ -106,7 +107,7 @@ def body_velocity(constraints, nu):
 @every_cart
 @given(inertia=inertias(), pose=poses(), velocity=vectors(3, -2, 2), wrench_b=wrenches())
 def test_acceleration_is_that_of_the_constrained_equations(constraints, inertia, pose, velocity, wrench_b):
-    """qdd = d/dt (R v_b) = R (v_b' + r ẑ x v_b); tolerance: rounding through a 5 x 5 solve of condition 1e3."""
+    """qdd = d/dt (R v_b) = R (v_b' + r ẑ x v_b); tolerance: rounding through a solve of condition 1e3."""
     cart = CartModel(inertia, constraints)
     nu = velocity[: constraints.n_free]
     velocity_b = body_velocity(constraints, nu)
@@ -159,8 +160,8 @@ def test_inertial_forces_do_no_work(inertia, velocity):
 @pytest.mark.parametrize("axle", ["axle at the origin", "axle ahead", "axle behind"])
 @given(inertia=inertias(), nu=vectors(2, -2, 2))
 def test_reduced_matrices_of_one_row(axle, inertia, nu):
-    """physics 4, told from the axle: with d measured from there, Mr = [[m, -m dy], [-m dy, J]], Cr = m dx r [[0, -1],
-    [1, 0]] (skew, as Mrdot = 0), det Mr = m (I + m dx²) > 0."""
+    """physics 4, told from the axle: with d measured from there, Mr = [[m, -m dy], [-m dy, J]],
+    Cr = m dx r [[0, -1], [1, 0]] (skew, as Mrdot = 0), det Mr = m (I + m dx²) > 0."""
     constraints = CONSTRAINTS[axle]
     m, (dx, dy), about_com = inertia.mass, inertia.com, inertia.about_com
     dx = dx - constraints.axle_x
@@ -175,7 +176,7 @@ def test_reduced_matrices_of_one_row(axle, inertia, nu):
 
 @every_cart
 def test_energy_balance_of_a_run(constraints):
-    """T(t) - T(0) is the work of the arms, of the effects and of nobody else, over 2 s with all that acts at once."""
+    """T(t) - T(0) is the work of the arms, of the effects and of nobody else, over 2 s with all at once."""
     effects = (
         ViscousDrag(3.0, 1.0),
         RollingResistance(0.02),
@@ -218,7 +219,9 @@ def test_the_term_that_the_paper_drops_is_metres():
         Lambda = rows(constraints, theta)
         Lambda_rate = rows(constraints, theta + 1e-30j * qd[2]).imag / 1e-30
         matrix = np.block([[mass_matrix(inertia, theta), -Lambda.T], [Lambda, np.zeros((1, 1))]])
-        right = np.append(to_world(theta, wrench_b) - bias(inertia, theta, qd), -keeps_term * (Lambda_rate @ qd))
+        right = np.append(
+            to_world(theta, wrench_b) - bias(inertia, theta, qd), -keeps_term * (Lambda_rate @ qd)
+        )
         return np.concatenate([qd, np.linalg.solve(matrix, right)[:3]])
 
     def end(keeps_term):

@@ -6,7 +6,15 @@ import numpy as np
 from hypothesis import example, given
 
 from cartgrasp.contacts import ContactWrenches, grasp_map_planar, grasp_map_spatial
-from cartgrasp.frames import adjoint, body_to_world, cross_planar, rotation_planar, rotation_z, skew, wrap_angle
+from cartgrasp.frames import (
+    adjoint,
+    body_to_world,
+    cross_planar,
+    rotation_planar,
+    rotation_z,
+    skew,
+    wrap_angle,
+)
 
 from .drawn import numbers, vectors
 
@@ -28,7 +36,7 @@ def adjoint_of(g):
 
 @given(p=points, yaw=yaws)
 def test_planar_grasp_map_is_the_composition_of_22_and_23(p, yaw):
-    """G = Bᵀ Ad_{g_ab}ᵀ with g_ab the inverse of g_ba: (22) to (24) with the frames that compose (physics 6)."""
+    """G = Bᵀ Ad_{g_ab}ᵀ with g_ab the inverse of g_ba: (22) to (24) with frames that compose (physics 6)."""
     g_ab = np.linalg.inv(transformation(p, yaw))
     np.testing.assert_allclose(grasp_map_spatial(p, yaw), adjoint_of(g_ab).T, atol=1e-12)
     np.testing.assert_allclose(grasp_map_planar(p, yaw), PLANAR_BASIS.T @ adjoint_of(g_ab).T, atol=1e-12)
@@ -51,7 +59,9 @@ def test_the_power_of_a_wrench_is_the_same_in_either_frame(p, yaw, wrench_a, twi
     power_b = grasp_map_planar(p, yaw) @ wrench_a @ twist_b
     np.testing.assert_allclose(power_b, power_a, rtol=1e-12, atol=1e-11)
     spatial_twist = np.array([u, w, 0, 0, 0, r])
-    np.testing.assert_allclose(grasp_map_spatial(p, yaw) @ wrench_a @ spatial_twist, power_a, rtol=1e-12, atol=1e-11)
+    np.testing.assert_allclose(
+        grasp_map_spatial(p, yaw) @ wrench_a @ spatial_twist, power_a, rtol=1e-12, atol=1e-11
+    )
 
 
 @given(p=points, yaw=yaws, wrench_a=wrenches_a)
@@ -97,7 +107,9 @@ def test_wrapped_angles_are_the_same_angle_from_minus_pi_up_to_pi(angle):
 @given(angle=numbers(-10, 10), planar=vectors(3, -2, 2))
 def test_world_and_body_components(angle, planar):
     turned = complex(planar[0], planar[1]) * np.exp(1j * angle)
-    np.testing.assert_allclose(body_to_world(angle) @ planar, [turned.real, turned.imag, planar[2]], atol=1e-12)
+    np.testing.assert_allclose(
+        body_to_world(angle) @ planar, [turned.real, turned.imag, planar[2]], atol=1e-12
+    )
 
 
 @given(a=vectors(3, -2, 2), b=vectors(3, -2, 2))

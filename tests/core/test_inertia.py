@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy.optimize import nnls
 
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia, is_physical, phi_from_physical, physical_from_phi, physical_jacobian
@@ -88,12 +89,25 @@ def test_phi_broadcasts():
 
 @given(phi=phis(), wheels=st.sampled_from([w for w in WHEELS if w]))
 def test_loads_balance_the_weight_and_its_moments(phi, wheels):
+    """Also where a wheel lifts: least energy of unilateral springs, by another solver's road (NNLS)."""
     wheel_set = WheelSet(wheels)
     loads = wheel_set.loads(phi)
-    assume(loads.min() > 0)
     m, mx, my, _ = phi
+    assert loads.min() >= 0
     np.testing.assert_allclose(loads.sum(), m * GRAVITY, rtol=1e-12)
-    np.testing.assert_allclose(loads @ wheel_set.positions, np.array([mx, my]) * GRAVITY, atol=1e-10)
+    balance = np.vstack([np.ones(len(wheels)), wheel_set.positions.T])
+    weight = np.array([m, mx, my]) * GRAVITY
+    stiff = 1e5  # equilibrium weighs 1e10 times the springs' energy
+    rows, right = (
+        np.vstack([stiff * balance, np.eye(len(wheels))]),
+        np.append(stiff * weight, np.zeros(len(wheels))),
+    )
+    expected, _ = nnls(rows, right)
+    assume(
+        np.abs(balance @ expected - weight).max() < 1e-3
+    )  # else the CoM is outside the wheels, and the cart tips
+    np.testing.assert_allclose(balance @ loads, weight, atol=1e-9)
+    np.testing.assert_allclose(loads, expected, atol=1e-3)
 
 
 @given(
@@ -103,8 +117,8 @@ def test_loads_balance_the_weight_and_its_moments(phi, wheels):
     in_line=st.booleans(),
 )
 def test_loads_do_not_depend_on_where_the_origin_is(places, phi, origin, in_line):
-    """The same cart, told from another {b}: same wheels, same weight, same loads. Two wheels carry it all too: what
-    they can't balance, the hands on the handle do."""
+    """The same cart, told from another {b}: same weight, same loads. Two wheels carry it all too;
+    what they can't balance, the hands on the handle do."""
     places = np.array(places) * ([1.0, 0.0] if in_line else [1.0, 1.0])
     spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
     assume(all(s == 0 or s > 0.05 for s in np.round(spread, 15)))
@@ -114,6 +128,21 @@ def test_loads_do_not_depend_on_where_the_origin_is(places, phi, origin, in_line
     there = WheelSet(tuple(Wheel("caster", *(p - origin)) for p in places))
     np.testing.assert_allclose(phi @ here.load_map.T, moved_phi @ there.load_map.T, rtol=1e-8, atol=1e-8)
     np.testing.assert_allclose((phi @ here.load_map.T).sum(), m * GRAVITY, rtol=1e-9)
+
+
+def test_loads_broadcast_where_wheels_lift():
+    wheels = WheelSet(WHEELS[1])
+    com = np.array([[[0.3, 0.0], [0.1, 0.2]], [[0.6, 0.1], [-2.0, 0.3]]])
+    phi = phi_from_physical(24.0, com[..., 0], com[..., 1], 2.0)
+    loads, load_map = wheels.loads_with_map(phi)
+    assert load_map.shape == (2, 2, 4, 4)
+    np.testing.assert_allclose(loads.sum(axis=-1), 24.0 * GRAVITY)  # also of the last, which tips
+    for i, j in np.ndindex(2, 2):
+        one, one_map = wheels.loads_with_map(phi[i, j])
+        np.testing.assert_allclose(loads[i, j], one, atol=1e-12)
+        np.testing.assert_allclose(load_map[i, j], one_map, atol=1e-12)
+    assert (loads[0, 1] == 0).sum() == 1
+    assert not wheels.loads([-1.0, 0.0, 0.0, 1.0]).any()  # a filter's unphysical guess
 
 
 def test_without_wheels_the_weight_is_at_the_origin():

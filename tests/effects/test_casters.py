@@ -1,7 +1,7 @@
 """Casters that swing round, against the trail model in closed form (physics 17).
 
-With the wheel's heading psi against the velocity v: `tan(psi/2) = tan(psi0/2) exp(-v t / b)`, so the way that it takes
-is `b ln(tan(psi0/2) / tan(psi1/2))`, and the swivel torque T takes the energy `T |psi0 - psi1|`.
+With the wheel's heading psi against the velocity v: `tan(psi/2) = tan(psi0/2) exp(-v t / b)`, so the way it
+takes is `b ln(tan(psi0/2) / tan(psi1/2))`, and the swivel torque T takes the energy `T |psi0 - psi1|`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from cartgrasp.effects.caster_realignment import SMOOTHING_RATE
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
-from tests.core.drawn import HOSPITAL_BED, SHOPPING_CART, numbers, velocities, vectors
+from tests.core.drawn import HOSPITAL_BED, SHOPPING_CART, numbers, vectors, velocities
 
 TRAIL = 0.045
 TORQUE = 0.3
@@ -59,7 +59,7 @@ def test_the_force_is_across_the_wheel_at_its_patch(place, delta, trail):
 
 @given(place=vectors(2, -0.8, 0.8), delta=numbers(-4, 4), velocity=velocities())
 def test_the_wheel_does_not_slip_sideways_at_its_patch(place, delta, velocity):
-    """The patch moves with the fork, which turns at r + delta' about the pivot: no velocity across the wheel."""
+    """The patch moves with the fork, which turns at r + delta' about the pivot: it only rolls."""
     cart = one_caster(*place)
     rate = cart.rate(at_heading(cart, delta, velocity), np.zeros(3)).value[-1]
     u, w, r = velocity
@@ -72,7 +72,7 @@ def test_the_wheel_does_not_slip_sideways_at_its_patch(place, delta, velocity):
 
 @pytest.mark.parametrize(("first", "last"), [(175.0, 5.0), (170.0, 2.0), (-175.0, -1.0)])
 def test_a_full_swing_takes_its_energy_and_seven_trails(first, last):
-    """At a constant speed the energy is `T ∫ sin psi / sqrt(sin² psi + e²) dpsi`, e = SMOOTHING_RATE b / v: closed."""
+    """At constant speed the energy is `T ∫ sin psi / sqrt(sin² psi + e²) dpsi`, e = SMOOTHING_RATE b / v."""
     cart, speed = one_caster(), 0.8
 
     def rate(_, heading):
@@ -83,7 +83,9 @@ def test_a_full_swing_takes_its_energy_and_seven_trails(first, last):
         return np.degrees(heading[0]) - last
 
     aligned.terminal = True
-    run = solve_ivp(rate, (0, 5), [np.radians(first), 0.0], events=aligned, method="DOP853", rtol=1e-9, atol=1e-12)
+    run = solve_ivp(
+        rate, (0, 5), [np.radians(first), 0.0], events=aligned, method="DOP853", rtol=1e-9, atol=1e-12
+    )
     way, energy = run.t_events[0][0] * speed, run.y_events[0][0][1]
     psi = np.abs(np.radians([first, last]))
     np.testing.assert_allclose(way, TRAIL * np.log(np.tan(psi[0] / 2) / np.tan(psi[1] / 2)), rtol=1e-7)
@@ -92,14 +94,19 @@ def test_a_full_swing_takes_its_energy_and_seven_trails(first, last):
     smoothing = np.sqrt(1 + (SMOOTHING_RATE * TRAIL / speed) ** 2)
     exact = TORQUE * np.diff(np.arcsin(np.cos(psi) / smoothing))[0]
     np.testing.assert_allclose(energy, exact, rtol=1e-6)
-    np.testing.assert_allclose(energy, TORQUE * np.ptp(psi), rtol=0.02)  # what smoothing leaves out: 2 e of pi
+    np.testing.assert_allclose(
+        energy, TORQUE * np.ptp(psi), rtol=0.02
+    )  # what smoothing leaves out: 2 e of pi
 
 
 def test_a_reversal_of_a_cart_costs_the_swing_of_its_casters():
-    """Energy book over a run: what the casters took is T times what they swung, from the cart's own kinetic energy."""
+    """What the cart lost of its kinetic energy is T times what its casters swung."""
     cart = CartModel(INERTIA, effects=(CasterRealignment(TORQUE),), wheels=SHOPPING_CART)
     start = cart.state(velocity=[-1.0, 0.0])
-    start[cart.memory_slice] = 0.05, -0.05  # nearly straight on for rolling forward, so they must turn right round
+    start[cart.memory_slice] = (
+        0.05,
+        -0.05,
+    )  # nearly straight on for rolling forward, so they must turn right round
     run = solve_ivp(lambda _, s: cart.rate(s, np.zeros(3)).value, (0, 0.6), start, rtol=1e-9, atol=1e-11)
     headings = run.y[cart.memory_slice]
     swing = np.abs(headings[:, -1] - headings[:, 0])

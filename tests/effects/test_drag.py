@@ -50,7 +50,9 @@ def coast(cart, speed, times, stop=None):
 
 
 def force_at(effect, u, w=0.0, r=0.0, *, wheels=(), phi=None, constraints=None):
-    cart = CartModel(Inertia(MASS, (0.0, 0.0), 2.0), constraints or RollingConstraints(None), (effect,), wheels)
+    cart = CartModel(
+        Inertia(MASS, (0.0, 0.0), 2.0), constraints or RollingConstraints(None), (effect,), wheels
+    )
     parameters = cart.parameters.copy()
     if phi is not None:
         parameters[:4] = phi
@@ -61,7 +63,8 @@ def force_at(effect, u, w=0.0, r=0.0, *, wheels=(), phi=None, constraints=None):
 @given(drag=numbers(0.5, 50), speed=numbers(-2, 2), yaw_rate=numbers(-2, 2))
 def test_viscous_drag_is_exponential_decay(drag, speed, yaw_rate):
     np.testing.assert_allclose(
-        force_at(ViscousDrag(drag, drag / 3), speed, 0.1, yaw_rate), [-drag * speed, -drag * 0.1, -drag / 3 * yaw_rate]
+        force_at(ViscousDrag(drag, drag / 3), speed, 0.1, yaw_rate),
+        [-drag * speed, -drag * 0.1, -drag / 3 * yaw_rate],
     )
 
 
@@ -91,7 +94,7 @@ def test_quadratic_drag_opposes_the_velocity(coefficient, velocity):
 def test_directional_drag_decays_at_one_rate_forward_and_at_another_backward():
     cart = rail_cart(DirectionalDrag(forward=3.0, backward=8.0), ViscousDrag(1.0))
     times = np.linspace(0, 4, 5)
-    # above 0.2 m/s the smooth sign is off by (s / 2u)² = 2.5e-5 at most, of a drag that differs by 5 of 4 to 9 N·s/m
+    # above 0.2 m/s the smooth sign is off by (s / 2u)² = 2.5e-5 at most; the two drags differ by 5 of 9 N·s/m
     forward, backward = coast(cart, 1.0, times).y[3], coast(cart, -1.0, times).y[3]
     np.testing.assert_allclose(forward, np.exp(-4.0 / MASS * times), rtol=1e-4)
     np.testing.assert_allclose(backward, -np.exp(-9.0 / MASS * times), rtol=1e-4)
@@ -106,7 +109,9 @@ def test_directional_drag_is_continuous_and_monotonous(forward, backward):
 
 def test_directional_drag_of_one_value_is_viscous():
     for u in (-1.0, -1e-3, 0.0, 1e-3, 1.0):
-        np.testing.assert_allclose(force_at(DirectionalDrag(4.0, 4.0), u), force_at(ViscousDrag(4.0), u), atol=1e-15)
+        np.testing.assert_allclose(
+            force_at(DirectionalDrag(4.0, 4.0), u), force_at(ViscousDrag(4.0), u), atol=1e-15
+        )
 
 
 def test_stribeck_friction_stops_in_the_time_of_its_integral():
@@ -131,13 +136,13 @@ def test_stribeck_friction_fades_in_every_direction_alike(direction, ratio):
 
 
 @given(
-    com=vectors(2, -0.15, 0.15),
+    com=vectors(2, -0.5, 0.5),
     coefficient=numbers(0.001, 0.1),
     speed=numbers(0.2, 2),
     mass=numbers(5, 60),
 )
 def test_rolling_resistance_of_a_straight_run_is_that_of_the_weight(com, coefficient, speed, mass):
-    """c m g wherever the CoM is, as long as all wheels stand on the floor; smoothing takes (s/u)²/2 = 5e-5 at most."""
+    """c m g wherever the CoM is, also where a wheel lifts; smoothing takes (s/u)²/2, 5e-5."""
     phi = phi_from_physical(mass, 0.36 + com[0], com[1], 2.0)
     for sign in (1, -1):
         for wheels in (SHOPPING_CART, ()):
@@ -155,7 +160,7 @@ def test_rolling_resistance_pulls_where_the_load_is(com):
 
 
 def test_rolling_cart_stops_after_u2_by_2cg():
-    """The way to 20 smoothing speeds is (u0² - u1²) / (2 c g), off by at most the 0.12 % that the sign is low."""
+    """The way to 20 smoothing speeds is (u0² - u1²) / (2 c g); the sign is at most 0.12 % low there."""
     last = 20 * SMOOTHING_SPEED
     cart = rail_cart(RollingResistance(0.02))
     run = coast(cart, 1.0, np.array([0.0, 10.0]), stop=last)
@@ -164,7 +169,7 @@ def test_rolling_cart_stops_after_u2_by_2cg():
 
 @given(yaw_rate=numbers(0.5, 2))
 def test_rolling_resistance_of_a_turn_on_the_spot(yaw_rate):
-    """Each wheel rolls along its circle: fixed ones at y = ±h drag by their lever h, casters by their distance."""
+    """Each wheel rolls along its circle: fixed ones at y = ±h have the lever h, casters their distance."""
     phi = phi_from_physical(MASS, 0.3, 0.0, 2.0)
     front = MASS * GRAVITY * 0.3 / 0.72
     back = MASS * GRAVITY - front

@@ -1,4 +1,4 @@
-"""What happens at a time, and what a sensor makes of a wrench, against impulse, moments of mass and geometry."""
+"""What happens at a time, and what a sensor makes of a wrench, against impulse, mass moments and geometry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ INERTIA = Inertia(24.0, (0.0, 0.0), 2.0)
 def test_the_impulse_of_a_push_is_force_times_duration(start, duration, force, moment):
     """However short: the window's integral is its duration.
 
-    The trapezoid rule is off by exp(-pi² RISE / step), 4e-22, and beyond 20 rises the window is below exp(-40).
+    The trapezoid rule is off by exp(-pi² RISE / step), 4e-22; beyond 20 rises the window is below exp(-40).
     """
     cart = CartModel(INERTIA, effects=(ExternalPush(start, duration, force, moment),))
     times = np.arange(start - 20 * RISE, start + duration + 20 * RISE, 0.001)
@@ -62,7 +62,9 @@ def test_a_payload_adds_its_mass_moments_from_its_time_on(mass, place, com):
 def test_a_sensor_without_tare_reads_its_bias_at_rest(bias, wrench):
     effect = ForceBias(*bias)
     np.testing.assert_array_equal(effect.recorded(np.zeros(6), effect.values), [*bias[:2], 0, 0, 0, bias[2]])
-    np.testing.assert_allclose(effect.recorded(wrench, effect.values) - wrench, [*bias[:2], 0, 0, 0, bias[2]], atol=1e-13)
+    np.testing.assert_allclose(
+        effect.recorded(wrench, effect.values) - wrench, [*bias[:2], 0, 0, 0, bias[2]], atol=1e-13
+    )
 
 
 @given(gain=numbers(0.2, 5), wrench=vectors(6, -50, 50))
@@ -77,7 +79,9 @@ def test_a_turned_sensor_sees_a_forward_force_to_its_right(angle, force, wrench)
     """Axes turned by +angle see the x force as (cos, -sin); norms and z stay."""
     effect = ForceMisalignment(angle)
     recorded = effect.recorded(force * np.eye(6)[0], effect.values)
-    np.testing.assert_allclose(recorded, force * np.array([np.cos(angle), -np.sin(angle), 0, 0, 0, 0]), atol=1e-12)
+    np.testing.assert_allclose(
+        recorded, force * np.array([np.cos(angle), -np.sin(angle), 0, 0, 0, 0]), atol=1e-12
+    )
     turned = effect.recorded(wrench, effect.values)
     np.testing.assert_allclose(turned[[2, 5]], wrench[[2, 5]])
     for pair in ([0, 1], [3, 4]):

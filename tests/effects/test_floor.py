@@ -60,7 +60,9 @@ def test_the_slope_pulls_down_the_gradient_of_the_height(inertia, pose, grade):
     for k, displacement_b in enumerate(np.eye(3)):
         cosine, sine = np.cos(pose[2]), np.sin(pose[2])
         moved = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]]) @ displacement_b * step
-        rise = height_of_com(pose + moved, inertia.com, grade) - height_of_com(pose - moved, inertia.com, grade)
+        rise = height_of_com(pose + moved, inertia.com, grade) - height_of_com(
+            pose - moved, inertia.com, grade
+        )
         # rounding: 1e-15 of height over the step; truncation: step² of a sine
         work = -inertia.mass * GRAVITY * rise / (2 * step)
         np.testing.assert_allclose(wrench_b[k], work, rtol=1e-7, atol=1e-8)
@@ -82,8 +84,8 @@ def drag_at(cart, x, y=0.0, heading=0.0, speed=1.0):
 def test_crossing_a_strip_costs_its_length_times_the_drag(length, speed, coefficient):
     """`∫ fx dx = -c m g L`: the product of two smoothed edges has the area L / (1 - exp(-2 L / EDGE)).
 
-    The smooth sign is low by (s/u)²/2, 8e-6 at most. Of a smooth function that vanishes at both ends the trapezoid rule
-    has an error of exp(-pi² EDGE / step), 4e-22.
+    The smooth sign is low by (s/u)²/2, 8e-6 at most. Of a smooth function that vanishes at both ends the
+    trapezoid rule has an error of exp(-pi² EDGE / step), 4e-22.
     """
     patch = FloorPatch(x_min=1.0, x_max=1.0 + length, y_min=-5.0, y_max=5.0, coefficient=coefficient)
     cart = CART.with_effect(patch)

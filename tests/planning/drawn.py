@@ -91,9 +91,8 @@ def linear_limits(arms):
         if a.friction is None:
             continue
         sides, mu = a.friction.sides, a.friction.mu
-        corners = [
-            mu * np.array([np.cos(2 * np.pi * k / sides), np.sin(2 * np.pi * k / sides)]) for k in range(sides)
-        ]
+        angles = 2 * np.pi * np.arange(sides) / sides
+        corners = list(mu * np.stack([np.cos(angles), np.sin(angles)], axis=-1))
         for one, other in zip(corners, corners[1:] + corners[:1], strict=True):
             normal = np.array([other[1] - one[1], one[0] - other[0]])  # outward for a walk against the clock
             row = np.zeros(6 * len(arms))
@@ -134,9 +133,10 @@ def largest_scale(model, arms, contacts, wrench):
     cost[-1] = -1.0
     wide = np.hstack([matrix, np.zeros((len(matrix), 1))])
     equal = np.hstack([equality, -target[:, None]])
-    found = linprog(
-        cost, wide, limits, equal, np.zeros(len(target)), bounds=[*bounds, (0, None)], method="highs"
-    )
+    tight = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+    wider = [*bounds, (0, None)]
+    zero = np.zeros(len(target))
+    found = linprog(cost, wide, limits, equal, zero, bounds=wider, method="highs", options=tight)
     return np.inf if found.status == 3 else -found.fun
 
 

@@ -79,7 +79,8 @@ def test_an_active_friction_edge(moment, edges):
 
 
 def test_limits_of_a_pair_push_the_load_over():
-    """Left may give 10 N only: right gives the rest; offset (y = 0.2) and moment are balanced by side force and tz."""
+    """Left may give 10 N only: right gives the rest; offset (y = 0.2) and moment are balanced by side force
+    and tz."""
     arms = [
         arm("left", [(0.0, 0.2, 1.0)], force_limit=(10, 60, 40), friction=None),
         arm("right", [(0.0, -0.2, 1.0)], friction=None),
@@ -100,7 +101,9 @@ def test_least_moment_contact_of_a_handle(acceleration, drag, com_y):
     planner = WrenchPlanner(cart(), [bar("left")])
     plan = planner.plan((force, 0.0, -mass * com_y * acceleration))
     assert plan.effort == pytest.approx(force**2, rel=1e-9)
-    assert plan.contacts["left"] == pytest.approx([-0.25, best, 1.0], abs=2e-5)  # the gap allows 1e-9 of effort
+    assert plan.contacts["left"] == pytest.approx(
+        [-0.25, best, 1.0], abs=2e-5
+    )  # the gap allows 1e-9 of effort
     assert plan.wrenches["left"] == pytest.approx([force, 0, 0, 0, 0, 0], abs=1e-3)
     assert plan.choice.gap <= 1e-9
 
@@ -140,7 +143,9 @@ def test_the_program_says_what_it_is():
     assert program.upper_names[0] == "arm0: fx upper"
     assert program.lower_names[0] == "arm0: push only"
     assert program.lower_names[5] == "arm0: tz lower"
-    assert program.upper_names[12:20] == tuple(f"arm{i}: friction edge {k}" for i in range(2) for k in range(4))
+    assert program.upper_names[12:20] == tuple(
+        f"arm{i}: friction edge {k}" for i in range(2) for k in range(4)
+    )
     x = np.arange(12.0)
     assert program.cost(x) == pytest.approx(np.concatenate([a.weights for a in arms]) @ x**2)
 

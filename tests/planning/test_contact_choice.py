@@ -9,6 +9,7 @@ import pytest
 
 from cartgrasp.arms import Friction
 from planning import LoadShare, SearchLimit, Smoothness, WrenchPlanner, allocate
+from planning.contact_cases import Answer
 from planning.contact_regions import Box, Region, hand_distance
 
 from .drawn import arm, bar, cart, is_feasible, random_arms, random_cart, violation
@@ -176,7 +177,9 @@ def test_an_arm_with_points_and_a_segment():
 def test_three_hands_on_one_bar():
     """The hull is only the box here, so the search may end early: then with an honest gap."""
     arms = [bar(name) for name in ("a", "b", "c")]
-    plan = WrenchPlanner(cart(), arms, min_hand_distance=0.15, search_limit=SearchLimit(600)).plan((60, 0, 12))
+    plan = WrenchPlanner(cart(), arms, min_hand_distance=0.15, search_limit=SearchLimit(600)).plan(
+        (60, 0, 12)
+    )
     assert plan.status == "optimal"
     check(arms, plan, cart(), (60, 0, 12), 0.15)
     ys = np.linspace(-0.25, 0.25, 11)
@@ -200,12 +203,30 @@ def test_a_search_that_is_cut_short_says_so():
     assert late.status == "timeout"
 
 
+def test_what_no_solver_could_answer_keeps_the_bound_down(monkeypatch):
+    """The best point is never solved: it must not be called worse than what was."""
+    planner = WrenchPlanner(cart(), [arm("left", [(-0.25, y, 1.0) for y in (-0.2, -0.075, 0.1)])])
+    true = planner.plan((40, 0, 3)).effort
+    answer = planner._cases.answer
+
+    def give_up(question, high, low):
+        return Answer(np.inf, proven=False) if high[0, 1] == -0.075 else answer(question, high, low)
+
+    monkeypatch.setattr(planner._cases, "answer", give_up)
+    planner.reset()
+    plan = planner.plan((40, 0, 3))
+    assert plan.status == "optimal"
+    assert plan.choice.bound <= true < plan.effort
+    assert plan.choice.gap > 1e-9
+
+
+@pytest.mark.parametrize("moment", [40, -40])
 @pytest.mark.parametrize("distance", [0.0, 0.3])
-def test_infeasible_everywhere_gives_the_nearest_of_all(distance):
+def test_infeasible_everywhere_gives_the_nearest_of_all(distance, moment):
     ys = np.linspace(-0.25, 0.25, 6)
     points = [(-0.25, y, 1.0) for y in ys]
     arms = [arm("left", points), arm("right", points)]
-    wrench = (150, 0, 40)
+    wrench = (150, 0, moment)
     planner = WrenchPlanner(cart(), arms, min_hand_distance=distance)
     plan = planner.plan(wrench)
     assert plan.status == "infeasible"
@@ -248,7 +269,10 @@ def test_hands_that_can_not_be_far_enough_apart():
 
 def test_a_force_free_contact_may_be_anywhere():
     """Only one arm is worth using; the other gives nothing, so its contact is free and keeps the distance."""
-    arms = [bar("left", weights=(1e-3, 1, 1, 10, 10, 10)), bar("right", force_limit=(0, 0, 0), moment_limit=(0, 0, 0))]
+    arms = [
+        bar("left", weights=(1e-3, 1, 1, 10, 10, 10)),
+        bar("right", force_limit=(0, 0, 0), moment_limit=(0, 0, 0)),
+    ]
     plan = WrenchPlanner(cart(), arms, min_hand_distance=0.4).plan((20, 0, 4.0))
     check(arms, plan, cart(), (20, 0, 4.0), 0.4)
     assert plan.contacts["left"][1] == pytest.approx(-0.2, abs=1e-4)

@@ -1,4 +1,5 @@
-"""Feasible or not, against HiGHS; certificates and nearest wrenches, by roads that share nothing with the planner."""
+"""Feasible or not, against HiGHS; certificates and nearest wrenches, by roads that share nothing with the
+planner."""
 
 from __future__ import annotations
 
@@ -35,9 +36,9 @@ def check_certificate(model, arms, contacts, wrench, found):
     best = support(model, arms, contacts, certificate.direction)
     assert best <= certificate.most + 1e-6 * max(1.0, abs(certificate.most))
     assert certificate.asked > best
-    names = {n for a in arms for n in [a.name]}
+    names = {a.name for a in arms}
     assert all(limit.split(":")[0] in names for limit in certificate.limits)
-    # The nearest is feasible, gives what it says, and no feasible point is nearer: t·(y - nearest) <= 0 for all y.
+    # The nearest is feasible, gives what it says, and is nearest: t·(y - nearest) <= 0 for all feasible y.
     assert violation(arms, nearest.wrenches) <= 1e-8
     basis = model.constraints.basis_b
     matrix = effective_matrix(model, arms, contacts)
@@ -65,11 +66,11 @@ def test_feasible_or_not_agrees_with_highs(seed):
 @pytest.mark.parametrize("beyond", [-1e-6, -1e-9, 1e-7, 1e-6])
 def test_right_at_the_limit_of_what_the_arms_can_do(seed, beyond):
     rng = np.random.default_rng(seed)
-    model, arms = random_cart(rng), random_arms(rng, int(rng.integers(1, 4)))
-    contacts, wrench = first_contacts(arms), rng.uniform((5, -20, -10), (60, 20, 10))
-    scale = largest_scale(model, arms, contacts, wrench)
-    if not 1e-3 < scale < 1e3:
-        pytest.skip("this direction has no limit, or nothing at all can be given")
+    scale = 0.0
+    while not 1e-3 < scale < 10:  # drawn anew where next to nothing limits it: HiGHS is not that exact then
+        model, arms = random_cart(rng), random_arms(rng, int(rng.integers(1, 4)))
+        contacts, wrench = first_contacts(arms), rng.uniform((5, -20, -10), (60, 20, 10))
+        scale = largest_scale(model, arms, contacts, wrench)
     asked = wrench * scale * (1 + beyond)
     found = allocate(model, arms, contacts, asked)
     assert found.status == ("optimal" if beyond < 0 else "infeasible")
@@ -126,7 +127,8 @@ def test_pushing_arms_can_not_pull():
 
 
 def test_two_arms_at_the_same_point():
-    """Singular: the second arm adds no lever. Both share; what one can't turn, two can't either beyond their limits."""
+    """Singular: the second arm adds no lever. Both share; what one can't turn, two can't either beyond their
+    limits."""
     arms = [arm("left", [(0, 0, 1)]), arm("right", [(0, 0, 1)])]
     found = allocate(cart(), arms, first_contacts(arms), (40, 0, 3))
     assert found.wrenches["left"] == pytest.approx([20, 0, 0, 0, 0, 1.5], abs=1e-9)

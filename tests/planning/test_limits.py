@@ -1,4 +1,5 @@
-"""Every limit sits the same exam: it bites just outside, is idle just inside, holds the zero wrench, names itself."""
+"""Every limit sits the same exam: it bites just outside, is idle just inside, holds the zero wrench, names
+itself."""
 
 from __future__ import annotations
 
@@ -93,7 +94,8 @@ def test_asking_a_limit_of_the_wrong_arm():
 
 @pytest.mark.parametrize("wrench", [(30, 0, 2), (30, 0, 15), (55, 0, -18), (15, 0, 6)])
 def test_the_cone_lies_between_pyramids(wrench):
-    """An inscribed pyramid costs at least the cone's effort, and tends to it as the sides grow (mu is then nearly right)."""
+    """An inscribed pyramid costs at least the cone's effort, and tends to it as the sides grow (mu is then
+    nearly right)."""
     efforts = []
     for sides in (4, 16, 64, 256, "exact"):
         # The force may not lie on an edge, so tilt it: weights make fz cheap and yaw turns y away.

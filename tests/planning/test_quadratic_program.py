@@ -9,7 +9,9 @@ import pytest
 
 from cartgrasp.arms import Friction
 from planning.allocation import build_allocation
-from planning.quadratic_program import Cone, QuadraticProgram, is_proven, verify
+from planning.duality import infeasible_by
+from planning.infeasibility import project, projection_program
+from planning.quadratic_program import Cone, QuadraticProgram, verify
 from planning.reference_allocation import solve_reference
 from planning.solvers import QuadraticSolver, solve_with_clarabel
 from planning.solvers.polish import polish
@@ -38,7 +40,9 @@ def test_a_program_solved_by_hand():
     assert solution.multipliers == pytest.approx([2, 0, -4], abs=1e-12)
     assert solution.cost == pytest.approx(5)
     assert program.active(solution) == ("x upper",)
-    assert is_proven(program, solution.x, solution.residuals)
+    noisy = replace(solution, multipliers=np.array([2.0, 1e-12, -4.0]))
+    assert program.active(noisy) == ("x upper",)
+    assert solution.residuals.proven
 
 
 @pytest.mark.parametrize(
@@ -56,7 +60,7 @@ def test_each_part_of_the_proof_can_fail(x, y, part):
     x, y = np.array(x), np.array(y, dtype=float)
     residuals = verify(program, x, y)
     assert residuals.as_dict()[part] > 1e-7
-    assert not is_proven(program, x, residuals)
+    assert not residuals.proven
 
 
 def test_a_multiplier_of_the_wrong_sign_hides_nothing():
@@ -64,8 +68,9 @@ def test_a_multiplier_of_the_wrong_sign_hides_nothing():
     program = replace(simple_program(), lower=np.array([-np.inf, -np.inf, 3.0]))
     wrong = verify(program, np.array([0.0, 3.0]), np.array([6.0, 0.0, -6.0]))
     assert wrong.gap > 0.1
-    pulled = verify(program, np.array([1.0, 2.0]), np.array([-2.0, 0.0, 0.0]))
-    assert pulled.stationarity == pytest.approx(4.0)
+    pulled = verify(program, np.array([1.0, 2.0]), np.array([-2.0, 0.0, -4.0]))
+    assert pulled.stationarity == pytest.approx(2.0)  # it would be 4 with what can't push
+    assert pulled.gap == pytest.approx(0.0)
 
 
 def test_a_cone_multiplier_outside_the_cone_hides_nothing():
@@ -149,11 +154,50 @@ def test_polish_mends_a_rough_solution():
     program = build_allocation(cart(), arms, first_contacts(arms), (40, 0, 12))
     exact = QuadraticSolver().solve(program)
     rng = np.random.default_rng(0)
-    rough = replace(exact, x=exact.x + 1e-5 * rng.normal(size=12), status="numerical")
+    y = exact.multipliers + 1e-5 * rng.normal(size=len(exact.multipliers)) * (exact.multipliers != 0)
+    rough = replace(exact, x=exact.x + 1e-5 * rng.normal(size=12), multipliers=y, status="numerical")
     assert verify(program, rough.x, rough.multipliers).equality > 1e-7
+    assert verify(program, rough.x, rough.multipliers).stationarity > 1e-7
     mended = polish(program, rough)
     assert mended.status == "optimal"
     assert mended.x == pytest.approx(exact.x, abs=1e-10)
+
+
+def test_polish_follows_the_curvature_of_a_cone():
+    friction = Friction(0.2, "exact")
+    a = arm("left", [(-0.5, 0.1, 1.0)], friction=friction, yaw=0.3, moment_limit=(20, 20, 20))
+    program = build_allocation(cart(), [a], first_contacts([a]), (20, 0, 8))
+    exact = solve_with_clarabel(program)
+    assert program.active(exact) == ("left: friction cone",)
+    rng = np.random.default_rng(0)
+    z = tuple(m * (1 + 1e-3 * rng.normal(size=3)) for m in exact.cone_multipliers)
+    rough = replace(exact, x=exact.x + 3e-2 * rng.normal(size=6), cone_multipliers=z, status="numerical")
+    mended = polish(program, rough)
+    assert mended.status == "optimal"
+    assert mended.x == pytest.approx(exact.x, abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_multipliers_prove_a_feasible_program_infeasible(seed):
+    rng = np.random.default_rng(seed)
+    arms = random_arms(rng, 2, sides=[4, "exact"][seed % 2])
+    program = build_allocation(cart(), arms, first_contacts(arms), (0, 0, 0))  # the zero wrench is feasible
+    slack_map = np.eye(2)
+    solution = QuadraticSolver(always_feasible=True).solve(projection_program(program, slack_map))
+    for _ in range(50):
+        y = rng.normal(size=len(solution.multipliers)) * rng.choice([0, 1], len(solution.multipliers))
+        z = tuple(rng.normal(size=3) for _ in program.cones)
+        wild = replace(solution, multipliers=y, cone_multipliers=z)
+        assert infeasible_by(program, wild, np.ones(2)) <= 1e-9
+
+
+@pytest.mark.parametrize("sides", [4, "exact"])
+def test_the_multipliers_of_a_projection_prove_its_distance(sides):
+    arms = [arm("left", friction=Friction(0.6, sides)), arm("right", [(-0.25, -0.2, 1.0)])]
+    program = build_allocation(cart(), arms, first_contacts(arms), (150, 0, 40))
+    projection = project(QuadraticSolver(always_feasible=True), program, np.eye(2))
+    proven = infeasible_by(program, projection.normal_solution, projection.normal)
+    assert proven == pytest.approx(projection.distance, rel=1e-9)
 
 
 def test_the_fallback_is_reported(monkeypatch):

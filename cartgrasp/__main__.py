@@ -1,0 +1,7 @@
+"""`python -m cartgrasp` is `cartgrasp`."""
+
+import sys
+
+from .cli import main
+
+sys.exit(main())

@@ -1,0 +1,123 @@
+"""The commands, and how they end: 0 it ran, 1 a promise was not met, 2 usage, 3 data, 130 interrupted."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.exceptions import TyperException
+
+from ..errors import CartgraspError, DataError, PlantError
+
+app = typer.Typer(
+    name="cartgrasp",
+    help="Push passive carts with one or several arms, and learn the load while pushing.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+study = typer.Typer(help="Named, repeatable studies.", no_args_is_help=True)
+app.add_typer(study, name="study")
+
+Json = Annotated[bool, typer.Option("--json", help="Print the result alone, as one JSON document.")]
+Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results.")]
+Seed = Annotated[int, typer.Option("--seed", help="Seed of all noise.")]
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option("--out", help="Folder for log, figures and player.")] = Path("out/demo"),
+    json: Json = False,
+    seed: Seed = 0,
+    quick: Annotated[bool, typer.Option("--quick", help="A shorter path, for a first look.")] = False,
+) -> None:
+    """Two arms push a cart of unknown load along a curved path in MuJoCo, and learn it on the way."""
+    from . import demo as command
+
+    raise typer.Exit(command.run(out, json, seed, quick))
+
+
+@app.command()
+def simulate(
+    cart: Annotated[Path, typer.Option("--cart", help="The true cart, cart.yaml.")],
+    out: Annotated[Path, typer.Option("--out", help="Folder for run.csv, figures and player.")] = Path("out/run"),
+    guess: Annotated[Path | None, typer.Option("--guess", help="What is believed at first (else --cart).")] = None,
+    path: Annotated[str, typer.Option("--path", help="straight, curves or push-pull.")] = "curves",
+    plant: Annotated[str, typer.Option("--plant", help="model or mujoco.")] = "model",
+    arms: Annotated[int, typer.Option("--arms", min=1, max=4, help="How many arms push.")] = 2,
+    speed: Annotated[float, typer.Option("--speed", help="Forward speed, m/s.")] = 0.6,
+    force_noise: Annotated[float, typer.Option("--force-noise", help="Of the force sensors, N.")] = 3.0,
+    learn: Annotated[bool, typer.Option(help="Whether to estimate the parameters.")] = True,
+    seed: Seed = 0,
+    json: Json = False,
+) -> None:
+    """A closed-loop run with a cart of yours: writes its log, figures and an animated page."""
+    from . import simulate as command
+
+    choice = command.Choice(cart, guess, path, plant, arms, speed, force_noise, learn, seed)
+    raise typer.Exit(command.run(choice, out, json))
+
+
+@app.command()
+def plan(
+    problem: Annotated[Path, typer.Argument(help="PROBLEM.yaml: cart, wrench, arms.", metavar="PROBLEM")],
+    json: Json = False,
+) -> None:
+    """Spread a planar wrench over the arms' contacts, with proof; says by how much it can't be done."""
+    from . import plan as command
+
+    raise typer.Exit(command.run(problem, json))
+
+
+@app.command()
+def estimate(
+    log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, or the EMPS .mat.", metavar="LOG")],
+    cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
+    method: Annotated[str, typer.Option("--method", help="filter, or paper (its literal form).")] = "filter",
+    out: Annotated[Path | None, typer.Option("--out", help="CSV file for the series over time.")] = None,
+    json: Json = False,
+) -> None:
+    """Learn mass, CoM, inertia and effects from a log, online, as the filter would while pushing."""
+    from . import estimate as command
+
+    raise typer.Exit(command.run(log, cart, method, out, json))
+
+
+@study.command("table1")
+def table1(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the table and plots.")] = Path("out/table1"),
+    json: Json = False,
+    seed: Seed = 0,
+    rows: Annotated[str, typer.Option("--rows", help="Tests to run, such as 1,5,11 (all by default).")] = "",
+) -> None:
+    """All eleven rows of Table I with and without estimation, and each claim of the paper checked."""
+    from . import table1 as command
+
+    raise typer.Exit(command.run(out, json, seed, rows))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs a command; every foreseen error is one line on stderr and an exit status."""
+    try:
+        status = app(args=arguments, prog_name="cartgrasp", standalone_mode=False)
+        return int(status or 0)
+    except typer.Exit as done:
+        return done.exit_code
+    except (typer.Abort, KeyboardInterrupt):
+        return _say("interrupted", 130)
+    except TyperException as error:
+        return _say(" ".join(str(error).split()), 2)
+    except (DataError, PlantError) as error:
+        return _say(str(error), 3)
+    except CartgraspError as error:
+        return _say(str(error), 2)
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 1
+
+
+def _say(message: str, status: int) -> int:
+    print(f"cartgrasp: {message}", file=sys.stderr)
+    return status

@@ -1,0 +1,58 @@
+"""`cartgrasp estimate LOG --cart cart.yaml`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from estimation import CartFilter, PaperFilter
+from estimation.log_noise import noise_of_log
+from estimation.replay import Replay, replay
+
+from ..cart_file import load_cart
+from ..errors import UsageError
+from ..logs import RunLog, read_log
+from ..logs.emps import rail_cart
+from ..model import CartModel
+from ..yaml_file import write_atomically
+from .output import print_json, print_table, progress
+
+METHODS = {"filter": CartFilter, "paper": PaperFilter}
+
+
+def run(path: Path, cart_path: Path | None, method: str, out: Path | None, as_json: bool) -> int:
+    if method not in METHODS:
+        raise UsageError(f"--method {method}: unknown; known are {', '.join(METHODS)}")
+    cart = _cart(path, cart_path)
+    log = read_log(path).thinned()
+    with progress(f"estimating from {path.name}") as tell:
+        result = _replay(log, cart, method, tell)
+    if out is not None:
+        write_atomically(out, result.series_csv())
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        _print(result)
+    return 0
+
+
+def _cart(path: Path, cart_path: Path | None) -> CartModel:
+    if cart_path is not None:
+        return load_cart(cart_path)
+    if path.suffix.lower() == ".mat":
+        return rail_cart()
+    raise UsageError("--cart is missing: name the cart.yaml with the cart's structure and first guess")
+
+
+def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
+    estimator = METHODS[method](cart, list(log.arms), noise=noise_of_log(log, cart))
+    return replay(log, estimator, tell)
+
+
+def _print(result: Replay) -> None:
+    rows = [
+        [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, "yes" if p.identifiable else "no"]
+        for name, p in result.last.parameters.items()
+    ]
+    title = f"After {result.last.time:.2f} s, health: {result.last.health}"
+    print_table(title, ["parameter", "value", "sd", "unit", "taught by this motion"], rows)

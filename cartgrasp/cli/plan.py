@@ -1,0 +1,43 @@
+"""`cartgrasp plan PROBLEM.yaml`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from planning import Plan, WrenchPlanner
+from planning.problem_file import read_problem
+
+from .output import print_json, print_table
+
+
+def run(path: Path, as_json: bool) -> int:
+    problem = read_problem(path)
+    planner = WrenchPlanner(problem.cart, list(problem.arms), min_hand_distance=problem.min_hand_distance)
+    plan = planner.plan(problem.wrench)
+    if as_json:
+        print_json(plan.as_dict())
+    else:
+        _print(plan)
+    return 0 if plan.status in ("optimal", "relaxed") else 1
+
+
+def _print(plan: Plan) -> None:
+    wrenches, contacts = plan.wrenches, plan.contacts
+    if plan.status != "optimal":
+        print(f"{plan.status}: {plan.certificate.words if plan.certificate else plan.message}")
+        if plan.nearest is None:
+            return
+        fx, fy, tau = plan.nearest.wrench
+        print(f"nearest feasible wrench on the cart: fx {fx:.4g} N, fy {fy:.4g} N, moment {tau:.4g} N·m")
+        wrenches, contacts = plan.nearest.wrenches, plan.nearest.contacts
+    rows = [
+        [name, " ".join(f"{v:.3f}" for v in contacts[name]), *(f"{v:.3f}" for v in wrench)]
+        for name, wrench in wrenches.items()
+    ]
+    columns = ["arm", "contact (m)", "fx (N)", "fy", "fz", "tx (N·m)", "ty", "tz"]
+    print_table("Wrench of each arm in its contact frame", columns, rows, left=2)
+    if plan.status == "optimal":
+        print(f"effort {plan.effort:.6g}; active: {', '.join(plan.active) or 'no limit'}")
+        residuals = {} if plan.residuals is None else plan.residuals.as_dict()
+        print("residuals: " + ", ".join(f"{name} {value:.1e}" for name, value in residuals.items()))
+        print(f"solved in {1e6 * plan.solve_time:.0f} µs by {plan.solver}")

@@ -1,0 +1,117 @@
+"""`cartgrasp simulate --cart cart.yaml`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from estimation import FilterNoise
+from planning.references import Stretch, chain, pause, speed_change, straight, turn
+
+from ..arms import Arm
+from ..cart_file import load_cart
+from ..constraints import RollingConstraints
+from ..errors import UsageError
+from ..simulation.sensors import SensorNoise
+from ..studies.run_figures import RunFigures
+from ..studies.scenario import FIRST_GUESS, LEARNING, MODEL_PLANT, MUJOCO_PLANT, Scenario
+from ..studies.shopping_cart import FIRM, push_and_pull
+from .artefacts import save_run
+from .output import make_folder, print_json, progress, say
+from .run_tables import print_run
+
+ACCELERATION = 0.4
+LONGEST_FORCE, LONGEST_MOMENT = 150.0, 40.0
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The options of the command."""
+
+    cart: Path
+    guess: Path | None
+    path: str
+    plant: str
+    arms: int
+    speed: float
+    force_noise: float
+    learn: bool
+    seed: int
+
+
+def run(choice: Choice, out: Path, as_json: bool) -> int:
+    scenario = build_scenario(choice)
+    make_folder(out)
+    with progress(f"simulating {scenario.truth.name}") as tell:
+        record = scenario.run(tell)
+    with progress("drawing") as tell:
+        save_run(record, out, scenario.truth.name)
+    figures = RunFigures.of(record)
+    if as_json:
+        print_json({"run": figures.as_dict(), "out": str(out), "seed": choice.seed})
+    else:
+        print_run(figures, f"{scenario.truth.name}: {choice.path}, plant {choice.plant}")
+    say(f"open {out / 'player.html'} to watch; the log is {out / 'run.csv'}")
+    return 0
+
+
+def build_scenario(choice: Choice) -> Scenario:
+    """The run that the options describe."""
+    truth = load_cart(choice.cart)
+    guess = truth if choice.guess is None else load_cart(choice.guess)
+    if choice.plant not in (MODEL_PLANT, MUJOCO_PLANT):
+        raise UsageError(f"--plant {choice.plant}: unknown; known are {MODEL_PLANT}, {MUJOCO_PLANT}")
+    if guess.constraints != truth.constraints:
+        raise UsageError("--guess: its constraints differ from those of --cart; the structure must be the same")
+    if not choice.force_noise >= 0:
+        raise UsageError(f"--force-noise {choice.force_noise}: give a number >= 0, in N")
+    moment = choice.force_noise / 20
+    sensors = SensorNoise(force=choice.force_noise, moment=moment)
+    noise = FilterNoise(
+        position=sensors.position,
+        heading=sensors.heading,
+        linear_velocity=sensors.linear_velocity,
+        yaw_rate=sensors.yaw_rate,
+        force=choice.force_noise,
+        moment=moment,
+        disturbance=0.1,
+        slip=0.0005 if choice.plant == MUJOCO_PLANT else 0.0002,
+    )
+    return Scenario(
+        truth=truth,
+        guess=guess,
+        arms=_arms(choice.arms),
+        stretches=_path(choice.path, choice.speed, truth.constraints),
+        sensors=sensors,
+        noise=noise,
+        estimation=LEARNING if choice.learn else FIRST_GUESS,
+        plant=choice.plant,
+        gains=FIRM,
+        seed=choice.seed,
+    )
+
+
+def _arms(count: int) -> tuple[Arm, ...]:
+    sides = np.linspace(0.25, -0.25, count) if count > 1 else np.zeros(1)
+    limits = {"force_limit": (LONGEST_FORCE,) * 3, "moment_limit": (LONGEST_MOMENT,) * 3}
+    return tuple(Arm(f"arm{i + 1}", contacts=[(-0.25, float(y), 1.0)], **limits) for i, y in enumerate(sides))
+
+
+def _path(name: str, speed: float, constraints: RollingConstraints) -> tuple[Stretch, ...]:
+    if not 0.05 <= speed <= 3.0:
+        raise UsageError(f"--speed {speed:g}: give 0.05 to 3 m/s")
+    if constraints.no_rotation and name != "straight":
+        raise UsageError(f"--path {name}: a cart on a rail can't turn; use --path straight")
+    if name == "straight":
+        return chain(straight(12 * speed, speed, ACCELERATION), pause(0.5), straight(-6 * speed, speed, ACCELERATION))
+    if name == "curves":
+        rate = min(0.5, 0.8 * speed)
+        curves = (turn(np.pi / 2, rate), pause(1.0), turn(-np.pi / 2, rate), pause(1.0), turn(np.pi / 3, rate))
+        return chain(
+            speed_change(speed, ACCELERATION), pause(2.0), *curves, speed_change(-speed, ACCELERATION), pause(0.5)
+        )
+    if name == "push-pull":
+        return push_and_pull()
+    raise UsageError(f"--path {name}: unknown; known are straight, curves, push-pull")

@@ -1,0 +1,57 @@
+"""A run in a few numbers: what it achieved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..simulation.record import RunRecord, Series
+
+SETTLING = 5.0
+
+
+@dataclass(frozen=True)
+class RunFigures:
+    """Tracking error in m; for each parameter its truth (None where unknown), last value, sd, and unit."""
+
+    duration: float
+    largest_error: float
+    rms_error: float
+    error_after_5: float
+    plans: int
+    optimal: int
+    regrasps: int
+    largest_force: float
+    parameters: dict[str, dict[str, Any]]
+
+    @classmethod
+    def of(cls, record: RunRecord) -> RunFigures:
+        error = record.tracking_error
+        contacts = [arm.contact for arm in record.log.arms.values()]
+        forces = [np.linalg.norm(w[:, :3], axis=1).max() for w in record.wrenches.values()]
+        return cls(
+            duration=float(record.time[-1]),
+            largest_error=float(error.max()),
+            rms_error=float(np.sqrt((error**2).mean())),
+            error_after_5=float(error[record.time >= SETTLING].max()) if record.time[-1] >= SETTLING else float("nan"),
+            plans=len(record.statuses),
+            optimal=sum(status == "optimal" for status in record.statuses),
+            regrasps=int(sum((np.abs(np.diff(c, axis=0)).max(axis=1) > 1e-9).sum() for c in contacts)),
+            largest_force=float(max(forces)),
+            parameters={name: _parameter(record, name, series) for name, series in record.parameters.items()},
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        return dict(vars(self))
+
+
+def _parameter(record: RunRecord, name: str, series: Series) -> dict[str, Any]:
+    return {
+        "truth": None if series.truth is None else float(series.truth[-1]),
+        "value": float(series.value[-1]),
+        "std": float(series.std[-1]),
+        "unit": series.unit,
+        "identifiable": bool(record.identifiable.get(name, False)),
+    }

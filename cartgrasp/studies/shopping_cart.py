@@ -1,0 +1,93 @@
+"""The scene of the demo: a loaded shopping cart on real casters, two arms on its handle, a path with push and pull."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimation import FilterNoise
+from planning.references import Stretch, chain, pause, straight, turn
+from planning.tracking import Gains
+
+from ..arms import Arm
+from ..constraints import RollingConstraints
+from ..effects import CasterRealignment, Effect, RollingResistance, ViscousDrag
+from ..inertia import Inertia
+from ..model import CartModel
+from ..simulation.sensors import SensorNoise
+from ..wheels import CASTER, FIXED, Wheel
+from .scenario import MUJOCO_PLANT, Scenario
+
+WHEELS = (
+    Wheel(FIXED, 0.0, 0.27),
+    Wheel(FIXED, 0.0, -0.27),
+    Wheel(CASTER, 0.72, 0.2, trail=0.045),
+    Wheel(CASTER, 0.72, -0.2, trail=0.045),
+)
+SENSORS = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
+NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.1, slip=0.0005)
+FIRM = Gains(along=3.0, across=15.0, heading=6.0, velocity=8.0)
+
+
+def arms() -> tuple[Arm, ...]:
+    """Two arms that hold the handle firmly, so that they can pull too; each may regrasp at three points."""
+    limits = {"force_limit": (80.0, 20.0, 30.0), "moment_limit": (10.0, 10.0, 10.0)}
+    places = {"left": (0.15, 0.22, 0.08), "right": (-0.15, -0.22, -0.08)}
+    return tuple(
+        Arm(name, contacts=[(-0.25, y, 1.0) for y in ys], **limits) for name, ys in places.items()
+    )
+
+
+def loaded_cart() -> CartModel:
+    """What is really pushed: 29.7 kg, as in the paper's Fig. 8, with its load off the middle."""
+    effects = (
+        ViscousDrag(linear=2.0, angular=0.4),
+        RollingResistance(coefficient=0.015),
+        CasterRealignment(swivel_torque=0.12),
+    )
+    inertia = Inertia(29.7, (0.36, 0.05), 2.6)
+    return CartModel(inertia, RollingConstraints(), effects, WHEELS, com_height=0.45, name="loaded shopping cart")
+
+
+def first_guess(with_effects: bool = True) -> CartModel:
+    """What the controller believes at first: an empty cart, drags from a book, or viscous drag alone."""
+    effects: tuple[Effect, ...] = (ViscousDrag(linear=3.0, angular=1.0),)
+    if with_effects:
+        effects += (RollingResistance(coefficient=0.02), CasterRealignment(swivel_torque=0.06))
+    inertia = Inertia(20.0, (0.3, 0.0), 2.0)
+    return CartModel(inertia, RollingConstraints(), effects, WHEELS, com_height=0.45, name="first guess")
+
+
+def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:
+    """Forward through two curves and a stop, backward out of it (the casters swing round), forward again."""
+    forward = chain(
+        [Stretch(1.5, 0.4)],
+        pause(1.0),
+        turn(np.pi / 2, 0.4),
+        pause(0.5),
+        turn(-np.pi / 2, 0.4),
+        pause(0.5),
+        [Stretch(1.5, -0.4)],
+        pause(0.5),
+    )
+    if quick:
+        return forward
+    backward = chain([Stretch(1.25, -0.4)], pause(0.5), turn(0.5, 0.3), pause(1.0), [Stretch(1.25, 0.4)], pause(0.5))
+    again = chain([Stretch(1.5, 0.4)], pause(0.5), turn(-np.pi / 3, 0.4), pause(1.0), [Stretch(1.5, -0.4)], pause(0.5))
+    return chain(forward, backward, again, straight(-0.8, 0.4, 0.4), pause(0.5))
+
+
+def scenario(with_effects: bool = True, quick: bool = False, seed: int = 0, plant: str = MUJOCO_PLANT) -> Scenario:
+    """The demo's run; `with_effects` False leaves casters and rolling resistance out of the controller's model."""
+    return Scenario(
+        truth=loaded_cart(),
+        guess=first_guess(with_effects),
+        arms=arms(),
+        stretches=push_and_pull(quick),
+        sensors=SENSORS,
+        noise=NOISE,
+        switching=4.0,
+        least_effort=True,
+        gains=FIRM,
+        plant=plant,
+        seed=seed,
+    )

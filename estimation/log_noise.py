@@ -1,0 +1,64 @@
+"""Noise floors read off a log: what is left of a channel when everything smooth is taken out.
+
+Third differences annihilate a quadratic, and turn white noise of variance s² into 20 s²; their median size is robust
+to jumps. What the log's motion can't show, the disturbance, is taken as a share of the forces at work.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from .noise import FilterNoise
+
+LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.001
+DISTURBANCE_SHARE = 0.01
+NOISE_OF_DIFFERENCES = 20**0.5
+MAD_TO_STD = 1.4826
+
+
+def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
+    """Sensor noise of this log, and a disturbance in proportion to its forces."""
+    position = max(noise_floor(log.pose[:, 0]), noise_floor(log.pose[:, 1]), LEAST_POSITION)
+    heading = max(noise_floor(np.unwrap(_filled(log.pose[:, 2]))), LEAST_POSITION)
+    linear = yaw = LEAST_VELOCITY
+    if log.velocity is not None:
+        linear = max(noise_floor(log.velocity[:, 0]), noise_floor(log.velocity[:, 1]), LEAST_VELOCITY)
+        yaw = max(noise_floor(log.velocity[:, 2]), LEAST_VELOCITY)
+    wrenches = [arm.wrench for arm in log.arms.values()]
+    force = max(*(noise_floor(w[:, i]) for w in wrenches for i in (0, 1)), LEAST_FORCE)
+    moment = max(*(noise_floor(w[:, 5]) for w in wrenches), LEAST_MOMENT)
+    size = _force_size(log, cart)
+    return FilterNoise(
+        position=position,
+        heading=heading,
+        linear_velocity=linear,
+        yaw_rate=yaw,
+        force=force,
+        moment=moment,
+        disturbance=max(DISTURBANCE_SHARE * size, 0.01),
+    )
+
+
+def noise_floor(channel: Array) -> float:
+    """Standard deviation of the white noise on a channel, from its third differences."""
+    present = channel[np.isfinite(channel)]
+    if len(present) < 8:
+        return 0.0
+    return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / NOISE_OF_DIFFERENCES)
+
+
+def _force_size(log: RunLog, cart: CartModel) -> float:
+    """Root mean square of the forward force on the cart, N."""
+    total = np.zeros(len(log))
+    for arm in log.arms.values():
+        total += np.einsum("ni,ni->n", grasp_map_planar(arm.contact)[:, 0], arm.wrench)
+    return float(np.sqrt(np.nanmean(total**2))) if np.isfinite(total).any() else 0.0
+
+
+def _filled(angles: Array) -> Array:
+    return angles[np.isfinite(angles)]

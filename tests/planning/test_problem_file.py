@@ -1,0 +1,157 @@
+"""PROBLEM.yaml: what is accepted, and where exactly a mistake is."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from cartgrasp.arms import Friction
+from cartgrasp.contacts import Segment
+from cartgrasp.errors import FileError
+from planning import WrenchPlanner
+from planning.problem_file import read_problem
+
+CART = """\
+name: shopping cart
+mass: 24.0
+com: [0.30, 0.00]
+inertia: 2.0
+constraints:
+  - no_lateral_slip: {x: 0.0}
+"""
+PROBLEM = """\
+cart: cart.yaml
+wrench: [40.0, 0.0, 3.0]
+arms:
+  - name: left
+    contacts: [[-0.25, 0.20, 1.0]]
+    yaw: 0.1
+    limits: {force: [60, 60, 40], moment: [8, 8, 6]}
+    friction: {mu: 0.6, sides: 6}
+    weights: [1, 1, 1, 20, 20, 20]
+  - name: right
+    contacts: [[-0.25, -0.20, 1.0], [-0.25, -0.1, 1.0]]
+    segment: [[-0.25, -0.25, 1.0], [-0.25, 0.25, 1.0]]
+min_hand_distance: 0.1
+"""
+
+
+def problem_file(folder, text):
+    (folder / "cart.yaml").write_text(CART)
+    path = folder / "problem.yaml"
+    path.write_text(text)
+    return path
+
+
+def test_everything_that_is_said(tmp_path):
+    problem = read_problem(problem_file(tmp_path, PROBLEM))
+    left, right = problem.arms
+    assert problem.wrench == (40.0, 0.0, 3.0)
+    assert problem.min_hand_distance == 0.1
+    assert problem.cart.name == "shopping cart"
+    assert left.contacts.points == ((-0.25, 0.2, 1.0),)
+    assert left.yaw == 0.1
+    assert left.wrench_limit == pytest.approx([60, 60, 40, 8, 8, 6])
+    assert left.friction == Friction(0.6, 6)
+    assert left.weights == (1, 1, 1, 20, 20, 20)
+    assert len(right.contacts.points) == 2
+    assert right.contacts.segments == (Segment((-0.25, -0.25, 1.0), (-0.25, 0.25, 1.0)),)
+
+
+def test_what_is_left_out(tmp_path):
+    text = "cart: cart.yaml\nwrench: [40, 0, 3]\narms:\n  - {name: left, contacts: [[0, 0, 1]]}\n"
+    problem = read_problem(problem_file(tmp_path, text))
+    (left,) = problem.arms
+    assert left.yaw == 0
+    assert np.isinf(left.wrench_limit).all()
+    assert left.friction is None
+    assert left.weights == (1, 1, 1, 10, 10, 10)
+    assert problem.min_hand_distance == 0
+
+
+def test_parts_of_limits_and_friction(tmp_path):
+    text = PROBLEM.replace(", moment: [8, 8, 6]", "").replace("{mu: 0.6, sides: 6}", "{mu: 0.6}")
+    left = read_problem(problem_file(tmp_path, text)).arms[0]
+    assert left.wrench_limit == pytest.approx([60, 60, 40, np.inf, np.inf, np.inf])
+    assert left.friction == Friction(0.6, 4)
+    text = PROBLEM.replace("sides: 6", "sides: exact")
+    assert read_problem(problem_file(tmp_path, text)).arms[0].friction == Friction(0.6, "exact")
+
+
+def test_a_cart_within_the_file(tmp_path):
+    inner = "cart:\n" + "".join(f"  {line}\n" for line in CART.splitlines())
+    problem = read_problem(problem_file(tmp_path, PROBLEM.replace("cart: cart.yaml\n", inner)))
+    assert problem.cart.inertia.mass == 24.0
+    assert WrenchPlanner(problem.cart, problem.arms).plan(problem.wrench).status == "optimal"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "why"),
+    [
+        (
+            "wrench: [40.0, 0.0, 3.0]",
+            "wrench: [40.0, .nan, 3.0]",
+            "2:16: wrench.1",
+            "nan is not a finite number",
+        ),
+        ("wrench: [40.0, 0.0, 3.0]", "wrench: [40.0, 0.0]", "2:1: wrench", "at least 3"),
+        ("wrench: [40.0, 0.0, 3.0]", "wrench: [40.0, 0.0, 3.0, 1]", "2:1: wrench", "at most 3"),
+        ("wrench: [40.0", "wrench: [forty", "2:10: wrench.0", "'forty' is not a number"),
+        ("wrench: [40.0, 0.0, 3.0]\n", "", "1:1: wrench", "is missing"),
+        ("force: [60, 60", "force: [60, -1", "7:26: arms.0.limits.force.1", "-1 is negative"),
+        ("force: [60, 60", "force: [60, .inf", "7:26: arms.0.limits.force.1", "leave the key out"),
+        ("moment: [8", "moment: [.nan", "7:44: arms.0.limits.moment.0", "nan is not a finite number"),
+        ("moment: [8, 8, 6]", "moment: [8, 8]", "7:35: arms.0.limits.moment", "at least 3"),
+        ("name: right", "name: left", "10:5: arms.1.name", "left stands twice"),
+        ("name: right", "name: 'ri:ght'", "10:5: arms.1.name", "without a dot or a colon"),
+        ("    contacts: [[-0.25, 0.20, 1.0]]\n", "", "4:5: arms.0.contacts", "needs `contacts`, a `segment`"),
+        ("[[-0.25, 0.20, 1.0]]", "[[-0.25, 0.20]]", "5:16: arms.0.contacts.0", "at least 3"),
+        ("[-0.25, 0.25, 1.0]]", "[-0.25, .inf, 1.0]]", "12:44: arms.1.segment.1.1", "inf is not a finite"),
+        ("segment: [[-0.25, -0.25, 1.0], ", "segment: [", "12:5: arms.1.segment", "at least 2"),
+        ("sides: 6", "sides: 2", "8:25: arms.0.friction.sides", "2 is neither a whole number"),
+        ("sides: 6", "sides: true", "8:25: arms.0.friction.sides", "True is neither a whole number"),
+        ("mu: 0.6", "mu: -0.6", "8:16: arms.0.friction.mu", "-0.6 is negative"),
+        ("weights: [1, 1", "weights: [1, -1", "9:18: arms.0.weights.1", "-1 is negative"),
+        ("weights: [1, 1, 1, ", "weights: [1, 1, ", "9:5: arms.0.weights", "at least 6"),
+        ("yaw: 0.1", "yaw: .nan", "6:5: arms.0.yaw", "nan is not a finite number"),
+        ("yaw: 0.1", "yaw: north", "6:5: arms.0.yaw", "'north' is not a number"),
+        ("yaw: 0.1", "jaw: 0.1", "6:5: arms.0.jaw", "unknown key"),
+        ("min_hand_distance: 0.1", "min_hand_distance: -1", "13:1: min_hand_distance", "-1 is negative"),
+        (
+            "min_hand_distance: 0.1",
+            "min_hand_distance: .inf",
+            "13:1: min_hand_distance",
+            "inf is not a finite",
+        ),
+        ("cart: cart.yaml", "cart: 3", "1:1: cart", "3 is neither the path"),
+    ],
+)
+def test_a_mistake_has_a_place(tmp_path, old, new, place, why):
+    assert old in PROBLEM
+    path = problem_file(tmp_path, PROBLEM.replace(old, new, 1))
+    with pytest.raises(FileError, match=re.escape(why)) as caught:
+        read_problem(path)
+    assert str(caught.value).startswith(f"{path}:{place}: ")
+
+
+def test_no_arms(tmp_path):
+    path = problem_file(tmp_path, "cart: cart.yaml\nwrench: [1, 0, 0]\narms: []\n")
+    with pytest.raises(FileError, match=r"problem\.yaml:3:1: arms: "):
+        read_problem(path)
+
+
+def test_mistakes_of_the_cart_keep_their_own_place(tmp_path):
+    path = problem_file(
+        tmp_path, PROBLEM.replace("cart: cart.yaml", "cart: {name: x, mass: -1, com: [0, 0], inertia: 1}")
+    )
+    with pytest.raises(FileError, match=r"problem\.yaml:1:17: cart\.mass: "):
+        read_problem(path)
+    path = problem_file(tmp_path, PROBLEM.replace("cart: cart.yaml", "cart: nowhere.yaml"))
+    with pytest.raises(FileError, match=r"nowhere\.yaml"):
+        read_problem(path)
+    path = problem_file(tmp_path, PROBLEM)
+    (tmp_path / "cart.yaml").write_text(CART.replace("mass: 24.0", "mass: 0"))
+    with pytest.raises(FileError, match=r"cart\.yaml:2:1: mass: "):
+        read_problem(path)
