@@ -167,8 +167,16 @@ class CartModel:
 
     # --- motion ----------------------------------------------------------------------------------------------
 
-    def rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> StateRate:
-        """Forward dynamics with analytic partials."""
+    def rate(
+        self,
+        state: Array,
+        wrench_b: Array,
+        parameters: Array | None = None,
+        time: Any = 0.0,
+        sensitive_to: Array | None = None,
+    ) -> StateRate:
+        """Forward dynamics with analytic partials. Those by phi are taken under the wrench `sensitive_to` instead of
+        `wrench_b` where it is given (an estimator trusts only the part of a noisy wrench that stands out)."""
         parameters = self.parameters if parameters is None else parameters
         situation, changes = self._situation(state, parameters, time)
         basis = self.basis_b
@@ -177,7 +185,8 @@ class CartModel:
         inverse = np.linalg.inv(basis.T @ mass_matrix_b(situation.phi) @ basis)
         acceleration = _apply(inverse @ basis.T, wrench_b + wrench.value - bias)
         reach = inverse @ basis.T
-        rigid = regressor_b(situation.velocity_b, acceleration @ basis.T)
+        seen = acceleration if sensitive_to is None else acceleration + _apply(reach, sensitive_to - wrench_b)
+        rigid = regressor_b(situation.velocity_b, seen @ basis.T)
 
         lead = np.broadcast_shapes(acceleration.shape[:-1], parameters.shape[:-1])
         n, nv, nm = state.shape[-1], self.velocity_slice, self.memory_slice

@@ -32,7 +32,7 @@ from .wrench_sensing import WrenchSensing
 MAX_STEP = 0.01
 LONG_GAP = 1.0
 JUMP = 14.0
-TREND = 0.2
+STANDS_OUT = 2.0
 UNKNOWN_FORCE = 100.0
 MEASUREMENT_FLOOR = 1e-10
 STICTION_MEMORY = 0.1
@@ -73,7 +73,6 @@ class CartFilter:
         self._block = ParameterBlock(cart, prior or Prior())
         self.layout = Layout.of(cart, len(self._block.free))
         self._sensing = WrenchSensing(cart, arms, yaws or {}, self.noise.wrench_covariance)
-        self._trend = np.zeros(cart.constraints.n_free)
         self._watch = Watch()
         self._belief: Gaussian | None = None
         self._time = np.nan
@@ -154,9 +153,10 @@ class CartFilter:
     def _step(self, time: float, step: float) -> None:
         belief, layout, cart = self.belief, self.layout, self.cart
         block = belief.mean[layout.parameters]
-        theta, wrench_b = self._block.theta(block), self._lift @ belief.mean[layout.wrench]
+        theta, wrench = self._block.theta(block), belief.mean[layout.wrench]
+        wrench_b, significant_b = self._lift @ wrench, self._lift @ self._significant(wrench)
         state = belief.mean[layout.motion]
-        flow = cart.rate(state, wrench_b, theta, time)
+        flow = cart.rate(state, wrench_b, theta, time, significant_b)
         n, rows = len(belief.mean), layout.motion
         rate, jacobian = np.zeros(n), np.zeros((n, n))
         rate[rows] = flow.value
@@ -167,6 +167,13 @@ class CartFilter:
         density = self._density(state[2], flow.by_wrench[cart.velocity_slice], stiction)
         advance = exponential_step(rate, jacobian, density, step)
         self._belief = predicted(belief, replace(advance, noise=advance.noise + self._walk(step)))
+
+    def _significant(self, wrench: Array) -> Array:
+        """The part of the wrench that stands out of its noise. A noise that is taken for a push, and moves nothing,
+        would be evidence of an infinite inertia (errors in variables, physics 11)."""
+        where = self.layout.wrench
+        variance = np.diagonal(self.belief.covariance[where, where])
+        return wrench * np.maximum(0.0, 1.0 - STANDS_OUT**2 * variance / np.maximum(wrench**2, 1e-300))
 
     def _density(self, heading: float, reach: Array, stiction: Array) -> Array:
         """Of the continuous process noise: disturbance force, stiction, slip, swivel."""
@@ -241,21 +248,15 @@ class CartFilter:
         self._has_wrench = True
 
     def _follow_jump(self, measured: Array, R: Array) -> None:
-        """A step of the wrench (a regrasp, the start of an acceleration) is followed at once, not walked to: it shows
-        in one residual, or in the trend of several."""
+        """A step of the wrench (a regrasp, a switch of the controller) is followed at once, not walked to."""
         where = self.layout.wrench
         residual = measured - self.belief.mean[where]
-        root = np.linalg.cholesky(self.belief.covariance[where, where] + R + MEASUREMENT_FLOOR * np.eye(len(R)))
-        whitened = np.linalg.solve(root, residual)
-        self._trend = self._trend + TREND * (whitened - self._trend)
-        usual = TREND / (2.0 - TREND)
-        if whitened @ whitened < JUMP and self._trend @ self._trend < JUMP * usual:
+        covariance = self.belief.covariance[where, where] + R + MEASUREMENT_FLOOR * np.eye(len(R))
+        if residual @ np.linalg.solve(covariance, residual) < JUMP:
             return
-        step = residual if whitened @ whitened >= JUMP else root @ self._trend
         widened = self.belief.covariance.copy()
-        widened[where, where] += np.outer(step, step)
+        widened[where, where] += np.outer(residual, residual)
         self._belief = Gaussian(self.belief.mean, widened)
-        self._trend = np.zeros_like(self._trend)
 
     def _absorb(self, sensor: str, residual: Array, H: Array, R: Array) -> None:
         R = R + MEASUREMENT_FLOOR * np.eye(len(R))

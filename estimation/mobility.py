@@ -33,6 +33,10 @@ class Chart(Protocol):
         """Partials (4, 4) of phi by the coordinates."""
         ...
 
+    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
+        """Lower and upper bounds (4,) of the coordinates that a range of mass and J gives."""
+        ...
+
 
 def build_chart(constraints: RollingConstraints) -> Chart:
     """The chart that suits the constraints."""
@@ -61,6 +65,10 @@ class AxleChart:
         determinant = a * c - b**2
         return self._from_axle @ np.array([c / determinant, g / c, b / determinant, a / determinant])
 
+    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
+        low = np.array([1 / largest_mass, -np.inf, 1 / largest_J, -np.inf])
+        return low, np.array([np.inf, np.inf, 1 / least_J, np.inf])
+
     def jacobian(self, coordinates: Array) -> Array:
         a, b, c, g = coordinates
         determinant = a * c - b**2
@@ -85,6 +93,10 @@ class FreeChart:
     def phi(self, coordinates: Array) -> Array:
         k, p, q, c = coordinates
         return np.array([1 / k, p / (c * k), q / (c * k), 1 / c + (p**2 + q**2) / (c**2 * k)])
+
+    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
+        low = np.array([1 / largest_mass, -np.inf, -np.inf, 1 / largest_J])
+        return low, np.array([1 / least_mass, np.inf, np.inf, 1 / least_J])
 
     def jacobian(self, coordinates: Array) -> Array:
         k, p, q, c = coordinates
@@ -113,6 +125,10 @@ class RailChart:
 
     def phi(self, coordinates: Array) -> Array:
         return np.array([1 / coordinates[0], *coordinates[1:]])
+
+    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
+        infinite = np.full(3, np.inf)
+        return np.array([1 / largest_mass, *-infinite]), np.array([1 / least_mass, *infinite])
 
     def jacobian(self, coordinates: Array) -> Array:
         return np.diag([-1 / coordinates[0] ** 2, 1.0, 1.0, 1.0])

@@ -17,7 +17,8 @@ from .prior import Prior, report_names, report_units
 IDENTIFIABLE_SHARE = 0.25
 LOAD_SHARE = 0.3
 LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
-FARTHEST = 5.0
+LARGEST_MASS_SHARE = 6.0
+FARTHEST = 3.0
 """CoM and radius of gyration stay within this many of the prior's CoM standard deviations."""
 
 
@@ -35,8 +36,8 @@ class ParameterBlock:
         self._prior_std = prior.deviations(cart)
         self._is_free = np.isin(np.arange(len(self._full)), self.free)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
-        bounds = [(-np.inf, np.inf)] * N_PHI + [(p.lower, p.upper) for e in cart.effects for p in e.parameters]
-        self._lower, self._upper = np.array(bounds)[self.free].T
+        self._reach = FARTHEST * prior.com
+        self._lower, self._upper = self._bounds()
 
     @cached_property
     def first_covariance(self) -> Array:
@@ -58,8 +59,20 @@ class ParameterBlock:
         partials[:N_PHI, :N_PHI] = self._chart.jacobian(full[:N_PHI])
         return partials[:, self.free]
 
+    def _bounds(self) -> tuple[Array, Array]:
+        """Of the free coordinates: what a cart like the first guess can have, and the effects' own bounds."""
+        body = self.cart.inertia
+        mass, J = body.mass, body.about_origin
+        largest_J = max(4 * J, 2 * mass * self._reach**2)
+        low, high = self._chart.bounds(
+            LARGEST_MASS_SHARE * mass, LEAST_MASS_SHARE * mass, largest_J, LEAST_INERTIA_SHARE * body.about_com
+        )
+        ranges = [(p.lower, p.upper) for effect in self.cart.effects for p in effect.parameters]
+        lower, upper = np.array([*zip(low, high, strict=True), *ranges])[self.free].T
+        return lower, upper
+
     def within_bounds(self, block: Array) -> Array:
-        """The block with the effects' parameters inside their bounds."""
+        """The block with every coordinate inside its bounds."""
         return np.clip(block, self._lower, self._upper)
 
     def physical(self, block: Array) -> Array:
@@ -75,7 +88,7 @@ class ParameterBlock:
 
     def _physical_phi(self, phi: Array) -> Array:
         """phi itself, or with mass, CoM and inertia brought back to what a cart can have."""
-        body, reach = self.cart.inertia, FARTHEST * self.prior.com
+        body, reach = self.cart.inertia, self._reach
         mass, com_x, com_y, about_com = physical_from_phi(phi)
         if not mass >= LEAST_MASS_SHARE * body.mass:
             mass, com_x, com_y = LEAST_MASS_SHARE * body.mass, *body.com
