@@ -45,9 +45,9 @@ class _CartEntry(StrictModel):
     com: list[float] = Field(min_length=2, max_length=2)
     inertia: float
     com_height: float | None = None
-    constraints: list[dict[str, Any]] = []
-    wheels: list[_WheelEntry] = []
-    effects: dict[str, Any] = {}
+    constraints: list[dict[str, Any]] = Field(default_factory=list)
+    wheels: list[_WheelEntry] = Field(default_factory=list)
+    effects: dict[str, Any] = Field(default_factory=dict)
 
 
 def load_cart(path: str | os.PathLike[str]) -> CartModel:
@@ -199,7 +199,7 @@ def _entries(cart: CartModel) -> dict[str, Any]:
     }
     if cart.com_height is not None:
         entries["com_height"] = float(cart.com_height)
-    constraints: list[dict[str, Any]] = []
+    constraints: list[dict[str, Any]] = Field(default_factory=list)
     if cart.constraints.axle_x is not None:
         constraints.append({"no_lateral_slip": {"x": float(cart.constraints.axle_x)}})
     if cart.constraints.no_rotation:

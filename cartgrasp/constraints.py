@@ -68,7 +68,7 @@ class RollingConstraints:
         """d Lambda / dt in world components, shape (..., n_rows, 3)."""
         quarter_turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
         rate = np.swapaxes(body_to_world(theta) @ quarter_turn, -1, -2)
-        return self.rows_b @ rate * np.asarray(yaw_rate, dtype=float)[..., None, None]
+        return np.asarray(self.rows_b @ rate * np.asarray(yaw_rate, dtype=float)[..., None, None])
 
     def basis_s(self, theta: ArrayLike) -> Array:
         """S(theta) with `qd = S(theta) @ nu`, shape (..., 3, n_free)."""

@@ -49,7 +49,7 @@ class Segment:
 
     def at(self, fraction: float) -> Array:
         start, stop = np.array(self.start), np.array(self.stop)
-        return start + fraction * (stop - start)
+        return np.asarray(start + fraction * (stop - start))
 
 
 @dataclass(frozen=True)

@@ -209,7 +209,8 @@ class CartModel:
         by_parameters[..., nv, :] = reach @ wrench.by_parameters
         by_parameters[..., nv, :N_PHI] += by_phi
         for where, change in changes:
-            by_parameters[..., nv, where] += by_phi @ change.by_parameters
+            if change.by_parameters is not None:
+                by_parameters[..., nv, where] += by_phi @ change.by_parameters
         self._memory_rate(situation, state, parameters, (value, by_state, by_parameters))
         return StateRate(value, by_state, by_wrench, by_parameters)
 

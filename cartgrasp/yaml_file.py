@@ -42,6 +42,8 @@ def read_yaml(path: str | os.PathLike[str]) -> CommentedMap:
         raise FileError(Place(str(path)), "", f"is not UTF-8 text ({error.reason} at byte {error.start})") from error
     except OSError as error:
         raise FileError(Place(str(path)), "", f"can't be read: {error.strerror or error}") from error
+    except ValueError as error:  # a name that no file can have, such as one with a NUL
+        raise FileError(Place(str(path)), "", f"can't be read: {error}") from error
     return parse_yaml(text, str(path))
 
 
@@ -123,6 +125,14 @@ def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path
     """Writes aside, then renames: readers see the old file or the new one."""
     path = Path(path)
     data = content.encode("utf-8") if isinstance(content, str) else content
+    try:
+        return _written(path, data)
+    except OSError as error:
+        why = f"can't be written: {error.strerror or error}; mend that, or name another place"
+        raise FileError(Place(str(path)), "", why) from error
+
+
+def _written(path: Path, data: bytes) -> Path:
     handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
@@ -23,6 +24,14 @@ MAD_TO_STD = 1.4826
 
 def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
     """Sensor noise of this log, and a disturbance in proportion to its forces."""
+    try:
+        with np.errstate(over="raise", invalid="raise"):
+            return _noise(log, cart)
+    except FloatingPointError as error:
+        raise DataError(f"{log.name}: its numbers are too large to be SI units; mend them") from error
+
+
+def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
     position = max(noise_floor(log.pose[:, 0]), noise_floor(log.pose[:, 1]), LEAST_POSITION)
     heading = max(noise_floor(np.unwrap(_filled(log.pose[:, 2]))), LEAST_POSITION)
     linear = yaw = LEAST_VELOCITY

@@ -21,6 +21,9 @@ import numpy as np
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.frames import Array
 
+MOST_COUPLING = 0.5
+"""Of b² / (a c): m dy² is at most this share of J."""
+
 
 class Chart(Protocol):
     """Coordinates (4,) of phi (4,)."""
@@ -35,6 +38,10 @@ class Chart(Protocol):
 
     def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
         """Lower and upper bounds (4,) of the coordinates that a range of mass and J gives."""
+        ...
+
+    def tamed(self, coordinates: Array, reach: float) -> Array:
+        """Coordinates (4,) within their bounds whose mass is positive and finite, with |com_y| <= `reach`."""
         ...
 
 
@@ -63,11 +70,16 @@ class AxleChart:
     def phi(self, coordinates: Array) -> Array:
         a, b, c, g = coordinates
         determinant = a * c - b**2
-        return self._from_axle @ np.array([c / determinant, g / c, b / determinant, a / determinant])
+        return np.asarray(self._from_axle @ np.array([c / determinant, g / c, b / determinant, a / determinant]))
 
     def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
         low = np.array([1 / largest_mass, -np.inf, 1 / largest_J, -np.inf])
         return low, np.array([np.inf, np.inf, 1 / least_J, np.inf])
+
+    def tamed(self, coordinates: Array, reach: float) -> Array:
+        a, b, c, g = coordinates
+        most = min(reach * c, (MOST_COUPLING * a * c) ** 0.5)
+        return coordinates if abs(b) <= most else np.array([a, np.copysign(most, b), c, g])
 
     def jacobian(self, coordinates: Array) -> Array:
         a, b, c, g = coordinates
@@ -97,6 +109,9 @@ class FreeChart:
     def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
         low = np.array([1 / largest_mass, -np.inf, -np.inf, 1 / largest_J])
         return low, np.array([1 / least_mass, np.inf, np.inf, 1 / least_J])
+
+    def tamed(self, coordinates: Array, reach: float) -> Array:
+        return coordinates
 
     def jacobian(self, coordinates: Array) -> Array:
         k, p, q, c = coordinates
@@ -129,6 +144,9 @@ class RailChart:
     def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
         infinite = np.full(3, np.inf)
         return np.array([1 / largest_mass, *-infinite]), np.array([1 / least_mass, *infinite])
+
+    def tamed(self, coordinates: Array, reach: float) -> Array:
+        return coordinates
 
     def jacobian(self, coordinates: Array) -> Array:
         return np.diag([-1 / coordinates[0] ** 2, 1.0, 1.0, 1.0])

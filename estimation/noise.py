@@ -29,7 +29,7 @@ class FilterNoise:
     disturbance: float = 0.05
     lever: float = 0.3
     slip: float = 0.0002
-    swivel: float = 0.05
+    swivel: float = 0.2
     parameter_drift: float = 0.002
 
     def __post_init__(self) -> None:

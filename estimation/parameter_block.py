@@ -79,12 +79,15 @@ class ParameterBlock:
         """The block itself, or with phi brought back to what a cart can have: m > 0, J m > |m d|² (physics 18)."""
         if not self._phi_is_free:
             return block
-        theta = self.theta(block)
-        phi = self._physical_phi(theta[:N_PHI])
-        if (phi == theta[:N_PHI]).all():
+        full = self._full.copy()
+        full[self.free] = block
+        tamed = self._chart.tamed(full[:N_PHI], self._reach)
+        phi = self._chart.phi(tamed)
+        physical = self._physical_phi(phi)
+        if (tamed == full[:N_PHI]).all() and (physical == phi).all():
             return block
-        theta[:N_PHI] = self._chart.coordinates(phi)
-        return theta[self.free]
+        full[:N_PHI] = self._chart.coordinates(physical)
+        return np.asarray(full[self.free])
 
     def _physical_phi(self, phi: Array) -> Array:
         """phi itself, or with mass, CoM and inertia brought back to what a cart can have."""
@@ -134,4 +137,4 @@ class ParameterBlock:
         full[self.free] = block
         inverse = np.eye(len(full))
         inverse[:N_PHI, :N_PHI] = np.linalg.inv(self._chart.jacobian(full[:N_PHI]))
-        return (inverse @ covariance @ inverse.T)[np.ix_(self.free, self.free)]
+        return np.asarray((inverse @ covariance @ inverse.T)[np.ix_(self.free, self.free)])

@@ -7,9 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from cartgrasp.errors import DataError
 from cartgrasp.logs import RunLog
-from cartgrasp.motion import Estimate
+from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.roles import Estimator
+
+from .paper_filter import DIVERGED
 
 
 @dataclass(frozen=True)
@@ -48,10 +53,28 @@ def replay(log: RunLog, estimator: Estimator, progress: Callable[[float], None] 
     """Every row of the log in turn; `progress` is told the share done."""
     estimates = []
     for i, measurement in enumerate(log.measurements()):
-        estimates.append(estimator.update(measurement))
+        estimates.append(_updated(estimator, measurement, log.name))
         if progress is not None and i % 100 == 0:
             progress(i / len(log))
     return Replay(tuple(estimates))
+
+
+def _updated(estimator: Estimator, measurement: Measurement, name: str) -> Estimate:
+    """The next estimate; numbers that no estimator can work with are the log's fault."""
+    try:
+        with np.errstate(all="ignore"):
+            estimate = estimator.update(measurement)
+    except np.linalg.LinAlgError as error:
+        raise _too_large(measurement, name) from error
+    finite = all(math.isfinite(p.value) and math.isfinite(p.std) for p in estimate.parameters.values())
+    if not finite and estimate.health != DIVERGED:
+        raise _too_large(measurement, name)
+    return estimate
+
+
+def _too_large(measurement: Measurement, name: str) -> DataError:
+    why = "what is recorded up to here can't be estimated from"
+    return DataError(f"{name}: t = {measurement.time:.9g} s: {why}; look for numbers that are not in SI units")
 
 
 def _cell(value: float) -> str:

@@ -100,20 +100,30 @@ class AllocationTemplate:
 
     def effort(self, wrenches: Array) -> float:
         """`sum weight component²` by the arms' own weights, whatever the objective."""
-        return float(wrenches @ (self.effort_weights * wrenches))
+        return float(wrenches.dot(self.effort_weights * wrenches))
 
     # --- programs -----------------------------------------------------------------------------------------
 
     def contact_rows(self, points: Array, yaws: Array | None = None) -> Array:
         """`Sᵀ G` of contact points (..., 3), shape (..., k, 6); yaws are the arms' where points are (..., n,
         3)."""
-        grasp_map = grasp_map_planar(points, self.yaws if yaws is None else yaws)
-        return np.asarray(self.basis_b.T @ grasp_map)
+        if yaws is not None or points.shape[-2] != len(self.arms):
+            return np.asarray(self.basis_b.T @ grasp_map_planar(points, self.yaws if yaws is None else yaws))
+        origin, by_x, by_y = self._affine_rows
+        return np.asarray(origin + points[..., 0, None, None] * by_x + points[..., 1, None, None] * by_y)
+
+    @cached_property
+    def _affine_rows(self) -> tuple[Array, Array, Array]:
+        """Each arm's rows at {b}'s origin and their slopes by x and y, (n, k, 6): the grasp map is affine in
+        the contact."""
+        corners = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+        origin, *shifted = self.basis_b.T @ grasp_map_planar(corners[:, None], self.yaws)
+        return origin, shifted[0] - origin, shifted[1] - origin
 
     def program(self, rows: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """One contact an arm: `rows` (n, k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""
         matrix = rows.transpose(1, 0, 2).reshape(len(target), self.n)
-        return self._program(matrix, (target, target), len(target), cost)
+        return self._filled(self._at_points, matrix, (target, target), cost)
 
     def range_program(self, rows: tuple[Array, Array], target: Array, cost: Cost) -> QuadraticProgram:
         """Contacts between two vertices: `rows` at the high and the low one. Rows: high, low, then the
@@ -121,11 +131,10 @@ class AllocationTemplate:
         moment = self.moment_row
         high, low = (part.transpose(1, 0, 2).reshape(len(target), self.n) for part in rows)
         others = [i for i in range(len(target)) if i != moment]
-        matrix = np.vstack([high[moment], low[moment], high[others]])
-        values = np.concatenate([[target[moment]], [target[moment]], target[others]])
-        below, above = values.copy(), values.copy()
-        above[0], below[1] = np.inf, -np.inf
-        return self._program(matrix, (below, above), len(others), cost)
+        matrix = np.concatenate([high[moment, None], low[moment, None], high[others]])
+        below = np.concatenate([[target[moment], -np.inf], target[others]])
+        above = np.concatenate([[np.inf, target[moment]], target[others]])
+        return self._filled(self._over_ranges, matrix, (below, above), cost)
 
     def slack_map(self, is_range: bool) -> Array:
         """T, (effective rows of the program, k): where a slack of each effective row of `target` enters."""
@@ -137,27 +146,33 @@ class AllocationTemplate:
         return np.vstack([identity[moment], identity[moment], identity[others]])
 
     @cached_property
-    def _program_names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        limits = self.limits
-        return limits.lower_names + limits.names, limits.upper_names + limits.names
+    def _at_points(self) -> QuadraticProgram:
+        return self._blank(self.basis_b.shape[1], self.basis_b.shape[1])
 
-    def _program(
-        self, matrix: Array, values: tuple[Array, Array], n_equalities: int, cost: Cost
-    ) -> QuadraticProgram:
-        limits, names = self.limits, self._program_names
-        effective = ("effective row",) * len(matrix)
+    @cached_property
+    def _over_ranges(self) -> QuadraticProgram:
+        return self._blank(self.basis_b.shape[1] + 1, self.basis_b.shape[1] - 1)
+
+    def _blank(self, n_effective: int, n_equalities: int) -> QuadraticProgram:
+        """A program but for its effective rows, which come last."""
+        limits, effective = self.limits, ("effective row",) * n_effective
+        zero = np.zeros(n_effective)
         return QuadraticProgram(
             hessian=self.hessian,
-            gradient=cost.gradient,
-            rows=np.concatenate([limits.rows, matrix]),
-            lower=np.concatenate([limits.lower, np.full(len(limits.limits), -np.inf), values[0]]),
-            upper=np.concatenate([limits.upper, limits.limits, values[1]]),
+            gradient=np.zeros(self.n),
+            rows=np.concatenate([limits.rows, np.zeros((n_effective, self.n))]),
+            lower=np.concatenate([limits.lower, np.full(len(limits.limits), -np.inf), zero]),
+            upper=np.concatenate([limits.upper, limits.limits, zero]),
             n_equalities=n_equalities,
-            lower_names=names[0] + effective,
-            upper_names=names[1] + effective,
+            lower_names=limits.lower_names + limits.names + effective,
+            upper_names=limits.upper_names + limits.names + effective,
             cones=limits.cones,
-            constant=cost.constant,
         )
+
+    def _filled(
+        self, blank: QuadraticProgram, matrix: Array, values: tuple[Array, Array], cost: Cost
+    ) -> QuadraticProgram:
+        return blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
 
 
 def in_words(direction: Array) -> str:

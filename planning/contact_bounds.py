@@ -54,6 +54,13 @@ class Candidates:
             starts.append(len(options))
         return cls(np.array(vertices), np.array(options), tuple(starts), np.array(owners), distance)
 
+    @classmethod
+    def at(cls, points: Sequence[tuple[float, float, float]], distance: float = 0.0) -> Self:
+        """One point (x, y, z) for each arm: no choice."""
+        n = len(points)
+        arms = np.arange(n)
+        return cls(np.array(points), arms[:, None].repeat(2, axis=1), tuple(range(n + 1)), arms, distance)
+
     @property
     def n_arms(self) -> int:
         return len(self.starts) - 1
@@ -63,11 +70,10 @@ class Candidates:
         """Number of full choices, a segment counted once."""
         return prod(stop - start for start, stop in zip(self.starts, self.starts[1:], strict=False))
 
-    @cached_property
+    @property
     def single(self) -> Array | None:
         """The contacts (n, 3) if there is only one choice, and that of points; else None."""
-        one = self.count == 1 and bool((self.options[:, 0] == self.options[:, 1]).all())
-        return self.vertices[self.options[:, 0]] if one else None
+        return self.vertices if len(self.vertices) == len(self.options) == self.n_arms else None
 
     @cached_property
     def reach(self) -> Array:

@@ -66,5 +66,6 @@ class LeastEffortContacts:
         held = self._planner.plan(self._wanted, contacts=self._held)
         if free.status != "optimal":
             return
-        if held.status != "optimal" or free.effort < (1.0 - self._least_gain) * held.effort:
+        least = (1.0 - self._least_gain) * (held.effort if held.effort is not None else np.inf)
+        if free.effort is not None and free.effort < least:
             self._held = {name: np.array(point) for name, point in free.contacts.items()}

@@ -31,11 +31,13 @@ class RefusedError(CartgraspError):
 
 def read_wrench(wrench: Any) -> Array:
     """(fx, fy, tau) in {b}, shape (3,)."""
-    return _read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH)
+    return np.array(_read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH))
 
 
-def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str, Array]:
-    """Contacts (3,) in {b} of some or all arms."""
+def read_contacts(
+    contacts: Mapping[str, Any], names: Sequence[str]
+) -> dict[str, tuple[float, float, float]]:
+    """Contacts in {b} of some or all arms, as numbers, which compare fast."""
     if not isinstance(contacts, Mapping):
         raise RefusedError(INVALID_INPUT, "contacts: a mapping from arm to (x, y, z) is needed")
     for name in contacts:
@@ -61,7 +63,7 @@ def check_estimate(estimate: Estimate, newest: float) -> float:
     return max(newest, estimate.time)
 
 
-def _read(value: Any, what: str, form: str, largest: float) -> Array:
+def _read(value: Any, what: str, form: str, largest: float) -> tuple[float, float, float]:
     try:
         numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError) as error:
@@ -73,4 +75,4 @@ def _read(value: Any, what: str, form: str, largest: float) -> Array:
         raise RefusedError(
             INVALID_INPUT, f"{what}: {[a, b, c]} is not finite, or beyond {largest:g}; {form} is needed"
         )
-    return numbers
+    return a, b, c

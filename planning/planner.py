@@ -60,11 +60,15 @@ class WrenchPlanner:
         self._template = AllocationTemplate.of(cart, arms, objective)
         self._sets = {arm.name: arm.contacts for arm in self._template.arms}
         self._candidates = Candidates.of(list(self._sets.values()), min_hand_distance)
+        self._given: dict[str, tuple[float, float, float]] = {}
+        self._given_candidates = self._candidates
+        self._to_effective = np.ascontiguousarray(self._template.basis_b.T)
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
         self._yaws = dict(zip(self._template.names, self._template.yaws.tolist(), strict=True))
         self._solver, self._cases = QuadraticSolver(), CaseSolver(self._template)
         self._program: QuadraticProgram | None = None
-        self._program_points = np.zeros((0, 3))
+        self._program_points = self._shown_points = np.zeros((0, 3))
+        self._shown: dict[str, Array] = {}
         self.reset()
 
     def reset(self) -> None:
@@ -95,7 +99,7 @@ class WrenchPlanner:
         stale."""
         start = time.perf_counter()
         try:
-            target = self._template.basis_b.T @ read_wrench(wrench)
+            target = self._to_effective.dot(read_wrench(wrench))
             candidates = self._candidates if contacts is None else self._narrowed(contacts)
             if estimate is not None:
                 self._newest_estimate = check_estimate(estimate, self._newest_estimate)
@@ -122,12 +126,19 @@ class WrenchPlanner:
     # --- contacts -----------------------------------------------------------------------------------------
 
     def _narrowed(self, contacts: Mapping[str, ArrayLike]) -> Candidates:
-        """The candidates with some arms' contacts fixed."""
+        """The candidates with some arms' contacts fixed; those of the last call where these are the same."""
         given = read_contacts(contacts, self._template.names)
-        sets = [
-            ContactSet((tuple(given[name].tolist()),)) if name in given else own
-            for name, own in self._sets.items()
-        ]
+        if given != self._given:
+            self._given_candidates = self._fixed_at(given)
+            self._given = given
+        return self._given_candidates
+
+    def _fixed_at(self, given: dict[str, tuple[float, float, float]]) -> Candidates:
+        if not given:
+            return self._candidates
+        if len(given) == len(self._sets):
+            return Candidates.at([given[name] for name in self._sets], self._candidates.distance)
+        sets = [ContactSet((given[name],)) if name in given else own for name, own in self._sets.items()]
         return Candidates.of(sets, self._candidates.distance)
 
     def _solve_at(self, points: Array, target: Array, start: float) -> Plan:
@@ -178,12 +189,13 @@ class WrenchPlanner:
 
     def _program_at(self, points: Array, target: Array) -> QuadraticProgram:
         """The program at contacts; where these are as at the last call, only its equality's value is new."""
-        if self._program is None or not np.array_equal(points, self._program_points):
+        same = points is self._program_points or np.array_equal(points, self._program_points)
+        if self._program is None or not same:
             self._program = self._template.program(self._template.contact_rows(points), target, self._cost)
             self._program_points = points
         program = self._program.with_equality_value(target)
         if self._template.objective.looks_back:
-            program = replace(program, gradient=self._cost.gradient, constant=self._cost.constant)
+            program = program.with_gradient(self._cost.gradient, self._cost.constant)
         return program
 
     # --- answers ------------------------------------------------------------------------------------------
@@ -195,7 +207,7 @@ class WrenchPlanner:
         return Plan(
             status=OPTIMAL,
             wrenches=self._by_arm(solution.x),
-            contacts=self._by_arm(points),
+            contacts=self._contacts_at(points),
             yaws=self._yaws,
             effort=self._template.effort(solution.x),
             active=program.active(solution),
@@ -249,6 +261,11 @@ class WrenchPlanner:
         self._last, self._last_points = wrenches, points
         if self._template.objective.looks_back:
             self._cost = self._template.cost(wrenches)
+
+    def _contacts_at(self, points: Array) -> dict[str, Array]:
+        if points is not self._shown_points:
+            self._shown_points, self._shown = points, self._by_arm(points)
+        return self._shown.copy()
 
     def _by_arm(self, values: Array) -> dict[str, Array]:
         return dict(zip(self._template.names, values.reshape(len(self._sets), -1), strict=True))

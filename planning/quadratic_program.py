@@ -16,10 +16,9 @@ and `gap` is the primal less the dual value. Effort, here as in the contract, is
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -81,14 +80,32 @@ class QuadraticProgram:
         sense[len(sense) - self.n_equalities :] = True
         return sense
 
-    def with_equality_value(self, value: Array) -> QuadraticProgram:
+    @cached_property
+    def stacked(self) -> Array:
+        """H, I and R above each other: one product gives all that a proof needs of x."""
+        return np.concatenate((self.hessian, np.eye(self.n), self.rows))
+
+    def with_equality_value(self, value: Array) -> Self:
         """The same program with another b: the only thing that is new on the fast path."""
         lower, upper = self.lower.copy(), self.upper.copy()
         start = len(lower) - self.n_equalities
         lower[start:] = upper[start:] = value
-        program = copy(self)
-        object.__setattr__(program, "lower", lower)
-        object.__setattr__(program, "upper", upper)
+        return self._but(lower=lower, upper=upper)
+
+    def with_last_rows(self, matrix: Array, low: Array, high: Array) -> Self:
+        """The same program with the last rows of R and their limits replaced, all that contacts change."""
+        start = len(self.lower) - len(matrix)
+        lower, upper, stacked = self.lower.copy(), self.upper.copy(), self.stacked.copy()
+        lower[start:], upper[start:], stacked[self.n + start :] = low, high, matrix
+        return self._but(lower=lower, upper=upper, stacked=stacked, rows=stacked[2 * self.n :])
+
+    def with_gradient(self, gradient: Array, constant: float) -> Self:
+        return self._but(gradient=gradient, constant=constant)
+
+    def _but(self, **changes: Any) -> Self:
+        """As `dataclasses.replace`, but what is cached stays: each change keeps it true."""
+        program = object.__new__(type(self))
+        program.__dict__.update(self.__dict__, **changes)
         return program
 
     def cost(self, x: Array) -> float:
@@ -97,12 +114,14 @@ class QuadraticProgram:
     def active(self, solution: QPSolution) -> tuple[str, ...]:
         """Names of the limits that push back on a solution (multiplier above 1e-7 of the largest)."""
         y, names = solution.multipliers, []
-        largest = max(1.0, float(y.max()), -float(y.min()))
-        for i in y.nonzero()[0].tolist():
-            if i < len(y) - self.n_equalities and abs(y[i]) > 1e-7 * largest:
-                names.append(self.upper_names[i] if y[i] > 0 else self.lower_names[i])
-        pairs = zip(self.cones, solution.cone_multipliers, strict=True)
-        return (*names, *(cone.name for cone, z in pairs if z[0] > 1e-7 * largest))
+        held = y.nonzero()[0]
+        pairs = list(zip(held.tolist(), y[held].tolist(), strict=True))
+        least = 1e-7 * max([1.0, *(abs(dual) for _, dual in pairs)])
+        for i, dual in pairs:
+            if i < len(y) - self.n_equalities and abs(dual) > least:
+                names.append(self.upper_names[i] if dual > 0 else self.lower_names[i])
+        cones = zip(self.cones, solution.cone_multipliers, strict=True)
+        return (*names, *(cone.name for cone, z in cones if z[0] > least))
 
 
 @dataclass(frozen=True)
@@ -169,24 +188,21 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
     """Residuals of the KKT conditions, by numpy alone. A multiplier of the wrong sign, against a limit that
     isn't there, counts as zero: it can't hide a gradient."""
     n, first = program.n, len(y) - program.n_equalities
-    curved = program.hessian @ x
-    cost = float(x @ (0.5 * curved + program.gradient)) + program.constant
-    gradient = curved + program.gradient
-    slope = max(1.0, float(gradient.max()), -float(gradient.min()))
-    values = np.concatenate((x, program.rows @ x))
+    image = program.stacked.dot(x)
+    gradient, values = image[:n] + program.gradient, image[n:]
+    cost = 0.5 * float(x.dot(gradient + program.gradient)) + program.constant
+    slope = max(1.0, highest(np.abs(gradient)))
     above, below = program.upper - values, values - program.lower
-    gap = 0.0
-    held = y.nonzero()[0].tolist()
-    if held:
-        for i in held:
-            slack = above[i] if y[i] > 0 else below[i]
-            if slack == np.inf:
-                y = y.copy()
-                y[i] = 0.0
-            else:
-                gap += abs(float(y[i] * slack))
-        gradient += y[:n] + y[n:] @ program.rows
-    limits = max(0.0, -float(above[:first].min()), -float(below[:first].min()))
+    limits = max(0.0, -lowest(above[:first]), -lowest(below[:first]))
+    gap, held = 0.0, y.nonzero()[0]
+    for i, dual in zip(held.tolist(), y[held].tolist(), strict=True):
+        slack = above.item(i) if dual > 0 else below.item(i)
+        if slack == np.inf:
+            y = y.copy()
+            y[i] = 0.0
+        else:
+            gap += abs(dual * slack)
+    gradient += y.dot(program.stacked[n:])
     for cone, multiplier in zip(program.cones, z, strict=True):
         s, inside = cone.offset + cone.rows @ x, into_cone(multiplier)
         gradient -= inside @ cone.rows
@@ -196,12 +212,21 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
     return Residuals(
         equality=max(map(abs, missed), default=0.0),
         limits=limits,
-        stationarity=max(float(gradient.max()), -float(gradient.min())),
+        stationarity=highest(np.abs(gradient)),
         gap=gap / max(1.0, abs(cost)),
         cost=cost,
         wrench_scale=max(1.0, *map(abs, asked)),
         slope_scale=slope,
     )
+
+
+def highest(values: Array) -> float:
+    """As `values.max()`, NaN where there is one, at a fifth of its time on short rows."""
+    return float(values[values.argmax()])
+
+
+def lowest(values: Array) -> float:
+    return float(values[values.argmin()])
 
 
 def into_cone(multiplier: Array) -> Array:

@@ -23,7 +23,7 @@ app.add_typer(study, name="study")
 
 Json = Annotated[bool, typer.Option("--json", help="Print the result alone, as one JSON document.")]
 Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results.")]
-Seed = Annotated[int, typer.Option("--seed", help="Seed of all noise.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all noise.")]
 
 
 @app.command()
@@ -108,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (typer.Abort, KeyboardInterrupt):
         return _say("interrupted", 130)
     except TyperException as error:
-        return _say(" ".join(str(error).split()), 2)
+        return _say(_usage(error), 2)
     except (DataError, PlantError) as error:
         return _say(str(error), 3)
     except CartgraspError as error:
@@ -118,6 +118,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
+def _usage(error: TyperException) -> str:
+    """What typer says, and where help is."""
+    context = getattr(error, "ctx", None)
+    command = "cartgrasp" if context is None else context.command_path
+    why = " ".join(str(error).split()).rstrip(".") or "a command is missing"
+    return f"{why}; see `{command} --help`"
+
+
 def _say(message: str, status: int) -> int:
-    print(f"cartgrasp: {message}", file=sys.stderr)
+    """One line, whatever a file name or a key in it holds."""
+    line = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in message)
+    print(f"cartgrasp: {line}", file=sys.stderr)
     return status

@@ -15,15 +15,17 @@ from ..logs import RunLog, read_log
 from ..logs.emps import rail_cart
 from ..model import CartModel
 from ..yaml_file import write_atomically
-from .output import print_json, print_table, progress
+from .output import check_writable, print_json, print_table, progress
 
-METHODS = {"filter": CartFilter, "paper": PaperFilter}
+METHODS: dict[str, type[CartFilter] | type[PaperFilter]] = {"filter": CartFilter, "paper": PaperFilter}
 
 
 def run(path: Path, cart_path: Path | None, method: str, out: Path | None, as_json: bool) -> int:
     if method not in METHODS:
         raise UsageError(f"--method {method}: unknown; known are {', '.join(METHODS)}")
     cart = _cart(path, cart_path)
+    if out is not None:
+        check_writable(out)
     log = read_log(path).thinned()
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)

@@ -15,7 +15,8 @@ from ..errors import UsageError
 
 def print_json(document: Any) -> None:
     """Strict JSON: what is not finite is null."""
-    json.dump(_finite(document), sys.stdout, ensure_ascii=False, allow_nan=False)
+    is_unicode = (sys.stdout.encoding or "").lower().replace("-", "").startswith("utf")
+    json.dump(_finite(document), sys.stdout, ensure_ascii=not is_unicode, allow_nan=False)
     sys.stdout.write("\n")
 
 
@@ -40,12 +41,13 @@ def say(message: str) -> None:
 
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr with the time left; the caller tells the share done."""
+    """A bar on stderr, where that is a terminal, with the time left; the caller tells the share done."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(what, total=1.0)
         yield lambda share: bar.update(task, completed=share)
 
@@ -56,6 +58,14 @@ def make_folder(path: Path) -> Path:
     except OSError as error:
         raise UsageError(f"--out {path}: can't be made: {error.strerror}; name another folder") from error
     return path
+
+
+def check_writable(path: Path) -> None:
+    """Said before the work whose result would go there."""
+    if path.is_dir():
+        raise UsageError(f"--out {path}: is a folder; name a file in it")
+    if not path.parent.is_dir():
+        raise UsageError(f"--out {path}: there is no folder {path.parent}; make it, or name another place")
 
 
 def _finite(value: Any) -> Any:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from planning import Plan, WrenchPlanner
+from planning.plan import INVALID_INPUT
 from planning.problem_file import read_problem
 
+from ..errors import UsageError
 from .output import print_json, print_table
 
 
@@ -16,8 +18,10 @@ def run(path: Path, as_json: bool) -> int:
     plan = planner.plan(problem.wrench)
     if as_json:
         print_json(plan.as_dict())
-    else:
+    elif plan.status != INVALID_INPUT:
         _print(plan)
+    if plan.status == INVALID_INPUT:
+        raise UsageError(f"{path}: {plan.message}")
     return 0 if plan.status in ("optimal", "relaxed") else 1
 
 

@@ -23,7 +23,7 @@ from .output import make_folder, print_json, progress, say
 from .run_tables import print_run
 
 ACCELERATION = 0.4
-LONGEST_FORCE, LONGEST_MOMENT = 150.0, 40.0
+LARGEST_FORCE, LARGEST_MOMENT = 150.0, 40.0
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,11 @@ def build_scenario(choice: Choice) -> Scenario:
 
 def _arms(count: int) -> tuple[Arm, ...]:
     sides = np.linspace(0.25, -0.25, count) if count > 1 else np.zeros(1)
-    limits = {"force_limit": (LONGEST_FORCE,) * 3, "moment_limit": (LONGEST_MOMENT,) * 3}
-    return tuple(Arm(f"arm{i + 1}", contacts=[(-0.25, float(y), 1.0)], **limits) for i, y in enumerate(sides))
+    force, moment = (LARGEST_FORCE,) * 3, (LARGEST_MOMENT,) * 3
+    return tuple(
+        Arm(f"arm{i + 1}", [(-0.25, float(y), 1.0)], force_limit=force, moment_limit=moment)
+        for i, y in enumerate(sides)
+    )
 
 
 def _path(name: str, speed: float, constraints: RollingConstraints) -> tuple[Stretch, ...]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import UsageError
 from ..studies.claims import Claim, all_kept, markdown_table
-from ..studies.table1 import ROWS, Row, RowResult, gain_curve, run_rows
+from ..studies.table1 import ROWS, Row, gain_curve, run_rows
 from ..studies.table1_figures_of_merit import comparison, paper_claims, row_claims
 from ..studies.table1_plots import save_plots
 from ..yaml_file import write_atomically
@@ -55,6 +56,8 @@ def _rows(tests: str) -> tuple[Row, ...]:
     for part in wanted:
         if part not in known:
             raise UsageError(f"--rows {part}: no such test; they are 1 to {len(ROWS)}")
+    if not wanted:
+        raise UsageError(f"--rows {tests}: names no test; they are 1 to {len(ROWS)}")
     return tuple(known[part] for part in wanted)
 
 
@@ -62,7 +65,7 @@ def _cells(claim: Claim) -> tuple[str, str, str, str]:
     return claim.what, claim.claim, claim.figure, "yes" if claim.holds else "no"
 
 
-def _markdown(promised: list[Claim], papers: list[Claim], errors: list[tuple[str, ...]], seed: int) -> str:
+def _markdown(promised: list[Claim], papers: list[Claim], errors: Sequence[Sequence[str]], seed: int) -> str:
     parts = [
         "# Table I",
         f"Made by `cartgrasp study table1 --seed {seed}`.",

@@ -21,6 +21,8 @@ def read_log(path: str | Path) -> RunLog:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise LogError(Place(str(path)), "", f"unknown kind of log {path.suffix!r}; known are {', '.join(READERS)}")
+    if path.is_dir():
+        raise LogError(Place(str(path)), "", "is a folder; name the log in it")
     if not path.is_file():
         raise LogError(Place(str(path)), "", "there is no such file")
     return reader(path)

@@ -23,18 +23,19 @@ def read_csv(path: str | Path) -> RunLog:
     name = str(path)
     try:
         with open(path, encoding="utf-8-sig", newline="") as stream:
-            rows = list(csv.reader(stream, strict=True))
+            reader = csv.reader(stream, strict=True)
+            rows = [(reader.line_num, row) for row in reader]
     except OSError as error:
         raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise LogError(Place(name), "", f"is not UTF-8 text ({error.reason} at byte {error.start})") from error
     except csv.Error as error:
-        raise LogError(Place(name), "", f"is not CSV: {error}") from error
-    if not rows or not any(rows[0]):
+        raise LogError(Place(name, reader.line_num), "", f"is not CSV: {error}") from error
+    if not rows or not any(rows[0][1]):
         raise LogError(Place(name, 1), "", "the file is empty; a header line is needed")
-    header = [column.strip() for column in rows[0]]
+    header = [column.strip() for column in rows[0][1]]
     check_columns(header, name)
-    lines = [(i, row) for i, row in enumerate(rows[1:], start=2) if row]
+    lines = [(line, row) for line, row in rows[1:] if row]
     return log_from_table(header, _numbers(header, lines, name), name, [line for line, _ in lines])
 
 
@@ -108,6 +109,8 @@ def _numbers(header: Sequence[str], lines: Sequence[tuple[int, list[str]]], name
             why = f"{len(row)} cells, the header has {len(header)} columns"
             raise LogError(Place(name, line), "", why)
         try:
+            if not _is_plain("".join(row)):
+                raise ValueError
             table[i] = row
         except ValueError:
             table[i] = [_number(cell, column, line, name) for cell, column in zip(row, header, strict=True)]
@@ -117,11 +120,18 @@ def _numbers(header: Sequence[str], lines: Sequence[tuple[int, list[str]]], name
     return table
 
 
+def _is_plain(text: str) -> bool:
+    """Without what Python takes for a part of a number and no other reader does: 1_000, or digits of other scripts."""
+    return text.isascii() and "_" not in text
+
+
 def _number(cell: str, column: str, line: int, name: str) -> float:
     cell = cell.strip()
     if cell in MISSING:
         return math.nan
     try:
+        if not _is_plain(cell):
+            raise ValueError
         return float(cell)
     except ValueError:
         why = f"{cell!r} is not a number (a missing sample is a blank cell or nan)"
@@ -132,7 +142,7 @@ def _check_clock(time: Array, name: str, lines: Sequence[int]) -> None:
     bad = np.flatnonzero(~np.isfinite(time))
     if len(bad):
         raise LogError(Place(name, lines[bad[0]]), "t", "a row without a time")
-    back = np.flatnonzero(np.diff(time) <= 0)
+    back = np.flatnonzero(time[1:] <= time[:-1])
     if len(back):
         i = int(back[0]) + 1
         step = "repeats" if time[i] == time[i - 1] else "goes back on"

@@ -6,16 +6,21 @@ The MATLAB file holds t (s), qm (m, measured), qg (m, reference), vir (V, drive 
 
 from __future__ import annotations
 
+import struct
+import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..cart_file import cart_from_text
 from ..errors import LogError, Place
+from ..frames import Array
 from ..model import CartModel
 from .run_log import ArmLog, RunLog
 
 ARM = "drive"
+VARIABLES = ("t", "qm", "vir", "gtau")
 RAIL_CART = """\
 # The EMPS axis before anything is known of it: a cart on a rail.
 name: EMPS linear axis
@@ -39,26 +44,16 @@ def rail_cart() -> CartModel:
 
 def read_emps(path: str | Path) -> RunLog:
     """The log of DATA_EMPS.mat."""
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
-
     name = str(path)
-    try:
-        data = loadmat(path)
-    except OSError as error:
-        raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
-    except (MatReadError, ValueError, NotImplementedError, TypeError) as error:
-        raise LogError(Place(name), "", f"can't be read as a MATLAB file: {error}") from error
-    columns = {}
-    for key in ("t", "qm", "vir", "gtau"):
-        if key not in data:
-            raise LogError(Place(name), key, "this variable is missing; an EMPS file has t, qm, qg, vir and gtau")
-        columns[key] = np.asarray(data[key], dtype=float).ravel()
-    time, position, force = columns["t"], columns["qm"], columns["gtau"] * columns["vir"]
-    if not len(time) == len(position) == len(force):
-        raise LogError(Place(name), "t", f"{len(time)} times, {len(position)} positions, {len(force)} drive signals")
-    if len(time) < 2 or not np.isfinite(time).all() or (np.diff(time) <= 0).any():
-        raise LogError(Place(name), "t", "must be finite and strictly increasing")
+    time, position, voltage, gain = _variables(name)
+    if len(gain) != 1:
+        raise LogError(Place(name), "gtau", f"{len(gain)} numbers; one is needed, in N/V")
+    if not len(time) == len(position) == len(voltage):
+        lengths = f"{len(time)} times, {len(position)} positions (qm), {len(voltage)} drive signals (vir)"
+        raise LogError(Place(name), "t", f"{lengths}; as many of each are needed")
+    if len(time) < 2 or not np.isfinite(time).all() or (time[1:] <= time[:-1]).any():
+        raise LogError(Place(name), "t", "must be finite and strictly increasing, with two rows or more")
+    force = gain * voltage
     zero = np.zeros_like(time)
     wrench = np.column_stack([force, *[zero] * 5])
     return RunLog(
@@ -68,3 +63,39 @@ def read_emps(path: str | Path) -> RunLog:
         arms={ARM: ArmLog(np.zeros((len(time), 3)), wrench)},
         name=name,
     )
+
+
+def _variables(name: str) -> list[Array]:
+    """t, qm, vir and gtau, flat."""
+    data = _matlab_file(name)
+    for key in VARIABLES:
+        if key not in data:
+            raise LogError(Place(name), key, "this variable is missing; an EMPS file has t, qm, qg, vir and gtau")
+    found = []
+    for key in VARIABLES:
+        value = data[key]
+        if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
+            raise LogError(Place(name), key, "does not hold real numbers")
+        column = value.astype(float).ravel()
+        if np.isinf(column).any():
+            raise LogError(Place(name), key, "holds a number that is not finite")
+        found.append(column)
+    return found
+
+
+def _matlab_file(name: str) -> dict[str, Any]:
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        return dict(loadmat(name, variable_names=VARIABLES))
+    except OSError as error:
+        raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
+    except (MatReadError, ValueError, TypeError, LookupError, ArithmeticError, MemoryError) as error:
+        raise LogError(Place(name), "", _broken(error)) from error
+    except (NotImplementedError, AttributeError, zlib.error, struct.error) as error:
+        raise LogError(Place(name), "", _broken(error)) from error
+
+
+def _broken(error: Exception) -> str:
+    return f"can't be read as a MATLAB file of version 4 to 7.2: {error or type(error).__name__}"

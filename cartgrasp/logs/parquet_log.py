@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,18 +19,20 @@ def read_parquet(path: str | Path) -> RunLog:
     arrow, parquet = _libraries()
     name = str(path)
     try:
-        table = parquet.read_table(path)
+        table = parquet.ParquetFile(path).read()  # read_table would add columns for folders named `key=value`
     except (OSError, arrow.ArrowException) as error:
         raise LogError(Place(name), "", f"can't be read as Parquet: {str(error).splitlines()[0]}") from error
     header = [str(column) for column in table.column_names]
     check_columns(header, name)
     columns = []
     for column in header:
+        kind = table.schema.field(column).type
         try:
+            if not (arrow.types.is_floating(kind) or arrow.types.is_integer(kind) or arrow.types.is_null(kind)):
+                raise ValueError
             values = table.column(column).cast(arrow.float64()).to_numpy()
         except (arrow.ArrowException, ValueError) as error:
-            why = f"holds {table.schema.field(column).type}, not numbers"
-            raise LogError(Place(name), column, why) from error
+            raise LogError(Place(name), column, f"holds {kind}, not numbers") from error
         if np.isinf(values).any():
             row = int(np.flatnonzero(np.isinf(values))[0])
             raise LogError(Place(name, row + 1), column, "is not a finite number")
@@ -45,7 +48,7 @@ def write_parquet(log: RunLog, path: str | Path) -> Path:
     return write_atomically(path, stream.getvalue())
 
 
-def _libraries():  # type: ignore[no-untyped-def]
+def _libraries() -> tuple[Any, Any]:
     try:
         import pyarrow
         import pyarrow.parquet

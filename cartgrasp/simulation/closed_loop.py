@@ -47,7 +47,7 @@ class _Row:
 def run(loop: Loop, duration: float | None = None, progress: Callable[[float], None] | None = None) -> RunRecord:
     """Runs to the end of the reference; `progress` is told the share done."""
     duration = loop.reference.duration if duration is None else duration
-    n = int(round(duration / loop.period))
+    n = round(duration / loop.period)
     rows = []
     for k in range(n):
         rows.append(_tick(loop))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ..frames import Array
 from ..logs.run_log import RunLog
 from ..model import CartModel
@@ -26,7 +28,8 @@ class RunRecord:
 
     `log` holds what was measured; poses (n, 3) of {b} in {s} and speeds (n, n_free) are the truth and the
     reference; `wrenches` what each arm really gave, (n, 6) in {a}; `parameters` the estimates by contract name
-    (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `statuses` one word a plan; `identifiable` says at the end which the motion has taught.
+    (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `statuses` one word a
+    plan; `identifiable` says at the end which of them the motion has taught.
     """
 
     log: RunLog
@@ -49,4 +52,4 @@ class RunRecord:
     def tracking_error(self) -> Array:
         """Distance of {b}'s origin from the reference, (n,), m."""
         difference = self.pose[:, :2] - self.reference_pose[:, :2]
-        return (difference**2).sum(axis=1) ** 0.5
+        return np.asarray(np.hypot(difference[:, 0], difference[:, 1]))

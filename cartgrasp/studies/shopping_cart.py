@@ -30,10 +30,10 @@ FIRM = Gains(along=3.0, across=15.0, heading=6.0, velocity=8.0)
 
 def arms() -> tuple[Arm, ...]:
     """Two arms that hold the handle firmly, so that they can pull too; each may regrasp at three points."""
-    limits = {"force_limit": (80.0, 20.0, 30.0), "moment_limit": (10.0, 10.0, 10.0)}
+    force, moment = (80.0, 20.0, 30.0), (10.0, 10.0, 10.0)
     places = {"left": (0.15, 0.22, 0.08), "right": (-0.15, -0.22, -0.08)}
     return tuple(
-        Arm(name, contacts=[(-0.25, y, 1.0) for y in ys], **limits) for name, ys in places.items()
+        Arm(name, [(-0.25, y, 1.0) for y in ys], force_limit=force, moment_limit=moment) for name, ys in places.items()
     )
 
 
@@ -58,15 +58,14 @@ def first_guess(with_effects: bool = True) -> CartModel:
 
 
 def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:
-    """Forward through two curves and a stop, backward out of it (the casters swing round), forward again."""
+    """Forward, slower through two curves, and a stop; backward out of it (the casters swing round), forward again."""
+    faster, slower = Stretch(0.625, 0.4), Stretch(0.625, -0.4)
     forward = chain(
-        [Stretch(1.5, 0.4)],
-        pause(1.0),
-        turn(np.pi / 2, 0.4),
+        [Stretch(1.75, 0.4)],
         pause(0.5),
-        turn(-np.pi / 2, 0.4),
-        pause(0.5),
-        [Stretch(1.5, -0.4)],
+        *([slower], turn(np.pi / 2, 0.4), [faster], pause(0.3)),
+        *([slower], turn(-np.pi / 2, 0.4), [faster], pause(0.3)),
+        [Stretch(1.75, -0.4)],
         pause(0.5),
     )
     if quick:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -82,6 +83,6 @@ def _gains(curve: Sequence[tuple[float, float]]) -> Figure:
     return figure
 
 
-def _style(i: int) -> dict[str, str]:
+def _style(i: int) -> dict[str, Any]:
     colours = [c for c in OKABE_ITO if c.upper() not in ("#F0E442",)]
     return {"color": colours[i % len(colours)], "linestyle": LINES[i // len(colours) % len(LINES)]}

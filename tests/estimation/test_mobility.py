@@ -1,0 +1,66 @@
+"""Mobility coordinates: a chart of phi, in which the reduced acceleration is linear."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.inertia import phi_from_physical
+from cartgrasp.model import CartModel, Inertia
+from estimation.mobility import build_chart
+
+CONSTRAINTS = {
+    "casters": RollingConstraints(axle_x=None),
+    "axle": RollingConstraints(0.0),
+    "axle off the origin": RollingConstraints(0.4),
+    "rail": RollingConstraints(0.0, no_rotation=True),
+}
+finite = {"allow_nan": False, "allow_infinity": False}
+inertias = st.tuples(
+    st.floats(5, 100, **finite),
+    st.floats(-0.6, 0.6, **finite),
+    st.floats(-0.4, 0.4, **finite),
+    st.floats(0.3, 20, **finite),
+)
+
+
+@pytest.mark.parametrize("kind", CONSTRAINTS)
+@given(values=inertias)
+def test_there_and_back(kind, values):
+    chart, phi = build_chart(CONSTRAINTS[kind]), phi_from_physical(*values)
+    np.testing.assert_allclose(chart.phi(chart.coordinates(phi)), phi, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", CONSTRAINTS)
+@given(values=inertias)
+def test_jacobian_against_differences(kind, values):
+    chart = build_chart(CONSTRAINTS[kind])
+    at = chart.coordinates(phi_from_physical(*values))
+    steps = 1e-6 * np.maximum(np.abs(at), 1e-3)
+    columns = [(chart.phi(at + h) - chart.phi(at - h)) / (2 * h.max()) for h in np.diag(steps)]
+    expected = np.stack(columns, axis=-1)
+    scale = np.abs(expected).max(axis=0) + 1e-12
+    np.testing.assert_allclose(chart.jacobian(at) / scale, expected / scale, atol=2e-5)
+
+
+@pytest.mark.parametrize("kind", CONSTRAINTS)
+def test_bounds_hold_the_first_guess(kind):
+    chart, phi = build_chart(CONSTRAINTS[kind]), phi_from_physical(20.0, 0.3, 0.05, 2.0)
+    low, high = chart.bounds(120.0, 2.0, 30.0, 0.1)
+    at = chart.coordinates(phi)
+    assert ((low <= at) & (at <= high)).all()
+
+
+@given(values=inertias, push=st.tuples(st.floats(-40, 40, **finite), st.floats(-20, 20, **finite)))
+def test_acceleration_is_linear_in_the_coordinates(values, push):
+    """From rest, u' = a tau_u + b tau_r and r' = b tau_u + c tau_r; with a yaw rate, r' also has -g u r."""
+    mass, x, y, about = values
+    cart = CartModel(Inertia(mass, (x, y), about))
+    a, b, c, g = build_chart(cart.constraints).coordinates(cart.inertia.phi)
+    wrench = np.array([push[0], 0.0, push[1]])
+    rate = cart.state_rate(cart.state(), wrench)[3:5]
+    np.testing.assert_allclose(rate, [a * push[0] + b * push[1], b * push[0] + c * push[1]], rtol=1e-9, atol=1e-9)
+    turning = cart.state_rate(cart.state(velocity=[0.7, 0.01]), np.zeros(3))[4]
+    small = cart.state_rate(cart.state(velocity=[0.7, 0.0]), np.zeros(3))[4]
+    assert turning - small == pytest.approx(-g * 0.7 * 0.01 + b * x * mass * 0.01**2, rel=1e-9, abs=1e-12)
