@@ -30,6 +30,7 @@ from .yaml_file import (
 )
 
 Location = Sequence[str | int]
+FARTHEST_AXLE = 1e6
 
 
 class _WheelEntry(StrictModel):
@@ -71,6 +72,11 @@ def cart_from_document(document: CommentedMap, name: str, prefix: Location = ())
     if entry.inertia <= 0:
         why = f"{entry.inertia:g} kg m² about the CoM is not positive, so J m > |m d|² fails"
         raise refuse(["inertia"], why)
+    x, y = entry.mass * entry.com[0], entry.mass * entry.com[1]
+    product = entry.mass * entry.inertia + (x * x + y * y)
+    if not x * x + y * y < product < math.inf:
+        why = f"so far off that beside it {entry.inertia:g} kg m² is rounded away, and J m > |m d|² fails"
+        raise refuse(["com"], why)
     if entry.com_height is not None and entry.com_height < 0:
         raise refuse(["com_height"], f"{entry.com_height:g} m is below the floor")
     return CartModel(
@@ -121,6 +127,8 @@ def _constraints(entries: list[dict[str, Any]], refuse: Any) -> RollingConstrain
         if axle_x is not None:
             raise refuse(where, "stands twice; two axles at different x are a rail: use `no_rotation: {}`")
         axle_x = _number(values.get("x", 0.0), [*where, "x"], refuse)
+        if abs(axle_x) > FARTHEST_AXLE:
+            raise refuse([*where, "x"], f"{axle_x:g} m is beyond {FARTHEST_AXLE:g} m")
     if no_rotation and axle_x is None:
         raise refuse(["constraints"], "no_rotation needs no_lateral_slip beside it (a rail has both)")
     return RollingConstraints(axle_x, no_rotation)
@@ -199,7 +207,7 @@ def _entries(cart: CartModel) -> dict[str, Any]:
     }
     if cart.com_height is not None:
         entries["com_height"] = float(cart.com_height)
-    constraints: list[dict[str, Any]] = Field(default_factory=list)
+    constraints: list[dict[str, Any]] = []
     if cart.constraints.axle_x is not None:
         constraints.append({"no_lateral_slip": {"x": float(cart.constraints.axle_x)}})
     if cart.constraints.no_rotation:

@@ -55,9 +55,7 @@ class AllocationTemplate:
                 raise UsageError(f"arms: {name} stands twice; names must differ")
         basis_b = cart.constraints.basis_b
         if np.any(basis_b[2, :-1]):
-            raise UsageError(
-                "constraints: only the last free velocity may turn the cart; choose another basis"
-            )
+            raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         return cls(arms, basis_b, _side_by_side(arms), objective or WeightedWrench())
 
     # --- structure ----------------------------------------------------------------------------------------
@@ -177,9 +175,7 @@ class AllocationTemplate:
 
 def in_words(direction: Array) -> str:
     """A combination of (fx, fy, tau), as `fx` or `tau - 0.3 fy`."""
-    parts = sorted(
-        zip(direction, PLANAR_NAMES, strict=True), key=lambda part: part[1] != "tau" or part[0] < 0
-    )
+    parts = sorted(zip(direction, PLANAR_NAMES, strict=True), key=lambda part: part[1] != "tau" or part[0] < 0)
     text = ""
     for factor, name in parts:
         if abs(factor) > 1e-9:

@@ -33,10 +33,13 @@ class Candidates:
     """
 
     vertices: Array
-    options: Array
+    options: np.ndarray
     starts: tuple[int, ...]
-    arm_of_vertex: Array
+    arm_of_vertex: np.ndarray
     distance: float
+
+    def __post_init__(self) -> None:
+        self.vertices.setflags(write=False)  # plans show them
 
     @classmethod
     def of(cls, contact_sets: Sequence[ContactSet], distance: float = 0.0) -> Self:

@@ -34,17 +34,13 @@ def read_wrench(wrench: Any) -> Array:
     return np.array(_read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH))
 
 
-def read_contacts(
-    contacts: Mapping[str, Any], names: Sequence[str]
-) -> dict[str, tuple[float, float, float]]:
+def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[float, float, float]]:
     """Contacts in {b} of some or all arms, as numbers, which compare fast."""
     if not isinstance(contacts, Mapping):
         raise RefusedError(INVALID_INPUT, "contacts: a mapping from arm to (x, y, z) is needed")
     for name in contacts:
         if name not in names:
-            raise RefusedError(
-                INVALID_INPUT, f"contacts: there is no arm {name!r}; there are {', '.join(names)}"
-            )
+            raise RefusedError(INVALID_INPUT, f"contacts: there is no arm {name!r}; there are {', '.join(names)}")
     return {
         name: _read(point, f"contacts: {name}", "(x, y, z) in {b}", LARGEST_POSITION)
         for name, point in contacts.items()
@@ -72,7 +68,5 @@ def _read(value: Any, what: str, form: str, largest: float) -> tuple[float, floa
         raise RefusedError(INVALID_INPUT, f"{what}: shape {numbers.shape} instead of three numbers {form}")
     a, b, c = numbers.tolist()
     if not (abs(a) <= largest and abs(b) <= largest and abs(c) <= largest):
-        raise RefusedError(
-            INVALID_INPUT, f"{what}: {[a, b, c]} is not finite, or beyond {largest:g}; {form} is needed"
-        )
+        raise RefusedError(INVALID_INPUT, f"{what}: {[a, b, c]} is not finite, or beyond {largest:g}; {form} is needed")
     return a, b, c

@@ -165,9 +165,7 @@ class WrenchPlanner:
 
     def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:
         if not choice.complete:
-            message = (
-                f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
-            )
+            message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
             return self._refusal(TIMEOUT, message, start)
         if np.isfinite(choice.bound):
             return self._refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
@@ -175,9 +173,7 @@ class WrenchPlanner:
         if nearest.contacts is None and nearest.complete and not np.isfinite(nearest.bound):
             return self._too_near(candidates, start)
         if nearest.contacts is None:
-            return self._refusal(
-                NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start
-            )
+            return self._refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
         program = self._program_at(nearest.contacts, question.target)
         proof = ChoiceProof(np.inf, np.inf, choice.solved + nearest.solved + 1)
         plan = self._concluded(nearest.contacts, program, self._solver.solve(program), proof, start)

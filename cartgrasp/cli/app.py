@@ -122,7 +122,7 @@ def _usage(error: TyperException) -> str:
     """What typer says, and where help is."""
     context = getattr(error, "ctx", None)
     command = "cartgrasp" if context is None else context.command_path
-    why = " ".join(str(error).split()).rstrip(".") or "a command is missing"
+    why = " ".join(error.format_message().split()).rstrip(".") or "a command is missing"
     return f"{why}; see `{command} --help`"
 
 

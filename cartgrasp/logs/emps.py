@@ -7,6 +7,7 @@ The MATLAB file holds t (s), qm (m, measured), qg (m, reference), vir (V, drive 
 from __future__ import annotations
 
 import struct
+import warnings
 import zlib
 from pathlib import Path
 from typing import Any
@@ -88,12 +89,14 @@ def _matlab_file(name: str) -> dict[str, Any]:
     from scipy.io.matlab import MatReadError
 
     try:
-        return dict(loadmat(name, variable_names=VARIABLES))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # what may be corrupt is refused
+            return dict(loadmat(name, variable_names=VARIABLES))
     except OSError as error:
         raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
     except (MatReadError, ValueError, TypeError, LookupError, ArithmeticError, MemoryError) as error:
         raise LogError(Place(name), "", _broken(error)) from error
-    except (NotImplementedError, AttributeError, zlib.error, struct.error) as error:
+    except (Warning, NotImplementedError, AttributeError, zlib.error, struct.error) as error:
         raise LogError(Place(name), "", _broken(error)) from error
 
 

@@ -22,7 +22,7 @@ from ..roles import ContactSource, Estimator, Plant
 from ..simulation.closed_loop import Loop, run
 from ..simulation.plant import ModelPlant
 from ..simulation.record import RunRecord
-from ..simulation.sensors import Sensors, SensorNoise
+from ..simulation.sensors import SensorNoise, Sensors
 
 LEARNING, FIRST_GUESS, PAPER = "learning", "first guess kept", "paper's literal filter"
 MODEL_PLANT, MUJOCO_PLANT = "model", "mujoco"

@@ -59,19 +59,19 @@ def first_guess(with_effects: bool = True) -> CartModel:
 
 def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:
     """Forward, slower through two curves, and a stop; backward out of it (the casters swing round), forward again."""
-    faster, slower = Stretch(0.625, 0.4), Stretch(0.625, -0.4)
+    faster, slower = Stretch(0.5, 0.4), Stretch(0.5, -0.4)
     forward = chain(
-        [Stretch(1.75, 0.4)],
+        [Stretch(2.0, 0.4)],
         pause(0.5),
-        *([slower], turn(np.pi / 2, 0.4), [faster], pause(0.3)),
-        *([slower], turn(-np.pi / 2, 0.4), [faster], pause(0.3)),
-        [Stretch(1.75, -0.4)],
+        *([slower], turn(np.pi / 2, 0.5, 0.8), [faster], pause(0.5)),
+        *([slower], turn(-np.pi / 2, 0.5, 0.8), [faster], pause(0.5)),
+        [Stretch(2.0, -0.4)],
         pause(0.5),
     )
     if quick:
         return forward
-    backward = chain([Stretch(1.25, -0.4)], pause(0.5), turn(0.5, 0.3), pause(1.0), [Stretch(1.25, 0.4)], pause(0.5))
-    again = chain([Stretch(1.5, 0.4)], pause(0.5), turn(-np.pi / 3, 0.4), pause(1.0), [Stretch(1.5, -0.4)], pause(0.5))
+    backward = chain([Stretch(1.25, -0.4)], pause(0.5), turn(0.6, 0.4, 0.8), pause(1.0), [Stretch(1.25, 0.4)], pause(0.5))
+    again = chain([Stretch(1.5, 0.4)], pause(0.5), turn(-np.pi / 3, 0.5, 0.8), pause(1.0), [Stretch(1.5, -0.4)], pause(0.5))
     return chain(forward, backward, again, straight(-0.8, 0.4, 0.4), pause(0.5))
 
 

@@ -25,7 +25,7 @@ TORQUE = 0.3
 INERTIA = Inertia(24.0, (0.3, 0.0), 2.0)
 
 
-def one_caster(x=0.72, y=0.0, trail=TRAIL, constraints=RollingConstraints(None)):  # noqa: B008 - frozen
+def one_caster(x=0.72, y=0.0, trail=TRAIL, constraints=RollingConstraints(None)):
     wheels = (Wheel("fixed", 0.0, 0.0), Wheel("caster", x, y, trail))
     return CartModel(INERTIA, constraints, (CasterRealignment(TORQUE),), wheels)
 

@@ -5,13 +5,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from cartgrasp.contacts import ContactWrenches
-from cartgrasp.effects import CasterRealignment, ForceBias, RollingResistance, ViscousDrag
+from cartgrasp.effects import ForceBias, RollingResistance, ViscousDrag
 from cartgrasp.errors import PlantError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import Sensors, SensorNoise
+from cartgrasp.simulation.sensors import SensorNoise, Sensors
 from cartgrasp.studies.shopping_cart import WHEELS, loaded_cart
 
 CART = CartModel(Inertia(24.0, (0.3, 0.05), 2.0), effects=(ViscousDrag(linear=3.0, angular=1.0),), wheels=WHEELS)

@@ -1,0 +1,48 @@
+"""`python -m benchmarks [--quick] [--out FILE] [NAME ...]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+from . import allocation, contact_choice, filter_step, plants, start_up
+from .report import document
+
+BENCHMARKS = {
+    "allocation": (allocation.run, 200),
+    "contact_choice": (contact_choice.run, 100),
+    "filter_step": (filter_step.run, 200),
+    "plants": (plants.run, 20),
+    "start_up": (start_up.run, 20),
+}
+QUICK = 3
+PEERS = ("quadprog", "piqp", "proxsuite", "filterpy")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser("python -m benchmarks", description="Speed beside other programs.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHMARKS)}; all by default")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK} rounds each: only to see that all run")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write markdown there instead of printing it")
+    options = parser.parse_args()
+    unknown = [name for name in options.names if name not in BENCHMARKS]
+    if unknown:
+        parser.error(f"no benchmark {unknown[0]!r}; there are {', '.join(BENCHMARKS)}")
+    results = []
+    for name in options.names or BENCHMARKS:
+        run, rounds = BENCHMARKS[name]
+        print(f"{name} ...", file=sys.stderr)
+        results.append(run(QUICK if options.quick else rounds))
+    missing = [name for name in PEERS if find_spec(name) is None]
+    text = document(results, f"python -m benchmarks {' '.join(sys.argv[1:])}".strip(), missing)
+    if options.out is None:
+        print(text)
+    else:
+        options.out.parent.mkdir(parents=True, exist_ok=True)
+        options.out.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""`WrenchPlanner.plan` at given contacts, beside other solvers on the same programs."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import linprog
+
+from cartgrasp import Arm, CartModel, Inertia
+from cartgrasp.arms import Friction
+from cartgrasp.frames import Array
+from planning import WrenchPlanner, build_allocation
+
+from .measuring import interleave
+from .peers import PEERS, Blocks
+from .report import Result, Table, timed_table
+
+ARMS = (1, 2, 4)
+KINDS = 40
+BURST = 10
+OURS = "WrenchPlanner.plan"
+RIGHT = 1e-6
+NOTE = f"""6 unknowns an arm, 2 equalities, boxes, a friction pyramid of 4 sides an arm. Wrenches are drawn at 70 to
+99 % of the most that the arms can give in a random direction. Ours reads, checks, assembles, solves (daqp) and verifies
+all KKT residuals; peers get arrays that are ready, and update and solve only (Clarabel is built anew where contacts are
+new). `right` counts answers to {KINDS} programs that differ from ours by at most {RIGHT:g} of the largest component, at
+a peer's default tolerances (piqp and proxqp 1e-9); the pseudo-inverse is right where no limit binds."""
+
+
+def run(rounds: int) -> Result:
+    tables = []
+    for n in ARMS:
+        for fixed in (True, False):
+            tables.append(_compare(n, fixed, rounds))
+    return Result("Allocation at given contacts", NOTE, tuple(tables))
+
+
+def _compare(n: int, fixed: bool, rounds: int) -> Table:
+    random = np.random.default_rng(n)
+    cart, arms = CartModel(Inertia(24.0, (0.3, 0.0), 2.0)), _arms(n)
+    home = np.array([arm.contacts.first for arm in arms])
+    shift = random.uniform((0, -0.04, 0), (0, 0.04, 0), (KINDS, n, 3)) * (not fixed)
+    places = [dict(zip((arm.name for arm in arms), home + s, strict=True)) for s in shift]
+    wrenches = [_feasible_wrench(cart, arms, place, random) for place in places]
+    programs = [build_allocation(cart, arms, p, w) for p, w in zip(places, wrenches, strict=True)]
+    planner = WrenchPlanner(cart, arms)
+    planner.warm_up()
+    plans = [planner.plan(w, p) for w, p in zip(wrenches, places, strict=True)]
+    exact = [np.concatenate(list(plan.wrenches.values())) for plan in plans]
+    solvers = {peer.name: peer.build(programs, fixed) for peer in PEERS if peer.installed}
+    right = {name: _right([solve(k) for k in range(KINDS)], exact) for name, solve in solvers.items()}
+    competitors = {OURS: lambda k: planner.plan(wrenches[k % KINDS], None if fixed else places[k % KINDS])}
+    if fixed:
+        told = WrenchPlanner(cart, arms)
+        competitors["the same, told the same contacts"] = lambda k: told.plan(wrenches[k % KINDS], places[k % KINDS])
+    for name, solve in solvers.items():
+        competitors[name] = lambda k, solve=solve: solve(k % KINDS)
+    title = f"{n} {'arm' if n == 1 else 'arms'}, {'only the wrench new' if fixed else 'wrench and contacts new'}"
+    return timed_table(title, interleave(competitors, rounds, BURST), OURS, "µs", {"right": right})
+
+
+def _arms(n: int) -> list[Arm]:
+    limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0), "friction": Friction(0.6, 4)}
+    return [Arm(f"arm{i}", [(-0.25, y, 1.0)], **limits) for i, y in enumerate(np.linspace(-0.2, 0.2, n + 2)[1:-1])]
+
+
+def _feasible_wrench(
+    cart: CartModel, arms: list[Arm], contacts: dict[str, Array], random: np.random.Generator
+) -> Array:
+    """(fx, 0, tau) at 70 to 99 % of the most in a random direction, which HiGHS finds: max t, A x = t b."""
+    direction = np.array([1.0, 0.0, random.uniform(-0.5, 0.5)])
+    block = Blocks.of(build_allocation(cart, arms, contacts, direction))
+    A = np.column_stack([block.A, -block.b])
+    G = np.column_stack([block.G, np.zeros(len(block.h))])
+    bounds = [*zip(block.lb, block.ub, strict=True), (0.0, None)]
+    cost = np.append(np.zeros(len(block.q)), -1.0)
+    most = linprog(cost, G, block.h, A, np.zeros(len(block.b)), bounds=bounds).x[-1]
+    return random.uniform(0.7, 0.99) * most * direction
+
+
+def _right(found: list[Array], exact: list[Array]) -> str:
+    pairs = zip(found, exact, strict=True)
+    near = sum(bool(np.abs(x - e).max() <= RIGHT * max(1.0, np.abs(e).max())) for x, e in pairs)
+    return f"{near} of {len(exact)}"

@@ -1,0 +1,100 @@
+"""Good files for the commands, and how their answers are read."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+from cartgrasp.cli import main
+
+ROOT = Path(__file__).parents[2]
+CART = """\
+name: shopping cart
+mass: 24.0                # kg, loaded
+com: [0.30, 0.00]
+inertia: 2.0
+com_height: 0.45
+constraints:
+  - no_lateral_slip: {x: 0.0}
+wheels:
+  - {kind: fixed,  x: 0.00, y:  0.27}
+  - {kind: fixed,  x: 0.00, y: -0.27}
+  - {kind: caster, x: 0.72, y:  0.20, trail: 0.045}
+  - {kind: caster, x: 0.72, y: -0.20, trail: 0.045}
+effects:
+  viscous_drag: {linear: 3.0, angular: 1.2}
+"""
+RAIL = CART.replace("{x: 0.0}\n", "{x: 0.0}\n  - no_rotation: {}\n")
+CASTERS_ALONE = CART.replace("constraints:\n  - no_lateral_slip: {x: 0.0}\n", "constraints: []\n").replace(
+    "fixed, ", "caster,"
+)
+PROBLEM = """\
+cart: cart.yaml
+wrench: [40.0, 0.0, 3.0]
+arms:
+  - name: left
+    contacts: [[-0.25, 0.20, 1.0]]
+    yaw: 0.0
+    limits: {force: [60, 60, 40], moment: [8, 8, 6]}
+    friction: {mu: 0.6, sides: 4}
+    weights: [1, 1, 1, 10, 10, 10]
+  - name: right
+    contacts: [[-0.25, -0.20, 1.0], [-0.25, -0.10, 1.0]]
+    limits: {force: [60, 60, 40], moment: [8, 8, 6]}
+    friction: {mu: 0.6, sides: 4}
+min_hand_distance: 0.1
+"""
+
+
+class Answer(NamedTuple):
+    status: int
+    out: str
+    err: str
+
+    @property
+    def json(self):
+        """The one document on stdout; NaN and Infinity are refused, as JSON does."""
+        assert self.out.count("\n") == 1
+        assert self.out.endswith("\n")
+
+        def refuse(word):
+            raise AssertionError(f"{word} is not JSON")
+
+        return json.loads(self.out, parse_constant=refuse)
+
+    def refused(self, status, *parts):
+        """One line on stderr that says each of `parts`, and nothing on stdout."""
+        assert self.status == status, self
+        assert self.out == ""
+        assert len(self.err.splitlines()) == 1, self.err
+        assert self.err.startswith("cartgrasp: ")
+        assert self.err.isprintable() or self.err[:-1].isprintable()
+        for part in parts:
+            assert str(part) in self.err
+        return self.err
+
+
+def run(capsys, *arguments):
+    capsys.readouterr()
+    status = main([str(a) for a in arguments])
+    captured = capsys.readouterr()
+    return Answer(status, captured.out, captured.err)
+
+
+def run_apart(*arguments, **environment):
+    """In a process of its own, as a script would."""
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "PYTHONWARNINGS": "error", **environment}
+    command = [sys.executable, "-m", "cartgrasp", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", env=env, timeout=60)
+    return Answer(done.returncode, done.stdout, done.stderr)
+
+
+def problem_file(folder, problem=PROBLEM, cart=CART):
+    (folder / "cart.yaml").write_text(cart, encoding="utf-8")
+    path = folder / "problem.yaml"
+    path.write_text(problem, encoding="utf-8")
+    return path
