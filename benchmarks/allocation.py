@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.optimize import linprog
 
-from cartgrasp import Arm, CartModel, Inertia
-from cartgrasp.arms import Friction
+from cartgrasp import Arm, CartModel
 from cartgrasp.frames import Array
 from planning import WrenchPlanner, build_allocation
 
-from .measuring import interleave
-from .peers import PEERS, Blocks
+from .measuring import Competitor, interleave
+from .peers import PEERS, Blocks, Solve
 from .report import Result, Table, timed_table
+from .scene import CART, hand
 
 ARMS = (1, 2, 4)
 KINDS = 40
@@ -36,7 +38,7 @@ def run(rounds: int) -> Result:
 
 def _compare(n: int, fixed: bool, rounds: int) -> Table:
     random = np.random.default_rng(n)
-    cart, arms = CartModel(Inertia(24.0, (0.3, 0.0), 2.0)), _arms(n)
+    cart, arms = CART, _arms(n)
     home = np.array([arm.contacts.first for arm in arms])
     shift = random.uniform((0, -0.04, 0), (0, 0.04, 0), (KINDS, n, 3)) * (not fixed)
     places = [dict(zip((arm.name for arm in arms), home + s, strict=True)) for s in shift]
@@ -48,19 +50,20 @@ def _compare(n: int, fixed: bool, rounds: int) -> Table:
     exact = [np.concatenate(list(plan.wrenches.values())) for plan in plans]
     solvers = {peer.name: peer.build(programs, fixed) for peer in PEERS if peer.installed}
     right = {name: _right([solve(k) for k in range(KINDS)], exact) for name, solve in solvers.items()}
-    competitors = {OURS: lambda k: planner.plan(wrenches[k % KINDS], None if fixed else places[k % KINDS])}
+    competitors: dict[str, Competitor] = {
+        OURS: lambda k: planner.plan(wrenches[k % KINDS], None if fixed else places[k % KINDS])
+    }
     if fixed:
         told = WrenchPlanner(cart, arms)
         competitors["the same, told the same contacts"] = lambda k: told.plan(wrenches[k % KINDS], places[k % KINDS])
     for name, solve in solvers.items():
-        competitors[name] = lambda k, solve=solve: solve(k % KINDS)
+        competitors[name] = _cycling(solve)
     title = f"{n} {'arm' if n == 1 else 'arms'}, {'only the wrench new' if fixed else 'wrench and contacts new'}"
     return timed_table(title, interleave(competitors, rounds, BURST), OURS, "µs", {"right": right})
 
 
 def _arms(n: int) -> list[Arm]:
-    limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0), "friction": Friction(0.6, 4)}
-    return [Arm(f"arm{i}", [(-0.25, y, 1.0)], **limits) for i, y in enumerate(np.linspace(-0.2, 0.2, n + 2)[1:-1])]
+    return [hand(f"arm{i}", [(-0.25, y, 1.0)]) for i, y in enumerate(np.linspace(-0.2, 0.2, n + 2)[1:-1])]
 
 
 def _feasible_wrench(
@@ -73,8 +76,12 @@ def _feasible_wrench(
     G = np.column_stack([block.G, np.zeros(len(block.h))])
     bounds = [*zip(block.lb, block.ub, strict=True), (0.0, None)]
     cost = np.append(np.zeros(len(block.q)), -1.0)
-    most = linprog(cost, G, block.h, A, np.zeros(len(block.b)), bounds=bounds).x[-1]
-    return random.uniform(0.7, 0.99) * most * direction
+    found: Any = linprog(cost, G, block.h, A, np.zeros(len(block.b)), bounds=bounds)
+    return float(found.x[-1]) * random.uniform(0.7, 0.99) * direction
+
+
+def _cycling(solve: Solve) -> Competitor:
+    return lambda k: solve(k % KINDS)
 
 
 def _right(found: list[Array], exact: list[Array]) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
-from cartgrasp import Arm, CartModel, Inertia
-from cartgrasp.arms import Friction
+from cartgrasp import Arm, CartModel
 from cartgrasp.frames import Array
 from planning import WrenchPlanner
 from planning.allocation_template import AllocationTemplate
@@ -16,6 +16,7 @@ from planning.allocation_template import AllocationTemplate
 from .measuring import Run, interleave
 from .peers import bare_daqp
 from .report import Result, Table, number, timed_table
+from .scene import CART, hand
 
 POINTS = 64
 KINDS = 20
@@ -51,12 +52,11 @@ def run(rounds: int) -> Result:
 
 
 def _compare(scene: Scene, rounds: int) -> Table:
-    cart = CartModel(Inertia(24.0, (0.3, 0.0), 2.0))
     apart = APART if len(scene.arms) > 1 else 0.0
-    planner = WrenchPlanner(cart, scene.arms, min_hand_distance=apart)
+    planner = WrenchPlanner(CART, scene.arms, min_hand_distance=apart)
     planner.warm_up()
     plans = [planner.plan(wrench) for wrench in scene.wrenches]
-    every = _every_program(cart, scene.arms)
+    every = _every_program(CART, scene.arms)
     tried = min(rounds, BRUTE_ROUNDS[len(scene.arms)])
     brute = [every(scene.wrenches[k % KINDS]) for k in range(tried)]
     worse = max((b / plan.effort - 1 for b, plan in zip(brute, plans, strict=False) if plan.effort), default=np.nan)
@@ -72,7 +72,7 @@ def _compare(scene: Scene, rounds: int) -> Table:
     return timed_table(f"{scene.name} ({found} of {KINDS} wrenches feasible)", run, OURS, "ms", extra)
 
 
-def _every_program(cart: CartModel, arms: tuple[Arm, ...]):
+def _every_program(cart: CartModel, arms: tuple[Arm, ...]) -> Callable[[Array], float]:
     """A function from a wrench to the least effort over all choices of points that keep apart."""
     template = AllocationTemplate.of(cart, arms)
     line = np.column_stack([np.full(POINTS, -0.25), np.linspace(*SPAN, POINTS), np.ones(POINTS)])
@@ -100,7 +100,6 @@ def _keep(points: Array) -> bool:
 
 
 def _arm(name: str, segment: bool) -> Arm:
-    limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0), "friction": Friction(0.6, 4)}
     if segment:
-        return Arm(name, segment=[(-0.25, y, 1.0) for y in SPAN], **limits)
-    return Arm(name, [(-0.25, y, 1.0) for y in np.linspace(*SPAN, POINTS)], **limits)
+        return hand(name, segment=[(-0.25, y, 1.0) for y in SPAN])
+    return hand(name, [(-0.25, y, 1.0) for y in np.linspace(*SPAN, POINTS)])

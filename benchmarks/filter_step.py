@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 
 import numpy as np
 
 from cartgrasp import CartModel, ContactWrenches, Measurement
 from cartgrasp.effects import ViscousDrag
+from cartgrasp.roles import Estimator
 from cartgrasp.simulation.plant import ModelPlant
 from cartgrasp.simulation.sensors import Sensors
 from cartgrasp.studies.shopping_cart import NOISE, SENSORS, first_guess, loaded_cart
@@ -21,6 +23,7 @@ LENGTH = 200  # measurements; then a new filter begins
 BURST = 5
 POINT = np.array([-0.25, 0.1, 1.0])
 OURS = "CartFilter, viscous_drag"
+FILTERPY = "filterpy EKF, algebra alone"
 NOTE = """Each measurement holds pose, velocity and one arm's wrench, of a loaded shopping cart that is pushed round
 curves. filterpy's EKF gets a fixed transition, no model, and the same three updates, so its row is the price of
 its algebra alone, for the state of `CartFilter, viscous_drag`."""
@@ -29,41 +32,37 @@ its algebra alone, for the state of `CartFilter, viscous_drag`."""
 def run(rounds: int) -> Result:
     log = _log()
     simple = _only_drag(first_guess())
-    filters = {
+    with_effects = "CartFilter, and rolling_resistance, caster_realignment"
+    makes: dict[str, Callable[[], Estimator]] = {
         OURS: lambda: CartFilter(simple, noise=NOISE),
-        "CartFilter, and rolling_resistance, caster_realignment": lambda: CartFilter(first_guess(), noise=NOISE),
+        with_effects: lambda: CartFilter(first_guess(), noise=NOISE),
         "PaperFilter": lambda: PaperFilter(simple, noise=NOISE),
     }
-    competitors = {name: _stepping(make, log) for name, make in filters.items()}
-    sizes = {name: {"states": str(len(_started(make, log)))} for name, make in list(filters.items())[:2]}
-    sizes["PaperFilter"] = {"states": "10"}
+    competitors = {name: _stepping(make, log) for name, make in makes.items()}
+    n = _size(CartFilter(simple, noise=NOISE), log)
+    states = {OURS: n, with_effects: _size(CartFilter(first_guess(), noise=NOISE), log), "PaperFilter": 10}
     if find_spec("filterpy") is not None:
-        n = int(sizes[OURS]["states"])
-        sizes["filterpy EKF, algebra alone"] = {"states": str(n)}
-        competitors["filterpy EKF, algebra alone"] = _filterpy(n)
-    states = {name: size["states"] for name, size in sizes.items()}
-    table = timed_table("A step", interleave(competitors, rounds, BURST), OURS, "µs", {"states": states})
+        competitors[FILTERPY], states[FILTERPY] = _filterpy(n), n
+    columns = {"states": {name: str(size) for name, size in states.items()}}
+    table = timed_table("A step", interleave(competitors, rounds, BURST), OURS, "µs", columns)
     return Result("Filter step", NOTE, (table,))
 
 
-def _stepping(make, log: list[Measurement]) -> Competitor:
-    """Walks through the log, call by call; a filter begins with its first measurement."""
-    state = {"k": 0, "filter": None}
+def _stepping(make: Callable[[], Estimator], log: list[Measurement]) -> Competitor:
+    """Walks through the log, call by call; at its end a new filter begins."""
 
-    def step(_: int) -> object:
-        k = state["k"] % len(log)
-        if k == 0:
-            state["filter"] = make()
-        state["k"] += 1
-        return state["filter"].update(log[k])
+    def steps() -> Iterator[object]:
+        while True:
+            online = make()
+            yield from (online.update(measurement) for measurement in log)
 
-    return step
+    walk = steps()
+    return lambda _: next(walk)
 
 
-def _started(make, log: list[Measurement]):
-    online = make()
+def _size(online: CartFilter, log: list[Measurement]) -> int:
     online.update(log[0])
-    return online.belief.mean
+    return len(online.belief.mean)
 
 
 def _only_drag(cart: CartModel) -> CartModel:
@@ -88,7 +87,7 @@ def _log() -> list[Measurement]:
 
 
 def _filterpy(n: int) -> Competitor:
-    from filterpy.kalman import ExtendedKalmanFilter
+    from filterpy.kalman import ExtendedKalmanFilter  # type: ignore[import-not-found]
 
     online = ExtendedKalmanFilter(dim_x=n, dim_z=3)
     online.Q *= 1e-3

@@ -47,12 +47,10 @@ class Run:
 
 def interleave(competitors: Mapping[str, Competitor], rounds: int, burst: int = 1) -> Run:
     """In each round every competitor is called `burst` times in a row, with the number of the call; each round has its
-    own order, so that nobody always profits from the same one before. First each is called once, with -1."""
+    own order, so that nobody always profits from the same one before. The first call of a turn is `cold`."""
     names, random = list(competitors), np.random.default_rng(0)
     found: dict[str, list[list[float]]] = {name: [] for name in names}
     begin = os.getloadavg()[0]
-    for name in names:
-        competitors[name](-1)
     gc.collect()
     for k in range(rounds):
         for name in random.permutation(names).tolist():

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -67,7 +68,7 @@ def bare_daqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
     def solve(k: int) -> Array:
         program = programs[k]
         model.update(H=None, f=None, A=None if fixed else program.rows, bupper=program.upper, blower=program.lower)
-        return model.solve()[0]
+        return np.asarray(model.solve()[0])
 
     return solve
 
@@ -141,7 +142,7 @@ def with_osqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
     pattern = np.vstack([np.eye(first.n), np.where(_ever(programs), 1.0, 0.0)]).T.astype(bool)
 
     def values(program: QuadraticProgram) -> Array:
-        return np.vstack([np.eye(program.n), program.rows]).T[pattern]
+        return np.asarray(np.vstack([np.eye(program.n), program.rows]).T[pattern])
 
     matrix = sparse.csc_matrix(pattern.T.astype(float))
     matrix.data[:] = values(first)
@@ -185,13 +186,20 @@ def with_clarabel(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
 
 
 def with_qpsolvers(solver: str) -> Build:
+    """Sparse solvers get all bounds as rows: qpsolvers takes 1 ms to stack them otherwise."""
+
     def build(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
         import qpsolvers
 
-        matrix = sparse.csc_matrix if solver == "clarabel" else np.asarray
-        blocks = [Blocks.of(program) for program in programs]
-        problems = [(matrix(b.P), b.q, matrix(b.G), b.h, matrix(b.A), b.b, b.lb, b.ub) for b in blocks]
-        return lambda k: qpsolvers.solve_qp(*problems[k], solver=solver)
+        problems: list[tuple[Any, ...]] = []
+        for b in map(Blocks.of, programs):
+            if solver == "clarabel":
+                (G, h), matrix = b.one_sided, sparse.csc_matrix
+                problems.append((matrix(b.P), b.q, matrix(G), h, matrix(b.A), b.b))
+            else:
+                problems.append((b.P, b.q, b.G, b.h, b.A, b.b, b.lb, b.ub))
+        solve: Any = qpsolvers.solve_qp
+        return lambda k: np.asarray(solve(*problems[k], solver=solver))
 
     return build
 
@@ -202,7 +210,7 @@ def with_cvxpy(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
     blocks = [Blocks.of(program) for program in programs]
     first = blocks[0]
     x, b = cvxpy.Variable(len(first.q)), cvxpy.Parameter(len(first.b))
-    A = first.A if fixed else cvxpy.Parameter(first.A.shape)
+    A: Any = first.A if fixed else cvxpy.Parameter(first.A.shape)
     G, h = first.one_sided
     cost = 0.5 * cvxpy.quad_form(x, cvxpy.psd_wrap(first.P)) + first.q @ x
     problem = cvxpy.Problem(cvxpy.Minimize(cost), [A @ x == b, G @ x <= h])
@@ -224,7 +232,7 @@ def pseudo_inverse(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
 
     def gain(A: Array) -> Array:
         scaled = inverse[:, None] * A.T
-        return np.linalg.solve(A @ scaled, scaled.T).T
+        return np.asarray(np.linalg.solve(A @ scaled, scaled.T).T, dtype=float)
 
     once = gain(blocks[0].A)
     if fixed:
@@ -233,7 +241,7 @@ def pseudo_inverse(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
 
 
 def _ever(programs: Sequence[QuadraticProgram]) -> Array:
-    return np.any([program.rows != 0 for program in programs], axis=0)
+    return np.asarray(np.any([program.rows != 0 for program in programs], axis=0))
 
 
 PEERS = (

@@ -23,8 +23,8 @@ time."""
 def run(rounds: int) -> Result:
     cart = loaded_cart()
     competitors = {
-        OURS: _second([ModelPlant(cart) for _ in range(rounds + 1)]),
-        "MujocoPlant": _second([MujocoPlant(cart) for _ in range(rounds + 1)]),
+        OURS: _second([ModelPlant(cart) for _ in range(rounds)]),
+        "MujocoPlant": _second([MujocoPlant(cart) for _ in range(rounds)]),
     }
     table = timed_table("A simulated second", interleave(competitors, rounds), OURS, "ms", {})
     return Result("Plants", NOTE, (table,))

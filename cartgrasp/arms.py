@@ -85,9 +85,7 @@ class Arm:
         return np.array([*self.force_limit, *self.moment_limit])
 
 
-def _contact_set(
-    name: str, points: Sequence[Sequence[float]], segment: Sequence[Sequence[float]] | None
-) -> ContactSet:
+def _contact_set(name: str, points: Sequence[Sequence[float]], segment: Sequence[Sequence[float]] | None) -> ContactSet:
     def triple(point: Sequence[float]) -> tuple[float, float, float]:
         return _numbers(name, "contact", point, 3)  # type: ignore[return-value]
 

@@ -53,9 +53,7 @@ def skew(vector: ArrayLike) -> Array:
     """[p]x with `skew(p) @ q == cross(p, q)`, shape (..., 3, 3)."""
     x, y, z = components(np.asarray(vector, dtype=float))
     zero = np.zeros_like(x)
-    return np.stack(
-        [np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], -2
-    )
+    return np.stack([np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], -2)
 
 
 def adjoint(rotation: ArrayLike, position: ArrayLike) -> Array:

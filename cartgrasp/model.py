@@ -214,9 +214,7 @@ class CartModel:
         self._memory_rate(situation, state, parameters, (value, by_state, by_parameters))
         return StateRate(value, by_state, by_wrench, by_parameters)
 
-    def state_rate(
-        self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0
-    ) -> Array:
+    def state_rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Forward dynamics without partials: the rate of the state, (..., n)."""
         parameters = self.parameters if parameters is None else parameters
         situation, _ = self._situation(state, parameters, time)
@@ -283,9 +281,7 @@ class CartModel:
                 wrench_a = effect.recorded(wrench_a, parameters[..., where])
         return wrench_a
 
-    def corrected_wrench(
-        self, arm: str, wrench_a: Array, parameters: Array | None = None
-    ) -> tuple[Array, Array]:
+    def corrected_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> tuple[Array, Array]:
         """The true wrench (..., 6) behind a recorded one, and its partials by the parameters (..., 6, p)."""
         parameters = self.parameters if parameters is None else parameters
         lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])

@@ -193,9 +193,7 @@ class CartFilter:
         """Of the random walks that step between samples: parameters, and the held wrench."""
         n, layout = self.layout.wrench.stop, self.layout
         walk = np.zeros((n, n))
-        walk[layout.parameters, layout.parameters] = (
-            self.noise.parameter_drift**2 * step * self._block.first_covariance
-        )
+        walk[layout.parameters, layout.parameters] = self.noise.parameter_drift**2 * step * self._block.first_covariance
         wrench = range(layout.wrench.start, layout.wrench.stop)
         walk[wrench, wrench] = self._wrench_variance(self.noise.wrench_change) * step
         return walk

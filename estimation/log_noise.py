@@ -20,6 +20,7 @@ LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.
 DISTURBANCE_SHARE = 0.01
 NOISE_OF_DIFFERENCES = 20**0.5
 MAD_TO_STD = 1.4826
+FEWEST = 8
 
 
 def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
@@ -32,15 +33,17 @@ def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
 
 
 def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
-    position = max(noise_floor(log.pose[:, 0]), noise_floor(log.pose[:, 1]), LEAST_POSITION)
-    heading = max(noise_floor(np.unwrap(_filled(log.pose[:, 2]))), LEAST_POSITION)
+    usual = FilterNoise()
+    position = max(*(noise_floor(log.pose[:, i], usual.position) for i in (0, 1)), LEAST_POSITION)
+    heading = max(noise_floor(np.unwrap(_filled(log.pose[:, 2])), usual.heading), LEAST_POSITION)
     linear = yaw = LEAST_VELOCITY
     if log.velocity is not None:
-        linear = max(noise_floor(log.velocity[:, 0]), noise_floor(log.velocity[:, 1]), LEAST_VELOCITY)
-        yaw = max(noise_floor(log.velocity[:, 2]), LEAST_VELOCITY)
+        along = (noise_floor(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
+        linear = max(*along, LEAST_VELOCITY)
+        yaw = max(noise_floor(log.velocity[:, 2], usual.yaw_rate), LEAST_VELOCITY)
     wrenches = [arm.wrench for arm in log.arms.values()]
-    force = max(*(noise_floor(w[:, i]) for w in wrenches for i in (0, 1)), LEAST_FORCE)
-    moment = max(*(noise_floor(w[:, 5]) for w in wrenches), LEAST_MOMENT)
+    force = max(*(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1)), LEAST_FORCE)
+    moment = max(*(noise_floor(w[:, 5], usual.moment) for w in wrenches), LEAST_MOMENT)
     size = _force_size(log, cart)
     return FilterNoise(
         position=position,
@@ -53,11 +56,12 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
     )
 
 
-def noise_floor(channel: Array) -> float:
-    """Standard deviation of the white noise on a channel, from its third differences."""
+def noise_floor(channel: Array, usual: float = 0.0) -> float:
+    """Standard deviation of the white noise on a channel, from its third differences; the `usual` one where
+    there are too few samples to tell."""
     present = channel[np.isfinite(channel)]
-    if len(present) < 8:
-        return 0.0
+    if len(present) < FEWEST:
+        return usual
     return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / NOISE_OF_DIFFERENCES)
 
 

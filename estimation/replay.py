@@ -64,7 +64,7 @@ def _updated(estimator: Estimator, measurement: Measurement, name: str) -> Estim
     try:
         with np.errstate(all="ignore"):
             estimate = estimator.update(measurement)
-    except np.linalg.LinAlgError as error:
+    except (np.linalg.LinAlgError, OverflowError) as error:
         raise _too_large(measurement, name) from error
     finite = all(math.isfinite(p.value) and math.isfinite(p.std) for p in estimate.parameters.values())
     if not finite and estimate.health != DIVERGED:

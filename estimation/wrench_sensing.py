@@ -25,9 +25,7 @@ class SensedWrench:
 class WrenchSensing:
     """Knows the arms, and remembers where they hold."""
 
-    def __init__(
-        self, cart: CartModel, arms: Sequence[str] | None, yaws: Mapping[str, float], noise: Array
-    ) -> None:
+    def __init__(self, cart: CartModel, arms: Sequence[str] | None, yaws: Mapping[str, float], noise: Array) -> None:
         self.cart, self.yaws, self._noise = cart, dict(yaws), noise
         self._arms = None if arms is None else tuple(arms)
         self._seen: tuple[str, ...] = ()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import cartgrasp as cg
 from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import Sensors, SensorNoise
+from cartgrasp.simulation.sensors import SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise
 from planning import WrenchPlanner
 from planning.references import PathReference, chain, pause, speed_change, turn

@@ -13,6 +13,7 @@ cg.write_log(record.log, folder / "run.csv")
 first_guess().save(folder / "cart.yaml")
 
 print("cartgrasp estimate run.csv --cart cart.yaml --out series.csv")
-status = main(["estimate", str(folder / "run.csv"), "--cart", str(folder / "cart.yaml"), "--out", str(folder / "series.csv")])
+log, cart, series = (str(folder / name) for name in ("run.csv", "cart.yaml", "series.csv"))
+status = main(["estimate", log, "--cart", cart, "--out", series])
 assert status == 0
 assert (folder / "series.csv").read_text().startswith("t,mass,mass.std")

@@ -45,9 +45,7 @@ def build_allocation(
     """minimise the objective over F (6n,) such that `Sᵀ sum G_i F_i = Sᵀ wrench_b` and every limit holds."""
     template = AllocationTemplate.of(cart, arms, objective)
     rows = template.contact_rows(contact_array(template, contacts))
-    return template.program(
-        rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(np.zeros(template.n))
-    )
+    return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(np.zeros(template.n)))
 
 
 def allocate(

@@ -105,18 +105,8 @@ class AllocationTemplate:
     def contact_rows(self, points: Array, yaws: Array | None = None) -> Array:
         """`Sᵀ G` of contact points (..., 3), shape (..., k, 6); yaws are the arms' where points are (..., n,
         3)."""
-        if yaws is not None or points.shape[-2] != len(self.arms):
-            return np.asarray(self.basis_b.T @ grasp_map_planar(points, self.yaws if yaws is None else yaws))
-        origin, by_x, by_y = self._affine_rows
-        return np.asarray(origin + points[..., 0, None, None] * by_x + points[..., 1, None, None] * by_y)
-
-    @cached_property
-    def _affine_rows(self) -> tuple[Array, Array, Array]:
-        """Each arm's rows at {b}'s origin and their slopes by x and y, (n, k, 6): the grasp map is affine in
-        the contact."""
-        corners = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
-        origin, *shifted = self.basis_b.T @ grasp_map_planar(corners[:, None], self.yaws)
-        return origin, shifted[0] - origin, shifted[1] - origin
+        grasp_map = grasp_map_planar(points, self.yaws if yaws is None else yaws)
+        return np.asarray(self.basis_b.T @ grasp_map)
 
     def program(self, rows: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """One contact an arm: `rows` (n, k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""

@@ -64,11 +64,7 @@ class CaseSolver:
         """Contacts (n, 3) at the high and the low vertex, the same object for points."""
         template, self.solved = self.template, self.solved + 1
         is_range = high is not low and template.moment_row is not None
-        rows = (
-            (template.contact_rows(high), template.contact_rows(low))
-            if is_range
-            else (template.contact_rows(high),)
-        )
+        rows = (template.contact_rows(high), template.contact_rows(low)) if is_range else (template.contact_rows(high),)
         if len(rows) == 2:
             program = template.range_program(rows, question.target, question.cost)
         else:
@@ -96,9 +92,7 @@ class CaseSolver:
         if projection.solution.status != OPTIMAL:
             return Answer(np.inf, proven=False)
         cut = distance_cut(self.template, projection.solution, projection.slack, question.target)
-        return Answer(
-            0.5 * projection.distance**2, cut, projection.wrenches, question.target - projection.slack
-        )
+        return Answer(0.5 * projection.distance**2, cut, projection.wrenches, question.target - projection.slack)
 
     def _solved(self, question: Question, solution: QPSolution, is_range: bool) -> Answer:
         start = len(solution.x) + len(self.template.limits.limits)

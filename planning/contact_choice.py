@@ -128,9 +128,7 @@ class ContactSearch:
         if self._keeps_distance(contacts):
             self._accept(answer.value, contacts)
             return
-        allowed = region.vertices[
-            hand_distance(region.vertices) >= self._candidates.distance - DISTANCE_TOLERANCE
-        ]
+        allowed = region.vertices[hand_distance(region.vertices) >= self._candidates.distance - DISTANCE_TOLERANCE]
         if len(allowed):
             away = np.linalg.norm(allowed - contacts, axis=(1, 2))
             self._try(allowed[away.argmin()])
@@ -192,9 +190,7 @@ class ContactSearch:
         rows, row = self._solver.template.contact_rows(region.vertices), self._solver.template.moment_row
         excess = np.zeros(len(region.s))
         if row is not None:
-            excess = (
-                np.einsum("vnj,nj->v", rows[:, :, row], answer.wrenches.reshape(-1, 6)) - answer.reached[row]
-            )
+            excess = np.einsum("vnj,nj->v", rows[:, :, row], answer.wrenches.reshape(-1, 6)) - answer.reached[row]
         excess[np.abs(excess) < 1e-13 * max(1.0, float(np.abs(excess).max()))] = 0.0
         one, other = np.triu_indices(len(excess))
         crosses = excess[one] * excess[other] <= 0

@@ -119,9 +119,7 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
         upper=np.concatenate([program.upper[:n], free, program.upper[n:]]),
         lower_names=program.lower_names[:n] + name + program.lower_names[n:],
         upper_names=program.upper_names[:n] + name + program.upper_names[n:],
-        cones=tuple(
-            Cone(c.name, np.hstack([c.rows, np.zeros((len(c.offset), k))]), c.offset) for c in program.cones
-        ),
+        cones=tuple(Cone(c.name, np.hstack([c.rows, np.zeros((len(c.offset), k))]), c.offset) for c in program.cones),
         constant=0.0,
     )
 
@@ -179,9 +177,7 @@ def nearest_plan(
     )
 
 
-def certify(
-    template: AllocationTemplate, contacts: Array, projection: Projection, target: Array
-) -> Certificate | None:
+def certify(template: AllocationTemplate, contacts: Array, projection: Projection, target: Array) -> Certificate | None:
     """The separating direction with the limits that hold it; None if it doesn't verify."""
     if not np.isfinite(projection.slack).all() or projection.distance == 0.0:
         return None
@@ -205,9 +201,7 @@ def conflicting_limits(
     slope = (cut.linear + cut.multipliers @ template.contact_rows(contacts)).ravel()
     smallest = 1e-7 * float(np.abs(slope).max())
     for j in np.flatnonzero(np.abs(slope) > smallest):
-        names, values = (
-            (limits.lower_names, limits.lower) if slope[j] > 0 else (limits.upper_names, limits.upper)
-        )
+        names, values = (limits.lower_names, limits.lower) if slope[j] > 0 else (limits.upper_names, limits.upper)
         found[names[j]] = float(values[j])
     smallest = 1e-7 * float(np.abs(solution.multipliers).max())
     dual = solution.multipliers[len(solution.x) :][: len(limits.limits)]

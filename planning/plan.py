@@ -58,9 +58,7 @@ class Plan:
         if self.status == OPTIMAL:
             return ContactWrenches(self.wrenches, self.contacts, self.yaws)
         if self.held is None:
-            raise UsageError(
-                f"this plan is {self.status}: {self.message or 'it has no wrenches'}; use plan_or_hold"
-            )
+            raise UsageError(f"this plan is {self.status}: {self.message or 'it has no wrenches'}; use plan_or_hold")
         return self.held
 
     @property

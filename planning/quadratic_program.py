@@ -189,8 +189,9 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
     isn't there, counts as zero: it can't hide a gradient."""
     n, first = program.n, len(y) - program.n_equalities
     image = program.stacked.dot(x)
-    gradient, values = image[:n] + program.gradient, image[n:]
-    cost = 0.5 * float(x.dot(gradient + program.gradient)) + program.constant
+    curved, values = image[:n], image[n:]
+    cost = float(x.dot(0.5 * curved + program.gradient)) + program.constant
+    gradient = curved + program.gradient
     slope = max(1.0, highest(np.abs(gradient)))
     above, below = program.upper - values, values - program.lower
     limits = max(0.0, -lowest(above[:first]), -lowest(below[:first]))

@@ -69,9 +69,7 @@ def _statements(node: ast.AST, hidden: bool) -> Iterator[tuple[ast.Import | ast.
         if isinstance(child, ast.Import | ast.ImportFrom):
             yield child, hidden
         elif isinstance(child, ast.Call) and ast.unparse(child.func).endswith("import_module"):
-            names = [
-                a.value for a in child.args[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str)
-            ]
+            names = [a.value for a in child.args[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str)]
             yield ast.Import([ast.alias(name) for name in names], lineno=child.lineno), hidden
         elif isinstance(child, ast.If) and ast.unparse(child.test) in (
             "TYPE_CHECKING",
@@ -109,11 +107,7 @@ def forbidden_arrows(found: list[Import]) -> list[str]:
             _inside(arrow.imported, COMPOSITION_ROOT),
         )
         package, other = arrow.importer.split(".")[0], arrow.imported.split(".")[0]
-        if (
-            to_root
-            and not from_root
-            and not (arrow.importer == DOOR and _inside(arrow.imported, ("cartgrasp.cli",)))
-        ):
+        if to_root and not from_root and not (arrow.importer == DOOR and _inside(arrow.imported, ("cartgrasp.cli",))):
             wrong.append(f"{arrow}: nothing imports the composition root")
         elif not from_root and package != other and other != "cartgrasp":
             wrong.append(f"{arrow}: {package} does not know {other}")
@@ -175,13 +169,8 @@ IMPORTS = imports(TREE)
 
 def test_every_room_is_read():
     assert {"cartgrasp.model", "cartgrasp.effects:package", "cartgrasp.effects.effect"} <= set(TREE)
-    assert any(
-        a.importer == "cartgrasp.model" and a.imported == "cartgrasp.effects" and not a.hidden
-        for a in IMPORTS
-    )
-    assert any(
-        a.importer == "cartgrasp.motion" and a.imported == "cartgrasp.model" and a.hidden for a in IMPORTS
-    )
+    assert any(a.importer == "cartgrasp.model" and a.imported == "cartgrasp.effects" and not a.hidden for a in IMPORTS)
+    assert any(a.importer == "cartgrasp.motion" and a.imported == "cartgrasp.model" and a.hidden for a in IMPORTS)
 
 
 def test_no_arrow_that_the_picture_does_not_have():
@@ -307,9 +296,7 @@ def test_unsafe_code_is_found(source):
 
 
 def test_safe_code_is_not():
-    assert not unsafe(
-        {"cartgrasp.a": "from .yaml_file import read\nYAML(typ='rt').load(x)\nmodel.eval()\nnp.load(p)"}
-    )
+    assert not unsafe({"cartgrasp.a": "from .yaml_file import read\nYAML(typ='rt').load(x)\nmodel.eval()\nnp.load(p)"})
 
 
 def test_long_files_are_found():

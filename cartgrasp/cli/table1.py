@@ -32,14 +32,16 @@ def run(out: Path, as_json: bool, seed: int, tests: str) -> int:
     save_plots(results, curve, out)
     write_atomically(out / "table1.md", _markdown(promised, papers, errors, seed))
     if as_json:
-        print_json({
-            "seed": seed,
-            "promises": [claim.as_dict() for claim in promised],
-            "paper": [claim.as_dict() for claim in papers],
-            "tracking_error": [dict(zip(ERROR_COLUMNS, row, strict=True)) for row in errors],
-            "kept": all_kept(promised),
-            "out": str(out),
-        })
+        print_json(
+            {
+                "seed": seed,
+                "promises": [claim.as_dict() for claim in promised],
+                "paper": [claim.as_dict() for claim in papers],
+                "tracking_error": [dict(zip(ERROR_COLUMNS, row, strict=True)) for row in errors],
+                "kept": all_kept(promised),
+                "out": str(out),
+            }
+        )
     else:
         print_table("Largest tracking error from 5 s on", ERROR_COLUMNS, errors)
         print_table("The paper's claims", CLAIM_COLUMNS, [_cells(c) for c in papers], left=3)

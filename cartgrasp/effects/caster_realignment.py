@@ -88,9 +88,7 @@ class CasterRealignment(ForceEffect):
         along_n = -sine * (u - y * r) + cosine * (w + x * r)
         along_t = cosine * (u - y * r) + sine * (w + x * r)
         value = along_n / trail - r
-        by_velocity = np.stack(
-            [-sine / trail, cosine / trail, (sine * y + cosine * x) / trail - 1.0], axis=-1
-        )
+        by_velocity = np.stack([-sine / trail, cosine / trail, (sine * y + cosine * x) / trail - 1.0], axis=-1)
         by_parameters = np.zeros((*value.shape, 2))
         by_parameters[..., 1] = own * -along_n / trail**2
         by_memory = (-along_t / trail)[..., None] * np.eye(len(pivots))

@@ -30,9 +30,7 @@ class DirectionalDrag(ForceEffect):
         Parameter("forward", "N·s/m", typical=2.0),
         Parameter("backward", "N·s/m", typical=2.0),
     )
-    signature: ClassVar[str] = (
-        "forward force in proportion to speed, with another slope when rolling backward"
-    )
+    signature: ClassVar[str] = "forward force in proportion to speed, with another slope when rolling backward"
 
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         forward, backward = parameters[..., 0], parameters[..., 1]

@@ -83,9 +83,7 @@ class Effect(ABC):
                 )
         for low, high in self.ordered:
             if getattr(self, low) > getattr(self, high):
-                raise UsageError(
-                    f"{self.key}.{low}: {getattr(self, low):g} is above {high} = {getattr(self, high):g}"
-                )
+                raise UsageError(f"{self.key}.{low}: {getattr(self, low):g} is above {high} = {getattr(self, high):g}")
 
     @property
     def key(self) -> str:

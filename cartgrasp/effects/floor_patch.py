@@ -55,8 +55,7 @@ class FloorPatch(ForceEffect):
         return Contribution(
             value=value,
             by_pose=by_share @ by_place,
-            by_velocity=-coefficient[..., None, None]
-            * np.einsum("...n,...nij->...ij", pressing, by_velocity),
+            by_velocity=-coefficient[..., None, None] * np.einsum("...n,...nij->...ij", pressing, by_velocity),
             by_phi=(-coefficient[..., None, None] * directions * share[..., None, :]) @ carried,
             by_parameters=by_parameters,
         )

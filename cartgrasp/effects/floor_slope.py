@@ -32,9 +32,7 @@ class FloorSlope(ForceEffect):
         Parameter("grade_x", "-", typical=0.01, lower=-1.0, upper=1.0),
         Parameter("grade_y", "-", typical=0.01, lower=-1.0, upper=1.0),
     )
-    signature: ClassVar[str] = (
-        "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
-    )
+    signature: ClassVar[str] = "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
 
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         theta = situation.pose_sb[..., 2]

@@ -28,9 +28,7 @@ class ForceBias(SensorEffect):
         Parameter("fy", "N", typical=2.0),
         Parameter("tz", "N·m", typical=0.5),
     )
-    signature: ClassVar[str] = (
-        "a constant force and moment, also at rest, that keeps its sign when the motion turns"
-    )
+    signature: ClassVar[str] = "a constant force and moment, also at rest, that keeps its sign when the motion turns"
 
     def recorded(self, wrench_a: Array, parameters: Array) -> Array:
         return wrench_a + self._offset(parameters)

@@ -25,9 +25,7 @@ class ForceMisalignment(SensorEffect):
     angle: float = 0.0
 
     name: ClassVar[str] = "force_misalignment"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("angle", "rad", typical=0.05, lower=-np.pi, upper=np.pi),
-    )
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("angle", "rad", typical=0.05, lower=-np.pi, upper=np.pi),)
     signature: ClassVar[str] = "a side force in proportion to the forward force, and the other way round"
 
     def recorded(self, wrench_a: Array, parameters: Array) -> Array:

@@ -24,9 +24,7 @@ class QuadraticDrag(ForceEffect):
     coefficient: float = 0.0
 
     name: ClassVar[str] = "quadratic_drag"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("coefficient", "N·s²/m²", typical=3.0, lower=0.0),
-    )
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "N·s²/m²", typical=3.0, lower=0.0),)
     signature: ClassVar[str] = "forward force that grows with the square of speed"
 
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:

@@ -23,9 +23,7 @@ class RollingResistance(ForceEffect):
     coefficient: float = 0.0
 
     name: ClassVar[str] = "rolling_resistance"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("coefficient", "-", typical=0.02, lower=0.0, upper=1.0),
-    )
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "-", typical=0.02, lower=0.0, upper=1.0),)
     signature: ClassVar[str] = "a step of the forward force where the cart changes direction, flat in speed"
 
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:

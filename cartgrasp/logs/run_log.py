@@ -93,9 +93,7 @@ class RunLog:
             yield Measurement(float(time), _present(self.pose[i]), velocity, wrenches, contacts)
 
     @classmethod
-    def from_measurements(
-        cls, measurements: Sequence[Measurement], arms: Sequence[str], name: str = "run"
-    ) -> RunLog:
+    def from_measurements(cls, measurements: Sequence[Measurement], arms: Sequence[str], name: str = "run") -> RunLog:
         n = len(measurements)
 
         def stack(parts: list[Array | None], width: int) -> Array:

@@ -68,9 +68,7 @@ def _rolling_resistance(has: Mechanisms, effect: RollingResistance) -> Mechanism
 
 def _caster_realignment(has: Mechanisms, effect: CasterRealignment) -> Mechanisms:
     if has.swivel_torque and has.trail != effect.trail:
-        raise PlantError(
-            f"MuJoCo plant: {effect.key}: its casters have two trails; give each effect the same one"
-        )
+        raise PlantError(f"MuJoCo plant: {effect.key}: its casters have two trails; give each effect the same one")
     return replace(has, swivel_torque=has.swivel_torque + effect.swivel_torque, trail=effect.trail)
 
 
@@ -94,9 +92,7 @@ def mechanisms_of(cart: CartModel) -> Mechanisms:
             continue
         if type(effect) not in MECHANISMS:
             known = ", ".join(kind.name for kind in MECHANISMS)
-            raise PlantError(
-                f"MuJoCo plant: {effect.key}: no counterpart in MuJoCo; it knows {known} and sensors"
-            )
+            raise PlantError(f"MuJoCo plant: {effect.key}: no counterpart in MuJoCo; it knows {known} and sensors")
         found = MECHANISMS[type(effect)](found, effect)
     if cart.constraints.n_rows == 2 and found.swivel_torque:
         raise PlantError("MuJoCo plant: caster_realignment: a cart on a rail has no casters here")
@@ -115,15 +111,11 @@ def physical_wheels(cart: CartModel, mechanisms: Mechanisms) -> tuple[Wheel, ...
             "MuJoCo plant: wheels: a fixed wheel forbids lateral slip, but the cart has no such constraint"
         )
     if axle_x is not None and not fixed:
-        raise PlantError(
-            "MuJoCo plant: wheels: no_lateral_slip needs a fixed wheel, and all listed ones are casters"
-        )
+        raise PlantError("MuJoCo plant: wheels: no_lateral_slip needs a fixed wheel, and all listed ones are casters")
     if any(abs(w.x - (axle_x or 0.0)) > 1e-9 for w in fixed):
         raise PlantError(f"MuJoCo plant: wheels: a fixed wheel stands off the axle at x = {axle_x:g} m")
     trail = mechanisms.trail
-    return tuple(
-        replace(w, trail=trail or w.trail or DEFAULT_TRAIL) if w.kind == CASTER else w for w in wheels
-    )
+    return tuple(replace(w, trail=trail or w.trail or DEFAULT_TRAIL) if w.kind == CASTER else w for w in wheels)
 
 
 def _default_wheels(cart: CartModel) -> tuple[Wheel, ...]:
@@ -152,14 +144,10 @@ def check_stands(wheels: Sequence[Wheel], headings: Array, com: Sequence[float])
     try:
         edges = ConvexHull(patches(wheels, headings)).equations
     except QhullError as error:
-        raise PlantError(
-            "MuJoCo plant: wheels: a cart stands on at least 3 wheels, not all in one line"
-        ) from error
+        raise PlantError("MuJoCo plant: wheels: a cart stands on at least 3 wheels, not all in one line") from error
     if (edges[:, :2] @ np.asarray(com) + edges[:, 2]).max() > 0:
         where = f"({com[0]:g}, {com[1]:g}) m"
-        raise PlantError(
-            f"MuJoCo plant: wheels: the cart tips over, its CoM at {where} is not between its wheels"
-        )
+        raise PlantError(f"MuJoCo plant: wheels: the cart tips over, its CoM at {where} is not between its wheels")
 
 
 @dataclass(frozen=True)
@@ -191,9 +179,7 @@ class MujocoCart:
     def wheel_mass(self) -> float:
         """Mass of a wheel, and of a fork: light, for a cart of little yaw inertia too."""
         inertia = self.cart.inertia
-        far = 2 * sum(
-            (w.x - inertia.com[0]) ** 2 + (w.y - inertia.com[1]) ** 2 + w.trail**2 for w in self.wheels
-        )
+        far = 2 * sum((w.x - inertia.com[0]) ** 2 + (w.y - inertia.com[1]) ** 2 + w.trail**2 for w in self.wheels)
         return min(WHEEL_SHARE * inertia.mass, INERTIA_SHARE * inertia.about_com / max(far, 1e-9))
 
     def compile(self, time: float) -> mujoco.MjModel:

@@ -160,17 +160,13 @@ class MujocoPlant:
         self._yaw += float(wrap_angle(yaw - self._yaw))
         tilt = acos(max(1 - 2 * (i * i + j * j), -1.0))
         if tilt > LARGEST_TILT:
-            raise PlantError(
-                f"MuJoCo plant: the cart tips over at {self._time:g} s: tilted by {np.degrees(tilt):.0f}°"
-            )
+            raise PlantError(f"MuJoCo plant: the cart tips over at {self._time:g} s: tilted by {np.degrees(tilt):.0f}°")
         high = data.geom_xpos[self._wheel_geoms, 2] > RADIUS + LIFT
         self._lifted = np.where(high, self._lifted + passed, 0.0)
         if self._lifted.max() > LIFT_TIME:
             wheel = self._cart.wheels[int(self._lifted.argmax())]
             where = f"the {wheel.kind} wheel at ({wheel.x:g}, {wheel.y:g}) m"
-            raise PlantError(
-                f"MuJoCo plant: {where} has been off the floor for {LIFT_TIME} s at {self._time:g} s"
-            )
+            raise PlantError(f"MuJoCo plant: {where} has been off the floor for {LIFT_TIME} s at {self._time:g} s")
 
     # --- MuJoCo's data --------------------------------------------------------------------------------------
 

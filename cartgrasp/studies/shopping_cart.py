@@ -70,8 +70,10 @@ def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:
     )
     if quick:
         return forward
-    backward = chain([Stretch(1.25, -0.4)], pause(0.5), turn(0.6, 0.4, 0.8), pause(1.0), [Stretch(1.25, 0.4)], pause(0.5))
-    again = chain([Stretch(1.5, 0.4)], pause(0.5), turn(-np.pi / 3, 0.5, 0.8), pause(1.0), [Stretch(1.5, -0.4)], pause(0.5))
+    back_off, come_to_rest = Stretch(1.25, -0.4), Stretch(1.25, 0.4)
+    backward = chain([back_off], pause(0.5), turn(0.6, 0.4, 0.8), pause(1.0), [come_to_rest], pause(0.5))
+    curve = turn(-np.pi / 3, 0.5, 0.8)
+    again = chain([Stretch(1.5, 0.4)], pause(0.5), curve, pause(1.0), [Stretch(1.5, -0.4)], pause(0.5))
     return chain(forward, backward, again, straight(-0.8, 0.4, 0.4), pause(0.5))
 
 

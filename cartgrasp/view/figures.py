@@ -49,9 +49,7 @@ def figure_overview(record: RunRecord) -> Figure:
         draw_path(path, record.pose, record.reference_pose)
         draw_tracking_error(axes["error"], record.time, record.tracking_error)
         for name in estimated:
-            draw_parameter(
-                axes[name], record.time, record.parameters[name], name, legend=name == estimated[0]
-            )
+            draw_parameter(axes[name], record.time, record.parameters[name], name, legend=name == estimated[0])
         _draw_what_arms_did(record, axes["forces"], axes["moments"], axes["contacts"])
         for side, column in ((right, panels[:n_rows]), (left, panels[n_rows:])):
             _stack([axes[name] for name in column])
@@ -72,9 +70,7 @@ def figure_tracking(record: RunRecord) -> Figure:
 def figure_parameters(record: RunRecord) -> Figure:
     """Every estimated parameter over time."""
     if not record.parameters:
-        raise UsageError(
-            f"{record.log.name}: nothing was estimated in this run, so there is no estimate to draw"
-        )
+        raise UsageError(f"{record.log.name}: nothing was estimated in this run, so there is no estimate to draw")
     n_rows = (len(record.parameters) + 1) // 2
     with house_style():
         figure = Figure(figsize=(7.2, 1.9 * n_rows))

@@ -81,9 +81,7 @@ def draw_parameter(axes: Axes, time: Array, series: Series, name: str, legend: b
     """An estimate with its band of ±2 standard deviations, and its truth where known."""
     value, band = np.asarray(series.value), 2.0 * np.asarray(series.std)
     artists: list[Artist] = [
-        axes.fill_between(
-            time, value - band, value + band, color=PURPLE, alpha=0.25, linewidth=0, label="±2 sd"
-        ),
+        axes.fill_between(time, value - band, value + band, color=PURPLE, alpha=0.25, linewidth=0, label="±2 sd"),
         *axes.plot(time, value, color=PURPLE, label="estimate"),
     ]
     truth = None if series.truth is None else np.broadcast_to(series.truth, value.shape)
@@ -110,18 +108,12 @@ def draw_path(axes: Axes, pose: Array, reference_pose: Array) -> list[Artist]:
     return artists
 
 
-def draw_wrenches(
-    axes: Axes, time: Array, wrenches: Mapping[str, Array], components: Sequence[str]
-) -> list[Artist]:
+def draw_wrenches(axes: Axes, time: Array, wrenches: Mapping[str, Array], components: Sequence[str]) -> list[Artist]:
     """Components (`fx` … `tz`) of wrenches (n, 6), a colour for each arm, a line style for each component."""
     unknown = [c for c in components if c not in WRENCH_NAMES]
     if unknown or len({c[0] for c in components}) != 1:
-        raise UsageError(
-            f"components: {', '.join(components)}: give some of fx, fy, fz, or some of tx, ty, tz"
-        )
-    columns = {
-        arm: np.asarray(w)[:, [WRENCH_NAMES.index(c) for c in components]] for arm, w in wrenches.items()
-    }
+        raise UsageError(f"components: {', '.join(components)}: give some of fx, fy, fz, or some of tx, ty, tz")
+    columns = {arm: np.asarray(w)[:, [WRENCH_NAMES.index(c) for c in components]] for arm, w in wrenches.items()}
     is_force = components[0].startswith("f")
     artists = _draw_arms(axes, time, columns, components)
     _label_time(axes, "Force (N)" if is_force else "Moment (N·m)")
@@ -153,9 +145,7 @@ def plain_text(text: str, most: int = 24) -> str:
     return (" " if shown.startswith("_") else "") + shown.replace("$", r"\$")
 
 
-def _draw_arms(
-    axes: Axes, time: Array, columns: Mapping[str, Array], components: Sequence[str]
-) -> list[Artist]:
+def _draw_arms(axes: Axes, time: Array, columns: Mapping[str, Array], components: Sequence[str]) -> list[Artist]:
     """Lines of (n, components) for each arm."""
     artists: list[Artist] = []
     handles = []

@@ -31,9 +31,7 @@ class FrictionPyramid(Limit):
         rows[:, 1], rows[:, 2] = np.cos(angles), np.sin(angles)
         names = tuple(f"friction edge {k}" for k in range(sides))
         push = push_only()
-        return LimitRows(
-            lower=push.lower, lower_names=push.lower_names, rows=rows, limits=np.zeros(sides), names=names
-        )
+        return LimitRows(lower=push.lower, lower_names=push.lower_names, rows=rows, limits=np.zeros(sides), names=names)
 
 
 def push_only() -> LimitRows:

@@ -26,9 +26,7 @@ class LoadShare(Objective):
 
     def __post_init__(self) -> None:
         shares = list(self.shares.values())
-        if not (
-            np.isfinite(shares).all() and min(shares, default=-1.0) >= 0 and abs(sum(shares) - 1) <= 1e-9
-        ):
+        if not (np.isfinite(shares).all() and min(shares, default=-1.0) >= 0 and abs(sum(shares) - 1) <= 1e-9):
             raise UsageError(f"load share: {dict(self.shares)} are not shares >= 0 that add up to 1")
         if not (np.isfinite(self.weight) and self.weight >= 0):
             raise UsageError(f"load share: weight: {self.weight} is not a finite number >= 0")
@@ -39,9 +37,7 @@ class LoadShare(Objective):
 
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         if {arm.name for arm in arms} != set(self.shares):
-            raise UsageError(
-                f"load share: shares of {sorted(self.shares)}, arms {sorted(a.name for a in arms)}"
-            )
+            raise UsageError(f"load share: shares of {sorted(self.shares)}, arms {sorted(a.name for a in arms)}")
         base = self.base.cost(arms, previous)
         forces = np.zeros((len(arms), 2, 6 * len(arms)))  # f_i = forces[i] @ F
         for i, arm in enumerate(arms):

@@ -39,9 +39,7 @@ class QuadraticSolver:
         if solution.status == OPTIMAL:
             return solution
         fallback = solve_with_clarabel(program)
-        return replace(
-            fallback, message=f"fallback: {solution.message or 'daqp did not reach the tolerance'}"
-        )
+        return replace(fallback, message=f"fallback: {solution.message or 'daqp did not reach the tolerance'}")
 
 
 def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:

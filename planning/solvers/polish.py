@@ -59,9 +59,7 @@ def polish(program: QuadraticProgram, solution: QPSolution) -> QPSolution:
         return solution
     full = np.zeros(len(y))
     full[active] = dual
-    z = [
-        cones[i].full(x) if i in cones else np.zeros(len(cone.offset)) for i, cone in enumerate(program.cones)
-    ]
+    z = [cones[i].full(x) if i in cones else np.zeros(len(cone.offset)) for i, cone in enumerate(program.cones)]
     return QPSolution.checked(program, x, full, z, f"{solution.solver}, polished", solution.message)
 
 

@@ -26,9 +26,7 @@ def partials(function: Callable[[np.ndarray], np.ndarray], at: np.ndarray) -> np
     return np.asarray((8 * (near - near_back) - (far - far_back)).T / (12 * steps))
 
 
-def assert_partials(
-    analytic: np.ndarray, function: Callable[[np.ndarray], np.ndarray], at: np.ndarray
-) -> None:
+def assert_partials(analytic: np.ndarray, function: Callable[[np.ndarray], np.ndarray], at: np.ndarray) -> None:
     expected = partials(function, at)
     tolerance = TOLERANCE + RELATIVE * np.abs(expected).max(initial=0.0)
     np.testing.assert_allclose(np.broadcast_to(analytic, expected.shape), expected, rtol=0, atol=tolerance)

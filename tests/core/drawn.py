@@ -55,9 +55,7 @@ def wrenches() -> st.SearchStrategy[np.ndarray]:
 
 
 def inertias() -> st.SearchStrategy[Inertia]:
-    return st.builds(
-        Inertia, numbers(5, 60), st.tuples(numbers(-0.3, 0.5), numbers(-0.3, 0.3)), numbers(0.2, 10)
-    )
+    return st.builds(Inertia, numbers(5, 60), st.tuples(numbers(-0.3, 0.5), numbers(-0.3, 0.3)), numbers(0.2, 10))
 
 
 def phis() -> st.SearchStrategy[np.ndarray]:

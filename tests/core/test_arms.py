@@ -14,9 +14,7 @@ HANDLE = (POINT, (-0.25, -0.2, 1.0))
 
 
 def test_an_arm_keeps_what_it_is_given():
-    arm = Arm(
-        "left", [POINT], yaw=0.3, force_limit=(60, 60, 40), moment_limit=(8, 8, 6), friction=Friction(0.6)
-    )
+    arm = Arm("left", [POINT], yaw=0.3, force_limit=(60, 60, 40), moment_limit=(8, 8, 6), friction=Friction(0.6))
     np.testing.assert_array_equal(arm.wrench_limit, [60, 60, 40, 8, 8, 6])
     np.testing.assert_array_equal(arm.contacts.first, POINT)
     assert arm.weights == (1, 1, 1, 10, 10, 10)

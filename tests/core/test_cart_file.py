@@ -336,9 +336,7 @@ WORDS = [
 ]
 
 
-@pytest.mark.parametrize(
-    "tag", ["!!set", "!!omap", "!!int", "!!float", "!!bool", "!!binary", "!!timestamp", "!!null"]
-)
+@pytest.mark.parametrize("tag", ["!!set", "!!omap", "!!int", "!!float", "!!bool", "!!binary", "!!timestamp", "!!null"])
 @pytest.mark.parametrize("value", ["", "x", "[x]", "{x: 1}", "{[x]: 1}"])
 def test_a_tagged_value_is_a_cart_or_a_file_error(tag, value):
     for text in (

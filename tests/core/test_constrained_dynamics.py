@@ -49,10 +49,7 @@ def kinetic_energy(inertia, theta, qd):
 def momentum(inertia, theta, qd):
     """dT/dqd; T is quadratic in qd, so the polar form of it is exact, also for complex arguments."""
     return np.array(
-        [
-            (kinetic_energy(inertia, theta, qd + e) - kinetic_energy(inertia, theta, qd - e)) / 2
-            for e in np.eye(3)
-        ]
+        [(kinetic_energy(inertia, theta, qd + e) - kinetic_energy(inertia, theta, qd - e)) / 2 for e in np.eye(3)]
     )
 
 
@@ -219,9 +216,7 @@ def test_the_term_that_the_paper_drops_is_metres():
         Lambda = rows(constraints, theta)
         Lambda_rate = rows(constraints, theta + 1e-30j * qd[2]).imag / 1e-30
         matrix = np.block([[mass_matrix(inertia, theta), -Lambda.T], [Lambda, np.zeros((1, 1))]])
-        right = np.append(
-            to_world(theta, wrench_b) - bias(inertia, theta, qd), -keeps_term * (Lambda_rate @ qd)
-        )
+        right = np.append(to_world(theta, wrench_b) - bias(inertia, theta, qd), -keeps_term * (Lambda_rate @ qd))
         return np.concatenate([qd, np.linalg.solve(matrix, right)[:3]])
 
     def end(keeps_term):

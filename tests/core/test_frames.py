@@ -59,9 +59,7 @@ def test_the_power_of_a_wrench_is_the_same_in_either_frame(p, yaw, wrench_a, twi
     power_b = grasp_map_planar(p, yaw) @ wrench_a @ twist_b
     np.testing.assert_allclose(power_b, power_a, rtol=1e-12, atol=1e-11)
     spatial_twist = np.array([u, w, 0, 0, 0, r])
-    np.testing.assert_allclose(
-        grasp_map_spatial(p, yaw) @ wrench_a @ spatial_twist, power_a, rtol=1e-12, atol=1e-11
-    )
+    np.testing.assert_allclose(grasp_map_spatial(p, yaw) @ wrench_a @ spatial_twist, power_a, rtol=1e-12, atol=1e-11)
 
 
 @given(p=points, yaw=yaws, wrench_a=wrenches_a)
@@ -107,9 +105,7 @@ def test_wrapped_angles_are_the_same_angle_from_minus_pi_up_to_pi(angle):
 @given(angle=numbers(-10, 10), planar=vectors(3, -2, 2))
 def test_world_and_body_components(angle, planar):
     turned = complex(planar[0], planar[1]) * np.exp(1j * angle)
-    np.testing.assert_allclose(
-        body_to_world(angle) @ planar, [turned.real, turned.imag, planar[2]], atol=1e-12
-    )
+    np.testing.assert_allclose(body_to_world(angle) @ planar, [turned.real, turned.imag, planar[2]], atol=1e-12)
 
 
 @given(a=vectors(3, -2, 2), b=vectors(3, -2, 2))

@@ -103,9 +103,7 @@ def test_loads_balance_the_weight_and_its_moments(phi, wheels):
         np.append(stiff * weight, np.zeros(len(wheels))),
     )
     expected, _ = nnls(rows, right)
-    assume(
-        np.abs(balance @ expected - weight).max() < 1e-3
-    )  # else the CoM is outside the wheels, and the cart tips
+    assume(np.abs(balance @ expected - weight).max() < 1e-3)  # else the CoM is outside the wheels, and the cart tips
     # a CoM a hair outside is balanced by NNLS to the hair that was allowed for
     np.testing.assert_allclose(balance @ loads, weight, atol=2e-3)
     np.testing.assert_allclose(loads, expected, atol=1e-2)

@@ -88,9 +88,7 @@ def test_partials_of_the_rate(constraints, data, inertia, wrench_b, time):
 def _sentinels(cart):
     """A trail of 0 stands for the listed one: not a number to differentiate by."""
     return [
-        i
-        for i, (n, v) in enumerate(zip(cart.parameter_names, cart.parameters, strict=True))
-        if "trail" in n and v == 0
+        i for i, (n, v) in enumerate(zip(cart.parameter_names, cart.parameters, strict=True)) if "trail" in n and v == 0
     ]
 
 
@@ -206,9 +204,7 @@ def test_a_chain_of_sensor_effects(wrench):
 @given(wrench=vectors(6, -80, 80))
 def test_partials_of_a_chain_of_sensor_effects(arm, wrench):
     _, by_parameters = MEASURED.corrected_wrench(arm, wrench)
-    assert_partials(
-        by_parameters, lambda p: MEASURED.corrected_wrench(arm, wrench, p)[0], MEASURED.parameters
-    )
+    assert_partials(by_parameters, lambda p: MEASURED.corrected_wrench(arm, wrench, p)[0], MEASURED.parameters)
 
 
 def test_sensors_broadcast_wrenches_against_parameters():
@@ -241,17 +237,13 @@ ONE = {
 }
 
 
-@pytest.mark.parametrize(
-    "stacked", [[name] for name in STACKS] + [list(STACKS)], ids=lambda names: "+".join(names)
-)
+@pytest.mark.parametrize("stacked", [[name] for name in STACKS] + [list(STACKS)], ids=lambda names: "+".join(names))
 def test_the_rate_broadcasts_over_any_argument(stacked):
     together = CART.rate(**{**ONE, **{name: STACKS[name] for name in stacked}})
     for i in range(3):
         alone = CART.rate(**{**ONE, **{name: STACKS[name][i] for name in stacked}})
         for name in ("value", "by_state", "by_wrench", "by_parameters"):
-            np.testing.assert_allclose(
-                getattr(together, name)[i], getattr(alone, name), rtol=1e-11, atol=1e-11
-            )
+            np.testing.assert_allclose(getattr(together, name)[i], getattr(alone, name), rtol=1e-11, atol=1e-11)
     without = CART.state_rate(**{**ONE, **{name: STACKS[name] for name in stacked}})
     np.testing.assert_allclose(without, together.value, rtol=1e-11, atol=1e-11)
 
@@ -260,9 +252,7 @@ def test_the_rate_broadcasts_over_any_argument(stacked):
 def test_effect_wrench_and_inverse_dynamics_broadcast(stacked):
     arguments = {name: ONE[name] for name in ("state", "parameters", "time")}
     together = CART.effect_wrench(**{**arguments, stacked: STACKS[stacked]})
-    required = CART.required_wrench(
-        acceleration=np.array([0.3, -0.2]), **{**arguments, stacked: STACKS[stacked]}
-    )
+    required = CART.required_wrench(acceleration=np.array([0.3, -0.2]), **{**arguments, stacked: STACKS[stacked]})
     for i in range(3):
         one = {**arguments, stacked: STACKS[stacked][i]}
         np.testing.assert_allclose(together[i], CART.effect_wrench(**one), rtol=1e-12)

@@ -38,9 +38,7 @@ class Trial:
     def contribution(self, method="wrench_b", memory=None, parameters=None, **changed):
         situation = replace(self.situation, **changed)
         memory = self.memory if memory is None else memory
-        return getattr(self.effect, method)(
-            situation, memory, self.values if parameters is None else parameters
-        )
+        return getattr(self.effect, method)(situation, memory, self.values if parameters is None else parameters)
 
 
 @st.composite

@@ -83,9 +83,7 @@ def test_a_full_swing_takes_its_energy_and_seven_trails(first, last):
         return np.degrees(heading[0]) - last
 
     aligned.terminal = True
-    run = solve_ivp(
-        rate, (0, 5), [np.radians(first), 0.0], events=aligned, method="DOP853", rtol=1e-9, atol=1e-12
-    )
+    run = solve_ivp(rate, (0, 5), [np.radians(first), 0.0], events=aligned, method="DOP853", rtol=1e-9, atol=1e-12)
     way, energy = run.t_events[0][0] * speed, run.y_events[0][0][1]
     psi = np.abs(np.radians([first, last]))
     np.testing.assert_allclose(way, TRAIL * np.log(np.tan(psi[0] / 2) / np.tan(psi[1] / 2)), rtol=1e-7)
@@ -94,9 +92,7 @@ def test_a_full_swing_takes_its_energy_and_seven_trails(first, last):
     smoothing = np.sqrt(1 + (SMOOTHING_RATE * TRAIL / speed) ** 2)
     exact = TORQUE * np.diff(np.arcsin(np.cos(psi) / smoothing))[0]
     np.testing.assert_allclose(energy, exact, rtol=1e-6)
-    np.testing.assert_allclose(
-        energy, TORQUE * np.ptp(psi), rtol=0.02
-    )  # what smoothing leaves out: 2 e of pi
+    np.testing.assert_allclose(energy, TORQUE * np.ptp(psi), rtol=0.02)  # what smoothing leaves out: 2 e of pi
 
 
 def test_a_reversal_of_a_cart_costs_the_swing_of_its_casters():

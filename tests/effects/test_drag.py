@@ -44,15 +44,11 @@ def coast(cart, speed, times, stop=None):
     reached.terminal = True
     state = cart.state(velocity=[speed])
     events = None if stop is None else reached
-    return solve_ivp(
-        rate, (0, times[-1]), state, t_eval=times, events=events, method="DOP853", rtol=1e-9, atol=1e-12
-    )
+    return solve_ivp(rate, (0, times[-1]), state, t_eval=times, events=events, method="DOP853", rtol=1e-9, atol=1e-12)
 
 
 def force_at(effect, u, w=0.0, r=0.0, *, wheels=(), phi=None, constraints=None):
-    cart = CartModel(
-        Inertia(MASS, (0.0, 0.0), 2.0), constraints or RollingConstraints(None), (effect,), wheels
-    )
+    cart = CartModel(Inertia(MASS, (0.0, 0.0), 2.0), constraints or RollingConstraints(None), (effect,), wheels)
     parameters = cart.parameters.copy()
     if phi is not None:
         parameters[:4] = phi
@@ -109,9 +105,7 @@ def test_directional_drag_is_continuous_and_monotonous(forward, backward):
 
 def test_directional_drag_of_one_value_is_viscous():
     for u in (-1.0, -1e-3, 0.0, 1e-3, 1.0):
-        np.testing.assert_allclose(
-            force_at(DirectionalDrag(4.0, 4.0), u), force_at(ViscousDrag(4.0), u), atol=1e-15
-        )
+        np.testing.assert_allclose(force_at(DirectionalDrag(4.0, 4.0), u), force_at(ViscousDrag(4.0), u), atol=1e-15)
 
 
 def test_stribeck_friction_stops_in_the_time_of_its_integral():

@@ -79,9 +79,7 @@ def test_a_turned_sensor_sees_a_forward_force_to_its_right(angle, force, wrench)
     """Axes turned by +angle see the x force as (cos, -sin); norms and z stay."""
     effect = ForceMisalignment(angle)
     recorded = effect.recorded(force * np.eye(6)[0], effect.values)
-    np.testing.assert_allclose(
-        recorded, force * np.array([np.cos(angle), -np.sin(angle), 0, 0, 0, 0]), atol=1e-12
-    )
+    np.testing.assert_allclose(recorded, force * np.array([np.cos(angle), -np.sin(angle), 0, 0, 0, 0]), atol=1e-12)
     turned = effect.recorded(wrench, effect.values)
     np.testing.assert_allclose(turned[[2, 5]], wrench[[2, 5]])
     for pair in ([0, 1], [3, 4]):

@@ -60,9 +60,7 @@ def test_the_slope_pulls_down_the_gradient_of_the_height(inertia, pose, grade):
     for k, displacement_b in enumerate(np.eye(3)):
         cosine, sine = np.cos(pose[2]), np.sin(pose[2])
         moved = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]]) @ displacement_b * step
-        rise = height_of_com(pose + moved, inertia.com, grade) - height_of_com(
-            pose - moved, inertia.com, grade
-        )
+        rise = height_of_com(pose + moved, inertia.com, grade) - height_of_com(pose - moved, inertia.com, grade)
         # rounding: 1e-15 of height over the step; truncation: step² of a sine
         work = -inertia.mass * GRAVITY * rise / (2 * step)
         np.testing.assert_allclose(wrench_b[k], work, rtol=1e-7, atol=1e-8)

@@ -143,8 +143,10 @@ def test_the_papers_literal_form_fails_where_the_filter_does_not():
     literal = replay(log, PaperFilter(guess(), ["hand"], noise=noise)).last
     sound = replay(log, CartFilter(guess(), ["hand"], noise=noise, prior=KNOWN)).last
     wrong = abs(literal.parameters["com_x"].value - 0.28)
-    assert literal.health == "diverged" or wrong > 0.05 or literal.parameters["mass"].std < 0.3 * abs(
-        literal.parameters["mass"].value - 24.0
+    assert (
+        literal.health == "diverged"
+        or wrong > 0.05
+        or literal.parameters["mass"].std < 0.3 * abs(literal.parameters["mass"].value - 24.0)
     )
     assert abs(sound.parameters["com_x"].value - 0.28) < 0.02
 

@@ -22,12 +22,8 @@ NUMBERS = st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.just(ma
 @st.composite
 def logs(draw):
     n = draw(st.integers(1, 6))
-    clock = draw(
-        st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=n, max_size=n, unique=True)
-    )
-    arms = draw(
-        st.lists(st.from_regex(r"[A-Za-z_][A-Za-z0-9_ -]{0,6}[a-z]", fullmatch=True), min_size=1, unique=True)
-    )
+    clock = draw(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=n, max_size=n, unique=True))
+    arms = draw(st.lists(st.from_regex(r"[A-Za-z_][A-Za-z0-9_ -]{0,6}[a-z]", fullmatch=True), min_size=1, unique=True))
 
     def table(width):
         return draw(arrays(np.float64, (n, width), elements=NUMBERS))

@@ -73,12 +73,12 @@ def test_a_log_needs_a_clock(times):
 
 
 def only_our_errors(path):
+    said = ""
     try:
-        log = read_log(path)
+        assert len(read_log(path)) > 0
     except CartgraspError as error:
-        assert str(path) in str(error)
-        return
-    assert len(log) > 0
+        said = str(error)
+    assert not said or str(path) in said
 
 
 @pytest.fixture(scope="module")
@@ -159,8 +159,6 @@ def binary_log(folder, kind, made={}):  # noqa: B006 - made once
             write_log(even_log(5, 0.01), path)
         else:
             t = np.arange(5.0)
-            savemat(
-                path, {"t": t, "qm": t, "qg": t, "vir": t, "gtau": 2.0}, format="4" if kind == "mat4" else "5"
-            )
+            savemat(path, {"t": t, "qm": t, "qg": t, "vir": t, "gtau": 2.0}, format="4" if kind == "mat4" else "5")
         made[kind] = path.read_bytes()
     return made[kind]

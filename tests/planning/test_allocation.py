@@ -49,20 +49,14 @@ def test_without_limits_it_is_the_weighted_pseudo_inverse(seed):
     rng = np.random.default_rng(seed)
     model = random_cart(rng)
     arms = [
-        free_arm(
-            f"arm{i}", rng.uniform(-0.5, 0.5, 3), yaw=rng.uniform(-3, 3), weights=rng.uniform(0.5, 12, 6)
-        )
+        free_arm(f"arm{i}", rng.uniform(-0.5, 0.5, 3), yaw=rng.uniform(-3, 3), weights=rng.uniform(0.5, 12, 6))
         for i in range(rng.integers(1, 5))
     ]
     wrench = rng.uniform(-40, 40, 3)
     found = allocate(model, arms, first_contacts(arms), wrench)
     matrix = effective_matrix(model, arms, first_contacts(arms))
     inverse = np.diag(1 / np.concatenate([a.weights for a in arms]))
-    expected = (
-        inverse
-        @ matrix.T
-        @ np.linalg.solve(matrix @ inverse @ matrix.T, model.constraints.basis_b.T @ wrench)
-    )
+    expected = inverse @ matrix.T @ np.linalg.solve(matrix @ inverse @ matrix.T, model.constraints.basis_b.T @ wrench)
     assert np.concatenate(list(found.wrenches.values())) == pytest.approx(expected, **TIGHT)
     assert found.solution.residuals.equality <= 1e-9
 
@@ -101,9 +95,7 @@ def test_least_moment_contact_of_a_handle(acceleration, drag, com_y):
     planner = WrenchPlanner(cart(), [bar("left")])
     plan = planner.plan((force, 0.0, -mass * com_y * acceleration))
     assert plan.effort == pytest.approx(force**2, rel=1e-9)
-    assert plan.contacts["left"] == pytest.approx(
-        [-0.25, best, 1.0], abs=2e-5
-    )  # the gap allows 1e-9 of effort
+    assert plan.contacts["left"] == pytest.approx([-0.25, best, 1.0], abs=2e-5)  # the gap allows 1e-9 of effort
     assert plan.wrenches["left"] == pytest.approx([force, 0, 0, 0, 0, 0], abs=1e-3)
     assert plan.choice.gap <= 1e-9
 
@@ -123,9 +115,7 @@ def test_a_cart_without_constraint_needs_three_rows():
     program = build_allocation(cart(0), arms, first_contacts(arms), wrench)
     assert program.equality[0].shape == (3, 12)
     found = allocate(cart(0), arms, first_contacts(arms), wrench)
-    total = effective_matrix(cart(0), arms, first_contacts(arms)) @ np.concatenate(
-        list(found.wrenches.values())
-    )
+    total = effective_matrix(cart(0), arms, first_contacts(arms)) @ np.concatenate(list(found.wrenches.values()))
     assert total == pytest.approx(wrench, abs=1e-9)
 
 
@@ -143,9 +133,7 @@ def test_the_program_says_what_it_is():
     assert program.upper_names[0] == "arm0: fx upper"
     assert program.lower_names[0] == "arm0: push only"
     assert program.lower_names[5] == "arm0: tz lower"
-    assert program.upper_names[12:20] == tuple(
-        f"arm{i}: friction edge {k}" for i in range(2) for k in range(4)
-    )
+    assert program.upper_names[12:20] == tuple(f"arm{i}: friction edge {k}" for i in range(2) for k in range(4))
     x = np.arange(12.0)
     assert program.cost(x) == pytest.approx(np.concatenate([a.weights for a in arms]) @ x**2)
 

@@ -177,9 +177,7 @@ def test_an_arm_with_points_and_a_segment():
 def test_three_hands_on_one_bar():
     """The hull is only the box here, so the search may end early: then with an honest gap."""
     arms = [bar(name) for name in ("a", "b", "c")]
-    plan = WrenchPlanner(cart(), arms, min_hand_distance=0.15, search_limit=SearchLimit(600)).plan(
-        (60, 0, 12)
-    )
+    plan = WrenchPlanner(cart(), arms, min_hand_distance=0.15, search_limit=SearchLimit(600)).plan((60, 0, 12))
     assert plan.status == "optimal"
     check(arms, plan, cart(), (60, 0, 12), 0.15)
     ys = np.linspace(-0.25, 0.25, 11)

@@ -108,8 +108,7 @@ def test_the_certificate_in_words():
     arms = pair()
     found = allocate(cart(), arms, first_contacts(arms), (150, 0, 0))
     assert found.certificate.words == (
-        "left: fx upper 60 N; right: fx upper 60 N: together they give at most 120 N of forward force, "
-        "150 N is asked"
+        "left: fx upper 60 N; right: fx upper 60 N: together they give at most 120 N of forward force, 150 N is asked"
     )
     assert found.certificate.limits == {"left: fx upper": 60.0, "right: fx upper": 60.0}
     assert found.certificate.direction == (1.0, 0.0, 0.0)

@@ -127,9 +127,7 @@ def test_cones_agree_with_cvxpy(seed):
 def test_weights_of_zero(seed):
     """A singular Hessian: the cost is unique though the wrenches may not be."""
     rng = np.random.default_rng(seed)
-    arms = [
-        arm(f"arm{i}", [rng.uniform(-0.4, 0.4, 3)], weights=rng.choice([0.0, 1.0, 5.0], 6)) for i in range(2)
-    ]
+    arms = [arm(f"arm{i}", [rng.uniform(-0.4, 0.4, 3)], weights=rng.choice([0.0, 1.0, 5.0], 6)) for i in range(2)]
     program = build_allocation(cart(), arms, first_contacts(arms), (30, 0, 4))
     solution, reference = QuadraticSolver().solve(program), solve_reference(program)
     assert solution.status == "optimal"

@@ -60,9 +60,7 @@ def hospital_bed(*effects):
 
 
 def wrench(fx=0.0, fy=0.0, tau=0.0, at=(0.0, 0.0, 0.0), yaw=0.0):
-    return ContactWrenches(
-        {"arm": np.array([fx, fy, 0, 0, 0, tau])}, {"arm": np.array(at, dtype=float)}, {"arm": yaw}
-    )
+    return ContactWrenches({"arm": np.array([fx, fy, 0, 0, 0, tau])}, {"arm": np.array(at, dtype=float)}, {"arm": yaw})
 
 
 def push(plant, wrench_of_time, duration):
@@ -278,9 +276,7 @@ def test_a_curve_with_rolling_resistance_along_the_wheels(seed, begin):
 
     times = CONTROL * np.arange(1, 501)
     state = np.concatenate([smooth.state(velocity=(begin, 0.0)), np.zeros(n_casters)])
-    solution = solve_ivp(
-        rate, (0, 5.0), state, method="LSODA", t_eval=times, rtol=1e-7, atol=1e-9, max_step=0.05
-    )
+    solution = solve_ivp(rate, (0, 5.0), state, method="LSODA", t_eval=times, rtol=1e-7, atol=1e-9, max_step=0.05)
     theirs = push(MujocoPlant(cart, velocity=(begin, 0.0)), forces, 5.0)
     assert apart(solution.y.T, theirs) < 0.005
     np.testing.assert_allclose(theirs[:, 3:], solution.y.T[:, 3:5], atol=0.003)
@@ -498,9 +494,7 @@ def test_a_push_high_up_shifts_the_loads():
 
 def test_the_same_inputs_give_the_same_bytes():
     def bytes_of_a_run():
-        cart = shopping_cart(
-            RollingResistance(0.02), CasterRealignment(0.2), PayloadChange(0.7, 5.0, 0.3, 0.1)
-        )
+        cart = shopping_cart(RollingResistance(0.02), CasterRealignment(0.2), PayloadChange(0.7, 5.0, 0.3, 0.1))
         plant = MujocoPlant(cart, (0.3, 0.1, 1.0), heading=0.1)
         return push(plant, curve(20.0, 5.0), 1.5).tobytes()
 

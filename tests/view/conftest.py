@@ -81,9 +81,7 @@ def shared(wrench: np.ndarray, contacts: dict[str, np.ndarray]) -> dict[str, np.
     grasps = []
     for points in contacts.values():
         one, zero = np.ones(len(points)), np.zeros(len(points))
-        grasps.append(
-            np.stack([np.stack([one, zero, zero], 1), np.stack([-points[:, 1], points[:, 0], one], 1)], 1)
-        )
+        grasps.append(np.stack([np.stack([one, zero, zero], 1), np.stack([-points[:, 1], points[:, 0], one], 1)], 1))
     weights = np.array([1.0, 1.0, 0.1, 0.8, 0.3, 0.04])  # the right arm is the weaker one
     grasp = np.concatenate(grasps, axis=2)
     inner = np.linalg.solve((grasp * weights) @ np.swapaxes(grasp, 1, 2), wrench[..., None])

@@ -248,9 +248,7 @@ def test_columns():
 
 
 def test_caster_headings_of_another_count_are_left_out(record: RunRecord):
-    assert (
-        player_data(replace(record, caster_headings=np.zeros((len(record.time), 1))), "")["casters"] is None
-    )
+    assert player_data(replace(record, caster_headings=np.zeros((len(record.time), 1))), "")["casters"] is None
 
 
 def test_written_page_is_the_page(record: RunRecord, tmp_path):

@@ -176,9 +176,7 @@ def test_one_row_is_a_run_too(record: RunRecord, tmp_path):
 
 
 def test_hostile_names_stay_text(record: RunRecord, tmp_path):
-    name = (
-        "</script><script>document.title = 'owned'</script><img src=x onerror=\"document.title = 'owned'\">"
-    )
+    name = "</script><script>document.title = 'owned'</script><img src=x onerror=\"document.title = 'owned'\">"
     arm = record.log.arms["left"]
     hostile = replace(
         record,

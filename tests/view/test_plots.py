@@ -51,8 +51,7 @@ def test_figures_have_units_on_every_axis_and_become_png(make, record: RunRecord
 def test_the_same_run_gives_the_same_file(record: RunRecord, tmp_path):
     for kind in ("png", "pdf", "svg"):
         first, second = (
-            figures.save_figure(figures.figure_tracking(record), tmp_path / f"{i}.{kind}").read_bytes()
-            for i in (1, 2)
+            figures.save_figure(figures.figure_tracking(record), tmp_path / f"{i}.{kind}").read_bytes() for i in (1, 2)
         )
         assert first == second
 
@@ -146,9 +145,7 @@ def test_missing_samples_leave_gaps(record: RunRecord, tmp_path):
     figures.save_figure(figures.figure_tracking(nowhere), tmp_path / "nowhere.png")
 
 
-@pytest.mark.parametrize(
-    "name", ["_left", "$\\frac{", "a$b$c", "line\nbreak\x00", "左腕", "\ud800", "x" * 200]
-)
+@pytest.mark.parametrize("name", ["_left", "$\\frac{", "a$b$c", "line\nbreak\x00", "左腕", "\ud800", "x" * 200])
 def test_names_of_arms_are_drawn_letter_by_letter(name: str, record: RunRecord, tmp_path):
     arms = {name: ArmLog(record.log.arms["left"].contact, record.wrenches["left"])}
     figure = figures.figure_arms(replace(record, log=replace(record.log, arms=arms), wrenches={}))
