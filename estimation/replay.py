@@ -49,13 +49,20 @@ class Replay:
         return "\n".join(lines) + "\n"
 
 
-def replay(log: RunLog, estimator: Estimator, progress: Callable[[float], None] | None = None) -> Replay:
-    """Every row of the log in turn; `progress` is told the share done."""
+def replay(
+    log: RunLog,
+    estimator: Estimator,
+    progress: Callable[[float], None] | None = None,
+    until: float | None = None,
+) -> Replay:
+    """Every row of the log in turn, then on to `until` (s); `progress` is told the share done."""
     estimates = []
     for i, measurement in enumerate(log.measurements()):
         estimates.append(_updated(estimator, measurement, log.name))
         if progress is not None and i % 100 == 0:
             progress(i / len(log))
+    if until is not None and until > log.time[-1]:
+        estimates.append(_updated(estimator, Measurement(until), log.name))
     return Replay(tuple(estimates))
 
 

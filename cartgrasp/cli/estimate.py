@@ -26,7 +26,7 @@ def run(path: Path, cart_path: Path | None, method: str, out: Path | None, as_js
     cart = _cart(path, cart_path)
     if out is not None:
         check_writable(out)
-    log = read_log(path).thinned()
+    log = read_log(path)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
     if out is not None:
@@ -47,8 +47,9 @@ def _cart(path: Path, cart_path: Path | None) -> CartModel:
 
 
 def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
-    estimator = METHODS[method](cart, list(log.arms), noise=noise_of_log(log, cart))
-    return replay(log, estimator, tell)
+    thinned = log.thinned()
+    estimator = METHODS[method](cart, list(log.arms), noise=noise_of_log(thinned, cart))
+    return replay(thinned, estimator, tell, until=float(log.time[-1]))
 
 
 def _print(result: Replay) -> None:
