@@ -173,10 +173,11 @@ class CartModel:
         wrench_b: Array,
         parameters: Array | None = None,
         time: Any = 0.0,
-        sensitive_to: Array | None = None,
+        trust: Array | None = None,
     ) -> StateRate:
-        """Forward dynamics with analytic partials. Those by phi are taken under the wrench `sensitive_to` instead of
-        `wrench_b` where it is given (an estimator trusts only the part of a noisy wrench that stands out)."""
+        """Forward dynamics with analytic partials. Where `trust` (..., n_free) of 0 to 1 is given, the accelerations
+        in the partials by phi are scaled by it: an estimator learns only from those that a wrench above its noise made.
+        """
         parameters = self.parameters if parameters is None else parameters
         situation, changes = self._situation(state, parameters, time)
         basis = self.basis_b
@@ -185,7 +186,7 @@ class CartModel:
         inverse = np.linalg.inv(basis.T @ mass_matrix_b(situation.phi) @ basis)
         acceleration = _apply(inverse @ basis.T, wrench_b + wrench.value - bias)
         reach = inverse @ basis.T
-        seen = acceleration if sensitive_to is None else acceleration + _apply(reach, sensitive_to - wrench_b)
+        seen = acceleration if trust is None else trust * acceleration
         rigid = regressor_b(situation.velocity_b, seen @ basis.T)
 
         lead = np.broadcast_shapes(acceleration.shape[:-1], parameters.shape[:-1])

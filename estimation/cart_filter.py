@@ -32,7 +32,7 @@ from .wrench_sensing import WrenchSensing
 MAX_STEP = 0.01
 LONG_GAP = 1.0
 JUMP = 14.0
-STANDS_OUT = 2.0
+STANDS_OUT = 1.0
 UNKNOWN_FORCE = 100.0
 MEASUREMENT_FLOOR = 1e-10
 STICTION_MEMORY = 0.1
@@ -154,9 +154,9 @@ class CartFilter:
         belief, layout, cart = self.belief, self.layout, self.cart
         block = belief.mean[layout.parameters]
         theta, wrench = self._block.theta(block), belief.mean[layout.wrench]
-        wrench_b, significant_b = self._lift @ wrench, self._lift @ self._significant(wrench)
+        wrench_b = self._lift @ wrench
         state = belief.mean[layout.motion]
-        flow = cart.rate(state, wrench_b, theta, time, significant_b)
+        flow = cart.rate(state, wrench_b, theta, time, self._trust(wrench))
         n, rows = len(belief.mean), layout.motion
         rate, jacobian = np.zeros(n), np.zeros((n, n))
         rate[rows] = flow.value
@@ -168,12 +168,12 @@ class CartFilter:
         advance = exponential_step(rate, jacobian, density, step)
         self._belief = predicted(belief, replace(advance, noise=advance.noise + self._walk(step)))
 
-    def _significant(self, wrench: Array) -> Array:
-        """The part of the wrench that stands out of its noise. A noise that is taken for a push, and moves nothing,
+    def _trust(self, wrench: Array) -> Array:
+        """How far each part of the wrench stands out of its noise, 0 to 1. Noise taken for a push, that moves nothing,
         would be evidence of an infinite inertia (errors in variables, physics 11)."""
         where = self.layout.wrench
         variance = np.diagonal(self.belief.covariance[where, where])
-        return wrench * np.maximum(0.0, 1.0 - STANDS_OUT**2 * variance / np.maximum(wrench**2, 1e-300))
+        return np.maximum(0.0, 1.0 - STANDS_OUT**2 * variance / np.maximum(wrench**2, 1e-300))
 
     def _density(self, heading: float, reach: Array, stiction: Array) -> Array:
         """Of the continuous process noise: disturbance force, stiction, slip, swivel."""

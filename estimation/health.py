@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 SMOOTHING = 0.04
-LOUD, QUIET = 2.5, 1.5
+LOUD, QUIET = 3.0, 1.5
 HOLD_OFF = 0.6
 MOST_RESETS, MEMORY = 3, 20.0
 SETTLING_SAMPLES = 100

@@ -26,7 +26,9 @@ MOST_COUPLING = 0.5
 
 
 class Chart(Protocol):
-    """Coordinates (4,) of phi (4,)."""
+    """Coordinates (4,) of phi (4,). `order` names the coordinate behind mass, com_x, com_y and inertia."""
+
+    order: tuple[int, int, int, int]
 
     def coordinates(self, phi: Array) -> Array: ...
 
@@ -55,6 +57,8 @@ def build_chart(constraints: RollingConstraints) -> Chart:
 @final
 class AxleChart:
     """One rolling constraint, with the axle at x = `axle_x`."""
+
+    order = (0, 3, 1, 2)
 
     def __init__(self, axle_x: float) -> None:
         # phi about the axle: m dx - m a, and J - 2 a m dx + a² m
@@ -97,6 +101,8 @@ class AxleChart:
 class FreeChart:
     """No rolling constraint."""
 
+    order = (0, 1, 2, 3)
+
     def coordinates(self, phi: Array) -> Array:
         m, mx, my, J = phi
         about_com = J - (mx**2 + my**2) / m
@@ -134,6 +140,8 @@ class FreeChart:
 @final
 class RailChart:
     """A cart on a rail: 1/m; the rest of phi stays as it is."""
+
+    order = (0, 1, 2, 3)
 
     def coordinates(self, phi: Array) -> Array:
         return np.array([1 / phi[0], *phi[1:]])

@@ -45,16 +45,15 @@ class ParameterBlock:
         return self._to_coordinates(self.prior.covariance(self.cart), self.first)
 
     def theta(self, block: Array) -> Array:
-        """The model's parameters (p,)."""
-        full = self._full.copy()
-        full[self.free] = block
-        full[:N_PHI] = self._chart.phi(full[:N_PHI])
+        """The model's parameters (p,), with phi kept physical: m > 0, J m > |m d|² (physics 18)."""
+        full = self._tamed(block)
+        phi = self._chart.phi(full[:N_PHI])
+        full[:N_PHI] = self._physical_phi(phi) if self._phi_is_free else phi
         return full
 
     def jacobian(self, block: Array) -> Array:
         """Partials (p, f) of `theta`."""
-        full = self._full.copy()
-        full[self.free] = block
+        full = self._tamed(block)
         partials = np.eye(len(full))
         partials[:N_PHI, :N_PHI] = self._chart.jacobian(full[:N_PHI])
         return partials[:, self.free]
@@ -88,6 +87,13 @@ class ParameterBlock:
             return block
         full[:N_PHI] = self._chart.coordinates(physical)
         return np.asarray(full[self.free])
+
+    def _tamed(self, block: Array) -> Array:
+        """All coordinates (p,), with a mass that is positive and finite."""
+        full = self._full.copy()
+        full[self.free] = self.within_bounds(block)
+        full[:N_PHI] = self._chart.tamed(full[:N_PHI], self._reach)
+        return full
 
     def _physical_phi(self, phi: Array) -> Array:
         """phi itself, or with mass, CoM and inertia brought back to what a cart can have."""
@@ -123,8 +129,11 @@ class ParameterBlock:
         to_report[:N_PHI, :N_PHI] = physical_jacobian(theta[:N_PHI])
         root = to_report @ self.jacobian(block)
         std = np.sqrt(np.maximum(((root @ covariance) * root).sum(axis=1), 0.0))
-        learned = self._is_free & (std < IDENTIFIABLE_SHARE * self._prior_std)
+        learned = self._is_free & (std < IDENTIFIABLE_SHARE * self._prior_std) & self._has_shrunk(covariance)
         theta[:N_PHI] = physical_from_phi(theta[:N_PHI])
+        if self.cart.constraints.no_rotation:
+            body = self.cart.inertia
+            theta[1:N_PHI], std[1:N_PHI] = [*body.com, body.about_com], self._prior_std[1:N_PHI]
         return {
             name: ParameterEstimate(value, deviation, unit, known)
             for (name, unit), value, deviation, known in zip(
@@ -132,9 +141,16 @@ class ParameterBlock:
             )
         }
 
+    def _has_shrunk(self, covariance: Array) -> np.ndarray:
+        """Whether the filter's own coordinate behind each parameter (p,) is known better than at first: a standard
+        deviation of a physical value also shrinks where the value runs away."""
+        share = np.ones(len(self._full))
+        share[self.free] = np.sqrt(np.diagonal(covariance) / np.diagonal(self.first_covariance))
+        share[:N_PHI] = share[list(self._chart.order)]
+        return share < IDENTIFIABLE_SHARE
+
     def _to_coordinates(self, covariance: Array, block: Array) -> Array:
-        full = self._full.copy()
-        full[self.free] = block
+        full = self._tamed(block)
         inverse = np.eye(len(full))
         inverse[:N_PHI, :N_PHI] = np.linalg.inv(self._chart.jacobian(full[:N_PHI]))
         return np.asarray((inverse @ covariance @ inverse.T)[np.ix_(self.free, self.free)])
