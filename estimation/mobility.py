@@ -82,7 +82,7 @@ class AxleChart:
 
     def tamed(self, coordinates: Array, reach: float) -> Array:
         a, b, c, g = coordinates
-        most = min(reach * c, (MOST_COUPLING * a * c) ** 0.5)
+        most = min(reach * c, max(MOST_COUPLING * a * c, 0.0) ** 0.5)
         return coordinates if abs(b) <= most else np.array([a, np.copysign(most, b), c, g])
 
     def jacobian(self, coordinates: Array) -> Array:

@@ -79,7 +79,7 @@ class ParameterBlock:
         if not self._phi_is_free:
             return block
         full = self._full.copy()
-        full[self.free] = block
+        full[self.free] = self.within_bounds(block)
         tamed = self._chart.tamed(full[:N_PHI], self._reach)
         phi = self._chart.phi(tamed)
         physical = self._physical_phi(phi)
