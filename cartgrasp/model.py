@@ -258,6 +258,13 @@ class CartModel:
         found = [e.stiction(situation, memory[..., own], parameters[..., s]) for e, s, own in self.force_effects]
         return np.concatenate([np.zeros((3, 0)), *(f for f in found if f is not None)], axis=-1)
 
+    def settled_memory(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
+        """Where the effects' memories (..., k) come to rest when the motion goes on as it is."""
+        situation, _ = self._situation(state, parameters, time)
+        memory = state[..., self.memory_slice]
+        settled = [effect.settled_memory(situation, memory[..., own]) for effect, _, own in self.force_effects]
+        return np.concatenate([memory[..., :0], *settled], axis=-1)
+
     def planar_wrench(self, reduced: Array) -> Array:
         """A wrench (..., 3) in {b} without side force whose effective rows `Sᵀ wrench_b` are `reduced`."""
         wrench = np.zeros((*reduced.shape[:-1], 3))

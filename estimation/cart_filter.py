@@ -28,6 +28,7 @@ from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior
 from .wrench_sensing import WrenchSensing
+from .wrench_walk import WrenchWalk
 
 MAX_STEP = 0.01
 LONG_GAP = 1.0
@@ -35,6 +36,9 @@ JUMP = 14.0
 STANDS_OUT = 1.0
 UNKNOWN_FORCE = 100.0
 MEASUREMENT_FLOOR = 1e-10
+UNKNOWN_MEMORY = 0.5
+POISED = 12.0
+"""e-foldings of an instability after which nothing is poised there any more."""
 STICTION_MEMORY = 0.1
 """s: how long a stuck friction force keeps its value."""
 
@@ -74,9 +78,11 @@ class CartFilter:
         self.layout = Layout.of(cart, len(self._block.free))
         self._sensing = WrenchSensing(cart, arms, yaws or {}, self.noise.wrench_covariance)
         self._watch = Watch()
+        self._walk = WrenchWalk(self._wrench_variance(UNKNOWN_FORCE))
+        self._poise = np.zeros(len(cart.memory_names))
         self._belief: Gaussian | None = None
         self._time = np.nan
-        self._has_wrench = False
+        self._started = self._has_wrench = False
         self._lift = cart.planar_wrench(np.eye(cart.constraints.n_free)).T
         self._project = np.linalg.pinv(cart.basis_b)
 
@@ -85,7 +91,7 @@ class CartFilter:
         if not np.isfinite(measurement.time):
             raise UsageError(f"measurement: time {measurement.time} is not finite")
         self._sensing.note_contacts(measurement)
-        if self._belief is None:
+        if not self._started:
             self._start(measurement)
         elif measurement.time < self._time - 1e-9:
             return replace(self.estimate, health=Health.CLOCK)
@@ -97,7 +103,6 @@ class CartFilter:
             self._take_velocity(np.asarray(measurement.velocity, dtype=float))
         if measurement.wrenches:
             self._take_wrenches(measurement)
-        self._keep_physical()
         if self._watch.wants_reset(self._time):
             self._open_load()
         return self.estimate
@@ -118,9 +123,17 @@ class CartFilter:
     def estimate(self) -> Estimate:
         mean, part = self.belief.mean, self.layout.parameters
         motion = Motion(mean[:3].copy(), mean[self.cart.velocity_slice].copy())
-        parameters = self._block.report(mean[part], self.belief.covariance[part, part])
+        block = self._physical_block
+        parameters = self._block.report(block, self.belief.covariance[part, part])
         health = self._watch.health if self._has_wrench else Health.NO_WRENCH
-        return Estimate(self._time, motion, parameters, health, self.cart, self._block.theta(mean[part]))
+        return Estimate(self._time, motion, parameters, health, self.cart, self._block.theta(block))
+
+    @property
+    def _physical_block(self) -> Array:
+        """The parameters to linearise at and to report. Where what is believed is no body, the belief itself stays as
+        it is: pushed inside at every step, it would count each push as news."""
+        part = self.layout.parameters
+        return self._block.nearest_physical(self.belief.mean[part], self.belief.covariance[part, part])
 
     # --- prediction ------------------------------------------------------------------------------------------
 
@@ -134,11 +147,12 @@ class CartFilter:
         variances = np.zeros(len(mean))
         variances[:3] = np.where(known, np.diag(self.noise.pose_covariance), 100.0)
         variances[cart.velocity_slice] = 1.0
-        variances[cart.memory_slice] = 0.5**2
+        variances[cart.memory_slice] = UNKNOWN_MEMORY**2
         variances[layout.wrench] = self._wrench_variance(UNKNOWN_FORCE)
         covariance = np.diag(variances)
         covariance[layout.parameters, layout.parameters] = self._block.first_covariance
         self._belief, self._time = Gaussian(mean, covariance), measurement.time
+        self._started = bool(known[2])  # without a heading nobody knows where anything pushes
 
     def _predict(self, time: float) -> None:
         gap = time - self._time
@@ -152,7 +166,8 @@ class CartFilter:
 
     def _step(self, time: float, step: float) -> None:
         belief, layout, cart = self.belief, self.layout, self.cart
-        block = belief.mean[layout.parameters]
+        believed = belief.mean[layout.parameters]
+        block = self._physical_block
         theta, wrench = self._block.theta(block), belief.mean[layout.wrench]
         wrench_b = self._lift @ wrench
         state = belief.mean[layout.motion]
@@ -163,10 +178,34 @@ class CartFilter:
         jacobian[rows, rows] = flow.by_state
         jacobian[rows, layout.parameters] = flow.by_parameters @ self._block.jacobian(block)
         jacobian[rows, layout.wrench] = flow.by_wrench @ self._lift
+        where = range(layout.wrench.start, layout.wrench.stop)
+        walk, fade = self._walk.at(time)
+        rate[layout.wrench] = -fade * wrench
+        jacobian[where, where] = -fade
+        if block is not believed:
+            rate[rows] += jacobian[rows, layout.parameters] @ (believed - block)
+        self._note_poise(np.diagonal(jacobian)[cart.memory_slice], step)
         stiction = cart.stiction(state, theta, time)
         density = self._density(state[2], flow.by_wrench[cart.velocity_slice], stiction)
         advance = exponential_step(rate, jacobian, density, step)
-        self._belief = predicted(belief, replace(advance, noise=advance.noise + self._walk(step)))
+        self._belief = predicted(belief, replace(advance, noise=advance.noise + self._walked(walk, step)))
+        if (self._poise > POISED).any():
+            self._topple(cart.settled_memory(state, theta, time))
+
+    def _note_poise(self, growth: Array, step: float) -> None:
+        """Counts the e-foldings by which each memory has been unstable where it is believed to be."""
+        self._poise = np.where(growth > 0, self._poise + growth * step, 0.0)
+
+    def _topple(self, settled: Array) -> None:
+        """A caster doesn't stay turned against its way: a memory believed poised for too long is where it settles."""
+        mean, covariance = self.belief.mean.copy(), self.belief.covariance.copy()
+        for i in np.flatnonzero(self._poise > POISED):
+            k = self.cart.memory_slice.start + i
+            mean[k] = settled[i]
+            covariance[k, :] = covariance[:, k] = 0.0
+            covariance[k, k] = UNKNOWN_MEMORY**2
+            self._poise[i] = 0.0
+        self._belief = Gaussian(mean, covariance)
 
     def _trust(self, wrench: Array) -> Array:
         """How far each part of the wrench stands out of its noise, 0 to 1. Noise taken for a push, that moves nothing,
@@ -189,13 +228,13 @@ class CartFilter:
         density[memory, memory] = noise.swivel**2
         return density
 
-    def _walk(self, step: float) -> Array:
+    def _walked(self, of_wrench: Array, step: float) -> Array:
         """Of the random walks that step between samples: parameters, and the held wrench."""
         n, layout = self.layout.wrench.stop, self.layout
         walk = np.zeros((n, n))
         walk[layout.parameters, layout.parameters] = self.noise.parameter_drift**2 * step * self._block.first_covariance
         wrench = range(layout.wrench.start, layout.wrench.stop)
-        walk[wrench, wrench] = self._wrench_variance(self.noise.wrench_change) * step
+        walk[wrench, wrench] = of_wrench * step
         return walk
 
     def _coast(self, gap: float) -> None:
@@ -234,16 +273,26 @@ class CartFilter:
 
     def _take_wrenches(self, measurement: Measurement) -> None:
         layout = self.layout
-        block = self.belief.mean[layout.parameters]
+        block = self._physical_block
         sensed = self._sensing.sense(measurement, self._block.theta(block))
         if sensed is None:
             return
         H = np.zeros((len(sensed.value), layout.wrench.stop))
         H[:, layout.wrench] = np.eye(len(sensed.value))
         H[:, layout.parameters] = -sensed.by_parameters @ self._block.jacobian(block)
+        self._walk.note(measurement.time, sensed.value, np.diagonal(sensed.covariance))
+        if not self._has_wrench:
+            self._rest(sensed.covariance)
         self._follow_jump(sensed.value, sensed.covariance)
         self._absorb("wrench", sensed.value - self.belief.mean[layout.wrench], H, sensed.covariance)
         self._has_wrench = True
+
+    def _rest(self, noise: Array) -> None:
+        """Before the first wrench the arms are taken to rest, to within its noise, unless it is a jump from there."""
+        mean, covariance, where = self.belief.mean.copy(), self.belief.covariance.copy(), self.layout.wrench
+        covariance[where, :] = covariance[:, where] = mean[where] = 0.0
+        covariance[where, where] = noise
+        self._belief = Gaussian(mean, covariance)
 
     def _follow_jump(self, measured: Array, R: Array) -> None:
         """A step of the wrench (a regrasp, a switch of the controller) is followed at once, not walked to."""
@@ -267,29 +316,11 @@ class CartFilter:
 
     # --- parameters ------------------------------------------------------------------------------------------
 
-    def _keep_physical(self) -> None:
-        """Back inside the effects' bounds and a physical phi, where noise has led out (physics 18). What is believed
-        together with a parameter moves with it: the belief is conditioned on the bound, its covariance kept."""
-        part = self.layout.parameters
-        block = self.belief.mean[part]
-        inside = self._block.within_bounds(block)
-        mean = self.belief.mean
-        for i in np.flatnonzero(inside != block):
-            column = self.belief.covariance[:, part.start + i]
-            mean = mean + column / column[part.start + i] * (inside[i] - mean[part.start + i])
-        block = mean[part]
-        physical = self._block.physical(block)
-        if physical is not block:
-            mean = mean.copy()
-            mean[part] = physical
-        if mean is not self.belief.mean:
-            self._belief = Gaussian(mean, self.belief.covariance)
-
     def _open_load(self) -> None:
         """The load may have changed: the parameters' covariance opens."""
         part = self.layout.parameters
         covariance = self.belief.covariance.copy()
-        covariance[part, part] += self._block.load_covariance(self.belief.mean[part])
+        covariance[part, part] += self._block.load_covariance(self._physical_block)
         self._belief = Gaussian(self.belief.mean, covariance)
 
     def _wrench_variance(self, force: float) -> Array:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-SMOOTHING = 0.04
-LOUD, QUIET = 3.0, 1.5
-HOLD_OFF = 0.6
+import numpy as np
+
+SMOOTHING = 0.01
+"""Share of a new sample in the level: slower than a caster's turning round, which is loud for a moment too."""
+LOUD = 2.7
+HOLD_OFF = 1.5
+"""s after a reset in which a load is called changed, and nothing is reset again."""
 MOST_RESETS, MEMORY = 3, 20.0
 SETTLING_SAMPLES = 100
 GATE = 25.0
@@ -32,6 +36,7 @@ class Watch:
         self.last: dict[str, tuple[float, int]] = {}
         self.level = 1.0
         self._samples = 0
+        self._time = -np.inf
         self._resets: tuple[float, ...] = ()
         self._outliers = 0.0
 
@@ -48,12 +53,18 @@ class Watch:
 
     def wants_reset(self, time: float) -> bool:
         """Whether the parameters should be opened now."""
+        self._time = time
         self._resets = tuple(t for t in self._resets if time - t < MEMORY)
-        recent = self._resets and time - self._resets[-1] < HOLD_OFF
-        if self._samples < SETTLING_SAMPLES or self.level < LOUD or recent or len(self._resets) >= MOST_RESETS:
+        may = self._samples >= SETTLING_SAMPLES and not self._just_reset and len(self._resets) < MOST_RESETS
+        if not may or self.level < LOUD:
             return False
         self._resets = (*self._resets, time)
+        self.level = 1.0
         return True
+
+    @property
+    def _just_reset(self) -> bool:
+        return bool(self._resets) and self._time - self._resets[-1] < HOLD_OFF
 
     def note_gap(self) -> None:
         self._samples = 0
@@ -63,6 +74,6 @@ class Watch:
     def health(self) -> Health:
         if len(self._resets) >= MOST_RESETS:
             return Health.INCONSISTENT
-        if self._resets and self.level > QUIET:
+        if self._just_reset:
             return Health.LOAD_CHANGED
         return Health.OUTLIERS if self._outliers > 0.1 else Health.OK

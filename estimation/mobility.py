@@ -14,6 +14,7 @@ With none, `(1/m, dx/I, dy/I, 1/I)`; on a rail the one thing to know is `1/m`.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol, final
 
 import numpy as np
@@ -21,8 +22,23 @@ import numpy as np
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.frames import Array
 
-MOST_COUPLING = 0.5
+MOST_COUPLING = 0.9
 """Of b² / (a c): m dy² is at most this share of J."""
+
+
+@dataclass(frozen=True)
+class BodyLimits:
+    """What a cart like the first guess can have: ranges (low, high) of mass, CoM and inertia about the CoM, SI."""
+
+    mass: tuple[float, float]
+    com_x: tuple[float, float]
+    com_y: tuple[float, float]
+    inertia: tuple[float, float]
+
+    @property
+    def widest_inertia(self) -> float:
+        """The largest inertia about {b}'s origin, kg·m²."""
+        return self.inertia[1] + self.mass[1] * (max(map(abs, self.com_x)) ** 2 + max(map(abs, self.com_y)) ** 2)
 
 
 class Chart(Protocol):
@@ -38,13 +54,12 @@ class Chart(Protocol):
         """Partials (4, 4) of phi by the coordinates."""
         ...
 
-    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
-        """Lower and upper bounds (4,) of the coordinates that a range of mass and J gives."""
+    def bounds(self, i: int, coordinates: Array, limits: BodyLimits) -> tuple[float, float]:
+        """Range of coordinate `i` that keeps the body within limits, given the others; in the order of `clamped`."""
         ...
 
-    def tamed(self, coordinates: Array, reach: float) -> Array:
-        """Coordinates (4,) within their bounds whose mass is positive and finite, with |com_y| <= `reach`."""
-        ...
+    clamped: tuple[int, ...]
+    """The coordinates in the order in which bounding them one after the other gives a body within limits."""
 
 
 def build_chart(constraints: RollingConstraints) -> Chart:
@@ -59,8 +74,10 @@ class AxleChart:
     """One rolling constraint, with the axle at x = `axle_x`."""
 
     order = (0, 3, 1, 2)
+    clamped: tuple[int, ...] = (2, 1, 0, 3)
 
     def __init__(self, axle_x: float) -> None:
+        self._axle_x = axle_x
         # phi about the axle: m dx - m a, and J - 2 a m dx + a² m
         self._to_axle = np.eye(4)
         self._to_axle[1, 0], self._to_axle[3, 0], self._to_axle[3, 1] = -axle_x, axle_x**2, -2 * axle_x
@@ -76,14 +93,24 @@ class AxleChart:
         determinant = a * c - b**2
         return np.asarray(self._from_axle @ np.array([c / determinant, g / c, b / determinant, a / determinant]))
 
-    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
-        low = np.array([1 / largest_mass, -np.inf, 1 / largest_J, -np.inf])
-        return low, np.array([np.inf, np.inf, 1 / least_J, np.inf])
-
-    def tamed(self, coordinates: Array, reach: float) -> Array:
-        a, b, c, g = coordinates
-        most = min(reach * c, max(MOST_COUPLING * a * c, 0.0) ** 0.5)
-        return coordinates if abs(b) <= most else np.array([a, np.copysign(most, b), c, g])
+    def bounds(self, i: int, coordinates: Array, limits: BodyLimits) -> tuple[float, float]:
+        a, b = coordinates[:2]
+        c = max(coordinates[2], 1 / limits.widest_inertia)
+        least = limits.inertia[0]
+        if i == 2:
+            return 1 / limits.widest_inertia, 1 / least
+        if i == 1:
+            most = (MOST_COUPLING * max(a, 0.0) * c) ** 0.5
+            return max(limits.com_y[0] * c, -most), min(limits.com_y[1] * c, most)
+        if i == 0:
+            return 1 / limits.mass[1] + b**2 / c, 1 / limits.mass[0] + b**2 / c
+        determinant = max(a * c - b**2, c / limits.mass[1])  # mass is c/D
+        to_g = c**2 / determinant
+        most = c * (max(1 - least * c, 0.0) / determinant) ** 0.5  # I = 1/c - g² D / c³
+        return (
+            max((limits.com_x[0] - self._axle_x) * to_g, -most),
+            min((limits.com_x[1] - self._axle_x) * to_g, most),
+        )
 
     def jacobian(self, coordinates: Array) -> Array:
         a, b, c, g = coordinates
@@ -102,6 +129,7 @@ class FreeChart:
     """No rolling constraint."""
 
     order = (0, 1, 2, 3)
+    clamped: tuple[int, ...] = (0, 3, 1, 2)
 
     def coordinates(self, phi: Array) -> Array:
         m, mx, my, J = phi
@@ -112,12 +140,10 @@ class FreeChart:
         k, p, q, c = coordinates
         return np.array([1 / k, p / (c * k), q / (c * k), 1 / c + (p**2 + q**2) / (c**2 * k)])
 
-    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
-        low = np.array([1 / largest_mass, -np.inf, -np.inf, 1 / largest_J])
-        return low, np.array([1 / least_mass, np.inf, np.inf, 1 / least_J])
-
-    def tamed(self, coordinates: Array, reach: float) -> Array:
-        return coordinates
+    def bounds(self, i: int, coordinates: Array, limits: BodyLimits) -> tuple[float, float]:
+        c = max(coordinates[3], 1 / limits.inertia[1])
+        low, high = (limits.mass, limits.com_x, limits.com_y, limits.inertia)[i]
+        return (low * c, high * c) if i in (1, 2) else (1 / high, 1 / low)
 
     def jacobian(self, coordinates: Array) -> Array:
         k, p, q, c = coordinates
@@ -142,6 +168,7 @@ class RailChart:
     """A cart on a rail: 1/m; the rest of phi stays as it is."""
 
     order = (0, 1, 2, 3)
+    clamped: tuple[int, ...] = (0,)
 
     def coordinates(self, phi: Array) -> Array:
         return np.array([1 / phi[0], *phi[1:]])
@@ -149,12 +176,8 @@ class RailChart:
     def phi(self, coordinates: Array) -> Array:
         return np.array([1 / coordinates[0], *coordinates[1:]])
 
-    def bounds(self, largest_mass: float, least_mass: float, largest_J: float, least_J: float) -> tuple[Array, Array]:
-        infinite = np.full(3, np.inf)
-        return np.array([1 / largest_mass, *-infinite]), np.array([1 / least_mass, *infinite])
-
-    def tamed(self, coordinates: Array, reach: float) -> Array:
-        return coordinates
+    def bounds(self, i: int, coordinates: Array, limits: BodyLimits) -> tuple[float, float]:
+        return 1 / limits.mass[1], 1 / limits.mass[0]
 
     def jacobian(self, coordinates: Array) -> Array:
         return np.diag([-1 / coordinates[0] ** 2, 1.0, 1.0, 1.0])

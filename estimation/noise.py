@@ -14,9 +14,9 @@ from cartgrasp.frames import Array
 class FilterNoise:
     """Sensors: standard deviations of one sample. Left out of the model: random walks and disturbances, per √s.
 
-    `wrench_change` is how fast the pushing force may wander between samples (N/√s; moments by `lever`, m);
-    `disturbance` an unmodelled force (N·√s); `slip` how far wheels creep sideways and turn (m/√s, rad/√s); `swivel`
-    the same for casters' headings; `parameter_drift` a share of each prior's standard deviation (1/√s).
+    `disturbance` is an unmodelled force (N·√s; moments by `lever`, m); `slip` how far wheels creep sideways and turn
+    (m/√s, rad/√s); `swivel` the same for casters' headings; `parameter_drift` a share of each prior's standard
+    deviation (1/√s).
     """
 
     position: float = 0.0005
@@ -25,7 +25,6 @@ class FilterNoise:
     yaw_rate: float = 0.005
     force: float = 3.0
     moment: float = 0.1
-    wrench_change: float = 10.0
     disturbance: float = 0.05
     lever: float = 0.3
     slip: float = 0.0002

@@ -7,11 +7,11 @@ from functools import cached_property
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.inertia import phi_from_physical, physical_from_phi, physical_jacobian
+from cartgrasp.inertia import Inertia, physical_from_phi, physical_jacobian
 from cartgrasp.model import N_PHI, CartModel
 from cartgrasp.motion import ParameterEstimate
 
-from .mobility import build_chart
+from .mobility import BodyLimits, build_chart
 from .prior import Prior, report_names, report_units
 
 IDENTIFIABLE_SHARE = 0.25
@@ -20,6 +20,7 @@ LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
 LARGEST_MASS_SHARE = 6.0
 FARTHEST = 3.0
 """CoM and radius of gyration stay within this many of the prior's CoM standard deviations."""
+ROUNDS = 5
 
 
 class ParameterBlock:
@@ -29,15 +30,17 @@ class ParameterBlock:
         self.cart, self.prior = cart, prior
         self.free = prior.free(cart)
         self._chart = build_chart(cart.constraints)
-        self._phi_is_free = bool(np.isin(0, self.free))
         self._full = cart.parameters.copy()
         self._full[:N_PHI] = self._chart.coordinates(cart.inertia.phi)
         self.first = self._full[self.free]
         self._prior_std = prior.deviations(cart)
         self._is_free = np.isin(np.arange(len(self._full)), self.free)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
-        self._reach = FARTHEST * prior.com
-        self._lower, self._upper = self._bounds()
+        self._limits = _limits(cart.inertia, prior)
+        self._effect_bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
+        places = {int(i): k for k, i in enumerate(self.free)}
+        order = (*self._chart.clamped, *range(N_PHI, len(self._full)))
+        self._clamped = tuple((places[i], i) for i in order if i in places)
 
     @cached_property
     def first_covariance(self) -> Array:
@@ -45,68 +48,48 @@ class ParameterBlock:
         return self._to_coordinates(self.prior.covariance(self.cart), self.first)
 
     def theta(self, block: Array) -> Array:
-        """The model's parameters (p,), with phi kept physical: m > 0, J m > |m d|² (physics 18)."""
-        full = self._tamed(block)
-        phi = self._chart.phi(full[:N_PHI])
-        full[:N_PHI] = self._physical_phi(phi) if self._phi_is_free else phi
+        """The model's parameters (p,) of a physical block."""
+        full = self._coordinates(block)
+        full[:N_PHI] = self._chart.phi(full[:N_PHI])
         return full
 
     def jacobian(self, block: Array) -> Array:
         """Partials (p, f) of `theta`."""
-        full = self._tamed(block)
+        full = self._coordinates(block)
         partials = np.eye(len(full))
         partials[:N_PHI, :N_PHI] = self._chart.jacobian(full[:N_PHI])
         return partials[:, self.free]
 
-    def _bounds(self) -> tuple[Array, Array]:
-        """Of the free coordinates: what a cart like the first guess can have, and the effects' own bounds."""
-        body = self.cart.inertia
-        mass, J = body.mass, body.about_origin
-        largest_J = max(4 * J, 2 * mass * self._reach**2)
-        low, high = self._chart.bounds(
-            LARGEST_MASS_SHARE * mass, LEAST_MASS_SHARE * mass, largest_J, LEAST_INERTIA_SHARE * body.about_com
-        )
-        ranges = [(p.lower, p.upper) for effect in self.cart.effects for p in effect.parameters]
-        lower, upper = np.array([*zip(low, high, strict=True), *ranges])[self.free].T
-        return lower, upper
+    def nearest_physical(self, block: Array, covariance: Array) -> Array:
+        """The block itself if a cart can have it: effects within their bounds, m > 0, J m > |m d|² (physics 18);
+        else the most likely one, given its covariance (f, f): what is believed together moves together."""
+        for _ in range(ROUNDS):
+            inside = self._conditioned(block, covariance)
+            if inside is block:
+                return block
+            block = inside
+        return self._conditioned(block, np.eye(len(block)))
 
-    def within_bounds(self, block: Array) -> Array:
-        """The block with every coordinate inside its bounds."""
-        return np.clip(block, self._lower, self._upper)
+    def _conditioned(self, block: Array, covariance: Array) -> Array:
+        """Each coordinate that is out of bounds put on its bound, one after the other."""
+        for k, i in self._clamped:
+            low, high = self._bounds(i, block)
+            value = block[k]
+            if not low <= value <= high:
+                spread = covariance[:, k] / covariance[k, k]
+                block = block + spread * (min(max(value, low), high) - value)
+        return block
 
-    def physical(self, block: Array) -> Array:
-        """The block itself, or with phi brought back to what a cart can have: m > 0, J m > |m d|² (physics 18)."""
-        if not self._phi_is_free:
-            return block
+    def _bounds(self, i: int, block: Array) -> tuple[float, float]:
+        """Of the model's coordinate `i`, given the others."""
+        if i < N_PHI:
+            return self._chart.bounds(i, self._coordinates(block)[:N_PHI], self._limits)
+        return self._effect_bounds[i - N_PHI]
+
+    def _coordinates(self, block: Array) -> Array:
         full = self._full.copy()
-        full[self.free] = self.within_bounds(block)
-        tamed = self._chart.tamed(full[:N_PHI], self._reach)
-        phi = self._chart.phi(tamed)
-        physical = self._physical_phi(phi)
-        if (tamed == full[:N_PHI]).all() and (physical == phi).all():
-            return block
-        full[:N_PHI] = self._chart.coordinates(physical)
-        return np.asarray(full[self.free])
-
-    def _tamed(self, block: Array) -> Array:
-        """All coordinates (p,), with a mass that is positive and finite."""
-        full = self._full.copy()
-        full[self.free] = self.within_bounds(block)
-        full[:N_PHI] = self._chart.tamed(full[:N_PHI], self._reach)
+        full[self.free] = block
         return full
-
-    def _physical_phi(self, phi: Array) -> Array:
-        """phi itself, or with mass, CoM and inertia brought back to what a cart can have."""
-        body, reach = self.cart.inertia, self._reach
-        mass, com_x, com_y, about_com = physical_from_phi(phi)
-        if not mass >= LEAST_MASS_SHARE * body.mass:
-            mass, com_x, com_y = LEAST_MASS_SHARE * body.mass, *body.com
-        least, most = LEAST_INERTIA_SHARE * body.about_com, max(4 * body.about_com, mass * reach**2)
-        near_x, near_y = (np.clip(v, c - reach, c + reach) for v, c in zip((com_x, com_y), body.com, strict=True))
-        inside = np.clip(about_com, least, most)
-        if (mass, near_x, near_y, inside) == (phi[0], com_x, com_y, about_com):
-            return phi
-        return phi_from_physical(mass, near_x, near_y, inside)
 
     def load_covariance(self, block: Array) -> Array:
         """What a load change may add, (f, f): a point mass put on or taken off, `m (1, x, y, x² + y²)`, with m
@@ -150,7 +133,16 @@ class ParameterBlock:
         return share < IDENTIFIABLE_SHARE
 
     def _to_coordinates(self, covariance: Array, block: Array) -> Array:
-        full = self._tamed(block)
+        full = self._coordinates(block)
         inverse = np.eye(len(full))
         inverse[:N_PHI, :N_PHI] = np.linalg.inv(self._chart.jacobian(full[:N_PHI]))
         return np.asarray((inverse @ covariance @ inverse.T)[np.ix_(self.free, self.free)])
+
+
+def _limits(body: Inertia, prior: Prior) -> BodyLimits:
+    """What a cart like the first guess can have."""
+    reach = FARTHEST * prior.com
+    mass = (LEAST_MASS_SHARE * body.mass, LARGEST_MASS_SHARE * body.mass)
+    (x, y), inertia = body.com, body.about_com
+    most = max(4 * inertia, 2 * body.mass * reach**2)
+    return BodyLimits(mass, (x - reach, x + reach), (y - reach, y + reach), (LEAST_INERTIA_SHARE * inertia, most))

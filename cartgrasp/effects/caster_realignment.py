@@ -17,7 +17,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ..frames import Array
+from ..frames import Array, wrap_angle
 from ..wheels import WheelSet
 from .effect import Contribution, ForceEffect, Parameter, Situation
 
@@ -76,6 +76,12 @@ class CasterRealignment(ForceEffect):
 
     def memory_rate(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         return self._swivel(situation, memory, parameters)[0]
+
+    def settled_memory(self, situation: Situation, memory: Array) -> Array:
+        """Each caster trails its pivot, at the turn nearest to the heading."""
+        x, y = _pivots(situation.wheels)[0].T
+        u, w, r = (situation.velocity_b[..., i, None] for i in range(3))
+        return np.asarray(memory + wrap_angle(np.arctan2(w + x * r, u - y * r) - memory))
 
     def _swivel(self, situation: Situation, memory: Array, parameters: Array) -> tuple[Contribution, Array]:
         """delta' of each caster, (..., k), and the trails used, (..., k)."""

@@ -139,6 +139,10 @@ class ForceEffect(Effect):
         """Time derivative of the memory (..., k), with partials."""
         return Contribution(np.zeros_like(memory))
 
+    def settled_memory(self, situation: Situation, memory: Array) -> Array:
+        """Where the memory (..., k) comes to rest when the motion goes on as it is."""
+        return memory
+
 
 class InertiaEffect(Effect):
     """Changes the inertial parameters."""

@@ -7,12 +7,14 @@ import pytest
 from scipy.stats import chi2
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import ForceBias, RollingResistance, ViscousDrag
+from cartgrasp.effects import CasterRealignment, ForceBias, RollingResistance, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
+from cartgrasp.wheels import Wheel
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
+from estimation.gaussian import Gaussian
 from estimation.replay import replay
 
 from .runs import CONTACT, simulate
@@ -265,3 +267,20 @@ def test_a_sensor_offset_is_learned_on_the_way():
 def test_an_unknown_name_in_the_prior_is_refused():
     with pytest.raises(UsageError, match="weight"):
         CartFilter(guess(), prior=Prior(known=frozenset({"weight"})))
+
+
+def test_a_caster_believed_turned_round_is_not_believed_for_long():
+    """A heading against the way is an equilibrium too, and no force tells it from the stable one."""
+    cart = CartModel(
+        Inertia(24.0, (0.3, 0.0), 2.0), effects=(CasterRealignment(0.1),), wheels=(Wheel("caster", 0.7, 0.0, 0.05),)
+    )
+    watching = CartFilter(cart, ["hand"], noise=NOISE)
+    for i in range(300):
+        watching.update(Measurement(0.01 * i, np.array([0.005 * i, 0.0, 0.0]), np.array([0.5, 0.0, 0.0])))
+        if i == 100:
+            belief = watching.belief
+            mean, covariance = belief.mean.copy(), belief.covariance.copy()
+            mean[cart.memory_slice], covariance[cart.memory_slice, cart.memory_slice] = np.pi, 1e-6
+            watching._belief = Gaussian(mean, covariance)
+    heading = watching.belief.mean[cart.memory_slice][0]
+    assert abs(np.angle(np.exp(1j * heading))) < 0.2

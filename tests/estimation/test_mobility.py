@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.inertia import phi_from_physical
+from cartgrasp.inertia import phi_from_physical, physical_from_phi
 from cartgrasp.model import CartModel, Inertia
-from estimation.mobility import build_chart
+from estimation.mobility import BodyLimits, build_chart
 
 CONSTRAINTS = {
     "casters": RollingConstraints(axle_x=None),
@@ -44,12 +44,31 @@ def test_jacobian_against_differences(kind, values):
     np.testing.assert_allclose(chart.jacobian(at) / scale, expected / scale, atol=2e-5)
 
 
+LIMITS = BodyLimits(mass=(2.0, 120.0), com_x=(-0.5, 0.9), com_y=(-0.6, 0.6), inertia=(0.2, 25.0))
+
+
+@pytest.mark.parametrize("kind", ["casters", "axle", "axle off the origin"])
+@given(believed=st.tuples(*[st.floats(-3, 3, **finite)] * 4))
+def test_bounded_one_after_the_other_coordinates_are_those_of_a_body(kind, believed):
+    chart = build_chart(CONSTRAINTS[kind])
+    at = np.array(believed)
+    for i in chart.clamped:
+        at[i] = np.clip(at[i], *chart.bounds(i, at, LIMITS))
+    mass, x, y, inertia = physical_from_phi(chart.phi(at))
+    near = 1 + 1e-6
+    assert LIMITS.mass[0] / near <= mass <= LIMITS.mass[1] * near
+    assert LIMITS.com_x[0] - 1e-6 <= x <= LIMITS.com_x[1] + 1e-6
+    assert inertia >= LIMITS.inertia[0] / near - 1e-6
+    assert abs(y) <= 0.6 * near or kind != "casters"
+
+
 @pytest.mark.parametrize("kind", CONSTRAINTS)
 def test_bounds_hold_the_first_guess(kind):
     chart, phi = build_chart(CONSTRAINTS[kind]), phi_from_physical(20.0, 0.3, 0.05, 2.0)
-    low, high = chart.bounds(120.0, 2.0, 30.0, 0.1)
     at = chart.coordinates(phi)
-    assert ((low <= at) & (at <= high)).all()
+    for i in chart.clamped:
+        low, high = chart.bounds(i, at, LIMITS)
+        assert low <= at[i] <= high
 
 
 @given(values=inertias, push=st.tuples(st.floats(-40, 40, **finite), st.floats(-20, 20, **finite)))
