@@ -63,8 +63,10 @@ def parameter_regressor(cart: CartModel, state: Array, acceleration: Array, time
 
 def fisher_information(regressor: Array, noise: Array) -> Array:
     """(..., p, p), from the regressors (..., T, k, p) of T samples and their noise covariance (..., k, k)."""
-    weighted = np.linalg.solve(noise[..., None, :, :], regressor)
-    return np.asarray((np.swapaxes(regressor, -1, -2) @ weighted).sum(axis=-3))
+    *_, k, p = regressor.shape
+    flat = regressor.reshape(*regressor.shape[:-2], k * p)
+    squares = (np.swapaxes(flat, -1, -2) @ flat).reshape(*flat.shape[:-2], k, p, k, p)
+    return np.asarray(np.einsum("...ab,...apbq->...pq", np.linalg.inv(noise), squares))
 
 
 def phi_covariance(information: Array) -> Array:
