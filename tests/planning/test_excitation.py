@@ -171,3 +171,28 @@ def test_what_can_not_be_asked():
         ExcitationChooser(CART, [Arm("hand", [(0, 0, 1)], weights=(1, 1, 0, 1, 1, 1))], NOISE)
     with pytest.raises(UsageError, match="no length"):
         ExcitationChooser(CART, arms(), NOISE).choose(PATH, (2.0, 2.0), PRIOR)
+
+
+def test_the_sequence_is_at_least_half_as_good_as_the_best():
+    """Log-volume is submodular in what is taught, so window after window (D, phi alone unknown) wins at least half of
+    what the best of all sequences within the allowance wins."""
+    cart = CartModel(CART.inertia)
+    prior = np.diag(1.0 / np.array([8.0, 4.0, 4.0, 3.0]) ** 2)
+    path = PathReference(chain([Stretch(1.0, 0.5)], pause(3.0), [Stretch(1.0, -0.5)]))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(family_module, "SHARES", (1.0,))
+        patch.setattr(family_module, "SWINGS", (1,))
+        chooser = ExcitationChooser(cart, arms(np.inf, np.inf), NOISE, Allowance(60.0, 0.01, "D"))
+        plan = plan_excitation(chooser, path, prior, 1.25)
+        best = np.zeros((1, 4, 4)) + prior
+        for window in plan.windows:
+            found = motions(path, cart, window.window, 0.01)
+            allowed = chooser._split.efforts(found.needed) <= window.least_effort + 60.0 + 1e-9
+            taught = chooser.taught(found, window.window)[allowed]
+            best = (best[:, None] + taught).reshape(-1, 4, 4)
+    most = np.linalg.slogdet(best)[1].max()
+    least = np.linalg.slogdet(prior)[1]
+    won = np.linalg.slogdet(plan.windows[-1].information)[1]
+    assert len(best) > 1000
+    assert won - least >= 0.5 * (most - least)
+    assert won <= most + 1e-9
