@@ -33,8 +33,9 @@ from ..simulation.sensors import SensorNoise
 from .scenario import Scenario, with_truth
 
 DWELL = 3.0
-FIXED, PERIODIC, CONTACTS = "fixed", "periodic", "chosen contacts"
-E_MOTION, D_MOTION = "contacts and motion, E", "contacts and motion, D"
+FIXED, PERIODIC, CONTACTS = "fixed", "periodic", "chosen"
+E_MOTION, D_MOTION = "weaving, E", "weaving, D"
+"""Of these, `chosen` contacts keep to the path; the last two also weave by up to 3 cm."""
 WAYS = (FIXED, PERIODIC, CONTACTS, E_MOTION, D_MOTION)
 ALLOWANCES = {
     CONTACTS: Allowance(30.0, 0.0, E_OPTIMAL),
@@ -140,14 +141,14 @@ def run_ways(
     return [Drive(way, tuple(records[i * seeds : (i + 1) * seeds])) for i, way in enumerate(WAYS)]
 
 
-def drive(way: str, seed: int) -> RunRecord:
-    """One closed-loop run."""
+def drive(way: str, seed: int, duration: float | None = None) -> RunRecord:
+    """One closed-loop run, whole or of a duration (s)."""
     base = scenario(way, seed)
     loop = base.build()
     if way in ALLOWANCES:
         plan = excitation(way)
         loop = replace(loop, reference=plan.reference, contacts=plan)
-    return with_truth(run(loop), base.truth)
+    return with_truth(run(loop, duration), base.truth)
 
 
 def taught(way: str) -> Array:

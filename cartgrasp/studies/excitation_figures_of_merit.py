@@ -47,13 +47,13 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
     )
     return [
         Claim(
-            "chosen contacts",
+            CONTACTS,
             "sd of CoM x and of inertia at most 0.6 of fixed contacts', on the same path",
             f"{x:.2f}, {inertia:.2f}",
             bool(max(x, inertia) <= 0.6),
         ),
         Claim(
-            "contacts and motion, E",
+            E_MOTION,
             "every sd below both fixed and periodic contacts'",
             "at most " + f"{gains.max():.2f} of them",
             bool(gains.max() < 1.0),

@@ -33,7 +33,7 @@ def draw_effort(axes: Axes, drives: Sequence[Drive]) -> list[Artist]:
     artists: list[Artist] = []
     for i, drive in enumerate(drives):
         artists += axes.plot(drive.time, drive.effort, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
-    axes.set(xlabel="Time (s)", ylabel="effort paid (N²·s)")
+    axes.set(xlabel="Time (s)", ylabel="Effort paid (N²·s)")
     return artists
 
 
@@ -46,7 +46,7 @@ def draw_paths(axes: Axes, drives: Sequence[Drive]) -> list[Artist]:
         off = pose[:, :2] - base[:, :2]
         left = off[:, 1] * np.cos(base[:, 2]) - off[:, 0] * np.sin(base[:, 2])
         artists += axes.plot(drive.time, 100.0 * left, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
-    axes.set(xlabel="Time (s)", ylabel="to the left of the path (cm)")
+    axes.set(xlabel="Time (s)", ylabel="Left of the path (cm)")
     return artists
 
 
@@ -59,7 +59,7 @@ def figure_excitation(drives: Sequence[Drive]) -> Figure:
             draw_deviations(panel, drives, parameter)
         draw_effort(axes[4], drives)
         draw_paths(axes[5], drives)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
     return figure
 
 
