@@ -53,7 +53,7 @@ def draw_paths(axes: Axes, drives: Sequence[Drive]) -> list[Artist]:
 def figure_excitation(drives: Sequence[Drive]) -> Figure:
     """A page: each parameter's standard deviation, the effort, and how far off the path."""
     with house_style():
-        figure = Figure(figsize=(7.2, 6.4), layout="constrained")
+        figure = Figure(figsize=(7.2, 5.6), layout="constrained")
         axes = figure.subplots(3, 2).ravel()
         for panel, parameter in zip(axes, PARAMETERS, strict=False):
             draw_deviations(panel, drives, parameter)
