@@ -116,35 +116,27 @@ class ExcitationChooser:
         lowest = self._split.efforts(family.needed)
         least, solved = self._least_effort(family, lowest[0])
         before, direction = least_known(information, self.scales)
-        if not np.isfinite(least):
+        if least is None:
             return Excitation(INFEASIBLE, window, before=before, direction=direction, solved=solved)
-        taught = self.taught(family, window)
-        budget = (least + self.allowance.effort) * (1 + ROUNDING)
-        merits = np.where(lowest <= budget, self._merit(information + taught), -np.inf)
-        for index in np.lexsort((lowest.ravel(), -merits.ravel())).tolist():
-            motion, choice = divmod(index, merits.shape[1])
-            effort, wrenches = self._allocated(family.needed[motion], choice)
-            solved += family.samples
-            if effort <= budget:
-                break
-        after = information + taught[motion, choice]
+        totals = information + self.taught(family, window)
+        best, more = self._search(family, self._merit(totals), lowest, least)
+        after = totals[best.motion, best.choice]
         names = self._template.names
-        free = self._split.wrenches(choice, family.needed[motion])
         return Excitation(
             status=OPTIMAL,
             window=window,
-            contacts=dict(zip(names, self.choices[choice], strict=True)),
-            deviation=family.deviations[motion],
-            wrenches=dict(zip(names, np.moveaxis(wrenches.reshape(-1, len(names), 6), 1, 0), strict=True)),
-            effort=effort,
-            least_effort=least,
-            internal_force=float(np.abs(wrenches - free).reshape(-1, 6)[:, :3].max()),
+            contacts=dict(zip(names, self.choices[best.choice], strict=True)),
+            deviation=family.deviations[best.motion],
+            wrenches=dict(zip(names, np.moveaxis(best.wrenches.reshape(-1, len(names), 6), 1, 0), strict=True)),
+            effort=best.effort,
+            least_effort=least.effort,
+            internal_force=self._internal_force(best, family),
             information=after,
             before=before,
             after=least_known(after, self.scales)[0],
             direction=direction,
-            tried=merits.size,
-            solved=solved,
+            tried=lowest.size,
+            solved=solved + more,
         )
 
     def taught(self, family: Motions, window: tuple[float, float]) -> Array:
@@ -159,24 +151,56 @@ class ExcitationChooser:
         merit = logs[..., -1] if self.allowance.criterion == E_OPTIMAL else logs.sum(axis=-1)
         return np.asarray(np.round(merit, DIGITS))
 
-    def _least_effort(self, family: Motions, lowest: Array) -> tuple[float, int]:
-        """Of the reference itself over contacts, and how many QPs it took; `lowest` (J,) bounds it."""
-        least, solved = np.inf, 0
+    def _least_effort(self, family: Motions, lowest: Array) -> tuple[_Allocated | None, int]:
+        """The reference itself at its best contacts (None: at none), and how many QPs it took; `lowest` (J,) bounds."""
+        least: _Allocated | None = None
+        solved = 0
         for choice in np.argsort(lowest).tolist():
-            if lowest[choice] * (1 - ROUNDING) >= least:
+            if least is not None and lowest[choice] * (1 - ROUNDING) >= least.effort:
                 break
-            least = min(least, self._allocated(family.needed[0], choice)[0])
+            found = self._allocated(family, 0, choice)
             solved += family.samples
+            if found is not None and (least is None or found.effort < least.effort):
+                least = found
         return least, solved
 
-    def _allocated(self, needed: Array, choice: int) -> tuple[float, Array]:
-        """Mean effort of the QPs at a choice of contacts, infinite if one has no solution, and the wrenches (T, 6n)."""
+    def _search(self, family: Motions, merits: Array, lowest: Array, least: _Allocated) -> tuple[_Allocated, int]:
+        """The best within the allowance (`least` where nothing teaches more), and how many QPs it took."""
+        budget, solved = (least.effort + self.allowance.effort) * (1 + ROUNDING), 0
+        for index in np.lexsort((lowest.ravel(), -merits.ravel())).tolist():
+            motion, choice = divmod(index, merits.shape[1])
+            if merits[motion, choice] <= merits[least.motion, least.choice]:
+                break
+            if lowest[motion, choice] > budget:
+                continue
+            found = self._allocated(family, motion, choice)
+            solved += family.samples
+            if found is not None and found.effort <= budget:
+                return found, solved
+        return least, solved
+
+    def _allocated(self, family: Motions, motion: int, choice: int) -> _Allocated | None:
+        """The QPs of a motion at a choice of contacts; None if one has no solution."""
         contacts = dict(zip(self._template.names, self.choices[choice], strict=True))
         efforts, wrenches = [], []
-        for wrench_b in self.cart.planar_wrench(needed):
+        for wrench_b in self.cart.planar_wrench(family.needed[motion]):
             plan = self._planner.plan(wrench_b, contacts=contacts)
             if plan.status != OPTIMAL or plan.effort is None:
-                return np.inf, np.zeros((0, 6))
+                return None
             efforts.append(plan.effort)
             wrenches.append(np.concatenate(list(plan.wrenches.values())))
-        return float(np.mean(efforts)), np.array(wrenches)
+        return _Allocated(motion, choice, float(np.mean(efforts)), np.array(wrenches))
+
+    def _internal_force(self, found: _Allocated, family: Motions) -> float:
+        free = self._split.wrenches(found.choice, family.needed[found.motion])
+        return float(np.abs(found.wrenches - free).reshape(-1, 6)[:, :3].max())
+
+
+@dataclass(frozen=True, eq=False)
+class _Allocated:
+    """A candidate with its mean effort (N²) and wrenches (T, 6n)."""
+
+    motion: int
+    choice: int
+    effort: float
+    wrenches: Array
