@@ -98,6 +98,19 @@ def table1(
     raise typer.Exit(command.run(out, json, seed, rows))
 
 
+@study.command("excitation")
+def excitation(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the table and plot.")] = Path("out/excitation"),
+    json: Json = False,
+    seed: Seed = 0,
+    seeds: Annotated[int, typer.Option("--seeds", min=1, max=100, help="Runs of each way.")] = 3,
+) -> None:
+    """Fixed contacts, periodic switching, and chosen contacts and motion: what each teaches, and what it costs."""
+    from . import excitation as command
+
+    raise typer.Exit(command.run(out, json, seed, seeds))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:

@@ -16,7 +16,7 @@ from cartgrasp.errors import CartgraspError, DataError, PlantError, UsageError
 
 from .commands import CART, PROBLEM, RAIL, problem_file, run, run_apart
 
-COMMANDS = ([], ["demo"], ["simulate"], ["plan"], ["estimate"], ["study"], ["study", "table1"])
+COMMANDS = ([], ["demo"], ["simulate"], ["plan"], ["estimate"], ["study"], ["study", "table1"], ["study", "excitation"])
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
@@ -255,7 +255,12 @@ def test_table1_is_wired(capsys, monkeypatch, tmp_path, holds, status, as_json):
 
 def test_out_that_is_a_file(capsys, tmp_path):
     (tmp_path / "cart.yaml").write_text(CART)
-    for command in (["demo"], ["simulate", "--cart", tmp_path / "cart.yaml"], ["study", "table1"]):
+    for command in (
+        ["demo"],
+        ["simulate", "--cart", tmp_path / "cart.yaml"],
+        ["study", "table1"],
+        ["study", "excitation"],
+    ):
         run(capsys, *command, "--out", tmp_path / "cart.yaml").refused(2, "--out", "name another folder")
 
 

@@ -1,0 +1,95 @@
+"""The excitation study in numbers, and what it claims."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..frames import Array
+from ..inertia import physical_jacobian
+from ..information import phi_covariance
+from .claims import Claim
+from .excitation import ALLOWANCES, CONTACTS, E_MOTION, FIXED, PARAMETERS, PERIODIC, Drive, excitation, scenario, taught
+
+COLUMNS = ("way", *PARAMETERS, "effort N²·s", "tracking cm")
+AGREEMENT, CONSISTENT = 1.5, 3.0
+
+
+def bounds(way: str) -> Array:
+    """Cramér-Rao bounds (4,) of mass, CoM and inertia at the end, by the information of the way's own reference."""
+    jacobian = physical_jacobian(scenario(way, 0).truth.inertia.phi)
+    return np.asarray(np.sqrt(np.diag(jacobian @ phi_covariance(taught(way)) @ jacobian.T)))
+
+
+def rows(drives: Sequence[Drive]) -> list[tuple[str, ...]]:
+    """By way: the filter's standard deviations at the end, effort paid, largest tracking error from 5 s on."""
+    return [
+        (
+            drive.way,
+            *(f"{sd:.3g}" for sd in _last(drive)),
+            f"{drive.effort[-1]:.0f}",
+            f"{100 * drive.tracking_error:.2f}",
+        )
+        for drive in drives
+    ]
+
+
+def claims(drives: Sequence[Drive]) -> list[Claim]:
+    by_way = {drive.way: drive for drive in drives}
+    fixed, periodic, contacts, motion = (_last(by_way[way]) for way in (FIXED, PERIODIC, CONTACTS, E_MOTION))
+    x, inertia = contacts[[1, 3]] / fixed[[1, 3]]
+    gains = motion / np.minimum(fixed, periodic)
+    ratios = np.array([_last(drive) / bounds(drive.way) for drive in drives])
+    worst = max(_root_mean_square(d.errors(name)) / d.std(name)[-1] for d in drives for name in PARAMETERS)
+    spent = max(
+        w.effort - w.least_effort - ALLOWANCES[way].effort for way in ALLOWANCES for w in excitation(way).windows
+    )
+    return [
+        Claim(
+            CONTACTS,
+            "sd of CoM x and of inertia at most 0.6 of fixed contacts', on the same path",
+            f"{x:.2f}, {inertia:.2f}",
+            bool(max(x, inertia) <= 0.6),
+        ),
+        Claim(
+            E_MOTION,
+            "every sd below both fixed and periodic contacts'",
+            "at most " + f"{gains.max():.2f} of them",
+            bool(gains.max() < 1.0),
+        ),
+        Claim(
+            "Fisher information",
+            f"foretells every sd of the filter within a factor {AGREEMENT:g}",
+            f"{ratios.min():.2f} to {ratios.max():.2f}",
+            bool(ratios.max() <= AGREEMENT and ratios.min() >= 1 / AGREEMENT),
+        ),
+        Claim("errors", f"at most {CONSISTENT:g} sd (rms over seeds)", f"{worst:.2f} sd", bool(worst <= CONSISTENT)),
+        Claim(
+            "effort",
+            "no window plans more than the allowance beyond the least",
+            f"{spent:+.2g} N² against it",
+            bool(spent <= 1e-6),
+        ),
+    ]
+
+
+def as_dict(drive: Drive) -> dict[str, object]:
+    """For `--json`."""
+    foretold = bounds(drive.way).tolist()
+    return {
+        "way": drive.way,
+        "std": dict(zip(PARAMETERS, _last(drive).tolist(), strict=True)),
+        "bound": dict(zip(PARAMETERS, foretold, strict=True)),
+        "rms_error": {name: _root_mean_square(drive.errors(name)) for name in PARAMETERS},
+        "effort": float(drive.effort[-1]),
+        "tracking_error": drive.tracking_error,
+    }
+
+
+def _last(drive: Drive) -> Array:
+    return np.array([drive.std(name)[-1] for name in PARAMETERS])
+
+
+def _root_mean_square(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

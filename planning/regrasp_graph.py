@@ -1,0 +1,145 @@
+"""Grips in time: the states that arms can be in from stage to stage, the options that lead on, and the least sum.
+
+An arm's state is the candidate that it holds or goes to, and for how many stages it is still on its way. In a stage an
+arm holds, starts a regrasp, or goes on with one; a regrasp that takes d > 0 stages gives no wrench in any of them, and
+with d = 0 it is done at the stage's start. The joint state is the product over arms, and the least cost to go obeys
+Bellman's `V_k(s) = min over options of (cost_k(option) + V_k+1(after))`: exact, for sums over stages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from .stage_efforts import AWAY
+
+LARGEST = 5_000_000
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Options:
+    """Ways on, (m,) each, sorted by `before`: from a state to a state, with a choice of grips (a row of the table of
+    `StageEfforts`), starting so many regrasps."""
+
+    before: Indices
+    after: Indices
+    choice: Indices
+    regrasps: Indices
+
+
+@dataclass(frozen=True, eq=False)
+class RegraspGraph:
+    """For arms with `counts` candidates, and regrasps that take `stages` stages."""
+
+    counts: tuple[int, ...]
+    stages: int
+    options: Options
+
+    @classmethod
+    def of(cls, counts: Sequence[int], stages: int) -> RegraspGraph:
+        each = [_options(count, stages) for count in counts]
+        size = np.prod([len(options.before) for options in each], dtype=float)
+        if size > LARGEST:
+            raise UsageError(f"schedule: {size:.0f} joint options a stage are too many; fewer contacts, longer stages")
+        sizes = [(count * max(1, stages), count + 1) for count in counts]
+        joint, _ = reduce(_product, zip(each[1:], sizes[1:], strict=True), (each[0], sizes[0]))
+        order = np.argsort(joint.before, kind="stable")
+        return cls(tuple(counts), stages, Options(*(part[order] for part in vars(joint).values())))
+
+    def state(self, grips: Sequence[int], waits: Sequence[int]) -> int:
+        """The joint state of arms that hold, or reach in so many stages, these candidates."""
+        levels = max(1, self.stages)
+        index = 0
+        for count, grip, wait in zip(self.counts, grips, waits, strict=True):
+            index = index * count * levels + grip * levels + wait
+        return index
+
+    def grips(self, state: int) -> list[int]:
+        """Per arm, the candidate that is held or gone to."""
+        levels, found = max(1, self.stages), []
+        for count in reversed(self.counts):
+            state, own = divmod(state, count * levels)
+            found.append(own // levels)
+        return found[::-1]
+
+    @property
+    def at_rest(self) -> Indices:
+        """The states in which every arm holds."""
+        choices = np.array(np.unravel_index(np.arange(np.prod(self.counts)), self.counts)).T
+        return np.array([self.state(grips, [0] * len(grips)) for grips in choices])
+
+    def costs_to_go(self, costs: Array, regrasp: float) -> Array:
+        """V, (stages + 1, states), for the cost of each stage and choice of grips, and of each regrasp."""
+        options, starts = self.options, self._starts
+        values = np.zeros((len(costs) + 1, len(starts)))
+        for k in range(len(costs) - 1, -1, -1):
+            ways = costs[k, options.choice] + regrasp * options.regrasps + values[k + 1, options.after]
+            values[k] = np.minimum.reduceat(ways, starts)
+        return values
+
+    def best_path(self, costs: Array, regrasp: float, values: Array, start: int) -> list[int]:
+        """The options taken from a start, one a stage; of equal ones, one that regrasps least."""
+        options, state, path = self.options, start, []
+        ends = np.append(self._starts[1:], len(options.before))
+        for k in range(len(costs)):
+            ways = np.arange(self._starts[state], ends[state])
+            spent = regrasp * options.regrasps[ways]
+            total = costs[k, options.choice[ways]] + spent + values[k + 1, options.after[ways]]
+            best = ways[np.lexsort((options.regrasps[ways], total))[0]]
+            path.append(int(best))
+            state = int(options.after[best])
+        return path
+
+    def blocked(self, costs: Array, starts: Indices) -> int | None:
+        """The first stage that no sequence of options gets past."""
+        options = self.options
+        reached = np.zeros(len(self._starts), dtype=bool)
+        reached[starts] = True
+        for k in range(len(costs)):
+            open_ways = reached[options.before] & np.isfinite(costs[k, options.choice])
+            reached = np.zeros_like(reached)
+            reached[options.after[open_ways]] = True
+            if not reached.any():
+                return k
+        return None
+
+    @property
+    def _starts(self) -> Indices:
+        return np.flatnonzero(np.diff(self.options.before, prepend=-1))
+
+
+def _options(count: int, stages: int) -> Options:
+    """Of one arm."""
+    levels = max(1, stages)
+    rows = [(grip * levels, grip * levels, grip, 0) for grip in range(count)]
+    rows += [(grip * levels + j, grip * levels + j - 1, AWAY, 0) for grip in range(count) for j in range(1, levels)]
+    for grip in range(count):
+        for other in range(count):
+            if other != grip:
+                rows.append((grip * levels, other * levels + levels - 1, AWAY if stages else other, 1))
+    before, after, held, regrasps = np.array(rows).T
+    return Options(before, after, held - AWAY, regrasps)
+
+
+Sized = tuple[Options, tuple[int, int]]
+"""Options with how many states and how many grips (being away is one) there are."""
+
+
+def _product(one: Sized, other: Sized) -> Sized:
+    """Of two groups of arms, every pair of options."""
+    (a, (n_states, n_grips)), (b, (m_states, m_grips)) = one, other
+    joint = Options(
+        before=np.add.outer(a.before * m_states, b.before).ravel(),
+        after=np.add.outer(a.after * m_states, b.after).ravel(),
+        choice=np.add.outer(a.choice * m_grips, b.choice).ravel(),
+        regrasps=np.add.outer(a.regrasps, b.regrasps).ravel(),
+    )
+    return joint, (n_states * m_states, n_grips * m_grips)
