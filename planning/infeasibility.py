@@ -86,7 +86,7 @@ class Certificate:
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """The slack t (k,) that is missing, and the wrenches F (6n,) that reach the rest."""
+    """The slack t (k,) that is missing, and the unknowns, F (6n,) first, that reach the rest."""
 
     slack: Array
     wrenches: Array
@@ -167,6 +167,7 @@ def nearest_plan(
         if solution.status == OPTIMAL:
             wrenches = solution.x
             break
+    wrenches = wrenches[: template.n]
     parts = wrenches.reshape(-1, 6)
     return Nearest(
         wrench=_total(template, contacts, parts),
@@ -197,16 +198,21 @@ def conflicting_limits(
     template: AllocationTemplate, contacts: Array, cut: Cut, solution: QPSolution
 ) -> dict[str, float]:
     """Names and values of the limits that hold the arms back in the direction of a ray."""
-    limits, found = template.limits, {}
+    fixed, cart, found = template.fixed, template.cart_rows, dict[str, float]()
     slope = (cut.linear + cut.multipliers @ template.contact_rows(contacts)).ravel()
     smallest = 1e-7 * float(np.abs(slope).max())
     for j in np.flatnonzero(np.abs(slope) > smallest):
-        names, values = (limits.lower_names, limits.lower) if slope[j] > 0 else (limits.upper_names, limits.upper)
+        names, values = (fixed.lower_names, fixed.lower) if slope[j] > 0 else (fixed.upper_names, fixed.upper)
         found[names[j]] = float(values[j])
     smallest = 1e-7 * float(np.abs(solution.multipliers).max())
-    dual = solution.multipliers[len(solution.x) :][: len(limits.limits)]
-    found.update({limits.names[j]: float(limits.limits[j]) for j in np.flatnonzero(dual > smallest)})
-    pairs = zip(limits.cones, solution.cone_multipliers, strict=True)
+    dual = solution.multipliers[len(solution.x) :][: len(fixed.limits) + len(cart.low)]
+    lows = zip(fixed.low_names + cart.low_names, [*fixed.low_limits, *cart.low], strict=True)
+    highs = zip(fixed.names + cart.high_names, [*fixed.limits, *cart.high], strict=True)
+    for y, low, high in zip(dual, lows, highs, strict=True):
+        if abs(y) > smallest:
+            name, value = high if y > 0 else low
+            found[name] = float(value)
+    pairs = zip(fixed.cones, solution.cone_multipliers, strict=True)
     found.update({cone.name: 0.0 for cone, z in pairs if z[0] > smallest})
     return found
 
