@@ -11,7 +11,8 @@ Joints that don't move the tool are held at zero. This is the only file that kno
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ from .spatial_pose import SpatialPose
 from .wheels import GRAVITY
 
 LEVEL = (0.0, 0.0, -GRAVITY)
-WHERE_THE_CART_IS = SpatialPose.of((0.0, 0.0, 0.0))
+AT_THE_ORIGIN = SpatialPose.of((0.0, 0.0, 0.0))
 
 
 class LinkMass(NamedTuple):
@@ -38,18 +39,27 @@ class LinkMass(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class UrdfArm:
-    """Made by `read_urdf_arm`. Configurations are (n,) in the order of `joints`, rad (m for a sliding joint); methods
-    share a workspace, so two threads need two arms."""
+    """Read by `read_urdf_arm`, put in its place by `placed`. Configurations are (n,) in the order of `joints`, rad (m
+    for a sliding joint). Arms of one reading share a workspace: each thread reads its own."""
 
     file: str
     joints: tuple[str, ...]
     lower: Array
     upper: Array
     torque_limit: Array
-    pose_br: SpatialPose
     _model: Any
-    _data: Any
     _tool: int
+    pose_br: SpatialPose = AT_THE_ORIGIN
+    gravity_b: tuple[float, float, float] = LEVEL
+
+    def placed(self, pose_br: SpatialPose, gravity_b: Sequence[float] = LEVEL) -> UrdfArm:
+        """This arm with its root elsewhere in {b}; gravity, m/s², is not along z where the floor slopes, and (0, 0, 0)
+        leaves it out."""
+        return replace(self, pose_br=pose_br, gravity_b=_gravity(self.file, gravity_b))
+
+    @cached_property
+    def _data(self) -> Any:
+        return self._model.createData()
 
     def tool_pose_b(self, configuration: ArrayLike) -> SpatialPose:
         """pose_bt."""
@@ -70,7 +80,13 @@ class UrdfArm:
 
     def gravity_torque(self, configuration: ArrayLike) -> Array:
         """Joint torques (n,) that carry the arm itself."""
-        return np.array(_library().computeGeneralizedGravity(self._model, self._data, self.checked(configuration)))
+        gravity_b, checked = np.array(self.gravity_b), self.checked(configuration)
+        if gravity_b.any() and not any(inertia.mass for inertia in self._model.inertias):
+            raise UsageError(
+                f"{self.file}: no moving link has a mass: give added_masses, or gravity_b=(0, 0, 0) to leave it out"
+            )
+        self._model.gravity.linear = self.pose_br.rotation.T @ gravity_b
+        return np.array(_library().computeGeneralizedGravity(self._model, self._data, checked))
 
     def joint_torques(self, configuration: ArrayLike, yaw: float = 0.0) -> JointTorques:
         """All that limits the wrench at this posture; `yaw` is that of {a} in {b}."""
@@ -91,40 +107,18 @@ def read_urdf_arm(
     path: str | Path,
     tool: str,
     *,
-    pose_br: SpatialPose = WHERE_THE_CART_IS,
     torque_limit: Sequence[float] | None = None,
     added_masses: Sequence[LinkMass] = (),
-    gravity_b: Sequence[float] = LEVEL,
 ) -> UrdfArm:
-    """The arm whose tool is the link `tool`.
-
-    `torque_limit` (n,), N·m, replaces the URDF's efforts, and is needed where these are 0. `gravity_b` (3,), m/s²,
-    is (0, 0, -9.81) on a level floor; (0, 0, 0) leaves gravity out, and is needed where no link has a mass.
-    """
+    """The arm whose tool is the link `tool`, with its root in {b}'s origin. `torque_limit` (n,), N·m, replaces the
+    URDF's efforts, and is needed where these are 0."""
     file = str(path)
     model = _reduced(_parsed(file), tool, file)
     for added in added_masses:
         _add_mass(model, added, file)
-    rotation_rb = pose_br.rotation.T
-    gravity = np.asarray(gravity_b, dtype=float)
-    if gravity.shape != (3,) or not np.isfinite(gravity).all():
-        raise UsageError(f"{file}: gravity_b: {gravity.tolist()} is not three finite numbers, m/s²")
-    if gravity.any() and not any(inertia.mass for inertia in model.inertias):
-        raise UsageError(
-            f"{file}: no moving link has a mass: give added_masses, or gravity_b=(0, 0, 0) to leave it out"
-        )
-    model.gravity.linear = rotation_rb @ gravity
-    return UrdfArm(
-        file,
-        tuple(model.names)[1:],
-        np.array(model.lowerPositionLimit),
-        np.array(model.upperPositionLimit),
-        _torque_limit(model, torque_limit, file),
-        pose_br,
-        model,
-        model.createData(),
-        model.getFrameId(tool),
-    )
+    lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
+    joints = tuple(model.names)[1:]
+    return UrdfArm(file, joints, lower, upper, _torque_limit(model, torque_limit, file), model, model.getFrameId(tool))
 
 
 def _parsed(file: str) -> Any:
@@ -183,3 +177,10 @@ def _library() -> Any:
     except ImportError as error:
         raise UsageError("arms from a URDF need Pinocchio: pip install 'cartgrasp[arms]'") from error
     return pinocchio
+
+
+def _gravity(file: str, gravity_b: Sequence[float]) -> tuple[float, float, float]:
+    values = np.asarray(gravity_b, dtype=float)
+    if values.shape != (3,) or not np.isfinite(values).all():
+        raise UsageError(f"{file}: gravity_b: {values.tolist()} is not three finite numbers, m/s²")
+    return (float(values[0]), float(values[1]), float(values[2]))

@@ -36,7 +36,7 @@ def project(polytope: WrenchPolytope, components: Sequence[str]) -> Array:
     def support(direction: Array) -> Array:
         towards = np.zeros(6)
         towards[columns] = direction
-        return polytope.support(towards).wrench.take(columns)
+        return polytope.support(towards).wrench[columns]
 
     points, basis = _simplex(support, len(columns))
     if basis.shape[1] == 0:
@@ -44,7 +44,8 @@ def project(polytope: WrenchPolytope, components: Sequence[str]) -> Array:
     flat = (points - points[0]) @ basis
     if basis.shape[1] == 1:
         return points[[int(flat.argmin()), int(flat.argmax())]]
-    return points[0] + _grown(lambda d: (support(basis @ d) - points[0]) @ basis, flat) @ basis.T
+    grown = _grown(lambda d: (support(basis @ d) - points[0]) @ basis, flat)
+    return np.asarray(points[0] + grown @ basis.T)
 
 
 def _simplex(support: Support, dimension: int) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ linear, so the set is a polytope; how far it goes in a direction is a linear pro
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +17,8 @@ from cartgrasp.arms import Arm
 from cartgrasp.contacts import WRENCH_NAMES
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.joint_torques import JointTorques
 
-from .limits import LimitRows, limits_of
+from .limits import limits_of
 from .linear_program import maximizer
 
 PARALLEL = 1e-12
@@ -34,33 +34,23 @@ class Farthest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class WrenchPolytope:
-    """`names` (k,) tell the rows (k, 6) apart. Intersections are made with `&`."""
+    """`names` (k,) tell the rows (k, 6) apart."""
 
     rows: Array
     limits: Array
     names: tuple[str, ...]
 
     @classmethod
-    def of_arm(cls, arm: Arm) -> WrenchPolytope:
-        """Of the limits that the arm states about itself; friction as a pyramid."""
+    def of(cls, arm: Arm) -> WrenchPolytope:
+        """Of all that the arm states about itself; friction as a pyramid."""
         stated = limits_of(arm)
         if stated.cones:
             raise UsageError(f"arm {arm.name}: a polytope needs friction with a number of sides, not the exact cone")
-        return _of_rows(stated)
-
-    @classmethod
-    def of_joints(cls, joints: JointTorques) -> WrenchPolytope:
-        """Of what the joints bear at their posture."""
-        finite = np.isfinite(joints.torque_limit)
-        towards, limit, idle = joints.jacobian.T[finite], joints.torque_limit[finite], joints.gravity_torque[finite]
-        names = [f"joint {joint} torque" for joint in np.flatnonzero(finite)]
-        upper, lower = (f"{name} upper" for name in names), (f"{name} lower" for name in names)
-        return cls(np.vstack([towards, -towards]), np.concatenate([limit - idle, limit + idle]), (*upper, *lower))
-
-    def __and__(self, other: WrenchPolytope) -> WrenchPolytope:
-        return WrenchPolytope(
-            np.vstack([self.rows, other.rows]), np.concatenate([self.limits, other.limits]), self.names + other.names
-        )
+        rows = np.vstack([np.eye(6), -np.eye(6), stated.rows, -stated.rows])
+        limits = np.concatenate([stated.upper, -stated.lower, stated.limits, -stated.low_limits])
+        names = (*stated.upper_names, *stated.lower_names, *stated.names, *stated.low_names)
+        finite = np.isfinite(limits)
+        return cls(rows[finite], limits[finite], tuple(compress(names, finite)))
 
     def holds(self, wrench: ArrayLike, tolerance: float = 1e-9) -> bool:
         return bool((self.rows @ np.asarray(wrench, dtype=float) <= self.limits + tolerance).all())
@@ -83,15 +73,6 @@ class WrenchPolytope:
             )
         distance = float((self.limits[closing] / speed[closing]).min())
         return Farthest(distance, distance * towards)
-
-
-def _of_rows(stated: LimitRows) -> WrenchPolytope:
-    above, below = np.isfinite(stated.upper), np.isfinite(stated.lower)
-    rows = np.vstack([np.eye(6)[above], -np.eye(6)[below], stated.rows])
-    limits = np.concatenate([stated.upper[above], -stated.lower[below], stated.limits])
-    names = [name for name, kept in zip(stated.upper_names, above, strict=True) if kept]
-    names += [name for name, kept in zip(stated.lower_names, below, strict=True) if kept]
-    return WrenchPolytope(rows, limits, (*names, *stated.names))
 
 
 def _checked(direction: ArrayLike) -> Array:

@@ -59,7 +59,7 @@ def configurations(arm: DrawnArm, data: st.DataObject) -> np.ndarray:
 def test_tool_stands_where_the_joints_put_it(arm: DrawnArm, data: st.DataObject, tmp_path: Path):
     configuration, base = configurations(arm, data), data.draw(vectors(6, -2, 2))
     pose_br = SpatialPose.of(base[:3], *base[3:])
-    pose = read_urdf_arm(arm.write(tmp_path), "tool", pose_br=pose_br).tool_pose_b(configuration)
+    pose = read_urdf_arm(arm.write(tmp_path), "tool").placed(pose_br).tool_pose_b(configuration)
     rotation, position = arm.tool(configuration)
     np.testing.assert_allclose(pose.position, pose_br.rotation @ position + pose_br.position, atol=1e-12)
     np.testing.assert_allclose(pose.rotation, pose_br.rotation @ rotation.as_matrix(), atol=1e-12)
@@ -77,7 +77,7 @@ def test_jacobian_is_how_the_tool_moves(arm: DrawnArm, yaw: float, data: st.Data
         rotation_back, position_back = arm.tool(configuration - step)
         turn = (rotation * rotation_back.inv()).as_rotvec()
         columns.append(np.concatenate([rotation_ar @ (position - position_back), rotation_ar @ turn]) / (2 * STEP))
-    jacobian = read_urdf_arm(arm.write(tmp_path), "tool", pose_br=pose_br).jacobian_a(configuration, yaw)
+    jacobian = read_urdf_arm(arm.write(tmp_path), "tool").placed(pose_br).jacobian_a(configuration, yaw)
     np.testing.assert_allclose(jacobian, np.transpose(columns), atol=DIFFERENCES)
 
 
@@ -92,10 +92,8 @@ def test_gravity_torque_is_the_slope_of_potential_energy(arm: DrawnArm, data: st
         (arm.potential(configuration + step, gravity_r) - arm.potential(configuration - step, gravity_r)) / (2 * STEP)
         for step in STEP * np.eye(len(configuration))
     ]
-    read = read_urdf_arm(
-        arm.write(tmp_path), "tool", pose_br=SpatialPose.of((1, 2, 3), *base), gravity_b=tuple(gravity_b)
-    )
-    np.testing.assert_allclose(read.gravity_torque(configuration), slope, atol=1e2 * DIFFERENCES)
+    placed = read_urdf_arm(arm.write(tmp_path), "tool").placed(SpatialPose.of((1, 2, 3), *base), gravity_b)
+    np.testing.assert_allclose(placed.gravity_torque(configuration), slope, atol=1e2 * DIFFERENCES)
 
 
 @given(numbers(-3, 3), numbers(-3, 3))
@@ -128,7 +126,7 @@ def test_what_moves_the_tool_is_the_arm_and_limits_are_the_files(tmp_path: Path)
 
 def test_a_push_forward_needs_the_shoulder_to_turn_forward(tmp_path: Path):
     """An arm that points straight up, 0.9 m: 10 N on the cart are 9 N·m, and angles fall as the tool goes forward."""
-    arm = read_urdf_arm(written(tmp_path), "tool", gravity_b=(0, 0, 0))
+    arm = read_urdf_arm(written(tmp_path), "tool").placed(SpatialPose.of((0, 0, 0)), (0, 0, 0))
     torques = arm.joint_torques((np.pi / 2, 0.0)).torques(np.array([10.0, 0, 0, 0, 0, 0]))
     np.testing.assert_allclose(torques, [-9.0, -4.0], atol=1e-12)
 
@@ -143,11 +141,10 @@ def test_added_masses_weigh_as_those_of_the_file(tmp_path: Path):
 
 
 def test_gravity_may_be_left_out_but_not_by_oversight(tmp_path: Path):
-    weightless = re.sub('<mass value="."/>', '<mass value="0"/>', PLANAR)
+    weightless = read_urdf_arm(written(tmp_path, re.sub('<mass value="."/>', '<mass value="0"/>', PLANAR)), "tool")
     with pytest.raises(UsageError, match=r"no moving link has a mass: give added_masses, or gravity_b=\(0, 0, 0\)"):
-        read_urdf_arm(written(tmp_path, weightless), "tool")
-    arm = read_urdf_arm(written(tmp_path, weightless), "tool", gravity_b=(0, 0, 0))
-    assert not arm.gravity_torque((0.4, -1.0)).any()
+        weightless.joint_torques((0.4, -1.0))
+    assert not weightless.placed(SpatialPose.of((0, 0, 0)), (0, 0, 0)).gravity_torque((0.4, -1.0)).any()
     assert LEVEL == (0.0, 0.0, -9.81)
 
 
@@ -159,8 +156,6 @@ def test_gravity_may_be_left_out_but_not_by_oversight(tmp_path: Path):
         (('effort="50"', 'effort="0"'), {}, "joint shoulder: torque limit 0 is not > 0; give torque_limit"),
         (("", ""), {"torque_limit": (40, np.nan)}, "joint elbow: torque limit nan is not > 0"),
         (("", ""), {"torque_limit": (40,)}, "torque_limit: 2 numbers are needed, 1 given"),
-        (("", ""), {"gravity_b": (0, 0)}, "gravity_b: .* is not three finite numbers"),
-        (("", ""), {"gravity_b": (0, 0, np.inf)}, "gravity_b: .* is not three finite numbers"),
         (("", ""), {"added_masses": [LinkMass("hand", 1, (0, 0, 0))]}, "added_masses: no link is called 'hand'"),
         (("", ""), {"added_masses": [LinkMass("fore", -1, (0, 0, 0))]}, "needs a finite mass >= 0"),
         (("", ""), {"added_masses": [LinkMass("fore", 1, (0, np.nan, 0))]}, "needs a finite mass >= 0"),
@@ -172,6 +167,12 @@ def test_what_cannot_be_meant_is_refused(change, arguments, words, tmp_path: Pat
     path = written(tmp_path, PLANAR.replace(*change) if change[0] else PLANAR)
     with pytest.raises(UsageError, match=words):
         read_urdf_arm(path, **{"tool": "tool", **arguments})
+
+
+@pytest.mark.parametrize("gravity", [(0, 0), (0, 0, np.inf), (0, np.nan, 0)])
+def test_gravity_is_three_finite_numbers(gravity, tmp_path: Path):
+    with pytest.raises(UsageError, match=r"gravity_b: .* is not three finite numbers"):
+        read_urdf_arm(written(tmp_path), "tool").placed(SpatialPose.of((0, 0, 0)), gravity)
 
 
 @pytest.mark.parametrize(
