@@ -86,9 +86,8 @@ for posture in product(HANDS, ELBOWS):
     for (row, height), (column, standoff) in product(enumerate(heights), enumerate(standoffs)):
         arms = arms_at(*posture, height, standoff)
         if arms is not None:
-            drives[posture][row, column], felt[posture][row, column] = (
-                push_capacity(cart, a, push).multiple for a in arms
-            )
+            drives[posture][row, column] = push_capacity(cart, arms[0], push).multiple
+            felt[posture][row, column] = push_capacity(cart, arms[1], push).multiple
     print(f"\nhand {posture[0]}, elbow {posture[1]}: times the push by the drives | with {FELT_TORQUE:g} N·m felt")
     print("  contact " + "".join(f"{standoff:12.1f} m" for standoff in standoffs) + " before the arms' bases")
     for height, by_drives, by_feeling in zip(heights, drives[posture], felt[posture], strict=True):
@@ -97,11 +96,9 @@ for posture in product(HANDS, ELBOWS):
 
 weakest = min(np.nanmin(map_) for map_ in drives.values())
 print(f"\ndrives: every posture in reach can; the weakest gives {weakest:.0f} times the push")
-for posture, map_ in felt.items():
-    can, cannot = (map_ >= 1).sum(), (map_ < 1).sum()
-    print(
-        f"felt, hand {posture[0]}, elbow {posture[1]}: {can} places can, {cannot} can't, {np.isnan(map_).sum()} out of reach"
-    )
+for (hand, elbow), map_ in felt.items():
+    counts = f"{(map_ >= 1).sum()} places can, {(map_ < 1).sum()} can't, {np.isnan(map_).sum()} are out of reach"
+    print(f"felt, hand {hand}, elbow {elbow}: {counts}")
 
 # --- the planner says the same ----------------------------------------------------------------------------------
 good, bad = ("forward", "up", 1.0, 0.9), ("from above", "up", 0.4, 0.4)

@@ -23,10 +23,9 @@ def draw_wrench_shadow(
     """A polygon of vertices (n, 2), in order, over two components (`fx` … `tz`)."""
     if len(components) != 2 or np.shape(vertices)[1:] != (2,):
         raise UsageError(f"wrench shadow: vertices {np.shape(vertices)} of {len(components)} components: 2 are drawn")
-    artists: list[Artist] = list(
-        axes.fill(*np.asarray(vertices).T, facecolor=color, alpha=0.25, label=plain_text(label))
-    )
-    artists += axes.fill(*np.asarray(vertices).T, facecolor="none", edgecolor=color)
+    x, y = np.asarray(vertices).T
+    artists: list[Artist] = list(axes.fill(x, y, facecolor=color, alpha=0.25, label=plain_text(label)))
+    artists += axes.fill(x, y, facecolor="none", edgecolor=color)
     axes.set_xlabel(_with_unit(components[0]))
     axes.set_ylabel(_with_unit(components[1]))
     return artists
@@ -34,7 +33,7 @@ def draw_wrench_shadow(
 
 def draw_push_map(axes: Axes, standoffs: Array, heights: Array, multiples: Array, most: float = 15.0) -> list[Artist]:
     """How many times a push can be given, (heights, standoffs), written into each cell: blue where it can, the darker
-    the more (up to `most`), light vermillion and bold where it can't (below 1), hatched where it is NaN, out of reach."""
+    the more (up to `most`), vermillion and bold where it can't (below 1), hatched where it is NaN, out of reach."""
     can, cannot = np.ma.masked_less(multiples, 1.0), np.ma.masked_greater_equal(multiples, 1.0)
     artists: list[Artist] = [
         axes.pcolormesh(standoffs, heights, np.ma.masked_invalid(can), norm=LogNorm(0.5, 3 * most), cmap="Blues"),
@@ -43,8 +42,8 @@ def draw_push_map(axes: Axes, standoffs: Array, heights: Array, multiples: Array
     for (row, column), multiple in np.ndenumerate(multiples):
         if np.isfinite(multiple):
             words, weight = (f"{multiple:.1f}", "normal") if multiple >= 1 else (f"{multiple:.2f}", "bold")
-            place = standoffs[column], heights[row]
-            artists.append(axes.text(*place, words, ha="center", va="center", size=7.5, weight=weight))
+            x, y = float(standoffs[column]), float(heights[row])
+            artists.append(axes.text(x, y, words, ha="center", va="center", size=7.5, weight=weight))
     axes.patch.set(hatch="////", facecolor="white", edgecolor="#DDDDDD")
     axes.grid(visible=False)
     axes.set_xlabel("Arms' bases behind the handle (m)")
