@@ -26,6 +26,7 @@ from .spatial_pose import SpatialPose
 from .wheels import GRAVITY
 
 LEVEL = (0.0, 0.0, -GRAVITY)
+WIDEST = 1e3  # rad or m: what a joint has no more of
 AT_THE_ORIGIN = SpatialPose.of((0.0, 0.0, 0.0))
 
 
@@ -116,9 +117,12 @@ def read_urdf_arm(
     model = _reduced(_parsed(file), tool, file)
     for added in added_masses:
         _add_mass(model, added, file)
-    lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
     joints = tuple(model.names)[1:]
-    return UrdfArm(file, joints, lower, upper, _torque_limit(model, torque_limit, file), model, model.getFrameId(tool))
+    lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
+    for joint, low, high in zip(joints, lower, upper, strict=True):
+        if not 0 < high - low <= WIDEST:
+            raise UsageError(f"{file}: joint {joint}: no range: lower {low:g}, upper {high:g}")
+    return UrdfArm(file, joints, lower, upper, _torque_limit(model, torque_limit, file), model, _link(model, tool))
 
 
 def _parsed(file: str) -> Any:
@@ -139,14 +143,17 @@ def _reduced(model: Any, tool: str, file: str) -> Any:
     links = [frame.name for frame in model.frames if frame.type == pinocchio.FrameType.BODY]
     if tool not in links:
         raise UsageError(f"{file}: tool: no link is called {tool!r}; there are {', '.join(links)}")
-    moving = set(model.supports[model.frames[model.getFrameId(tool)].parentJoint]) - {0}
+    moving = set(model.supports[model.frames[_link(model, tool)].parentJoint]) - {0}
     if not moving:
         raise UsageError(f"{file}: tool: no joint moves {tool!r}")
     endless = [model.names[joint] for joint in moving if model.joints[joint].nq != 1]
     if endless:
         raise UsageError(f"{file}: joint {endless[0]}: give it limits; only revolute and prismatic joints are known")
     held = [joint for joint in range(1, model.njoints) if joint not in moving]
-    return pinocchio.buildReducedModel(model, held, pinocchio.neutral(model))
+    try:
+        return pinocchio.buildReducedModel(model, held, pinocchio.neutral(model)) if held else model
+    except ValueError as error:  # where a joint is called as a link is
+        raise UsageError(f"{file}: joints that don't move {tool!r} can't be held: {error}") from error
 
 
 def _add_mass(model: Any, added: LinkMass, file: str) -> None:
@@ -155,9 +162,13 @@ def _add_mass(model: Any, added: LinkMass, file: str) -> None:
         raise UsageError(f"{file}: added_masses: no link is called {added.link!r}")
     if not (np.isfinite(added.mass) and added.mass >= 0 and np.isfinite(added.centre).all()):
         raise UsageError(f"{file}: added_masses: {added} needs a finite mass >= 0 and a finite centre")
-    frame = model.frames[model.getFrameId(added.link, pinocchio.FrameType.BODY)]
+    frame = model.frames[_link(model, added.link)]
     inertia = pinocchio.Inertia(added.mass, np.array(added.centre, dtype=float), np.zeros((3, 3)))
     model.appendBodyToJoint(frame.parentJoint, inertia, frame.placement)
+
+
+def _link(model: Any, name: str) -> int:
+    return int(model.getFrameId(name, _library().FrameType.BODY))  # a joint may be called as a link is
 
 
 def _torque_limit(model: Any, given: Sequence[float] | None, file: str) -> Array:

@@ -34,7 +34,7 @@ from planning.wrench_polytope import WrenchPolytope
 # --- the arms -------------------------------------------------------------------------------------------------
 URDF = files(rtbdata) / "xacro/kuka_description/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.urdf"  # kinematics alone
 DRIVE_TORQUE = (320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0)  # N·m; KUKA, brochure of the LBR iiwa, axis data
-MASSES = (  # kg and m; documentation of Exp[licit] (explicit-robotics.github.io): KUKA's data sheet has none by link
+MASSES = (  # kg and m; documentation of Exp[licit] (explicit-robotics.github.io): we know of none by KUKA
     LinkMass("link_1", 6.404, (0.0, -0.014, 0.2545)),
     LinkMass("link_2", 7.890, (0.0, 0.003, 0.0640)),
     LinkMass("link_3", 2.540, (0.0, 0.019, 0.3305)),

@@ -44,8 +44,9 @@ def project(polytope: WrenchPolytope, components: Sequence[str]) -> Array:
     flat = (points - points[0]) @ basis
     if basis.shape[1] == 1:
         return points[[int(flat.argmin()), int(flat.argmax())]]
-    grown = _grown(lambda d: (support(basis @ d) - points[0]) @ basis, flat)
-    return np.asarray(points[0] + grown @ basis.T)
+    size = np.ptp(flat, axis=0)
+    grown = _grown(lambda direction: (support(basis @ (direction / size)) - points[0]) @ basis / size, flat / size)
+    return np.asarray(points[0] + (size * grown) @ basis.T)
 
 
 def _simplex(support: Support, dimension: int) -> tuple[Array, Array]:
@@ -65,25 +66,24 @@ def _simplex(support: Support, dimension: int) -> tuple[Array, Array]:
         for known in (spanned, flat):
             part = part - known @ (known.T @ part)
         spanned = np.column_stack([spanned, part / np.linalg.norm(part)])
+    if spanned.shape[1] == dimension and np.linalg.det(spanned) < 0:
+        spanned[:, -1] *= -1.0  # right-handed, so that what goes round here goes round there
     return np.array(points), spanned
 
 
 def _grown(support: Support, points: Array) -> Array:
-    """Vertices of the shadow, from support points that span it."""
+    """Vertices of a shadow about as wide as 1 in every direction, from support points that span it."""
     proven: set[tuple[float, ...]] = set()
     while True:
         hull = ConvexHull(points)
-        size = float(np.ptp(points, axis=0).max())
+        points = hull.points[hull.vertices]
         facets = {tuple(np.round(facet[:-1], 9)): facet for facet in hull.equations}
-        new = []
-        for key, facet in facets.items():
-            if key in proven:
-                continue
-            found = support(facet[:-1])
-            if facet[:-1] @ found + facet[-1] > THIN * size:
-                new.append(found)
+        for normal in facets.keys() - proven:
+            found = support(facets[normal][:-1])
+            outside = facets[normal][:-1] @ found + facets[normal][-1] > THIN
+            if outside and np.linalg.norm(points - found, axis=1).min() > THIN:
+                points = np.vstack([points, found])
             else:
-                proven.add(key)
-        if not new:
-            return np.asarray(hull.points[hull.vertices])
-        points = np.vstack([hull.points[hull.vertices], new])
+                proven.add(normal)
+        if proven >= facets.keys():
+            return points

@@ -124,6 +124,12 @@ def test_what_moves_the_tool_is_the_arm_and_limits_are_the_files(tmp_path: Path)
     np.testing.assert_array_equal(joints.gravity_torque, arm.gravity_torque((0.3, -0.4)))
 
 
+def test_a_joint_may_be_called_as_its_link(tmp_path: Path):
+    arm = read_urdf_arm(written(tmp_path, PLANAR.replace('name="finger"', 'name="tip"')), "tip")
+    assert arm.joints == ("shoulder", "elbow", "tip")
+    np.testing.assert_allclose(arm.tool_pose_b((0, 0, 0.05)).position, [0.95, 0, 0], atol=1e-12)
+
+
 def test_a_push_forward_needs_the_shoulder_to_turn_forward(tmp_path: Path):
     """An arm that points straight up, 0.9 m: 10 N on the cart are 9 N·m, and angles fall as the tool goes forward."""
     arm = read_urdf_arm(written(tmp_path), "tool").placed(SpatialPose.of((0, 0, 0)), (0, 0, 0))
@@ -161,6 +167,13 @@ def test_gravity_may_be_left_out_but_not_by_oversight(tmp_path: Path):
         (("", ""), {"added_masses": [LinkMass("fore", 1, (0, np.nan, 0))]}, "needs a finite mass >= 0"),
         (('name="elbow" type="revolute"', 'name="elbow" type="continuous"'), {}, "joint elbow: give it limits"),
         (('name="elbow" type="revolute"', 'name="elbow" type="floating"'), {}, "joint elbow: give it limits"),
+        (('lower="-3" upper="3"', 'lower="3" upper="-3"'), {}, "joint shoulder: no range: lower 3, upper -3"),
+        (
+            ('lower="-3" upper="3"', 'lower="-3" upper="1e300"'),
+            {},
+            r"joint shoulder: no range: lower -3, upper 1e\+300",
+        ),
+        (('name="shoulder"', 'name="upper"'), {}, "joints that don't move 'tool' can't be held: Several frames"),
     ],
 )
 def test_what_cannot_be_meant_is_refused(change, arguments, words, tmp_path: Path):

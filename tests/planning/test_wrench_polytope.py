@@ -126,10 +126,27 @@ def test_shadows_that_are_known(name: str, components: tuple[str, ...], corners:
     assert sorted(tuple(float(v) for v in vertex.round(6) + 0.0) for vertex in vertices) == sorted(corners)
 
 
-def test_vertices_of_two_components_go_round():
-    vertices = project(WrenchPolytope.of(PUSHING), ("fx", "fz"))
-    following = np.roll(vertices, -1, axis=0)
-    assert (vertices[:, 0] * following[:, 1] - vertices[:, 1] * following[:, 0]).sum() > 0
+@every_polytope
+@given(postures(), st.permutations(["fx", "fy", "fz"]))
+def test_vertices_of_two_components_go_round(joints: JointTorques, components: list[str]):
+    """Counter-clockwise: every corner turns left."""
+    vertices = project(polytope_of(PUSHING, joints), components[:2])
+    sides = np.roll(vertices, -1, axis=0) - vertices
+    following = np.roll(sides, -1, axis=0)
+    assert (sides[:, 0] * following[:, 1] - sides[:, 1] * following[:, 0] > 0).all()
+
+
+@every_polytope
+@given(postures(), st.floats(-8, 0), st.floats(-3, 3))
+def test_thin_small_and_large_shadows_too(joints: JointTorques, thinness: float, size: float):
+    scale, mu = 10.0**size, 10.0**thinness
+    scaled = JointTorques(joints.jacobian, scale * joints.gravity_torque, scale * joints.torque_limit)
+    arm = Arm("hand", [POINT], force_limit=(scale * 200,) * 3, moment_limit=(scale, 0, 1), friction=Friction(mu, 7))
+    polytope = polytope_of(arm, scaled)
+    vertices = project(polytope, ("fx", "fy", "fz"))
+    for direction in directions(5, 3):
+        expected = polytope.support((*direction, 0, 0, 0)).distance
+        assert (vertices @ direction).max() == pytest.approx(expected, abs=1e-5 * max(1.0, np.abs(vertices).max()))
 
 
 def test_two_joints_in_closed_form():
