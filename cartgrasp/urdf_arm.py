@@ -82,7 +82,7 @@ class UrdfArm:
     def gravity_torque(self, configuration: ArrayLike) -> Array:
         """Joint torques (n,) that carry the arm itself."""
         gravity_b, checked = np.array(self.gravity_b), self.checked(configuration)
-        if gravity_b.any() and not any(inertia.mass for inertia in self._model.inertias):
+        if gravity_b.any() and not any(inertia.mass for inertia in self._model.inertias.tolist()[1:]):
             raise UsageError(
                 f"{self.file}: no moving link has a mass: give added_masses, or gravity_b=(0, 0, 0) to leave it out"
             )
@@ -160,10 +160,11 @@ def _add_mass(model: Any, added: LinkMass, file: str) -> None:
     pinocchio = _library()
     if not model.existBodyName(added.link):
         raise UsageError(f"{file}: added_masses: no link is called {added.link!r}")
-    if not (np.isfinite(added.mass) and added.mass >= 0 and np.isfinite(added.centre).all()):
-        raise UsageError(f"{file}: added_masses: {added} needs a finite mass >= 0 and a finite centre")
+    centre = np.array(added.centre, dtype=float)
+    if not (np.isfinite(added.mass) and added.mass >= 0 and centre.shape == (3,) and np.isfinite(centre).all()):
+        raise UsageError(f"{file}: added_masses: {added} needs a finite mass >= 0 and a finite centre (3,)")
     frame = model.frames[_link(model, added.link)]
-    inertia = pinocchio.Inertia(added.mass, np.array(added.centre, dtype=float), np.zeros((3, 3)))
+    inertia = pinocchio.Inertia(added.mass, centre, np.zeros((3, 3)))
     model.appendBodyToJoint(frame.parentJoint, inertia, frame.placement)
 
 

@@ -147,7 +147,9 @@ def test_added_masses_weigh_as_those_of_the_file(tmp_path: Path):
 
 
 def test_gravity_may_be_left_out_but_not_by_oversight(tmp_path: Path):
-    weightless = read_urdf_arm(written(tmp_path, re.sub('<mass value="."/>', '<mass value="0"/>', PLANAR)), "tool")
+    """A mass of the base, which doesn't move, is none of the arm."""
+    bare = written(tmp_path, re.sub('<mass value="."/>', '<mass value="0"/>', PLANAR))
+    weightless = read_urdf_arm(bare, "tool", added_masses=[LinkMass("base", 5.0, (0, 0, 0))])
     with pytest.raises(UsageError, match=r"no moving link has a mass: give added_masses, or gravity_b=\(0, 0, 0\)"):
         weightless.joint_torques((0.4, -1.0))
     assert not weightless.placed(SpatialPose.of((0, 0, 0)), (0, 0, 0)).gravity_torque((0.4, -1.0)).any()
@@ -165,6 +167,7 @@ def test_gravity_may_be_left_out_but_not_by_oversight(tmp_path: Path):
         (("", ""), {"added_masses": [LinkMass("hand", 1, (0, 0, 0))]}, "added_masses: no link is called 'hand'"),
         (("", ""), {"added_masses": [LinkMass("fore", -1, (0, 0, 0))]}, "needs a finite mass >= 0"),
         (("", ""), {"added_masses": [LinkMass("fore", 1, (0, np.nan, 0))]}, "needs a finite mass >= 0"),
+        (("", ""), {"added_masses": [LinkMass("fore", 1, (0, 0))]}, "needs a finite mass >= 0"),
         (('name="elbow" type="revolute"', 'name="elbow" type="continuous"'), {}, "joint elbow: give it limits"),
         (('name="elbow" type="revolute"', 'name="elbow" type="floating"'), {}, "joint elbow: give it limits"),
         (('lower="-3" upper="3"', 'lower="3" upper="-3"'), {}, "joint shoulder: no range: lower 3, upper -3"),
