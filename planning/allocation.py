@@ -14,7 +14,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
-from .infeasibility import Certificate, certify, nearest_plan, project
+from .infeasibility import Certificate, certify, contradiction, nearest_plan, project
 from .limits import CartLimit
 from .objectives import Objective
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
@@ -74,7 +74,11 @@ def conclude(
         return _solved(template, program, solution)
     target = program.equality[1]
     projection = project(QuadraticSolver(always_feasible=True), program, template.slack_map(False))
-    if not projection.is_feasible(target):
+    if projection.solution.status != OPTIMAL:
+        certificate = contradiction(template, program)
+        if certificate is not None:
+            return Allocation(INFEASIBLE, {}, np.nan, (), solution, certificate)
+    elif not projection.is_feasible(target):
         certificate = certify(template, contacts, projection, target)
         if certificate is not None:
             nearest = nearest_plan(template, contacts, projection, program)

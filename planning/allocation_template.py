@@ -36,6 +36,7 @@ from .quadratic_program import QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
+    from cartgrasp.motion import Motion
 
 PLANAR_NAMES = ("fx", "fy", "tau")
 
@@ -57,8 +58,9 @@ class AllocationTemplate:
         arms: Sequence[Arm],
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
+        motion: Motion | None = None,
     ) -> Self:
-        """`cart_limits` are those of the cart at rest; `with_cart_rows` has them at another motion."""
+        """`cart_limits` at a motion of the cart; at rest if None."""
         arms = tuple(arms)
         names = [arm.name for arm in arms]
         if not arms:
@@ -70,7 +72,7 @@ class AllocationTemplate:
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits = side_by_side(names, [limits_of(arm) for arm in arms])
-        rows = cart_rows(cart_limits, cart, None, arms)
+        rows = cart_rows(cart_limits, cart, motion, arms)
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_cart_rows(self, rows: CartRows) -> Self:
@@ -83,8 +85,9 @@ class AllocationTemplate:
         """The same with other bounds on F, and all else of `limits` as it was."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, limits=limits)
-        for cached in ("fixed", "_at_points", "_over_ranges"):
-            other.__dict__.pop(cached, None)
+        other.__dict__.pop("fixed", None)
+        for blank in other.__dict__.keys() & {"_at_points", "_over_ranges"}:
+            other.__dict__[blank] = other.__dict__[blank].with_bounds(limits)
         return other
 
     # --- structure ----------------------------------------------------------------------------------------
