@@ -136,7 +136,7 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     solution = solver.solve(near)
     slack = _slack(solution, program.n)
     projection = Projection(slack, solution.x[: program.n], solution, slack, solution)
-    values = program.upper[-len(slack_map) :]
+    values = program.upper[-len(slack_map) :][slack_map.any(axis=1)]
     scale = max(1.0, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
     if not EQUALITY_TOLERANCE * scale < projection.distance < FAR * scale:
         return projection
