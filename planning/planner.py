@@ -24,12 +24,13 @@ from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
 from .given_contacts import GivenContacts
 from .limits import CartLimit
-from .objectives import Objective
+from .objectives import Lexicographic, Objective
 from .plan import RELAXED, TIMEOUT, ChoiceProof, Plan
 from .plan_inputs import RefusedError, check_estimate, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 from .refusals import out_of_reach, refusal, too_near
 from .remedy import find_remedy, with_remedy
+from .second_stage import second_stage
 from .solvers import QuadraticSolver, solve_with_clarabel
 from .terms import Terms, scaled_into
 
@@ -71,7 +72,8 @@ class WrenchPlanner:
         self._terms = Terms(cart, arms, objective, cart_limits, (min_hand_distance, period))
         self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
         self._relax, self._limit, self._decay = relax, search_limit, math.exp(-period / HOLD_TIME)
-        self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
+        self._solver, self._second_solver = QuadraticSolver(), QuadraticSolver()
+        self._cases = CaseSolver(self._terms.template)
         self._shown: dict[str, Array] = {}
         self._shown_points = np.zeros((0, 3))
         self._last = np.zeros(self._terms.base.n)
@@ -263,7 +265,10 @@ class WrenchPlanner:
     def _solved(
         self, points: Array, program: QuadraticProgram, solution: QPSolution, proof: ChoiceProof, start: float
     ) -> Plan:
-        base = self._terms.base
+        base, objective = self._terms.base, self._terms.base.objective
+        if isinstance(objective, Lexicographic):
+            second = objective.second.cost(base.arms, self._last)
+            program, solution = second_stage(self._second_solver, program, solution, second)
         wrenches = solution.x if len(solution.x) == base.n else solution.x[: base.n]
         self._remember(wrenches, points)
         return Plan(
