@@ -260,7 +260,7 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
         stationarity=highest(np.abs(gradient)),
         gap=gap / max(1.0, abs(cost)),
         cost=cost,
-        wrench_scale=max(1.0, *map(abs, asked)),
+        wrench_scale=max((1.0, *map(abs, asked))),
         slope_scale=slope,
     )
 
