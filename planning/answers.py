@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +19,7 @@ from .solvers import QuadraticSolver
 from .terms import Terms
 
 
-@dataclass(frozen=True, eq=False)
-class Solved:
+class Solved(NamedTuple):
     """A program at contacts (n, 3) with what a solver says of it, and since when it was worked on (perf_counter)."""
 
     points: Array
@@ -43,7 +43,7 @@ class Answers:
             return self._optimal(solved, last, proof)
         allocation = conclude(self._terms.template, solved.points, solved.program, solved.solution)
         if allocation.status == OPTIMAL:
-            return self._optimal(replace(solved, solution=allocation.solution), last, proof)
+            return self._optimal(solved._replace(solution=allocation.solution), last, proof)
         relaxed = self._relaxed(solved, allocation, last, proof)
         if relaxed is not None:
             return relaxed
@@ -90,7 +90,7 @@ class Answers:
         nearest = None if certificate is None else certificate.nearest
         if certificate is None or nearest is None or not nearest.may_stand_in(self._relax):
             return None
-        plan = self._optimal(replace(solved, program=nearest.program, solution=nearest.solution), last, proof)
+        plan = self._optimal(solved._replace(program=nearest.program, solution=nearest.solution), last, proof)
         active = tuple(dict.fromkeys((*certificate.limits, *plan.active)))
         return replace(plan, status=RELAXED, active=active, certificate=certificate, message=certificate.words)
 
