@@ -209,13 +209,15 @@ def certify(template: AllocationTemplate, contacts: Array, projection: Projectio
     return Certificate(words, asked, asked - margin, tuple(direction.tolist()), limits)
 
 
-def contradiction(template: AllocationTemplate, program: QuadraticProgram) -> Certificate | None:
+def contradiction(
+    template: AllocationTemplate, program: QuadraticProgram, is_range: bool = False
+) -> Certificate | None:
     """Why no wrench at all is within limits, whatever is asked: the cart's limits, with the arms' held, are missed
     by a least distance (N). None if that doesn't verify."""
-    c, k = len(template.cart_rows.low), template.basis_b.shape[1]
+    c = len(template.cart_rows.low)
     if c == 0:
         return None
-    rows = len(program.rows) - k
+    rows = len(program.rows) - len(template.slack_map(is_range)) + c
     stop = program.n + rows
     alone = replace(
         program,
