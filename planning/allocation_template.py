@@ -30,12 +30,13 @@ from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .limits import CartLimit, CartRows, LimitRows, cart_rows, limits_of, side_by_side
+from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Objective, WeightedWrench
 from .quadratic_program import QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
+    from cartgrasp.motion import Motion
 
 PLANAR_NAMES = ("fx", "fy", "tau")
 
@@ -57,8 +58,9 @@ class AllocationTemplate:
         arms: Sequence[Arm],
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
+        motion: Motion | None = None,
     ) -> Self:
-        """`cart_limits` are those of the cart at rest; `with_cart_rows` has them at another motion."""
+        """`cart_limits` at a motion of the cart; at rest if None."""
         arms = tuple(arms)
         names = [arm.name for arm in arms]
         if not arms:
@@ -70,7 +72,7 @@ class AllocationTemplate:
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits = side_by_side(names, [limits_of(arm) for arm in arms])
-        rows = cart_rows(cart_limits, cart, None, arms)
+        rows = cart_rows(cart_limits, Pushed(cart, motion, arms))
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_cart_rows(self, rows: CartRows) -> Self:
@@ -83,8 +85,9 @@ class AllocationTemplate:
         """The same with other bounds on F, and all else of `limits` as it was."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, limits=limits)
-        for cached in ("fixed", "_at_points", "_over_ranges"):
-            other.__dict__.pop(cached, None)
+        other.__dict__.pop("fixed", None)
+        for blank in other.__dict__.keys() & {"_at_points", "_over_ranges"}:
+            other.__dict__[blank] = other.__dict__[blank].with_bounds(limits)
         return other
 
     # --- structure ----------------------------------------------------------------------------------------
@@ -181,26 +184,35 @@ class AllocationTemplate:
             below = np.concatenate([[target[moment], -np.inf], target[others]])
             above = np.concatenate([[np.inf, target[moment]], target[others]])
         if len(self.cart_rows.low):
-            middle, spread = self._spread(hull[..., :-k, :])
+            fixed_part = self._turning * target[-1]
+            middle, spread = self._spread(hull[..., :-k, :] - self._turning[:, None] * hull[..., -1:, :])
             matrix = np.concatenate([middle, matrix])
-            below = np.concatenate([self.cart_rows.low - spread, below])
-            above = np.concatenate([self.cart_rows.high + spread, above])
+            below = np.concatenate([self.cart_rows.low - fixed_part - spread, below])
+            above = np.concatenate([self.cart_rows.high - fixed_part + spread, above])
         return self._filled(self._over_ranges, matrix, (below, above), cost)
 
     def slack_map(self, is_range: bool) -> Array:
-        """T, (effective rows of the program, k): where a slack of each effective row of `target` enters."""
-        identity = np.eye(self.basis_b.shape[1])
-        moment = self.moment_row
-        if not is_range or moment is None:
-            return identity
-        others = [i for i in range(len(identity)) if i != moment]
-        return np.vstack([identity[moment], identity[moment], identity[others]])
+        """T, (contact rows of the program, k): where a slack of each effective row of `target` enters."""
+        effective, moment = np.eye(self.basis_b.shape[1]), self.moment_row
+        of_cart = np.zeros((len(self.cart_rows.low), len(effective)))
+        if is_range:
+            of_cart[:, -1] = -self._turning
+        if is_range and moment is not None:
+            others = [i for i in range(len(effective)) if i != moment]
+            effective = np.vstack([effective[moment], effective[moment], effective[others]])
+        return np.vstack([of_cart, effective])
 
     def _in_line(self, rows: Array) -> Array:
         """Rows (n, m, 6) of each arm as rows (m, unknowns) of the program."""
         matrix = rows.transpose(1, 0, 2).reshape(-1, self.n)
         n_own = len(self.hessian) - self.n
         return np.pad(matrix, ((0, 0), (0, n_own))) if n_own else matrix
+
+    @property
+    def _turning(self) -> Array:
+        """How much of the moment row is in the cart's rows (c,). Ranges are without that part: the equality says what
+        it is, so contacts don't change it."""
+        return self.cart_rows.of_sum[:, 5] if self.moment_row is not None else np.zeros(len(self.cart_rows.low))
 
     def _spread(self, hull: Array) -> tuple[Array, Array]:
         """The cart's rows (c, unknowns) at the middle of vertices, and by how much others may differ in value (c,)."""

@@ -15,7 +15,7 @@ from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
 from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by
-from .infeasibility import Projection, project
+from .infeasibility import Projection, contradiction, project
 from .objectives import Cost
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
@@ -43,11 +43,11 @@ class Question:
     cost: Cost
     distance: bool = False
 
-    def tolerance(self, value: float) -> float:
-        """How near to a value a bound has to come: 1e-9 relative, of at least 1 for an effort."""
+    def tolerance(self, value: float, gap: float) -> float:
+        """How near to a value a bound has to come: a relative gap, of at least 1 for an effort."""
         if self.distance:
-            return GAP_TOLERANCE * value + 1e-18 * (1.0 + float(self.target @ self.target))
-        return GAP_TOLERANCE * max(1.0, abs(value))
+            return gap * value + 1e-18 * (1.0 + float(self.target @ self.target))
+        return gap * max(1.0, abs(value))
 
 
 class CaseSolver:
@@ -58,7 +58,6 @@ class CaseSolver:
         self.solved = 0
         self._effort = {is_range: QuadraticSolver() for is_range in (False, True)}
         self._distance = {is_range: QuadraticSolver(always_feasible=True) for is_range in (False, True)}
-        self._slack_map = {key: template.slack_map(key) for key in (False, True)}
 
     def answer(self, question: Question, high: Array, low: Array, hull: Array | None = None) -> Answer:
         """Contacts (n, 3) at the high and the low vertex of those that span the case, `hull` (v, n, 3); without a
@@ -88,12 +87,12 @@ class CaseSolver:
         solution = solve_with_clarabel(program)
         if solution.status == OPTIMAL:
             return self._solved(question, solution, is_range)
-        return Answer(np.inf, proven=False)
+        return self._contradicted(program, is_range)
 
     def _distance_answer(self, question: Question, program: QuadraticProgram, is_range: bool) -> Answer:
         projection = self._project(program, is_range)
         if projection.solution.status != OPTIMAL:
-            return Answer(np.inf, proven=False)
+            return self._contradicted(program, is_range)
         cut = distance_cut(self.template, projection.solution, projection.slack, question.target)
         return Answer(
             0.5 * projection.distance**2,
@@ -102,14 +101,17 @@ class CaseSolver:
             question.target - projection.slack,
         )
 
+    def _contradicted(self, program: QuadraticProgram, is_range: bool) -> Answer:
+        """No answer: proven where the cart's limits can't be kept at all."""
+        return Answer(np.inf, proven=contradiction(self.template, program, is_range) is not None)
+
     def _solved(self, question: Question, solution: QPSolution, is_range: bool) -> Answer:
         template = self.template
-        start = len(solution.x) + len(template.fixed.limits)
-        stop = start + len(template.cart_rows.low)
-        effective = solution.multipliers[stop:] @ self._slack_map[is_range]
-        multipliers = np.concatenate([solution.multipliers[start:stop], effective])
+        dual = solution.multipliers[len(solution.x) + len(template.fixed.limits) :]
+        of_cart = dual[: len(template.cart_rows.low)]
+        multipliers = np.concatenate([of_cart, dual @ template.slack_map(is_range)])
         cut = effort_cut(template, solution, multipliers, question.target, question.cost)
         return Answer(solution.cost, cut, solution.x[: template.n], question.target)
 
     def _project(self, program: QuadraticProgram, is_range: bool) -> Projection:
-        return project(self._distance[is_range], program, self._slack_map[is_range])
+        return project(self._distance[is_range], program, self.template.slack_map(is_range))

@@ -22,7 +22,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .contact_bounds import TABLE_SIZE, Candidates, ChoiceTable, CutPool
-from .contact_cases import Answer, CaseSolver, Question
+from .contact_cases import GAP_TOLERANCE, Answer, CaseSolver, Question
 from .contact_regions import DISTANCE_TOLERANCE, Box, Region, boxes, hand_distance
 from .quadratic_program import EQUALITY_TOLERANCE
 
@@ -50,10 +50,12 @@ class Choice:
 
 @dataclass(frozen=True)
 class SearchLimit:
-    """How long to search: programs solved, and seconds (None: no deadline)."""
+    """How long to search: programs solved, seconds (None: no deadline), and the relative gap that is good enough.
+    Over segments whose contacts matter to a cart's limit, a gap of 1e-3 takes tens of programs, 1e-9 thousands."""
 
     solves: int = 5000
     seconds: float | None = None
+    gap: float = GAP_TOLERANCE
 
 
 class ContactSearch:
@@ -216,7 +218,7 @@ class ContactSearch:
 
     @property
     def _cutoff(self) -> float:
-        return self._best - self._question.tolerance(self._best) if np.isfinite(self._best) else np.inf
+        return self._best - self._question.tolerance(self._best, self._limit.gap) if np.isfinite(self._best) else np.inf
 
     def _keeps_distance(self, contacts: Array) -> bool:
         return bool(hand_distance(contacts) >= self._candidates.distance - DISTANCE_TOLERANCE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cartgrasp.arms import Arm
 from cartgrasp.frames import Array
@@ -24,6 +24,10 @@ class Cost:
     coupling: Array | None = None
     constant: float = 0.0
     epigraph: LimitRows | None = None
+
+    def coupled(self, more: Array) -> Cost:
+        """The cost with another coupling added."""
+        return replace(self, coupling=more if self.coupling is None else self.coupling + more)
 
 
 class Objective(ABC):
