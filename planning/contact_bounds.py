@@ -78,6 +78,11 @@ class Candidates:
         """The contacts (n, 3) if there is only one choice, and that of points; else None."""
         return self.vertices if len(self.vertices) == len(self.options) == self.n_arms else None
 
+    @property
+    def first(self) -> Array:
+        """The first end of each arm's first option, (n, 3)."""
+        return np.asarray(self.vertices[self.options[list(self.starts[:-1]), 0]])
+
     @cached_property
     def reach(self) -> Array:
         """Largest distance between a pair of options, (O, O): at their ends, since distance is convex."""
@@ -143,8 +148,7 @@ class CutPool:
 
     def __init__(self, candidates: Candidates, template: AllocationTemplate, ray_tolerance: float) -> None:
         self._candidates, self._template, self._ray_tolerance = candidates, template, ray_tolerance
-        yaws = template.yaws[candidates.arm_of_vertex]
-        self._rows = template.contact_rows(candidates.vertices, yaws)
+        self._rows = template.contact_rows(candidates.vertices, candidates.arm_of_vertex)
         self._cuts: list[Cut] = []
         self._tables = np.zeros((8, len(candidates.options)))
         self._least = np.zeros((8, candidates.n_arms))

@@ -22,7 +22,7 @@ LONGEST = 400
 FORBIDDEN_MODULES = ("pickle", "cPickle", "dill", "cloudpickle", "joblib", "marshal", "shelve", "yaml")
 FORBIDDEN_CALLS = ("eval", "exec", "__import__")
 FORBIDDEN_KEYWORDS = (("allow_pickle", True), ("typ", "unsafe"))
-HEAVY = ("mujoco", "matplotlib", "cvxpy", "scipy", "numba")
+HEAVY = ("mujoco", "matplotlib", "cvxpy", "scipy", "numba", "pinocchio")
 
 
 @dataclass(frozen=True)

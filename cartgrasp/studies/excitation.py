@@ -48,9 +48,7 @@ CERTAIN = 1e8
 """Information that stands for a known value."""
 KNOWN = frozenset({"viscous_drag"})
 NOISE = WrenchNoise(force=1.0, moment=0.05, rate=100.0)
-FILTER_NOISE = FilterNoise(
-    *(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment), wrench_change=20.0, disturbance=0.02, slip=0.0001
-)
+FILTER_NOISE = FilterNoise(*(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment), disturbance=0.02, slip=0.0001)
 PLACES = ((-0.9, 0.2, 1.0), (-0.45, 0.3, 0.8), (0.0, 0.3, 0.8))
 
 

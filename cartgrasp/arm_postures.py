@@ -1,0 +1,103 @@
+"""Inverse kinematics: a posture of an arm whose tool is at a pose, by damped Gauss-Newton within the joint limits.
+
+With the error e(q) = (p_target - p, log(R_target Rᵀ)) of the tool in {b}, m and rad, and J its Jacobian on the joints
+that may still move (not at a limit with the step pointing out), each step solves
+
+    (Jᵀ J + damping) dq = Jᵀ e,
+
+is cut to the limits, and is taken if |e| falls; then the damping falls, else it grows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from .frames import Array
+from .spatial_pose import SpatialPose
+from .urdf_arm import UrdfArm
+
+REACHED = 1e-6
+"""m and rad: what counts as at the pose."""
+MOST_STEPS = 200
+STUCK = 1e8
+"""A damping at which steps are below 1e-8 of the error: a local minimum."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """The nearest configuration (n,) that was found, and how far the tool is from the pose there, m and rad."""
+
+    configuration: Array
+    position_error: float
+    rotation_error: float
+
+    @property
+    def reached(self) -> bool:
+        return self.position_error <= REACHED and self.rotation_error <= REACHED
+
+
+def find_posture(
+    arm: UrdfArm, tool_pose_b: SpatialPose, start: ArrayLike | None = None, *, restarts: int = 10, seed: int = 0
+) -> Posture:
+    """A posture with the tool at `tool_pose_b`, sought from `start` (the middle of the joint ranges if none), then
+    from drawn configurations. Where none reaches it, the nearest found: a search, not a proof that none exists."""
+    found = []
+    for configuration in _starts(arm, start, restarts, seed):
+        found.append(_descend(arm, tool_pose_b, configuration))
+        if found[-1].reached:
+            return found[-1]
+    return min(found, key=lambda posture: posture.position_error + posture.rotation_error)
+
+
+def _starts(arm: UrdfArm, start: ArrayLike | None, restarts: int, seed: int) -> Iterator[Array]:
+    middle = 0.5 * (arm.lower + arm.upper)
+    yield middle if start is None else np.clip(arm.checked(start), arm.lower, arm.upper)
+    rng = np.random.default_rng(seed)
+    for _ in range(restarts):
+        yield rng.uniform(arm.lower, arm.upper)
+
+
+def _descend(arm: UrdfArm, target: SpatialPose, configuration: Array) -> Posture:
+    damping, error = 1e-2, _error(arm, target, configuration)
+    for _ in range(MOST_STEPS):
+        if np.abs(error).max() <= 0.1 * REACHED or damping > STUCK:
+            break
+        trial = _step(arm, configuration, error, damping)
+        trial_error = _error(arm, target, trial)
+        if error @ error > trial_error @ trial_error:
+            configuration, error, damping = trial, trial_error, max(0.1 * damping, 1e-9)
+        else:
+            damping *= 10.0
+    return Posture(configuration, float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:])))
+
+
+def _step(arm: UrdfArm, configuration: Array, error: Array, damping: float) -> Array:
+    """The next configuration. Joints that the step would push out of their range are held, and the others solved for
+    anew."""
+    jacobian = arm.jacobian_a(configuration)  # with no yaw {a} has {b}'s axes
+    free = np.ones(len(configuration), dtype=bool)
+    step = np.zeros_like(configuration)
+    while free.any():
+        part = jacobian[:, free]
+        step[:] = 0.0
+        step[free] = np.linalg.solve(part.T @ part + damping * np.eye(part.shape[1]), part.T @ error)
+        outward = free & _at_limit(arm, configuration, step)
+        if not outward.any():
+            break
+        free &= ~outward
+    return np.clip(configuration + step, arm.lower, arm.upper)
+
+
+def _at_limit(arm: UrdfArm, configuration: Array, step: Array) -> NDArray[np.bool_]:
+    return ((configuration <= arm.lower) & (step < 0)) | ((configuration >= arm.upper) & (step > 0))
+
+
+def _error(arm: UrdfArm, target: SpatialPose, configuration: Array) -> Array:
+    pose = arm.tool_pose_b(configuration)
+    turn = Rotation.from_matrix(target.rotation @ pose.rotation.T).as_rotvec()
+    return np.concatenate([target.position - pose.position, turn])

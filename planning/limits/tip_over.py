@@ -1,0 +1,40 @@
+"""The cart stands on all its wheels: each keeps a least load. See `cartgrasp.floor_reaction`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+
+from .cart_limit import CartLimit, CartRows, Pushed
+
+
+@final
+@dataclass(frozen=True)
+class TipOver(CartLimit):
+    """`least_load` of each wheel, N."""
+
+    least_load: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.least_load) and self.least_load >= 0):
+            raise UsageError(f"tip-over: least_load: {self.least_load} is not a finite number >= 0, in N")
+
+    def rows(self, pushed: Pushed) -> CartRows:
+        if not pushed.cart.wheel_set.spans_floor:
+            raise UsageError(
+                f"tip-over: the wheels of {pushed.cart.name} stand in one line; three that don't are needed"
+            )
+        floor = pushed.floor
+        names = tuple(f"wheel {i} load" for i in range(len(floor.load_offset)))
+        return CartRows(
+            of_sum=floor.load_map,
+            of_arm=np.zeros((len(pushed.arms), len(names), 6)),
+            low=self.least_load - floor.load_offset,
+            high=np.full(len(names), np.inf),
+            low_names=names,
+            high_names=names,
+        )
