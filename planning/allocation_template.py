@@ -32,13 +32,14 @@ from cartgrasp.frames import Array
 
 from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Objective, WeightedWrench
-from .quadratic_program import QuadraticProgram
+from .quadratic_program import Cone, QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Motion
 
 PLANAR_NAMES = ("fx", "fy", "tau")
+WIDEST = 1e6  # N, of a cone over contacts of hands without limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +77,12 @@ class AllocationTemplate:
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_cart_rows(self, rows: CartRows) -> Self:
-        """The same with as many other rows for the cart's limits: what is cached stays."""
+        """The same with other rows for the cart's limits; where these are called the same, what is cached stays."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, cart_rows=rows)
+        if (rows.low_names, rows.high_names) != (self.cart_rows.low_names, self.cart_rows.high_names):
+            for blank in ("_at_points", "_over_ranges"):
+                other.__dict__.pop(blank, None)
         return other
 
     def with_bounds(self, limits: LimitRows) -> Self:
@@ -169,7 +173,12 @@ class AllocationTemplate:
 
     def program(self, rows: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """One contact an arm: `rows` (n, c + k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""
-        return self._filled(self._at_points, self._in_line(rows), self.contact_limits(target), cost)
+        matrix = self._in_line(rows)
+        program = self._filled(self._at_points, matrix, self.contact_limits(target), cost)
+        if self.cart_rows.cones:
+            nothing = np.zeros(len(self.cart_rows.low))
+            program = program.with_cones((*self.fixed.cones, *self._cart_cones(matrix, nothing, nothing)))
+        return program
 
     def range_program(self, rows: tuple[Array, Array], hull: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """Contacts between two vertices: `rows` at the high and the low one, `hull` (v, n, c + k, 6) at all that
@@ -189,7 +198,10 @@ class AllocationTemplate:
             matrix = np.concatenate([middle, matrix])
             below = np.concatenate([self.cart_rows.low - fixed_part - spread, below])
             above = np.concatenate([self.cart_rows.high - fixed_part + spread, above])
-        return self._filled(self._over_ranges, matrix, (below, above), cost)
+        program = self._filled(self._over_ranges, matrix, (below, above), cost)
+        if self.cart_rows.cones:
+            program = program.with_cones((*self.fixed.cones, *self._cart_cones(matrix, fixed_part, spread)))
+        return program
 
     def slack_map(self, is_range: bool) -> Array:
         """T, (contact rows of the program, k): where a slack of each effective row of `target` enters."""
@@ -221,6 +233,16 @@ class AllocationTemplate:
         largest = np.maximum(np.abs(self.fixed.lower), np.abs(self.fixed.upper))
         apart = np.abs(each - middle).max(axis=0)
         return middle, np.where(apart > 0, apart * np.where(apart > 0, largest, 0.0), 0.0).sum(axis=1)
+
+    def _cart_cones(self, matrix: Array, fixed_part: Array, spread: Array) -> list[Cone]:
+        """The cart's cones over contact rows `matrix`, with a part of these (c,) that is fixed, and wider by the most
+        that a spread (c,) of them makes of it: of the axis, and of the length of the rest."""
+        cones, start = [], len(self.fixed.rows)
+        for cone in self.cart_rows.cones:
+            offset, room = cone.offset + fixed_part[cone.own], spread[cone.own]
+            offset[0] += min(room[0] + float(np.linalg.norm(room[1:])), WIDEST)
+            cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
+        return cones
 
     @cached_property
     def _at_points(self) -> QuadraticProgram:

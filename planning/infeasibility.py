@@ -118,7 +118,8 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
     n, (m, k) = program.n, slack_map.shape
     other_rows = len(program.rows) - m
     hessian = np.diag(np.concatenate([np.zeros(n), np.ones(k)]))
-    rows = np.hstack([program.rows, np.vstack([np.zeros((other_rows, k)), slack_map])])
+    slack_rows = np.vstack([np.zeros((other_rows, k)), slack_map])
+    rows = np.hstack([program.rows, slack_rows])
     free, name = np.full(k, np.inf), ("slack",) * k
     return replace(
         program,
@@ -129,9 +130,25 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
         upper=np.concatenate([program.upper[:n], free, program.upper[n:]]),
         lower_names=program.lower_names[:n] + name + program.lower_names[n:],
         upper_names=program.upper_names[:n] + name + program.upper_names[n:],
-        cones=tuple(Cone(c.name, np.hstack([c.rows, np.zeros((len(c.offset), k))]), c.offset) for c in program.cones),
+        cones=tuple(replace(c, rows=np.hstack([c.rows, _own(c, slack_rows)])) for c in program.cones),
         constant=0.0,
     )
+
+
+def _own(cone: Cone, slack_rows: Array) -> Array:
+    """How a slack that enters the program's rows enters a cone's."""
+    start, k = cone.row, len(cone.offset)
+    return np.zeros((k, slack_rows.shape[1])) if start is None else slack_rows[start : start + k]
+
+
+def _moved(near: QuadraticProgram, slack_map: Array, outward: Array) -> QuadraticProgram:
+    """A projection of what is farther out by a slack (k,)."""
+    lower, upper, shift = near.lower.copy(), near.upper.copy(), slack_map @ outward
+    lower[-len(shift) :] += shift
+    upper[-len(shift) :] += shift
+    of_rows = np.concatenate([np.zeros(len(near.rows) - len(shift)), shift])[:, None]
+    cones = tuple(replace(cone, offset=cone.offset - _own(cone, of_rows)[:, 0]) for cone in near.cones)
+    return replace(near, lower=lower, upper=upper, cones=cones)
 
 
 def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array) -> Projection:
@@ -146,10 +163,7 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     if not EQUALITY_TOLERANCE * scale < projection.distance < FAR * scale:
         return projection
     outward = scale / projection.distance * slack
-    lower, upper = near.lower.copy(), near.upper.copy()
-    lower[-len(slack_map) :] += slack_map @ outward
-    upper[-len(slack_map) :] += slack_map @ outward
-    far = solver.solve(replace(near, lower=lower, upper=upper))
+    far = solver.solve(_moved(near, slack_map, outward))
     if far.status != OPTIMAL:
         return projection
     normal = _slack(far, program.n)
@@ -228,7 +242,10 @@ def contradiction(
         upper_names=program.upper_names[:stop],
         n_equalities=0,
     )
-    projection = project(QuadraticSolver(always_feasible=True), alone, np.eye(c))
+    slack_map = np.eye(c)
+    for cone in template.cart_rows.cones:
+        slack_map[cone.first + 1 : cone.own.stop] = 0.0
+    projection = project(QuadraticSolver(always_feasible=True), alone, slack_map)
     if projection.solution.status != OPTIMAL or projection.distance == 0.0:
         return None
     least = infeasible_by(alone, projection.normal_solution, projection.normal)
@@ -264,8 +281,9 @@ def conflicting_limits(
         if abs(y) > smallest:
             name, value = high if y > 0 else low
             found[name] = float(value)
-    pairs = zip(fixed.cones, solution.cone_multipliers, strict=True)
-    found.update({cone.name: 0.0 for cone, z in pairs if z[0] > smallest})
+    cone_names = [cone.name for cone in fixed.cones] + [cone.name for cone in cart.cones]
+    pairs = zip(cone_names, solution.cone_multipliers, strict=True)
+    found.update({name: 0.0 for name, z in pairs if z[0] > smallest})
     return found
 
 

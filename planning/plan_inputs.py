@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 LARGEST_WRENCH = 1e9  # N, N·m
 LARGEST_POSITION = 1e6  # m
 MAX_ESTIMATE_AGE = 0.5  # s
+COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
 
 
 class RefusedError(CartgraspError):
@@ -53,10 +54,27 @@ def check_estimate(estimate: Estimate, newest: float) -> float:
     numbers = np.concatenate([np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity), values])
     if not (math.isfinite(estimate.time) and np.isfinite(numbers).all()):
         raise RefusedError(INVALID_INPUT, "estimate: its time, motion or a parameter is not finite")
+    if estimate.covariance is not None:
+        _check_covariance(estimate.covariance, len(estimate.model_parameters))
     if estimate.time < newest - MAX_ESTIMATE_AGE:
         age = newest - estimate.time
         raise RefusedError(STALE_ESTIMATE, f"estimate: {age:.3g} s older than the newest one given before")
     return max(newest, estimate.time)
+
+
+def _check_covariance(covariance: Array, size: int) -> None:
+    if np.shape(covariance) != (size, size):
+        shape = np.shape(covariance)
+        raise RefusedError(INVALID_INPUT, f"estimate: covariance: shape {shape} instead of {(size, size)}")
+    if not np.isfinite(covariance).all():
+        raise RefusedError(INVALID_INPUT, "estimate: covariance: a value is not finite")
+    scale = np.sqrt(np.abs(np.diagonal(covariance)))
+    allowed = COVARIANCE_TOLERANCE * np.outer(scale, scale)
+    if (np.diagonal(covariance) < 0).any() or (np.abs(covariance - covariance.T) > allowed).any():
+        raise RefusedError(INVALID_INPUT, "estimate: covariance: not symmetric with a diagonal >= 0")
+    least = float(np.linalg.eigvalsh(covariance / np.outer(unit := np.where(scale > 0, scale, 1.0), unit))[0])
+    if least < -COVARIANCE_TOLERANCE:
+        raise RefusedError(INVALID_INPUT, f"estimate: covariance: not positive semidefinite (eigenvalue {least:.3g})")
 
 
 def _read(value: Any, what: str, form: str, largest: float) -> tuple[float, float, float]:

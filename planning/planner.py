@@ -31,6 +31,7 @@ from .plan_inputs import RefusedError, check_estimate, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 from .refusals import certified, out_of_reach, refusal, too_near
 from .remedy import find_remedy, with_remedy
+from .robust import RobustLimits
 from .solvers import QuadraticSolver, solve_with_clarabel
 from .terms import Terms, scaled_into
 
@@ -49,6 +50,8 @@ class WrenchPlanner:
 
     `cart_limits` are those of the hands together. Where a wrench can't be given, one that misses it by at most
     `relax` (N and N·m side by side, in effective rows; `inf` for any) is planned instead: the nearest, `relaxed`.
+    With a `confidence` (0.5 to below 1), `cart_limits` hold together with that probability for the covariance of the
+    estimate given last (robust.py); before one is given, or where it is zero, as for a known cart.
     """
 
     def __init__(
@@ -58,6 +61,7 @@ class WrenchPlanner:
         *,
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
+        confidence: float | None = None,
         min_hand_distance: float = 0.0,
         relax: float = 0.0,
         search_limit: SearchLimit = DEFAULT_SEARCH,
@@ -69,7 +73,8 @@ class WrenchPlanner:
             raise UsageError(f"period: {period} is not a finite number > 0, in s")
         if not relax >= 0:
             raise UsageError(f"relax: {relax} is not a number >= 0, in N and N·m")
-        self._terms = Terms(cart, arms, objective, cart_limits, (min_hand_distance, period))
+        robust = RobustLimits(tuple(cart_limits), confidence)
+        self._terms = Terms(cart, arms, objective, robust, (min_hand_distance, period))
         self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
         self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
