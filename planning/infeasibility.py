@@ -23,7 +23,7 @@ from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate, in_words
 from .duality import Cut, farkas_cut, infeasible_by
-from .quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, Cone, QPSolution, QuadraticProgram
+from .quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
 
 FORCE_WORDS = frozenset({"fx", "fy", "fz", "payload", "force"})
@@ -130,15 +130,9 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
         upper=np.concatenate([program.upper[:n], free, program.upper[n:]]),
         lower_names=program.lower_names[:n] + name + program.lower_names[n:],
         upper_names=program.upper_names[:n] + name + program.upper_names[n:],
-        cones=tuple(replace(c, rows=np.hstack([c.rows, _own(c, slack_rows)])) for c in program.cones),
+        cones=tuple(replace(c, rows=np.hstack([c.rows, c.own(slack_rows)])) for c in program.cones),
         constant=0.0,
     )
-
-
-def _own(cone: Cone, slack_rows: Array) -> Array:
-    """How a slack that enters the program's rows enters a cone's."""
-    start, k = cone.row, len(cone.offset)
-    return np.zeros((k, slack_rows.shape[1])) if start is None else slack_rows[start : start + k]
 
 
 def _moved(near: QuadraticProgram, slack_map: Array, outward: Array) -> QuadraticProgram:
@@ -146,8 +140,8 @@ def _moved(near: QuadraticProgram, slack_map: Array, outward: Array) -> Quadrati
     lower, upper, shift = near.lower.copy(), near.upper.copy(), slack_map @ outward
     lower[-len(shift) :] += shift
     upper[-len(shift) :] += shift
-    of_rows = np.concatenate([np.zeros(len(near.rows) - len(shift)), shift])[:, None]
-    cones = tuple(replace(cone, offset=cone.offset - _own(cone, of_rows)[:, 0]) for cone in near.cones)
+    of_rows = np.concatenate([np.zeros(len(near.rows) - len(shift)), shift])
+    cones = tuple(replace(cone, offset=cone.offset - cone.own(of_rows)) for cone in near.cones)
     return replace(near, lower=lower, upper=upper, cones=cones)
 
 
