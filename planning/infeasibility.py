@@ -119,13 +119,12 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
     other_rows = len(program.rows) - m
     hessian = np.diag(np.concatenate([np.zeros(n), np.ones(k)]))
     slack_rows = np.vstack([np.zeros((other_rows, k)), slack_map])
-    rows = np.hstack([program.rows, slack_rows])
     free, name = np.full(k, np.inf), ("slack",) * k
     return replace(
         program,
         hessian=hessian,
         gradient=np.zeros(n + k),
-        rows=rows,
+        rows=np.hstack([program.rows, slack_rows]),
         lower=np.concatenate([program.lower[:n], -free, program.lower[n:]]),
         upper=np.concatenate([program.upper[:n], free, program.upper[n:]]),
         lower_names=program.lower_names[:n] + name + program.lower_names[n:],

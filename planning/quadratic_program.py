@@ -40,7 +40,7 @@ class Cone:
     row: int | None = None
 
     def own(self, of_rows: Array) -> Array:
-        """The part for this cone (k, ...) of what is known of the program's rows (m, ...); zero if it has none there."""
+        """The part for this cone (k, ...) of values of the program's rows (m, ...); zero if it has none there."""
         k = len(self.offset)
         return np.zeros((k, *of_rows.shape[1:])) if self.row is None else of_rows[self.row : self.row + k]
 
