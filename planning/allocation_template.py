@@ -36,7 +36,6 @@ from .quadratic_program import Cone, QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-    from cartgrasp.motion import Motion
 
 PLANAR_NAMES = ("fx", "fy", "tau")
 WIDEST = 1e6  # N, of a cone over contacts of hands without limits
@@ -59,9 +58,8 @@ class AllocationTemplate:
         arms: Sequence[Arm],
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
-        motion: Motion | None = None,
     ) -> Self:
-        """`cart_limits` at a motion of the cart; at rest if None."""
+        """`cart_limits` are those of the cart at rest, until `with_cart_rows`."""
         arms = tuple(arms)
         names = [arm.name for arm in arms]
         if not arms:
@@ -73,7 +71,7 @@ class AllocationTemplate:
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits = side_by_side(names, [limits_of(arm) for arm in arms])
-        rows = cart_rows(cart_limits, Pushed(cart, motion, arms))
+        rows = cart_rows(cart_limits, Pushed(cart, None, arms))
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_cart_rows(self, rows: CartRows) -> Self:
@@ -173,12 +171,7 @@ class AllocationTemplate:
 
     def program(self, rows: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """One contact an arm: `rows` (n, c + k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""
-        matrix = self._in_line(rows)
-        program = self._filled(self._at_points, matrix, self.contact_limits(target), cost)
-        if self.cart_rows.cones:
-            nothing = np.zeros(len(self.cart_rows.low))
-            program = program.with_cones((*self.fixed.cones, *self._cart_cones(matrix, nothing, nothing)))
-        return program
+        return self._filled(self._at_points, self._in_line(rows), self.contact_limits(target), cost)
 
     def range_program(self, rows: tuple[Array, Array], hull: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """Contacts between two vertices: `rows` at the high and the low one, `hull` (v, n, c + k, 6) at all that
@@ -198,10 +191,8 @@ class AllocationTemplate:
             matrix = np.concatenate([middle, matrix])
             below = np.concatenate([self.cart_rows.low - fixed_part - spread, below])
             above = np.concatenate([self.cart_rows.high - fixed_part + spread, above])
-        program = self._filled(self._over_ranges, matrix, (below, above), cost)
-        if self.cart_rows.cones:
-            program = program.with_cones((*self.fixed.cones, *self._cart_cones(matrix, fixed_part, spread)))
-        return program
+            return self._filled(self._over_ranges, matrix, (below, above), cost, (fixed_part, spread))
+        return self._filled(self._over_ranges, matrix, (below, above), cost)
 
     def slack_map(self, is_range: bool) -> Array:
         """T, (contact rows of the program, k): where a slack of each effective row of `target` enters."""
@@ -234,13 +225,16 @@ class AllocationTemplate:
         apart = np.abs(each - middle).max(axis=0)
         return middle, np.where(apart > 0, apart * np.where(apart > 0, largest, 0.0), 0.0).sum(axis=1)
 
-    def _cart_cones(self, matrix: Array, fixed_part: Array, spread: Array) -> list[Cone]:
-        """The cart's cones over contact rows `matrix`, with a part of these (c,) that is fixed, and wider by the most
-        that a spread (c,) of them makes of it: of the axis, and of the length of the rest."""
+    def _cart_cones(self, matrix: Array, moved: tuple[Array, Array] | None) -> list[Cone]:
+        """The cart's cones over contact rows `matrix`. Over a range these have a fixed part (c,), and a cone is wider
+        by the most that their spread (c,) makes of it: of its axis, and of the length of the rest."""
         cones, start = [], len(self.fixed.rows)
         for cone in self.cart_rows.cones:
-            offset, room = cone.offset + fixed_part[cone.own], spread[cone.own]
-            offset[0] += min(room[0] + float(np.linalg.norm(room[1:])), WIDEST)
+            offset = cone.offset
+            if moved is not None:
+                fixed_part, spread = (part[cone.own] for part in moved)
+                offset = offset + fixed_part
+                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), WIDEST)
             cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
         return cones
 
@@ -270,9 +264,17 @@ class AllocationTemplate:
         )
 
     def _filled(
-        self, blank: QuadraticProgram, matrix: Array, values: tuple[Array, Array], cost: Cost
+        self,
+        blank: QuadraticProgram,
+        matrix: Array,
+        values: tuple[Array, Array],
+        cost: Cost,
+        moved: tuple[Array, Array] | None = None,
     ) -> QuadraticProgram:
-        return blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
+        program = blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
+        if not self.cart_rows.cones:
+            return program
+        return program.with_cones((*blank.cones, *self._cart_cones(matrix, moved)))
 
 
 def in_words(direction: Array) -> str:

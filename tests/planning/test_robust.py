@@ -15,7 +15,19 @@ import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.inertia import physical_jacobian
 from cartgrasp.motion import Motion
-from planning import InternalForce, SearchLimit, Skid, TipOver, WrenchPlanner
+from planning import (
+    InternalForce,
+    LeastInternalForce,
+    Lexicographic,
+    LoadShare,
+    SearchLimit,
+    Skid,
+    Smoothness,
+    TipOver,
+    WeightedWrench,
+    WorstArm,
+    WrenchPlanner,
+)
 from planning.limits import Pushed
 from planning.robust import RobustLimits, root
 
@@ -289,3 +301,42 @@ def test_covariances_that_are_refused(wrong, words):
     plan = plan_with((10, 0, 1), wrong)
     assert plan.status == "invalid_input"
     assert words in plan.message
+
+
+OBJECTIVES = (
+    WeightedWrench(),
+    WorstArm(1.0),
+    LoadShare({"left": 0.7, "right": 0.3}),
+    Smoothness(0.5),
+    LeastInternalForce(2.0),
+    Lexicographic(WorstArm(1.0), WeightedWrench()),
+)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES, ids=lambda o: type(o).__name__)
+@pytest.mark.parametrize("name", BITES)
+def test_whatever_the_objective(objective, name):
+    """Proven, within the true share of broken limits, and never better than without margins."""
+    wrench, motion = BITES[name]
+    told = estimate(covariance(), motion)
+    planner = WrenchPlanner(cart(), hands(), objective=objective, cart_limits=LIMITS, confidence=0.99)
+    plain = WrenchPlanner(cart(), hands(), objective=objective, cart_limits=LIMITS).plan(wrench, estimate=told)
+    plan = planner.plan(wrench, estimate=told)
+    assert plan.status == "optimal"
+    assert plan.residuals.proven
+    assert plan.choice.bound >= plain.choice.bound * (1 - 1e-7)
+    draws = np.random.default_rng(3).multivariate_normal(cart().parameters, covariance(), 4000, method="cholesky")
+    assert breaks(plan, draws, motion).mean() <= 0.01 + 3 * (0.01 * 0.99 / 4000) ** 0.5
+
+
+def test_other_arms_keep_the_margins():
+    """Weaker hands than before, and a rate of change: what was believed of the cart still holds."""
+    told, weaker = estimate(covariance()), hands(force_limit=(100, 40, 40), wrench_rate=(5e4,) * 6)
+    planner = WrenchPlanner(cart(), hands(), cart_limits=LIMITS, confidence=0.99)
+    planner.plan((40, 0, 17), estimate=told)
+    fresh = WrenchPlanner(cart(), weaker, cart_limits=LIMITS, confidence=0.99)
+    planner.reset()
+    plan, expected = planner.plan((40, 0, 17), arms=weaker), fresh.plan((40, 0, 17), estimate=told)
+    assert plan.status == expected.status == "optimal", plan.message
+    assert plan.active == expected.active
+    assert plan.effort == pytest.approx(expected.effort, rel=1e-8)
