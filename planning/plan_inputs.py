@@ -54,15 +54,17 @@ def check_estimate(estimate: Estimate, newest: float) -> float:
     numbers = np.concatenate([np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity), values])
     if not (math.isfinite(estimate.time) and np.isfinite(numbers).all()):
         raise RefusedError(INVALID_INPUT, "estimate: its time, motion or a parameter is not finite")
-    if estimate.covariance is not None:
-        _check_covariance(estimate.covariance, len(estimate.model_parameters))
     if estimate.time < newest - MAX_ESTIMATE_AGE:
         age = newest - estimate.time
         raise RefusedError(STALE_ESTIMATE, f"estimate: {age:.3g} s older than the newest one given before")
     return max(newest, estimate.time)
 
 
-def _check_covariance(covariance: Array, size: int) -> None:
+def check_covariance(estimate: Estimate) -> None:
+    """Refused unless it is there, finite, and that of as many parameters."""
+    covariance, size = estimate.covariance, len(estimate.model_parameters)
+    if covariance is None:
+        raise RefusedError(INVALID_INPUT, "estimate: it has no covariance, which the planner's confidence needs")
     if np.shape(covariance) != (size, size):
         shape = np.shape(covariance)
         raise RefusedError(INVALID_INPUT, f"estimate: covariance: shape {shape} instead of {(size, size)}")
@@ -72,7 +74,8 @@ def _check_covariance(covariance: Array, size: int) -> None:
     allowed = COVARIANCE_TOLERANCE * np.outer(scale, scale)
     if (np.diagonal(covariance) < 0).any() or (np.abs(covariance - covariance.T) > allowed).any():
         raise RefusedError(INVALID_INPUT, "estimate: covariance: not symmetric with a diagonal >= 0")
-    least = float(np.linalg.eigvalsh(covariance / np.outer(unit := np.where(scale > 0, scale, 1.0), unit))[0])
+    units = np.where(scale > 0, scale, 1.0)
+    least = float(np.linalg.eigvalsh(covariance / np.outer(units, units))[0])
     if least < -COVARIANCE_TOLERANCE:
         raise RefusedError(INVALID_INPUT, f"estimate: covariance: not positive semidefinite (eigenvalue {least:.3g})")
 

@@ -22,7 +22,7 @@ from .contact_bounds import Candidates
 from .limits import LimitRows, Pushed, WrenchRate
 from .objectives import Objective
 from .plan import INVALID_INPUT
-from .plan_inputs import RefusedError
+from .plan_inputs import RefusedError, check_covariance
 from .robust import RobustLimits
 
 if TYPE_CHECKING:
@@ -83,8 +83,8 @@ class Terms:
         """The cart's limits for the cart and motion as now estimated; False if there are no such limits."""
         if not self._cart_limits.limits:
             return False
-        if self._cart_limits.confidence is not None and estimate.covariance is None:
-            raise RefusedError(INVALID_INPUT, "estimate: it has no covariance, which the planner's confidence needs")
+        if self._cart_limits.confidence is not None:
+            check_covariance(estimate)
         try:
             cart = estimate.cart()
             pushed = Pushed(cart, estimate.motion, self.base.arms)
