@@ -75,10 +75,10 @@ class AllocationTemplate:
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_cart_rows(self, rows: CartRows) -> Self:
-        """The same with other rows for the cart's limits; where these are called the same, what is cached stays."""
+        """The same with other rows for the cart's limits; where these are like the old, what is cached stays."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, cart_rows=rows)
-        if (rows.low_names, rows.high_names) != (self.cart_rows.low_names, self.cart_rows.high_names):
+        if not rows.is_like(self.cart_rows):
             for blank in ("_at_points", "_over_ranges"):
                 other.__dict__.pop(blank, None)
         return other

@@ -60,8 +60,8 @@ def check_estimate(estimate: Estimate, newest: float) -> float:
     return max(newest, estimate.time)
 
 
-def check_covariance(estimate: Estimate) -> None:
-    """Refused unless it is there, finite, and that of as many parameters."""
+def read_covariance(estimate: Estimate) -> Array:
+    """That of the model's parameters (p, p); refused unless it is there and is one."""
     covariance, size = estimate.covariance, len(estimate.model_parameters)
     if covariance is None:
         raise RefusedError(INVALID_INPUT, "estimate: it has no covariance, which the planner's confidence needs")
@@ -78,6 +78,7 @@ def check_covariance(estimate: Estimate) -> None:
     least = float(np.linalg.eigvalsh(covariance / np.outer(units, units))[0])
     if least < -COVARIANCE_TOLERANCE:
         raise RefusedError(INVALID_INPUT, f"estimate: covariance: not positive semidefinite (eigenvalue {least:.3g})")
+    return covariance
 
 
 def _read(value: Any, what: str, form: str, largest: float) -> tuple[float, float, float]:

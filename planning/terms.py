@@ -22,7 +22,7 @@ from .contact_bounds import Candidates
 from .limits import LimitRows, Pushed, WrenchRate
 from .objectives import Objective
 from .plan import INVALID_INPUT
-from .plan_inputs import RefusedError, check_covariance
+from .plan_inputs import RefusedError, read_covariance
 from .robust import RobustLimits
 
 if TYPE_CHECKING:
@@ -83,15 +83,14 @@ class Terms:
         """The cart's limits for the cart and motion as now estimated; False if there are no such limits."""
         if not self._cart_limits.limits:
             return False
-        if self._cart_limits.confidence is not None:
-            check_covariance(estimate)
+        covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
             cart = estimate.cart()
             pushed = Pushed(cart, estimate.motion, self.base.arms)
-            rows = self._cart_limits.rows(pushed, estimate.covariance)
+            rows = self._cart_limits.rows(pushed, covariance)
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
-        self._cart, self._motion, self._covariance = cart, estimate.motion, estimate.covariance
+        self._cart, self._motion, self._covariance = cart, estimate.motion, covariance
         self.template = self.base = self.base.with_cart_rows(rows)
         return True
 

@@ -55,6 +55,10 @@ class CartRows:
     def none(cls, n_arms: int) -> Self:
         return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
 
+    def is_like(self, other: CartRows) -> bool:
+        """Whether it has the same rows and cones, with other numbers."""
+        return (self.low_names, self.high_names) == (other.low_names, other.high_names)
+
     def __and__(self, other: CartRows) -> CartRows:
         behind = tuple(replace(cone, first=len(self.low) + cone.first) for cone in other.cones)
         return CartRows(

@@ -138,9 +138,10 @@ def test_more_doubt_never_costs_less(name):
 
 
 def test_margins_follow_the_estimate_from_call_to_call():
-    """One planner, told more and more: each plan is that of a planner made for it."""
+    """One planner, warm, told more and less: each plan is that of a planner made for it."""
     planner = WrenchPlanner(cart(), hands(), cart_limits=(*LIMITS, InternalForce(30.0)), confidence=0.99)
-    for time, scale in enumerate((1.0, 0.0, 0.5, 0.5)):
+    planner.warm_up()
+    for time, scale in enumerate((1.0, 0.0, 0.0, 0.5, 0.5, 0.0)):
         plan = planner.plan((40, 0, 17), estimate=estimate(covariance(scale), time=float(time)))
         fresh = WrenchPlanner(cart(), hands(), cart_limits=(*LIMITS, InternalForce(30.0)), confidence=0.99)
         assert plan.effort == pytest.approx(
