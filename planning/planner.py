@@ -22,8 +22,8 @@ from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
+from .contradiction import contradiction
 from .given_contacts import GivenContacts
-from .infeasibility import contradiction
 from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
