@@ -166,6 +166,24 @@ def test_a_wrench_that_new_limits_forbid_is_not_held():
     assert 0 < held[0] <= 10
 
 
+def test_new_arms_count_even_if_the_wrench_is_refused():
+    planner = WrenchPlanner(cart(), pair())
+    planner.plan((100, 0, 0))
+    plan = planner.plan_or_hold((np.nan, 0, 0), arms=[arm("left", force_limit=(10, 60, 40))])
+    assert plan.status == "invalid_input"
+    assert 0 < plan.contact_wrenches.wrenches["left"][0] <= 10
+
+
+def test_starting_from_a_wrench():
+    rated = [arm("left", wrench_rate=(1e3,) * 6), arm("right", [(-0.25, -0.2, 1.0)])]
+    planner = WrenchPlanner(cart(), rated, period=1e-3)
+    planner.start_from({"left": (30, 0, 0, 0, 0, 0)})
+    assert planner.plan((60, 0, 0)).wrenches["left"][0] == pytest.approx(30, abs=1 + 1e-9)
+    for wrong in ({"left": (np.nan,) * 6}, {"middle": (0,) * 6}):
+        with pytest.raises(cg.UsageError, match="start_from"):
+            planner.start_from(wrong)
+
+
 def test_arms_that_are_refused_change_nothing():
     planner = WrenchPlanner(cart(), pair())
     before = planner.plan((40, 0, 3))
