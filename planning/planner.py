@@ -22,8 +22,8 @@ from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
+from .contradiction import contradiction
 from .given_contacts import GivenContacts
-from .infeasibility import contradiction
 from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
@@ -115,8 +115,8 @@ class WrenchPlanner:
         tick, and for arms left out the planner chooses. Where it can't be done, contacts are sought that would do.
 
         The limits of the cart are those of `estimate`'s cart and motion; one 0.5 s older than the newest given is
-        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates.
-        Both hold until others are given."""
+        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates; the
+        last wrench is scaled into their limits. Both hold until others are given."""
         plan = self._plan(wrench, contacts, estimate, arms)
         if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
             return plan
@@ -157,10 +157,10 @@ class WrenchPlanner:
     ) -> Plan:
         start = time.perf_counter()
         try:
-            target = self._to_effective.dot(read_wrench(wrench))
-            if arms is not None and self._terms.take_arms(arms):
+            if arms is not None and self._terms.take_arms(arms):  # first: what is held must obey them as well
                 self._begin_terms()
                 self._look_back_at(scaled_into(self._terms.base.limits, self._last))
+            target = self._to_effective.dot(read_wrench(wrench))
             candidates = self._terms.candidates if contacts is None else self._given.candidates(contacts)
             if estimate is not None:
                 self._take_estimate(estimate)
