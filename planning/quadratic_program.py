@@ -16,7 +16,7 @@ and `gap` is the primal less the dual value. Effort, here as in the contract, is
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, Self
 
@@ -153,6 +153,9 @@ class Residuals:
         return {name: getattr(self, name) for name in ("equality", "limits", "stationarity", "gap")}
 
 
+RESIDUALS = tuple(field.name for field in fields(Residuals))
+
+
 @dataclass(frozen=True, eq=False)
 class QPSolution:
     """`optimal` is verified; `infeasible` is what a solver says and stays unproven until a certificate
@@ -216,7 +219,7 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
         stationarity=highest(np.abs(gradient)),
         gap=gap / max(1.0, abs(cost)),
         cost=cost,
-        wrench_scale=max(1.0, *map(abs, asked)),
+        wrench_scale=max([1.0, *map(abs, asked)]),
         slope_scale=slope,
     )
 
