@@ -27,7 +27,7 @@ DIGEST = digest([path.read_bytes() for path in sorted(Path(__file__).parent.glob
 
 def compiled(function: F) -> F:
     """For kernels that kernels call."""
-    return njit(function, **OPTIONS)  # type: ignore[no-any-return]
+    return njit(function, forceinline=True, **OPTIONS)  # type: ignore[no-any-return]
 
 
 def entry(function: F) -> F:
