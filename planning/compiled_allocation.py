@@ -6,7 +6,7 @@ of zero or other unknowns take the general road, and so does a call whose answer
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -15,7 +15,7 @@ from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
 from .objectives import Cost
-from .quadratic_program import QuadraticProgram, Residuals
+from .quadratic_program import QuadraticProgram
 
 if TYPE_CHECKING:
     from .kernels.working_set import Ints
@@ -25,11 +25,16 @@ Point = tuple[float, float, float]
 SOLVER = "dual active set"
 
 
+Tables = tuple[Array, "Ints", Array, Array, Array, Array]
+Progress = tuple[Array, "Ints"]
+
+
 class CompiledAllocation:
     """One workspace, kept warm. After `solve` has returned True the other properties are of its answer."""
 
     def __init__(self, template: AllocationTemplate, cost: Cost) -> None:
         from .kernels.allocation import allocate
+        from .kernels.choice import search
         from .kernels.loading import load, load_gradient
         from .kernels.workspace import Sizes, views
 
@@ -37,12 +42,14 @@ class CompiledAllocation:
         program, n_arms, n_free = programs[0], len(template.arms), template.basis_b.shape[1]
         moving = template.contact_rows(np.zeros((n_arms, 3))).shape[-2]
         sizes = Sizes(program.n, len(program.upper), program.n_equalities, n_arms, moving, n_free)
+        self._search = search
         self._call: Callable[[Array, Ints, Point, bool], int] = allocate
         self._floats, self._ints = sizes.allocate()
         self._workspace: Workspace = views(self._floats, self._ints)
+        self._x, self._found, self._active = self._workspace.claim.x, self._workspace.found, self._workspace.active
         self._lower_names, self._upper_names = program.lower_names, program.upper_names
         self._load_gradient = load_gradient
-        self._points: Sequence[Point] | None = None
+        self._points: Array | None = None
         pattern, affine = program.stacked[program.n :].copy(), self._workspace.affine
         last = np.array([p.rows[len(p.rows) - moving :] for p in programs])
         affine[0], affine[1:] = last[0], last[1:] - last[0]
@@ -61,32 +68,36 @@ class CompiledAllocation:
     def set_gradient(self, cost: Cost) -> None:
         self._load_gradient(self._workspace, cost.gradient, cost.constant)
 
-    def solve(self, wrench: Point, points: Sequence[Point]) -> bool:
-        """For a planar wrench in {b}, with the arms at `points`; True if there is a proven optimum. Points that are
-        the same object as at the last call are not handed over again."""
+    def solve(self, wrench: Point, points: Array) -> bool:
+        """For a planar wrench in {b}, with the arms at `points` (n, 3); True if there is a proven optimum. Points
+        that are the same object as at the last call are not handed over again."""
         moved = points is not self._points
         if moved:
             self._workspace.points[:] = points
-            self._points = points
-        return self._call(self._floats, self._ints, wrench, moved) == 0
+        solved = self._call(self._floats, self._ints, wrench, moved) == 0
+        self._points = points if solved else None
+        return solved
+
+    def search(self, wrench: Point, tables: Tables, progress: Progress, most: int) -> bool:
+        """See kernels/choice.py; False if it gave up."""
+        self._points = None
+        return self._search(self._floats, self._ints, wrench, tables, progress, most) == 0
 
     @property
     def wrenches(self) -> Array:
         """A copy, (6n,)."""
-        return self._workspace.claim.x.copy()
+        return self._x.copy()
 
     @property
-    def effort(self) -> float:
-        return self._workspace.found.item(7)
-
-    @property
-    def residuals(self) -> Residuals:
-        return Residuals(*self._workspace.found.tolist()[:7])
+    def numbers(self) -> list[float]:
+        """Residuals in the order of `Residuals`, and the effort."""
+        numbers: list[float] = self._found.tolist()
+        return numbers
 
     @property
     def active(self) -> tuple[str, ...]:
         """As `QuadraticProgram.active`."""
-        active = self._workspace.active
+        active = self._active
         count = active.item(0)
         if not count:
             return ()

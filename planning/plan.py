@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
@@ -51,6 +51,14 @@ class Plan:
     solver: str = ""
     message: str = ""
     held: ContactWrenches | None = None
+
+    @classmethod
+    def optimal(cls, fields: dict[str, Any]) -> Self:
+        """From all fields but `status`, `certificate` and `held`; as the constructor, at a third of its time."""
+        fields["status"], fields["certificate"], fields["held"] = OPTIMAL, None, None
+        plan = object.__new__(cls)
+        object.__setattr__(plan, "__dict__", fields)
+        return plan
 
     @property
     def contact_wrenches(self) -> ContactWrenches:

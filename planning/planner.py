@@ -19,6 +19,8 @@ from cartgrasp.frames import Array
 
 from .allocation import conclude
 from .allocation_template import AllocationTemplate
+from .compiled_allocation import SOLVER, CompiledAllocation, Point
+from .compiled_planning import CompiledPlanning
 from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
@@ -27,7 +29,7 @@ from .infeasibility import Certificate
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
 from .plan_inputs import RefusedError, check_estimate, read_contacts, read_wrench
-from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
+from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram, Residuals
 from .solvers import QuadraticSolver, solve_with_clarabel
 
 if TYPE_CHECKING:
@@ -64,8 +66,11 @@ class WrenchPlanner:
         self._given_candidates = self._candidates
         self._to_effective = np.ascontiguousarray(self._template.basis_b.T)
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
+        self._parts = [(name, slice(6 * i, 6 * i + 6)) for i, name in enumerate(self._template.names)]
+        self._looks_back = self._template.objective.looks_back
         self._yaws = dict(zip(self._template.names, self._template.yaws.tolist(), strict=True))
         self._solver, self._cases = QuadraticSolver(), CaseSolver(self._template)
+        self._compiled: CompiledPlanning | None = None
         self._program: QuadraticProgram | None = None
         self._program_points = self._shown_points = np.zeros((0, 3))
         self._shown: dict[str, Array] = {}
@@ -78,9 +83,15 @@ class WrenchPlanner:
         self._last_choice: Array | None = None
         self._cost = self._template.cost(self._last)
         self._newest_estimate = -math.inf
+        if self._compiled is not None:
+            self._compiled.forget()
+            self._compiled.allocation.set_gradient(self._cost)
 
     def warm_up(self) -> None:
-        """Does now what would cost at the first call: workspaces, and the import of the fallback solver."""
+        """Does now what would cost at the first call: workspaces, the import of the fallback solver, and the compiled
+        kernels, without which planning takes ten times as long. They are loaded in half a second, and compiled in half
+        a minute the very first time on a machine."""
+        self._compiled = CompiledPlanning.of(self._template, self._cost, self._candidates)
         self.plan((0.0, 0.0, 0.0))
         self.plan((1.0, 0.0, 0.1))
         self.reset()
@@ -99,18 +110,22 @@ class WrenchPlanner:
         stale."""
         start = time.perf_counter()
         try:
-            target = self._to_effective.dot(read_wrench(wrench))
-            candidates = self._candidates if contacts is None else self._narrowed(contacts)
+            asked = read_wrench(wrench)
             if estimate is not None:
                 self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+            if self._compiled is not None:
+                points = self._compiled.points(contacts)
+                if points is not None and self._compiled.allocation.solve(asked, points):
+                    return self._compiled_answer(self._compiled.allocation, points, None, start)
+            candidates = self._candidates if contacts is None else self._narrowed(contacts)
         except RefusedError as refused:
             return self._refusal(refused.status, str(refused), start)
         if candidates.distance > 0 and candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
             return self._too_near(candidates, start)
         points = candidates.single
         if points is None:
-            return self._choose(candidates, target, start)
-        return self._solve_at(points, target, start)
+            return self._choose(candidates, asked, start)
+        return self._solve_at(points, asked, start)
 
     def plan_or_hold(self, wrench: ArrayLike, contacts: Mapping[str, ArrayLike] | None = None) -> Plan:
         """As `plan`, and a safe wrench whatever the status: when it is not `optimal`, the last one, decaying
@@ -141,17 +156,26 @@ class WrenchPlanner:
         sets = [ContactSet((given[name],)) if name in given else own for name, own in self._sets.items()]
         return Candidates.of(sets, self._candidates.distance)
 
-    def _solve_at(self, points: Array, target: Array, start: float) -> Plan:
-        program = self._program_at(points, target)
+    def _solve_at(self, points: Array, asked: Point, start: float) -> Plan:
+        program = self._program_at(points, self._to_effective.dot(asked))
         solution = self._solver.solve(program)
+        if self._compiled is not None and solution.status == OPTIMAL:
+            solution = replace(solution, message=f"fallback: {SOLVER} gave no proven answer")
         if solution.status != OPTIMAL:
             return self._concluded(points, program, solution, None, start)
         return self._solved(points, program, solution, ChoiceProof(solution.cost, 0.0, 1), start)
 
-    def _choose(self, candidates: Candidates, target: Array, start: float) -> Plan:
+    def _choose(self, candidates: Candidates, asked: Point, start: float) -> Plan:
+        target = self._to_effective.dot(asked)
         question = Question(target, self._cost)
-        seed = self._last_choice if candidates is self._candidates else None
-        choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
+        choice = None
+        if self._compiled is not None:
+            choice = self._compiled.choose(asked, candidates, self._cost, self._limit)
+            if choice is not None and choice.contacts is not None:
+                return self._compiled_answer(self._compiled.allocation, choice.contacts, choice, start)
+        if choice is None:
+            seed = self._last_choice if candidates is self._candidates else None
+            choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
         if choice.contacts is None:
             return self._none_found(candidates, question, choice, start)
         if candidates is self._candidates:
@@ -190,11 +214,28 @@ class WrenchPlanner:
             self._program = self._template.program(self._template.contact_rows(points), target, self._cost)
             self._program_points = points
         program = self._program.with_equality_value(target)
-        if self._template.objective.looks_back:
+        if self._looks_back:
             program = program.with_gradient(self._cost.gradient, self._cost.constant)
         return program
 
     # --- answers ------------------------------------------------------------------------------------------
+
+    def _compiled_answer(self, answer: CompiledAllocation, points: Array, choice: Choice | None, start: float) -> Plan:
+        wrenches, numbers = answer.wrenches, answer.numbers
+        self._remember(wrenches, points)
+        fields = {
+            "wrenches": {name: wrenches[part] for name, part in self._parts},
+            "contacts": self._contacts_at(points),
+            "yaws": self._yaws,
+            "effort": numbers.pop(),
+            "active": answer.active,
+            "residuals": Residuals(*numbers),
+            "choice": ChoiceProof(numbers[4], 0.0, 1) if choice is None else choice.proof,
+            "solve_time": time.perf_counter() - start,
+            "solver": SOLVER,
+            "message": "",
+        }
+        return Plan.optimal(fields)
 
     def _solved(
         self, points: Array, program: QuadraticProgram, solution: QPSolution, proof: ChoiceProof, start: float
@@ -253,14 +294,17 @@ class WrenchPlanner:
 
     def _remember(self, wrenches: Array, points: Array) -> None:
         wrenches.setflags(write=False)  # plans show them
-        points.setflags(write=False)
         self._last, self._last_points = wrenches, points
-        if self._template.objective.looks_back:
+        if self._looks_back:
             self._cost = self._template.cost(wrenches)
+            if self._compiled is not None:
+                self._compiled.allocation.set_gradient(self._cost)
 
     def _contacts_at(self, points: Array) -> dict[str, Array]:
         if points is not self._shown_points:
-            self._shown_points, self._shown = points, self._by_arm(points)
+            points.setflags(write=False)
+            self._shown_points = points
+            self._shown = {name: points[i] for i, (name, _) in enumerate(self._parts)}
         return self._shown.copy()
 
     def _by_arm(self, values: Array) -> dict[str, Array]:

@@ -7,8 +7,9 @@ slopes are taken from `AllocationTemplate`, which alone knows the formula.
 from __future__ import annotations
 
 from cartgrasp.frames import Array
+from planning.plan_inputs import LARGEST_POSITION
 
-from .dual_active_set import INFEASIBLE, OPTIMAL, UNPROVEN, solve
+from .dual_active_set import INFEASIBLE, OPTIMAL, REFUSED, UNPROVEN, solve
 from .jit import compiled, entry
 from .proof import EQUALITY_TOLERANCE, ray_value, verify, wrench_scale
 from .working_set import Ints
@@ -19,35 +20,9 @@ ACTIVE = 1e-7  # of the largest multiplier, as in QuadraticProgram.active
 
 
 @entry
-def allocate(floats: Array, ints: Ints, wrench: tuple[float, float, float], moved: bool) -> int:
-    """Solves for a wrench (fx, fy, tau) on the cart in {b}, at other `points` than before if `moved`. What is found
-    stands in the workspace."""
-    w = unpack(floats, ints)
-    limits, basis = w.problem.limits, w.basis
-    first = limits.shape[1] - basis.shape[1]
-    for i in range(basis.shape[1]):
-        value = basis[0, i] * wrench[0] + basis[1, i] * wrench[1] + basis[2, i] * wrench[2]
-        limits[0, first + i] = limits[1, first + i] = value
-    if moved:
-        move(w)
-    status = answer(w)
-    if status == OPTIMAL:
-        effort = 0.0
-        for j in range(len(w.weights)):
-            effort += w.weights[j] * w.claim.x[j] ** 2
-        w.found[EFFORT] = effort
-        name_active(w)
-    return status
-
-
-@entry
 def solve_program(floats: Array, ints: Ints) -> int:
-    return answer(unpack(floats, ints))
-
-
-@compiled
-def answer(w: Workspace) -> int:
     """OPTIMAL and INFEASIBLE are proven. After any other answer the next solve begins anew."""
+    w = unpack(floats, ints)
     status = solve(w.problem, w.held, w.claim.x, w.claim.y)
     if status == OPTIMAL and not verify(w.claim, w.found):
         status = UNPROVEN
@@ -56,6 +31,34 @@ def answer(w: Workspace) -> int:
     if status != OPTIMAL:
         w.held.size[0] = 0
     return status
+
+
+@entry
+def allocate(floats: Array, ints: Ints, wrench: tuple[float, float, float], moved: bool) -> int:
+    """Solves for a wrench (fx, fy, tau) on the cart in {b}, at other `points` than before if `moved`. What is found
+    stands in the workspace."""
+    w = unpack(floats, ints)
+    ask(w, wrench)
+    if moved:
+        for arm in range(len(w.points)):
+            for c in range(3):
+                if not abs(w.points[arm, c]) <= LARGEST_POSITION:
+                    return REFUSED
+        move(w)
+    status = solve_program(floats, ints)
+    if status == OPTIMAL:
+        report(w)
+    return status
+
+
+@compiled
+def ask(w: Workspace, wrench: tuple[float, float, float]) -> None:
+    """Sᵀ wrench into the equalities."""
+    limits, basis = w.problem.limits, w.basis
+    first = limits.shape[1] - basis.shape[1]
+    for i in range(basis.shape[1]):
+        value = basis[0, i] * wrench[0] + basis[1, i] * wrench[1] + basis[2, i] * wrench[2]
+        limits[0, first + i] = limits[1, first + i] = value
 
 
 @compiled
@@ -80,9 +83,12 @@ def move(w: Workspace) -> None:
 
 
 @compiled
-def name_active(w: Workspace) -> None:
-    """Limits other than equalities whose multiplier stands out."""
-    y, active, largest, count = w.claim.y, w.active, 1.0, 0
+def report(w: Workspace) -> None:
+    """The effort, and the limits other than equalities whose multiplier stands out."""
+    x, y, active, largest, count, effort = w.claim.x, w.claim.y, w.active, 1.0, 0, 0.0
+    for j in range(len(x)):
+        effort += w.weights[j] * x[j] ** 2
+    w.found[EFFORT] = effort
     for i in range(len(y)):
         largest = max(largest, abs(y[i]))
     for i in range(len(y) - w.claim.n_equalities):

@@ -22,7 +22,7 @@ from cartgrasp.frames import Array
 from .jit import compiled
 from .working_set import Held, Problem, direction, hold, image, let_go, product, solve_lower, solve_upper, subtract
 
-OPTIMAL, INFEASIBLE, FAILED, UNPROVEN = range(4)
+OPTIMAL, INFEASIBLE, FAILED, UNPROVEN, REFUSED = range(5)
 FEASIBLE = 1e-11  # of the largest equality's value, at least 1
 DEPENDENT = 1e-12  # of a normal's square: what is left of it beside the normals held
 MOST_STEPS = 10  # per limit
