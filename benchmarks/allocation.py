@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from scipy.optimize import linprog
 
 from cartgrasp import Arm, CartModel
 from cartgrasp.frames import Array
 from planning import WrenchPlanner, build_allocation
 
 from .measuring import Competitor, interleave
-from .peers import PEERS, Blocks, Solve
+from .peers import PEERS, Solve, most
 from .report import Result, Table, timed_table
 from .scene import CART, hand
 
@@ -69,15 +66,10 @@ def _arms(n: int) -> list[Arm]:
 def _feasible_wrench(
     cart: CartModel, arms: list[Arm], contacts: dict[str, Array], random: np.random.Generator
 ) -> Array:
-    """(fx, 0, tau) at 70 to 99 % of the most in a random direction, which HiGHS finds: max t, A x = t b."""
+    """(fx, 0, tau) at 70 to 99 % of the most in a random direction."""
     direction = np.array([1.0, 0.0, random.uniform(-0.5, 0.5)])
-    block = Blocks.of(build_allocation(cart, arms, contacts, direction))
-    A = np.column_stack([block.A, -block.b])
-    G = np.column_stack([block.G, np.zeros(len(block.h))])
-    bounds = [*zip(block.lb, block.ub, strict=True), (0.0, None)]
-    cost = np.append(np.zeros(len(block.q)), -1.0)
-    found: Any = linprog(cost, G, block.h, A, np.zeros(len(block.b)), bounds=bounds)
-    return float(found.x[-1]) * random.uniform(0.7, 0.99) * direction
+    share = most(build_allocation(cart, arms, contacts, direction)) * random.uniform(0.7, 0.99)
+    return share * direction
 
 
 def _cycling(solve: Solve) -> Competitor:
