@@ -26,11 +26,11 @@ BRUTE = "brute force, bare daqp"
 COARSE = 9
 MOST_TRIED = 20_000  # programs that brute force may solve for a table
 NOTE = f"""Points stand along a handle of 0.5 m, segments are the handle itself; two hands stay {APART:g} m apart.
-Wrenches have random directions and a share of the most that the arms can give in that direction, at the best of {COARSE}
-points on each handle. Each call has another wrench; the planner begins with the contacts of its last call. Brute force solves every choice of points by daqp
-alone, programs ready, no verification, for as many rounds as {MOST_TRIED:,} programs allow. Beside segments it tries 64
-points on each, which is not exact: `worse` is by how much its effort is above ours, the largest over its wrenches, and
-`gap` is the largest relative gap that our proofs leave."""
+Wrenches have random directions and a share of the most that the arms can give in that direction, at the best of
+{COARSE} points on each handle. Each call has another wrench; the planner begins with the contacts of its last call.
+Brute force solves every choice of points by daqp alone, programs ready, no verification, for as many rounds as
+{MOST_TRIED:,} programs allow. Beside segments it tries 64 points on each, which is not exact: `worse` is by how much
+its effort is above ours, the largest over its wrenches, and `gap` is the largest relative gap that our proofs leave."""
 
 
 @dataclass(frozen=True, eq=False)

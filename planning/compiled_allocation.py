@@ -14,8 +14,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
-from .objectives import Cost
-from .quadratic_program import QuadraticProgram
+from .objectives import Cost, Lexicographic
 
 if TYPE_CHECKING:
     from .kernels.working_set import Ints
@@ -38,22 +37,23 @@ class CompiledAllocation:
         from .kernels.loading import load, load_gradient
         from .kernels.workspace import Sizes, views
 
-        programs = _programs(template, cost)
-        program, n_arms, n_free = programs[0], len(template.arms), template.basis_b.shape[1]
-        moving = template.contact_rows(np.zeros((n_arms, 3))).shape[-2]
-        sizes = Sizes(program.n, len(program.upper), program.n_equalities, n_arms, moving, n_free)
+        target, n_arms = np.zeros(template.basis_b.shape[1]), len(template.arms)
+        rows = template.contact_rows(np.zeros((n_arms, 3)))
+        program, moving = template.program(rows, target, cost), rows.shape[-2]
+        sizes = Sizes(program.n, len(program.upper), program.n_equalities, n_arms, moving, len(target))
         self._search = search
         self._call: Callable[[Array, Ints, Point, bool], int] = allocate
         self._floats, self._ints = sizes.allocate()
         self._workspace: Workspace = views(self._floats, self._ints)
-        self._x, self._found, self._active = self._workspace.claim.x, self._workspace.found, self._workspace.active
+        self._x, self._y, self._found = self._workspace.claim.x, self._workspace.claim.y, self._workspace.found
+        self._active = self._workspace.active
         self._lower_names, self._upper_names = program.lower_names, program.upper_names
         self._load_gradient = load_gradient
+        self._template, self.cost = template, cost
         self._points: Array | None = None
-        pattern, affine = program.stacked[program.n :].copy(), self._workspace.affine
-        last = np.array([p.rows[len(p.rows) - moving :] for p in programs])
-        affine[0], affine[1:] = last[0], last[1:] - last[0]
-        pattern[len(pattern) - moving :] = np.abs(affine).sum(axis=0)
+        self._load_contact_rows(template)
+        pattern = program.stacked[program.n :].copy()
+        pattern[len(pattern) - moving :] = 1.0 if len(template.cart_rows.low) else np.abs(self._workspace.affine).sum(0)
         load(self._workspace, program, pattern)
         self._workspace.basis[:], self._workspace.weights[:] = template.basis_b, template.effort_weights
 
@@ -62,11 +62,37 @@ class CompiledAllocation:
         """None where what is compiled doesn't cover the programs."""
         from .kernels.loading import is_strictly_convex
 
-        covered = not template.limits.cones and len(template.hessian) == template.n
+        covered = not template.fixed.cones and len(template.hessian) == template.n
+        covered &= not isinstance(template.objective, Lexicographic)
         return cls(template, cost) if covered and is_strictly_convex(template.hessian) else None
 
-    def set_gradient(self, cost: Cost) -> None:
-        self._load_gradient(self._workspace, cost.gradient, cost.constant)
+    def take(self, template: AllocationTemplate, cost: Cost) -> None:
+        """What is new since the last call: numbers of the cart's limits, bounds, or what the cost looks back at."""
+        if template is not self._template:
+            self._take_limits(template)
+        if cost is not self.cost:
+            self.cost = cost
+            self._load_gradient(self._workspace, cost.gradient, cost.constant)
+
+    def _take_limits(self, template: AllocationTemplate) -> None:
+        if template.cart_rows is not self._template.cart_rows:
+            self._load_contact_rows(template)
+        problem, bounds = self._workspace.problem, template.limits
+        problem.limits[:, : template.n] = bounds.lower, bounds.upper
+        self._workspace.held.size[0] = 0
+        self._lower_names = bounds.lower_names + self._lower_names[template.n :]
+        self._upper_names = bounds.upper_names + self._upper_names[template.n :]
+        self._template = template
+
+    def _load_contact_rows(self, template: AllocationTemplate) -> None:
+        """The rows that depend on contacts, with all arms at the origin, and their slopes along x, y and z."""
+        affine, n_arms = self._workspace.affine, len(template.arms)
+        places = np.concatenate([np.zeros((1, 3)), np.eye(3)])[:, None].repeat(n_arms, axis=1)
+        rows = template.contact_rows(places).transpose(0, 2, 1, 3).reshape(affine.shape)
+        affine[0], affine[1:] = rows[0], rows[1:] - rows[0]
+        limits, first = self._workspace.problem.limits, len(affine[0])
+        limits[:, limits.shape[1] - first :] = template.contact_limits(np.zeros(template.basis_b.shape[1]))
+        self._points = None
 
     def solve(self, wrench: Point, points: Array) -> bool:
         """For a planar wrench in {b}, with the arms at `points` (n, 3); True if there is a proven optimum. Points
@@ -78,15 +104,20 @@ class CompiledAllocation:
         self._points = points if solved else None
         return solved
 
-    def search(self, wrench: Point, tables: Tables, progress: Progress, most: int) -> bool:
-        """See kernels/choice.py; False if it gave up."""
+    def search(self, wrench: Point, tables: Tables, progress: Progress, limit: tuple[int, float]) -> bool:
+        """See kernels/choice.py; `limit` is of programs and of the gap. False if it gave up."""
         self._points = None
-        return self._search(self._floats, self._ints, wrench, tables, progress, most) == 0
+        return self._search(self._floats, self._ints, wrench, tables, progress, *limit) == 0
 
     @property
     def wrenches(self) -> Array:
         """A copy, (6n,)."""
         return self._x.copy()
+
+    @property
+    def multipliers(self) -> Array:
+        """A copy, as of a `QPSolution`."""
+        return self._y.copy()
 
     @property
     def numbers(self) -> list[float]:
@@ -103,10 +134,3 @@ class CompiledAllocation:
             return ()
         lower, upper = self._lower_names, self._upper_names
         return tuple([upper[i - 1] if i > 0 else lower[-i - 1] for i in active[1 : count + 1].tolist()])
-
-
-def _programs(template: AllocationTemplate, cost: Cost) -> list[QuadraticProgram]:
-    """With all arms at the origin, and at one unit along x, y and z."""
-    n_arms, target = len(template.arms), np.zeros(template.basis_b.shape[1])
-    places = np.concatenate([np.zeros((1, 3)), np.eye(3)])[:, None].repeat(n_arms, axis=1)
-    return [template.program(template.contact_rows(points), target, cost) for points in places]

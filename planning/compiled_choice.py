@@ -66,13 +66,12 @@ class CompiledChoice:
     def _search(self, wrench: Point, limit: SearchLimit) -> bool:
         start, most = time.perf_counter(), limit.solves
         if limit.seconds is None:
-            return self._allocation.search(wrench, self._tables, self._progress, most)
+            return self._allocation.search(wrench, self._tables, self._progress, (most, limit.gap))
         while True:
-            solved = int(self._progress[1][2])
-            if not self._allocation.search(wrench, self._tables, self._progress, min(most, solved + SLICE)):
+            up_to = min(most, int(self._progress[1][2]) + SLICE)
+            if not self._allocation.search(wrench, self._tables, self._progress, (up_to, limit.gap)):
                 return False
-            done = int(self._progress[1][2]) < min(most, solved + SLICE)
-            if done or time.perf_counter() - start > limit.seconds:
+            if self._progress[1][2] < up_to or up_to == most or time.perf_counter() - start > limit.seconds:
                 return True
 
     def _contacts(self, choice: int) -> Array:

@@ -13,24 +13,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
-from cartgrasp.contacts import ContactSet, ContactWrenches
+from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .allocation import conclude
-from .allocation_template import AllocationTemplate
-from .compiled_allocation import SOLVER, CompiledAllocation, Point
+from .answers import Answers, Solved
+from .compiled_allocation import SOLVER, Point
 from .compiled_planning import CompiledPlanning
 from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
-from .infeasibility import Certificate
+from .given_contacts import GivenContacts
+from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
-from .plan_inputs import RefusedError, check_estimate, read_contacts, read_wrench
-from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram, Residuals
+from .plan_inputs import RefusedError, check_estimate, read_wrench
+from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
+from .refusals import out_of_reach, refusal, too_near
+from .remedy import find_remedy, with_remedy
 from .solvers import QuadraticSolver, solve_with_clarabel
+from .terms import Terms, scaled_into
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -43,7 +46,11 @@ DEFAULT_SEARCH = SearchLimit()
 
 class WrenchPlanner:
     """Plans for one cart and its arms. It remembers its last wrench: to hold it, to start the next choice of
-    contacts from, and for `Smoothness`."""
+    contacts from, for `Smoothness`, and for rates of change (from zero at first).
+
+    `cart_limits` are those of the hands together. Where a wrench can't be given, one that misses it by at most
+    `relax` (N and N·m side by side, in effective rows; `inf` for any) is planned instead: the nearest, `relaxed`.
+    """
 
     def __init__(
         self,
@@ -51,7 +58,9 @@ class WrenchPlanner:
         arms: Sequence[Arm],
         *,
         objective: Objective | None = None,
+        cart_limits: Sequence[CartLimit] = (),
         min_hand_distance: float = 0.0,
+        relax: float = 0.0,
         search_limit: SearchLimit = DEFAULT_SEARCH,
         period: float = PERIOD,
     ) -> None:
@@ -59,43 +68,48 @@ class WrenchPlanner:
             raise UsageError(f"min_hand_distance: {min_hand_distance} is not a finite number >= 0, in m")
         if not (math.isfinite(period) and period > 0):
             raise UsageError(f"period: {period} is not a finite number > 0, in s")
-        self._template = AllocationTemplate.of(cart, arms, objective)
-        self._sets = {arm.name: arm.contacts for arm in self._template.arms}
-        self._candidates = Candidates.of(list(self._sets.values()), min_hand_distance)
-        self._given: dict[str, tuple[float, float, float]] = {}
-        self._given_candidates = self._candidates
-        self._to_effective = np.ascontiguousarray(self._template.basis_b.T)
+        if not relax >= 0:
+            raise UsageError(f"relax: {relax} is not a number >= 0, in N and N·m")
+        self._terms = Terms(cart, arms, objective, cart_limits, (min_hand_distance, period))
+        self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
-        self._parts = [(name, slice(6 * i, 6 * i + 6)) for i, name in enumerate(self._template.names)]
-        self._looks_back = self._template.objective.looks_back
-        self._yaws = dict(zip(self._template.names, self._template.yaws.tolist(), strict=True))
-        self._solver, self._cases = QuadraticSolver(), CaseSolver(self._template)
+        self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
+        self._answers = Answers(self._terms, relax)
+        self._last = np.zeros(self._terms.base.n)
+        self._last_choice: Array | None = None
         self._compiled: CompiledPlanning | None = None
-        self._program: QuadraticProgram | None = None
-        self._program_points = self._shown_points = np.zeros((0, 3))
-        self._shown: dict[str, Array] = {}
+        self._is_warm = False
+        self._begin_terms()
         self.reset()
 
     def reset(self) -> None:
-        """Forgets the last wrench, contacts and estimate."""
-        self._last = np.zeros(self._template.n)
-        self._last_points = np.array([contacts.first for contacts in self._sets.values()])
-        self._last_choice: Array | None = None
-        self._cost = self._template.cost(self._last)
+        """Forgets the last wrench, contacts and estimate's time."""
+        self._last_points = np.array([contacts.first for contacts in self._terms.sets.values()])
+        self._last_choice = None
         self._newest_estimate = -math.inf
         if self._compiled is not None:
             self._compiled.forget()
-            self._compiled.allocation.set_gradient(self._cost)
+        self._look_back_at(np.zeros(self._terms.base.n))
+
+    def start_from(self, wrenches: Mapping[str, ArrayLike]) -> None:
+        """As if the last plan had been these wrenches (6,) in {a} by arm; of arms left out, zero."""
+        last = np.zeros((len(self._terms.sets), 6))
+        for i, name in enumerate(self._terms.sets):
+            last[i] = wrenches.get(name, last[i])
+        if not set(wrenches) <= set(self._terms.sets) or not np.isfinite(last).all():
+            raise UsageError(f"start_from: {dict(wrenches)} are not finite wrenches of {', '.join(self._terms.sets)}")
+        self._look_back_at(scaled_into(self._terms.base.limits, last.ravel()))
 
     def warm_up(self) -> None:
         """Does now what would cost at the first call: workspaces, the import of the fallback solver, and the compiled
         kernels, without which planning takes ten times as long. They are loaded in half a second, and compiled in half
         a minute the very first time on a machine."""
-        self._compiled = CompiledPlanning.of(self._template, self._cost, self._candidates)
+        self._is_warm = True
+        self._begin_terms()
         self.plan((0.0, 0.0, 0.0))
         self.plan((1.0, 0.0, 0.1))
         self.reset()
-        solve_with_clarabel(self._program_at(self._last_points, np.zeros(self._template.basis_b.shape[1])))
+        solve_with_clarabel(self._program_at(self._last_points, np.zeros(len(self._to_effective))))
 
     # --- planning -----------------------------------------------------------------------------------------
 
@@ -104,208 +118,180 @@ class WrenchPlanner:
         wrench: ArrayLike,
         contacts: Mapping[str, ArrayLike] | None = None,
         estimate: Estimate | None = None,
+        arms: Sequence[Arm] | None = None,
     ) -> Plan:
         """`wrench` is the desired (fx, fy, tau) on the cart in {b}; `contacts` (3,) by arm are fixed this
-        tick, and for arms left out the planner chooses. An estimate 0.5 s older than the newest given is
-        stale."""
+        tick, and for arms left out the planner chooses. Where it can't be done, contacts are sought that would do.
+
+        The limits of the cart are those of `estimate`'s cart and motion; one 0.5 s older than the newest given is
+        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates.
+        Both hold until others are given."""
+        plan = self._plan(wrench, contacts, estimate, arms)
+        if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
+            return plan
+        question = Question(self._to_effective.dot(read_wrench(wrench)), self._cost)
+        held = plan.nearest.contacts
+        own = None if contacts is None else self._terms.candidates
+        remedy = find_remedy(self._cases, question, own, held, self._terms.candidates.distance)
+        certificate = with_remedy(plan.certificate, remedy, held)
+        return replace(plan, certificate=certificate, message=certificate.words)
+
+    def plan_or_hold(
+        self,
+        wrench: ArrayLike,
+        contacts: Mapping[str, ArrayLike] | None = None,
+        estimate: Estimate | None = None,
+        arms: Sequence[Arm] | None = None,
+    ) -> Plan:
+        """As `plan` but for the search for better contacts, and a safe wrench whatever the status: where there is
+        none, the last one, decaying with a time constant of 0.1 s, or as fast as rates of change allow (zero if there
+        was none). The arms' limits are convex and hold the zero wrench, so it stays within; a cart that skids
+        or tips without the hands is beyond them."""
+        plan = self._plan(wrench, contacts, estimate, arms)
+        if plan.is_usable:
+            return plan
+        rate = self._terms.rate
+        shrink = self._decay if rate is None else rate.shrink(self._last, self._decay)
+        self._remember(shrink * self._last, self._last_points)
+        by_arm = self._answers.by_arm
+        held = ContactWrenches(by_arm(self._last), by_arm(self._last_points), self._terms.yaws)
+        return replace(plan, held=held)
+
+    def _plan(
+        self,
+        wrench: ArrayLike,
+        contacts: Mapping[str, ArrayLike] | None,
+        estimate: Estimate | None,
+        arms: Sequence[Arm] | None,
+    ) -> Plan:
         start = time.perf_counter()
         try:
             asked = read_wrench(wrench)
+            if arms is not None and self._terms.take_arms(arms):
+                self._begin_terms()
+                self._look_back_at(scaled_into(self._terms.base.limits, self._last))
             if estimate is not None:
-                self._newest_estimate = check_estimate(estimate, self._newest_estimate)
-            if self._compiled is not None:
-                points = self._compiled.points(contacts)
-                if points is not None and self._compiled.allocation.solve(asked, points):
-                    return self._compiled_answer(self._compiled.allocation, points, None, start)
-            candidates = self._candidates if contacts is None else self._narrowed(contacts)
+                self._take_estimate(estimate)
+            plan = None if self._compiled is None else self._compiled.at(contacts, asked, self._cost, start)
+            if self._compiled is not None and plan is not None:
+                self._remember(*self._compiled.last)
+                return plan
+            candidates = self._terms.candidates if contacts is None else self._given.candidates(contacts)
         except RefusedError as refused:
-            return self._refusal(refused.status, str(refused), start)
+            return refusal(refused.status, str(refused), start)
+        if contacts is not None and self._given.beyond:
+            return out_of_reach(self._given.beyond, start)
         if candidates.distance > 0 and candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
-            return self._too_near(candidates, start)
+            return too_near(candidates, start)
         points = candidates.single
         if points is None:
             return self._choose(candidates, asked, start)
-        return self._solve_at(points, asked, start)
+        return self._planned(points, self._to_effective.dot(asked), None, start)
 
-    def plan_or_hold(self, wrench: ArrayLike, contacts: Mapping[str, ArrayLike] | None = None) -> Plan:
-        """As `plan`, and a safe wrench whatever the status: when it is not `optimal`, the last one, decaying
-        with a time constant of 0.1 s (zero if there was none). Limits are convex and hold the zero wrench, so
-        it stays within."""
-        plan = self.plan(wrench, contacts)
-        if plan.status == OPTIMAL:
-            return plan
-        self._remember(self._decay * self._last, self._last_points)
-        held = ContactWrenches(self._by_arm(self._last), self._by_arm(self._last_points), self._yaws)
-        return replace(plan, held=held)
+    # --- what changes between ticks -----------------------------------------------------------------------
 
-    # --- contacts -----------------------------------------------------------------------------------------
+    def _take_estimate(self, estimate: Estimate) -> None:
+        self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+        if self._terms.take_estimate(estimate):
+            self._drop_program()
+            self._take_last()
 
-    def _narrowed(self, contacts: Mapping[str, ArrayLike]) -> Candidates:
-        """The candidates with some arms' contacts fixed; those of the last call where these are the same."""
-        given = read_contacts(contacts, self._template.names)
-        if given != self._given:
-            self._given_candidates = self._fixed_at(given)
-            self._given = given
-        return self._given_candidates
+    def _begin_terms(self) -> None:
+        """Drops what was made for other arms."""
+        self._given = GivenContacts(self._terms)
+        self._last_choice = None
+        self._drop_program()
+        self._compiled = CompiledPlanning.of(self._terms, self._cost) if self._is_warm else None
 
-    def _fixed_at(self, given: dict[str, tuple[float, float, float]]) -> Candidates:
-        if not given:
-            return self._candidates
-        if len(given) == len(self._sets):
-            return Candidates.at([given[name] for name in self._sets], self._candidates.distance)
-        sets = [ContactSet((given[name],)) if name in given else own for name, own in self._sets.items()]
-        return Candidates.of(sets, self._candidates.distance)
+    def _drop_program(self) -> None:
+        self._program: QuadraticProgram | None = None
+        self._program_points = np.zeros((0, 3))
 
-    def _solve_at(self, points: Array, asked: Point, start: float) -> Plan:
-        program = self._program_at(points, self._to_effective.dot(asked))
-        solution = self._solver.solve(program)
-        if self._compiled is not None and solution.status == OPTIMAL:
-            solution = replace(solution, message=f"fallback: {SOLVER} gave no proven answer")
-        if solution.status != OPTIMAL:
-            return self._concluded(points, program, solution, None, start)
-        return self._solved(points, program, solution, ChoiceProof(solution.cost, 0.0, 1), start)
+    def _look_back_at(self, wrenches: Array) -> None:
+        self._last = wrenches
+        self._cost = self._terms.base.cost(wrenches)
+        self._take_last()
+
+    def _take_last(self) -> None:
+        self._terms.take_last(self._last)
+        self._cases.template = self._terms.template
+
+    def _remember(self, wrenches: Array, points: Array) -> None:
+        self._last, self._last_points = wrenches, points
+        if self._terms.looks_back:
+            self._look_back_at(wrenches)
+
+    # --- solving ------------------------------------------------------------------------------------------
 
     def _choose(self, candidates: Candidates, asked: Point, start: float) -> Plan:
         target = self._to_effective.dot(asked)
-        question = Question(target, self._cost)
+        question, is_own = Question(target, self._cost), candidates is self._terms.candidates
         choice = None
         if self._compiled is not None:
-            choice = self._compiled.choose(asked, candidates, self._cost, self._limit)
+            choice = self._compiled.choose(candidates, asked, self._cost, self._limit)
             if choice is not None and choice.contacts is not None:
-                return self._compiled_answer(self._compiled.allocation, choice.contacts, choice, start)
+                plan = self._compiled.chosen(choice, asked, start)
+                self._remember(*self._compiled.last)
+                return plan
         if choice is None:
-            seed = self._last_choice if candidates is self._candidates else None
+            seed = self._last_choice if is_own else None
             choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
         if choice.contacts is None:
             return self._none_found(candidates, question, choice, start)
-        if candidates is self._candidates:
+        if is_own:
             self._last_choice = choice.contacts
-        program = self._program_at(choice.contacts, target)
-        solution = self._solver.solve(program)
-        cost = solution.cost if solution.status == OPTIMAL else choice.value
-        gap = max(0.0, cost - choice.bound) / max(1.0, abs(cost))
-        proof = ChoiceProof(choice.bound, gap, choice.solved + 1)
-        return self._concluded(choice.contacts, program, solution, proof, start)
+        return self._planned(choice.contacts, target, choice, start)
 
     def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:
         if not choice.complete:
             message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
-            return self._refusal(TIMEOUT, message, start)
+            return refusal(TIMEOUT, message, start)
         if np.isfinite(choice.bound):
-            return self._refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
+            return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
         nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
         if nearest.contacts is None and nearest.complete and not np.isfinite(nearest.bound):
-            return self._too_near(candidates, start)
+            return too_near(candidates, start)
         if nearest.contacts is None:
-            return self._refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
-        program = self._program_at(nearest.contacts, question.target)
-        proof = ChoiceProof(np.inf, np.inf, choice.solved + nearest.solved + 1)
-        plan = self._concluded(nearest.contacts, program, self._solver.solve(program), proof, start)
+            return refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
+        whole = replace(choice, solved=choice.solved + nearest.solved)
+        plan = self._planned(nearest.contacts, question.target, whole, start)
         if plan.certificate is None:
             return plan
         others = f"at the nearest of {candidates.count} choices of contacts; none is feasible"
         words = f"{plan.certificate.words} ({others})"
         return replace(plan, certificate=replace(plan.certificate, words=words), message=words)
 
+    def _planned(self, points: Array, target: Array, choice: Choice | None, start: float) -> Plan:
+        """The plan at contacts, which were chosen or given."""
+        program = self._program_at(points, target)
+        solution = self._solver.solve(program)
+        proof = None if choice is None else _proof(choice, solution)
+        if choice is None and self._compiled is not None and not solution.message:
+            solution = replace(solution, message=f"fallback: {SOLVER} gave no proven answer")
+        plan = self._answers.of(Solved(points, program, solution, start), self._last, proof)
+        if plan.is_usable and plan.proof is not None:
+            self._remember(plan.proof[1].x[: self._terms.base.n], points)
+        return plan
+
     def _program_at(self, points: Array, target: Array) -> QuadraticProgram:
-        """The program at contacts; where these are as at the last call, only its equality's value is new."""
+        """The program at contacts; where these are as at the last call, only its equality's value is new, and what
+        looks back."""
+        template = self._terms.base
         same = points is self._program_points or np.array_equal(points, self._program_points)
         if self._program is None or not same:
-            self._program = self._template.program(self._template.contact_rows(points), target, self._cost)
+            self._program = template.program(template.contact_rows(points), target, self._cost)
             self._program_points = points
         program = self._program.with_equality_value(target)
-        if self._looks_back:
+        if self._terms.rate is not None:
+            program = program.with_bounds(self._terms.template.limits)
+        if template.objective.looks_back:
             program = program.with_gradient(self._cost.gradient, self._cost.constant)
         return program
 
-    # --- answers ------------------------------------------------------------------------------------------
 
-    def _compiled_answer(self, answer: CompiledAllocation, points: Array, choice: Choice | None, start: float) -> Plan:
-        wrenches, numbers = answer.wrenches, answer.numbers
-        self._remember(wrenches, points)
-        fields = {
-            "wrenches": {name: wrenches[part] for name, part in self._parts},
-            "contacts": self._contacts_at(points),
-            "yaws": self._yaws,
-            "effort": numbers.pop(),
-            "active": answer.active,
-            "residuals": Residuals(*numbers),
-            "choice": ChoiceProof(numbers[4], 0.0, 1) if choice is None else choice.proof,
-            "solve_time": time.perf_counter() - start,
-            "solver": SOLVER,
-            "message": "",
-        }
-        return Plan.optimal(fields)
-
-    def _solved(
-        self, points: Array, program: QuadraticProgram, solution: QPSolution, proof: ChoiceProof, start: float
-    ) -> Plan:
-        self._remember(solution.x, points)
-        return Plan(
-            status=OPTIMAL,
-            wrenches=self._by_arm(solution.x),
-            contacts=self._contacts_at(points),
-            yaws=self._yaws,
-            effort=self._template.effort(solution.x),
-            active=program.active(solution),
-            residuals=solution.residuals,
-            choice=proof,
-            solve_time=time.perf_counter() - start,
-            solver=solution.solver,
-            message=solution.message,
-        )
-
-    def _concluded(
-        self,
-        points: Array,
-        program: QuadraticProgram,
-        solution: QPSolution,
-        proof: ChoiceProof | None,
-        start: float,
-    ) -> Plan:
-        """As `_solved`, for what may have failed."""
-        allocation = conclude(self._template, points, program, solution)
-        if allocation.status == OPTIMAL:
-            proof = proof or ChoiceProof(allocation.solution.cost, 0.0, 1)
-            return self._solved(points, program, allocation.solution, proof, start)
-        words = allocation.certificate.words if allocation.certificate else allocation.solution.message
-        return Plan(
-            status=allocation.status,
-            choice=proof,
-            certificate=allocation.certificate,
-            solve_time=time.perf_counter() - start,
-            solver=allocation.solution.solver,
-            message=words,
-        )
-
-    def _too_near(self, candidates: Candidates, start: float) -> Plan:
-        asked, most = candidates.distance, candidates.widest
-        words = f"min_hand_distance: no choice of contacts keeps the hands {asked:g} m apart"
-        if most < asked:
-            words += f"; at most {most:.6g} m is possible"
-        else:
-            most = math.nan  # proven by exhaustion
-        certificate = Certificate(words, asked, most, limits={"min_hand_distance": asked})
-        spent = time.perf_counter() - start
-        return Plan(INFEASIBLE, certificate=certificate, solve_time=spent, message=words)
-
-    def _refusal(self, status: str, message: str, start: float) -> Plan:
-        return Plan(status, solve_time=time.perf_counter() - start, message=message)
-
-    def _remember(self, wrenches: Array, points: Array) -> None:
-        wrenches.setflags(write=False)  # plans show them
-        self._last, self._last_points = wrenches, points
-        if self._looks_back:
-            self._cost = self._template.cost(wrenches)
-            if self._compiled is not None:
-                self._compiled.allocation.set_gradient(self._cost)
-
-    def _contacts_at(self, points: Array) -> dict[str, Array]:
-        if points is not self._shown_points:
-            points.setflags(write=False)
-            self._shown_points = points
-            self._shown = {name: points[i] for i, (name, _) in enumerate(self._parts)}
-        return self._shown.copy()
-
-    def _by_arm(self, values: Array) -> dict[str, Array]:
-        return dict(zip(self._template.names, values.reshape(len(self._sets), -1), strict=True))
+def _proof(choice: Choice, solution: QPSolution) -> ChoiceProof:
+    """Of contacts that were chosen; `solution` is the plan's own program, solved once more."""
+    cost = solution.cost if solution.status == OPTIMAL else choice.value
+    if not np.isfinite(choice.bound):
+        return ChoiceProof(choice.bound, np.inf, choice.solved + 1)
+    return ChoiceProof(choice.bound, max(0.0, cost - choice.bound) / max(1.0, abs(cost)), choice.solved + 1)

@@ -18,7 +18,6 @@ from .proof import COST, EQUALITY_TOLERANCE, wrench_scale
 from .working_set import Ints
 from .workspace import Workspace, unpack
 
-GAP = 1e-9  # relative, of at least 1: how near to the best value a bound has to come
 DONE, GAVE_UP = range(2)
 
 
@@ -38,12 +37,14 @@ def search(
     tables: tuple[Array, Ints, Array, Array, Array, Array],
     progress: tuple[Array, Ints],
     most: int,
+    gap: float,
 ) -> int:
-    """Goes on until `most` programs have been solved in all. When it is done, the workspace holds the answer at the
+    """Goes on until no bound is below the best value by more than `gap`, relative and of at least 1, or `most`
+    programs have been solved in all. When it is done, the workspace holds the answer at the
     best choice."""
     w, table, found = unpack(floats, ints), Table(*tables), Progress(*progress)
     ask(w, wrench)
-    while found.counts[1] >= 0 and found.values[1] < cutoff(found.values[0]) and found.counts[2] < most:
+    while found.counts[1] >= 0 and found.values[1] < cutoff(found.values[0], gap) and found.counts[2] < most:
         place(w, table, found.counts[1])
         if not learn(w, table, found, solve_program(floats, ints)):
             return GAVE_UP
@@ -56,8 +57,8 @@ def search(
 
 
 @compiled
-def cutoff(best: float) -> float:
-    return best - GAP * max(1.0, abs(best)) if best < np.inf else best
+def cutoff(best: float, gap: float) -> float:
+    return best - gap * max(1.0, abs(best)) if best < np.inf else best
 
 
 @compiled

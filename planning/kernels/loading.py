@@ -34,7 +34,12 @@ def load(workspace: Workspace, program: QuadraticProgram, pattern: Array | None 
 
 
 def load_limits(workspace: Workspace, program: QuadraticProgram) -> None:
-    workspace.problem.limits[:] = program.lower, program.upper
+    """What was held stays so as long as only values of equalities change."""
+    limits, first = workspace.problem.limits, len(program.lower) - program.n_equalities
+    new = np.array([program.lower, program.upper])
+    if not np.array_equal(limits[:, :first], new[:, :first]):
+        workspace.held.size[0] = 0
+    limits[:] = new
 
 
 def load_gradient(workspace: Workspace, gradient: Array, constant: float) -> None:

@@ -15,7 +15,6 @@ from planning.compiled_choice import CompiledChoice
 from planning.contact_bounds import Candidates
 from planning.contact_regions import hand_distance
 from planning.duality import effort_cut
-from planning.kernels import choice
 from planning.kernels.cut import Table
 from planning.kernels.cut import effort_cut as compiled_effort_cut
 from planning.quadratic_program import QPSolution
@@ -128,7 +127,6 @@ def test_a_cut_bounds_as_the_numpy_one(seed):
     template = AllocationTemplate.of(random_cart(rng), arms, objective)
     cost = template.cost(rng.normal(size=6 * n))
     allocation = CompiledAllocation(template, cost)
-    allocation.set_gradient(cost)
     points = np.array([a.contacts.points[0] for a in arms])
     wrench = (6.0, 0.5, 0.3)
     if not allocation.solve(wrench, points):
@@ -160,7 +158,7 @@ def test_what_is_not_covered_takes_the_general_road():
 
 def test_a_solver_that_fails_is_replaced_and_the_swap_is_told(monkeypatch):
     planner = warm(cart(), [arm()])
-    monkeypatch.setattr(planner._compiled.allocation, "solve", lambda *_: False)
+    monkeypatch.setattr(planner._compiled._allocation, "solve", lambda *_: False)
     plan = planner.plan((40, 0, 3))
     assert plan.status == "optimal"
     assert plan.solver.startswith("daqp")
@@ -238,13 +236,7 @@ def test_no_choice_keeps_the_distance():
 
 def test_a_search_that_can_not_go_on_leaves_it_to_the_general_one(monkeypatch):
     planner = warm(cart(), many(6))
-    monkeypatch.setattr(planner._compiled.allocation, "search", lambda *_: False)
+    monkeypatch.setattr(planner._compiled._allocation, "search", lambda *_: False)
     plan = planner.plan((40, 0, 3))
     assert plan.status == "optimal"
     assert plan.effort == pytest.approx(warm(cart(), many(6)).plan((40, 0, 3)).effort)
-
-
-def test_the_tolerance_of_both_searches_is_one():
-    from planning.contact_cases import GAP_TOLERANCE
-
-    assert choice.GAP == GAP_TOLERANCE
