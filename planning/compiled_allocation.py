@@ -29,7 +29,7 @@ Progress = tuple[Array, "Ints"]
 
 
 class CompiledAllocation:
-    """One workspace, kept warm. After `solve` has returned True the other properties are of its answer."""
+    """One workspace, kept warm. After `solve` has returned True, `answer` and `active` are its."""
 
     def __init__(self, template: AllocationTemplate, cost: Cost) -> None:
         from .kernels.allocation import allocate
@@ -45,7 +45,7 @@ class CompiledAllocation:
         self._call: Callable[[Array, Ints, Point, bool], int] = allocate
         self._floats, self._ints = sizes.allocate()
         self._workspace: Workspace = views(self._floats, self._ints)
-        self._x, self._y, self._found = self._workspace.claim.x, self._workspace.claim.y, self._workspace.found
+        self._answer = self._floats[len(self._floats) - program.n - len(program.upper) - len(self._workspace.found) :]
         self._active = self._workspace.active
         self._lower_names, self._upper_names = program.lower_names, program.upper_names
         self._load_gradient = load_gradient
@@ -109,21 +109,9 @@ class CompiledAllocation:
         self._points = None
         return self._search(self._floats, self._ints, wrench, tables, progress, *limit) == 0
 
-    @property
-    def wrenches(self) -> Array:
-        """A copy, (6n,)."""
-        return self._x.copy()
-
-    @property
-    def multipliers(self) -> Array:
-        """A copy, as of a `QPSolution`."""
-        return self._y.copy()
-
-    @property
-    def numbers(self) -> list[float]:
-        """Residuals in the order of `Residuals`, and the effort."""
-        numbers: list[float] = self._found.tolist()
-        return numbers
+    def answer(self) -> Array:
+        """A copy of what was found: wrenches (6n,), multipliers as of a `QPSolution`, residuals and the effort."""
+        return self._answer.copy()
 
     @property
     def active(self) -> tuple[str, ...]:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
-from functools import partial
 from itertools import combinations
 from typing import Self
 
@@ -27,6 +26,8 @@ from .plan import ChoiceProof, Plan
 from .quadratic_program import QPSolution, QuadraticProgram, Residuals
 from .terms import Terms
 
+N_NUMBERS = 8  # residuals and the effort
+
 
 class CompiledPlanning:
     """For the arms of `terms`; new arms need a new one. `last` are the wrenches (6n,) and contacts of the last plan."""
@@ -36,6 +37,7 @@ class CompiledPlanning:
         self._own_points = None if own is None or self._is_refused(own) else own
         self._given, self._given_points = b"", np.zeros((0, 3))
         self._parts = [(name, slice(6 * i, 6 * i + 6)) for i, name in enumerate(terms.sets)]
+        self._n = 6 * len(terms.sets)
         self._shown: dict[str, Array] = {}
         self._shown_points = self._given_points
         self.last: tuple[Array, Array] = np.zeros(0), self._given_points
@@ -107,33 +109,34 @@ class CompiledPlanning:
 
     def _plan(self, points: Array, wrench: Point, choice: ChoiceProof | None, start: float) -> Plan:
         """Of what the allocation holds."""
-        found = self._allocation
-        x, y, numbers = found.wrenches, found.multipliers, found.numbers
-        x.setflags(write=False)  # plans show them
-        self.last = x, points
+        found, template, n = self._allocation, self._terms.template, self._n
+        answer, cost = found.answer(), found.cost
+        answer.setflags(write=False)  # plans show it
+        numbers: list[float] = answer[-N_NUMBERS:].tolist()
+        self.last = answer[:n], points
         if points is not self._shown_points:
             self._shown_points = points
             self._shown = {name: points[i] for i, name in enumerate(self._terms.sets)}
         fields = {
-            "wrenches": {name: x[part] for name, part in self._parts},
+            "wrenches": {name: answer[part] for name, part in self._parts},
             "contacts": self._shown.copy(),
             "yaws": self._terms.yaws,
             "effort": numbers.pop(),
             "active": found.active,
-            "residuals": Residuals(*numbers),
+            "residuals": Residuals._make(numbers),
             "choice": choice or ChoiceProof(numbers[4], 0.0, 1),
             "solve_time": time.perf_counter() - start,
             "solver": SOLVER,
             "message": "",
-            "prove": partial(_proof, (self._terms.template, found.cost), (points, wrench), x, y),
+            "prove": lambda: _proof(template, (points, wrench, cost), answer[:n], answer[n:-N_NUMBERS]),
         }
         return Plan.optimal(fields)
 
 
 def _proof(
-    terms: tuple[AllocationTemplate, Cost], asked: tuple[Array, Point], x: Array, y: Array
+    template: AllocationTemplate, asked: tuple[Array, Point, Cost], x: Array, y: Array
 ) -> tuple[QuadraticProgram, QPSolution]:
     """The program that was solved, built the general way, with its solution checked in numpy."""
-    (template, cost), (points, wrench) = terms, asked
+    points, wrench, cost = asked
     program = template.program(template.contact_rows(points), template.basis_b.T @ np.array(wrench), cost)
     return program, QPSolution.checked(program, x, y, (), SOLVER)

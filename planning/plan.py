@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
@@ -18,8 +18,7 @@ from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
 
 
-@dataclass(frozen=True)
-class ChoiceProof:
+class ChoiceProof(NamedTuple):
     """No choice of contacts costs less than `bound` (of the objective); `gap` is relative to max(1, cost);
     `solved` counts programs."""
 

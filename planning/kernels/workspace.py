@@ -1,6 +1,7 @@
 """All numbers of one structure of programs in two blocks of memory: a call then hands over two arrays, not thirty.
 
-`views` says what stands where, for those who fill and read it; kernels have it as `unpack`.
+`views` says what stands where, for those who fill and read it; kernels have it as `unpack`. What is found (x, y, then
+residuals and effort) is at the end, so that one copy takes it along.
 """
 
 from __future__ import annotations
@@ -65,10 +66,8 @@ def views(floats: Array, ints: Ints) -> Workspace:
     factor, at = floats[at : at + n * n].reshape((n, n)), at + n * n
     affine, at = floats[at : at + 4 * moving * n].reshape((4, moving, n)), at + 4 * moving * n
     limits, at = floats[at : at + 2 * m].reshape((2, m)), at + 2 * m
-    y, at = floats[at : at + m], at + m
     gradient, at = floats[at : at + n], at + n
     free, at = floats[at : at + n], at + n
-    x, at = floats[at : at + n], at + n
     slope, at = floats[at : at + n], at + n
     side, at = floats[at : at + n], at + n
     dual, at = floats[at : at + n], at + n
@@ -80,6 +79,8 @@ def views(floats: Array, ints: Ints) -> Workspace:
     points, at = floats[at : at + 3 * arms].reshape((arms, 3)), at + 3 * arms
     basis, at = floats[at : at + 3 * k].reshape((3, k)), at + 3 * k
     constant, at = floats[at : at + 1], at + 1
+    x, at = floats[at : at + n], at + n
+    y, at = floats[at : at + m], at + m
     found = floats[at : at + N_FOUND]
     count, limit = ints[N_SIZES : N_SIZES + 1], ints[N_SIZES + 1 : N_SIZES + 1 + n]
     first = N_SIZES + 1 + n
