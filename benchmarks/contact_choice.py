@@ -111,7 +111,7 @@ def _compare(scene: Scene, rounds: int) -> Table:
         "worse": {BRUTE: f"{worse:.1e}"},
     }
     found = sum(plan.status == "optimal" for plan in plans)
-    return timed_table(f"{scene.name} ({found} of {KINDS} planned)", run, OURS, "ms", extra)
+    return timed_table(f"{scene.name} ({found} of {KINDS} planned)", run, OURS, "µs", extra)
 
 
 def _every_program(scene: Scene) -> Callable[[Array], float]:
