@@ -22,10 +22,10 @@ RIGHT = 1e-6
 NOTE = f"""6 unknowns an arm, 2 equalities, boxes, a friction pyramid of 4 sides an arm. Wrenches are drawn at 70 to
 99 % of the most that the arms can give in a random direction, and in random order, so that a warm start seldom helps.
 Ours, after `warm_up`, reads, checks, assembles, solves, verifies all KKT residuals and returns a `Plan`; before
-`warm_up` it does the same by numpy and daqp. Peers get arrays that are ready, and update and solve only (Clarabel and
-all through qpsolvers are built anew where contacts are new). `right` counts answers to {KINDS} programs that differ from
-daqp's by at most {RIGHT:g} of the largest component, at a peer's default tolerances (piqp and proxqp 1e-9); the
-pseudo-inverse is right where no limit binds. `over daqp` is the ratio of medians to bare daqp's."""
+`warm_up` it does the same by numpy and daqp. Peers get arrays that are ready, and update and solve only (Clarabel
+and all through qpsolvers are built anew where contacts are new). `right` counts answers to {KINDS} programs that
+differ from daqp's by at most {RIGHT:g} of the largest component, at a peer's default tolerances (piqp and proxqp 1e-9);
+the pseudo-inverse is right where no limit binds. `over daqp` is the ratio of medians to bare daqp's."""
 
 
 def run(rounds: int) -> Result:
@@ -52,17 +52,11 @@ def _compare(n: int, fixed: bool, rounds: int) -> Table:
     exact = [solvers[BARE](k) for k in range(KINDS)]
     right = {name: _right([solve(k) for k in range(KINDS)], exact) for name, solve in solvers.items()}
     right[OURS] = _right(ours, exact)
-    cold = WrenchPlanner(cart, arms)
+    cold, given = WrenchPlanner(cart, arms), [None] * KINDS if fixed else places
     competitors: dict[str, Competitor] = {
-        OURS: lambda k: planner.plan(wrenches[k % KINDS], None if fixed else places[k % KINDS])
+        OURS: lambda k: planner.plan(wrenches[k % KINDS], given[k % KINDS]),
+        "the same before warm_up": lambda k: cold.plan(wrenches[k % KINDS], given[k % KINDS]),
     }
-    competitors["the same before warm_up"] = lambda k: cold.plan(
-        wrenches[k % KINDS], None if fixed else places[k % KINDS]
-    )
-    if fixed:
-        told = WrenchPlanner(cart, arms)
-        told.warm_up()
-        competitors["the same, told the same contacts"] = lambda k: told.plan(wrenches[k % KINDS], places[k % KINDS])
     for name, solve in solvers.items():
         competitors[name] = _cycling(solve)
     title = f"{n} {'arm' if n == 1 else 'arms'}, {'only the wrench new' if fixed else 'wrench and contacts new'}"

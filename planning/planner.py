@@ -24,13 +24,14 @@ from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
+from .contradiction import contradiction
 from .given_contacts import GivenContacts
 from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
 from .plan_inputs import RefusedError, check_estimate, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
-from .refusals import out_of_reach, refusal, too_near
+from .refusals import certified, out_of_reach, refusal, too_near
 from .remedy import find_remedy, with_remedy
 from .solvers import QuadraticSolver, solve_with_clarabel
 from .terms import Terms, scaled_into
@@ -124,8 +125,8 @@ class WrenchPlanner:
         tick, and for arms left out the planner chooses. Where it can't be done, contacts are sought that would do.
 
         The limits of the cart are those of `estimate`'s cart and motion; one 0.5 s older than the newest given is
-        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates.
-        Both hold until others are given."""
+        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates; the
+        last wrench is scaled into their limits. Both hold until others are given."""
         plan = self._plan(wrench, contacts, estimate, arms)
         if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
             return plan
@@ -166,10 +167,10 @@ class WrenchPlanner:
     ) -> Plan:
         start = time.perf_counter()
         try:
-            asked = read_wrench(wrench)
-            if arms is not None and self._terms.take_arms(arms):
+            if arms is not None and self._terms.take_arms(arms):  # first: what is held must obey them as well
                 self._begin_terms()
                 self._look_back_at(scaled_into(self._terms.base.limits, self._last))
+            asked = read_wrench(wrench)
             if estimate is not None:
                 self._take_estimate(estimate)
             plan = None if self._compiled is None else self._compiled.at(contacts, asked, self._cost, start)
@@ -246,13 +247,15 @@ class WrenchPlanner:
         if not choice.complete:
             message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
             return refusal(TIMEOUT, message, start)
-        if np.isfinite(choice.bound):
+        if choice.bound < np.inf:
             return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
         nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
-        if nearest.contacts is None and nearest.complete and not np.isfinite(nearest.bound):
-            return too_near(candidates, start)
+        if nearest.contacts is None and nearest.complete and nearest.bound == np.inf:
+            certificate = contradiction(self._terms.template, self._program_at(candidates.first, question.target))
+            return too_near(candidates, start) if certificate is None else certified(certificate, start)
         if nearest.contacts is None:
-            return refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
+            message = "infeasible at every contact, but the nearest wrench was not found"
+            return refusal(NUMERICAL if nearest.complete else TIMEOUT, message, start)
         whole = replace(choice, solved=choice.solved + nearest.solved)
         plan = self._planned(nearest.contacts, question.target, whole, start)
         if plan.certificate is None:

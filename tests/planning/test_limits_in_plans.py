@@ -241,3 +241,28 @@ def test_what_is_refused(make, words):
 def plain(limit, wheels=()):
     cart = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), cg.RollingConstraints(None), wheels=wheels)
     return WrenchPlanner(cart, hands({}), cart_limits=[limit])
+
+
+def test_a_contradiction_whatever_the_contacts():
+    motion = Motion(np.zeros(3), np.array([3.0, 2.0]))
+    points = [(-0.25, y, 1.0) for y in np.linspace(-0.25, 0.25, 5)]
+    weak = {"force_limit": (2, 2, 2), "moment_limit": (8, 8, 6)}
+    arms = [cg.Arm("left", points, **weak), cg.Arm("right", points, **weak)]
+    planner = WrenchPlanner(shopping_cart(), arms, cart_limits=[Skid(0.1)])
+    plan = planner.plan((1, 0, 0), estimate=estimate_at(motion))
+    assert plan.status == "infeasible"
+    assert plan.certificate.words.startswith("skid to the right by ")
+    assert plan.certificate.verified
+
+
+def test_margins_by_hand():
+    arms = [
+        cg.Arm("left", [LEFT.tolist()], force_limit=(60, 60, 40), friction=cg.Friction(0.6, "exact"), joints=JOINTS)
+    ]
+    plan = WrenchPlanner(shopping_cart(), arms).plan((40, 0, -9))
+    f, margins = plan.wrenches["left"], plan.margins
+    assert margins["left: friction cone"] == pytest.approx(0.6 * f[0] - np.hypot(f[1], f[2]), abs=1e-9)
+    assert margins["left: fx upper"] == pytest.approx(60 - f[0])
+    assert margins["left: joint 2 torque lower"] == pytest.approx(JOINTS.torques(f)[2] + 30.0)
+    assert "left: tx upper" not in margins  # it has no limit
+    assert WrenchPlanner(shopping_cart(), arms).plan((400, 0, 0)).margins == {}
