@@ -17,6 +17,7 @@ from cartgrasp.frames import Array
 
 from .compiled_allocation import CompiledAllocation, Point, Progress, Tables
 from .contact_bounds import TABLE_SIZE, Candidates
+from .contact_cases import GAP_TOLERANCE
 from .contact_choice import Choice, SearchLimit
 from .objectives import Cost
 
@@ -64,12 +65,12 @@ class CompiledChoice:
         return Choice(contacts, best, bound, solved, solved < limit.solves)
 
     def _search(self, wrench: Point, limit: SearchLimit) -> bool:
-        start, most = time.perf_counter(), limit.solves
+        start, most, gap = time.perf_counter(), limit.solves, GAP_TOLERANCE if limit.gap is None else limit.gap
         if limit.seconds is None:
-            return self._allocation.search(wrench, self._tables, self._progress, (most, limit.gap))
+            return self._allocation.search(wrench, self._tables, self._progress, (most, gap))
         while True:
             up_to = min(most, int(self._progress[1][2]) + SLICE)
-            if not self._allocation.search(wrench, self._tables, self._progress, (up_to, limit.gap)):
+            if not self._allocation.search(wrench, self._tables, self._progress, (up_to, gap)):
                 return False
             if self._progress[1][2] < up_to or up_to == most or time.perf_counter() - start > limit.seconds:
                 return True
