@@ -6,6 +6,8 @@ from itertools import product
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from cartgrasp.arms import Friction
 from planning import LoadShare, SearchLimit, Smoothness, WrenchPlanner, allocate
@@ -178,6 +180,23 @@ def test_bad_contacts_are_refused_and_leave_nothing_behind():
         assert planner.plan((40, 0, 3), bad).status == "invalid_input"
     again = planner.plan((40, 0, 3), contacts)
     assert again.wrenches["left"] == pytest.approx(good.wrenches["left"], abs=1e-12)
+
+
+anything = st.floats(allow_nan=True, allow_infinity=True)
+triple = st.tuples(anything, anything, anything)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(st.tuples(triple, st.none() | triple), min_size=1, max_size=6))
+def test_plan_or_hold_is_safe_whatever_comes(calls):
+    arms = [arm("left"), arm("right", [(-0.25, -0.2, 1.0)])]
+    planner = warm(cart(), arms)
+    planner.plan_or_hold((40, 0, 3))
+    for wrench, left in calls:
+        contacts = None if left is None else {"left": left, "right": (-0.25, -0.2, 1.0)}
+        given_back = planner.plan_or_hold(wrench, contacts).contact_wrenches
+        assert np.isfinite(np.concatenate(list(given_back.wrenches.values()))).all()
+        assert violation(arms, given_back.wrenches) <= 1e-6
 
 
 def test_hands_keep_their_distance_at_given_contacts():

@@ -15,7 +15,7 @@ from planning.solvers import QuadraticSolver, solve_with_clarabel
 from planning.solvers.daqp_solver import DaqpSolver
 from planning.solvers.dual_active_set_solver import DualActiveSetSolver
 
-from .drawn import first_contacts, random_arms, random_cart
+from .drawn import first_contacts, largest_scale, random_arms, random_cart
 
 
 class Clarabel:
@@ -92,6 +92,22 @@ def test_allocations_against_highs(make, seed):
     program = build_allocation(model, arms, first_contacts(arms), wrench)
     solution = make().solve(program)
     assert solution.status == {0: "optimal", 2: "infeasible"}[oracle(program)]
+
+
+@each_solver
+@pytest.mark.parametrize("seed", range(20))
+def test_just_inside_and_just_outside_of_what_arms_can_do(make, seed):
+    rng = np.random.default_rng(seed)
+    model, arms = random_cart(rng), random_arms(rng, int(rng.integers(1, 5)))
+    contacts, wrench = first_contacts(arms), rng.uniform((5, -10, -4), (40, 10, 4))
+    most = largest_scale(model, arms, contacts, wrench)
+    if not 1e-9 < most < np.inf:
+        return
+    for share, status in ((1 - 1e-6, "optimal"), (1 + 1e-6, "infeasible")):
+        program = build_allocation(model, arms, contacts, share * most * wrench)
+        assert make().solve(program).status in (status, "numerical")
+        if make in (QuadraticSolver, DualActiveSetSolver):
+            assert make().solve(program).status == status
 
 
 @pytest.mark.parametrize("seed", range(60))
