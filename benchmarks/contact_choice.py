@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -64,9 +65,8 @@ class Scene:
         return [hand(f"arm{i}", self.line.tolist()) for i in range(self.n_arms)]
 
     def wrenches(self) -> Array:
-        random, coarse = np.random.default_rng(self.n_arms), replace(self, points=COARSE)
-        directions = [np.array([1.0, 0.0, random.uniform(-0.25, 0.25)]) for _ in range(KINDS)]
-        return np.array([_most(coarse, d) * random.uniform(*self.shares) * d for d in directions])
+        random = np.random.default_rng(self.n_arms)
+        return _strongest(self.n_arms) * random.uniform(*self.shares, (KINDS, 1))
 
 
 SCENES = (
@@ -84,11 +84,16 @@ def run(rounds: int) -> Result:
     return Result("Choice of contacts", NOTE, tuple(_compare(scene, rounds) for scene in SCENES))
 
 
-def _most(scene: Scene, direction: Array) -> float:
-    """The largest multiple of a direction that is feasible at some choice of points."""
-    arms = replace(scene, segments=False).arms
-    choices = ({a.name: point for a, point in zip(arms, points, strict=True)} for points in _kept(scene))
-    return max(most(build_allocation(CART, arms, contacts, direction)) for contacts in choices)
+@cache
+def _strongest(n_arms: int) -> Array:
+    """In random directions, the most that is feasible at some choice of points, (KINDS, 3)."""
+    coarse, random = Scene(n_arms, COARSE, (1.0, 1.0)), np.random.default_rng(n_arms)
+    arms, found = coarse.arms, []
+    choices = [{a.name: point for a, point in zip(arms, points, strict=True)} for points in _kept(coarse)]
+    for moment in random.uniform(-0.25, 0.25, KINDS):
+        direction = np.array([1.0, 0.0, moment])
+        found.append(max(most(build_allocation(CART, arms, c, direction)) for c in choices) * direction)
+    return np.array(found)
 
 
 def _compare(scene: Scene, rounds: int) -> Table:
