@@ -25,6 +25,7 @@ from .allocation_template import AllocationTemplate
 from .contact_bounds import TABLE_SIZE, Candidates, ChoiceTable, CutPool
 from .contact_cases import GAP_TOLERANCE, Answer, CaseSolver, Question
 from .contact_regions import DISTANCE_TOLERANCE, Box, Region, boxes, hand_distance
+from .plan import ChoiceProof
 from .quadratic_program import EQUALITY_TOLERANCE
 
 SMALLEST_BOX = 1e-9  # m
@@ -48,6 +49,10 @@ class Choice:
         if self.contacts is None:
             return np.inf
         return max(0.0, (self.value - self.bound) / max(1.0, abs(self.value)))
+
+    @property
+    def proof(self) -> ChoiceProof:
+        return ChoiceProof(self.bound, self.gap, self.solved)
 
 
 @dataclass(frozen=True)

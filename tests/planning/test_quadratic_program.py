@@ -203,7 +203,7 @@ def test_the_fallback_is_reported(monkeypatch):
     program = build_allocation(cart(), arms, first_contacts(arms), (40, 0, 3))
     solver = QuadraticSolver()
     failed = replace(solver.solve(program), status="numerical", message="daqp gave up (flag -2)")
-    failed = replace(failed, residuals=replace(failed.residuals, equality=np.inf))
+    failed = replace(failed, residuals=failed.residuals._replace(equality=np.inf))
     monkeypatch.setattr(solver._daqp, "solve", lambda _: failed)
     solution = solver.solve(program)
     assert solution.status == "optimal"
