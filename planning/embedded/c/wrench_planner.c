@@ -71,21 +71,28 @@ static int take(cartgrasp_plan *plan, point *found) {
   return 1;
 }
 
+static int take_ray(cartgrasp_plan *plan, double *ray) {
+  polish_ray(&problem, ray);
+  if (!certify(&problem, ray, &plan->certificate)) return 0;
+  plan->status = CARTGRASP_INFEASIBLE;
+  return 1;
+}
+
+/* Where there is no solution, OSQP's multipliers grow along a ray; it leaves their last step in delta_y when it
+   is sure. */
 static int take_proposal(cartgrasp_plan *plan) {
   const OSQPSolution *proposed = cartgrasp_osqp_solver.solution;
   const OSQPInt claim = cartgrasp_osqp_solver.info->status_val;
+  double ray[ENTRIES];
   if (claim == OSQP_PRIMAL_INFEASIBLE || claim == OSQP_PRIMAL_INFEASIBLE_INACCURATE) {
-    double ray[ENTRIES];
-    OSQPVectorf_to_raw(ray, cartgrasp_osqp_solver.work->delta_y); /* embedded OSQP leaves its certificate there */
-    polish_ray(&problem, ray);
-    if (!certify(&problem, ray, &plan->certificate)) return 0;
-    plan->status = CARTGRASP_INFEASIBLE;
-    return 1;
+    OSQPVectorf_to_raw(ray, cartgrasp_osqp_solver.work->delta_y);
+    return take_ray(plan, ray);
   }
   point found;
   memcpy(found.x, proposed->x, sizeof found.x);
   memcpy(found.y, proposed->y, sizeof found.y);
-  return take(plan, &found);
+  memcpy(ray, proposed->y, sizeof ray);
+  return take(plan, &found) || take_ray(plan, ray);
 }
 
 static void solve(cartgrasp_plan *plan) {
