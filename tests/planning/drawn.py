@@ -92,11 +92,11 @@ def linear_limits(arms):
             continue
         sides, mu = a.friction.sides, a.friction.mu
         angles = 2 * np.pi * np.arange(sides) / sides
-        corners = list(mu * np.stack([np.cos(angles), np.sin(angles)], axis=-1))
+        corners = list(np.stack([np.cos(angles), np.sin(angles)], axis=-1))  # times mu: a mu of 0 has sides too
         for one, other in zip(corners, corners[1:] + corners[:1], strict=True):
             normal = np.array([other[1] - one[1], one[0] - other[0]])  # outward for a walk against the clock
             row = np.zeros(6 * len(arms))
-            row[6 * i : 6 * i + 3] = [-normal @ one, *normal]
+            row[6 * i : 6 * i + 3] = [-mu * (normal @ one), *normal]
             rows.append(row)
             limits.append(0.0)
     matrix = np.array(rows).reshape(len(rows), 6 * len(arms))
