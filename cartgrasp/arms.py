@@ -10,6 +10,8 @@ import numpy as np
 from .contacts import ContactSet, Segment
 from .errors import UsageError
 from .frames import Array
+from .joint_torques import JointTorques
+from .reach import Reach
 
 EXACT = "exact"
 
@@ -35,7 +37,11 @@ class Friction:
 @dataclass(frozen=True, init=False)
 class Arm:
     """An arm: where it may hold (`contacts`), yaw of {a} against {b} (rad), symmetric limits per axis of {a}
-    (N, N·m; `inf` for none), friction, and weights of (fx, fy, fz, tx, ty, tz) in the effort."""
+    (N, N·m; `inf` for none), friction, and weights of (fx, fy, fz, tx, ty, tz) in the effort.
+
+    It may say more: that it only pushes (fx >= 0, as friction implies), its rated `payload` (kg, whose weight it
+    gives at most up or down), `wrench_rate` (N/s and N·m/s per axis, (6,)), what its `joints` bear, and its `reach`.
+    """
 
     name: str
     contacts: ContactSet
@@ -44,6 +50,11 @@ class Arm:
     moment_limit: tuple[float, float, float]
     friction: Friction | None
     weights: tuple[float, float, float, float, float, float]
+    push_only: bool
+    payload: float
+    wrench_rate: tuple[float, float, float, float, float, float]
+    joints: JointTorques | None
+    reach: Reach | None
 
     def __init__(
         self,
@@ -56,6 +67,11 @@ class Arm:
         moment_limit: Sequence[float] = (np.inf,) * 3,
         friction: Friction | None = None,
         weights: Sequence[float] = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0),
+        push_only: bool = False,
+        payload: float = np.inf,
+        wrench_rate: Sequence[float] = (np.inf,) * 6,
+        joints: JointTorques | None = None,
+        reach: Reach | None = None,
     ) -> None:
         if not name or "." in name or ":" in name:
             raise UsageError(f"arm: name {name!r} must be a word without a dot or a colon")
@@ -71,6 +87,11 @@ class Arm:
             "moment_limit": _numbers(name, "moment_limit", moment_limit, 3),
             "friction": friction,
             "weights": _numbers(name, "weights", weights, 6),
+            "push_only": bool(push_only),
+            "payload": float(payload),
+            "wrench_rate": _numbers(name, "wrench_rate", wrench_rate, 6),
+            "joints": joints,
+            "reach": reach,
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
@@ -78,6 +99,10 @@ class Arm:
             raise UsageError(f"arm {name}: yaw: {yaw} is not finite")
         if not np.isfinite(self.weights).all():
             raise UsageError(f"arm {name}: weights: {list(self.weights)} has a value that is not finite")
+        if not self.payload >= 0:
+            raise UsageError(f"arm {name}: payload: {payload} is not a number >= 0, in kg")
+        if not min(self.wrench_rate) > 0:
+            raise UsageError(f"arm {name}: wrench_rate: {list(self.wrench_rate)} has a rate that is not > 0")
 
     @property
     def wrench_limit(self) -> Array:

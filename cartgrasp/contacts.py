@@ -14,16 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import UsageError
-from .frames import Array, adjoint, rotation_z
+from .frames import Array, adjoint, body_to_world
 
 PLANAR_ROWS = (0, 1, 5)
 WRENCH_NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 
-def grasp_map_spatial(position_b: ArrayLike, yaw: float = 0.0) -> Array:
-    """Ad_{g_ab}ᵀ, shape (6, 6): `wrench6_b = G @ wrench6_a`."""
-    rotation_ab = rotation_z(yaw).T
-    return adjoint(rotation_ab, -rotation_ab @ np.asarray(position_b, dtype=float)).T
+def grasp_map_spatial(position_b: ArrayLike, yaw: ArrayLike = 0.0) -> Array:
+    """Ad_{g_ab}ᵀ, shape (..., 6, 6), of contact points (..., 3) and yaws (...): `wrench6_b = G @ wrench6_a`."""
+    rotation_ab = np.swapaxes(body_to_world(yaw), -1, -2)  # of (x, y, 0), so about z as well
+    position_a = -(rotation_ab @ np.asarray(position_b, dtype=float)[..., None])[..., 0]
+    return np.swapaxes(adjoint(rotation_ab, position_a), -1, -2)
 
 
 def grasp_map_planar(position_b: ArrayLike, yaw: ArrayLike = 0.0) -> Array:

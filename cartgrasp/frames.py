@@ -57,11 +57,11 @@ def skew(vector: ArrayLike) -> Array:
 
 
 def adjoint(rotation: ArrayLike, position: ArrayLike) -> Array:
-    """Ad_g = [[R, [p]x R], [0, R]] of (23), on spatial twists with the linear part first, shape (6, 6)."""
-    rotation = np.asarray(rotation, dtype=float)
-    result = np.zeros((6, 6))
-    result[:3, :3] = result[3:, 3:] = rotation
-    result[:3, 3:] = skew(position) @ rotation
+    """Ad_g = [[R, [p]x R], [0, R]] of (23), on spatial twists with the linear part first, shape (..., 6, 6)."""
+    rotation, position = np.asarray(rotation, dtype=float), np.asarray(position, dtype=float)
+    result = np.zeros((*np.broadcast_shapes(rotation.shape[:-2], position.shape[:-1]), 6, 6))
+    result[..., :3, :3] = result[..., 3:, 3:] = rotation
+    result[..., :3, 3:] = skew(position) @ rotation
     return result
 
 

@@ -14,7 +14,8 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
-from .infeasibility import Certificate, certify, nearest_plan, project
+from .infeasibility import Certificate, certify, contradiction, nearest_plan, project
+from .limits import CartLimit
 from .objectives import Objective
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
@@ -41,9 +42,10 @@ def build_allocation(
     contacts: Mapping[str, ArrayLike],
     wrench_b: ArrayLike,
     objective: Objective | None = None,
+    cart_limits: Sequence[CartLimit] = (),
 ) -> QuadraticProgram:
     """minimise the objective over F (6n,) such that `Sᵀ sum G_i F_i = Sᵀ wrench_b` and every limit holds."""
-    template = AllocationTemplate.of(cart, arms, objective)
+    template = AllocationTemplate.of(cart, arms, objective, cart_limits)
     rows = template.contact_rows(contact_array(template, contacts))
     return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(np.zeros(template.n)))
 
@@ -54,9 +56,10 @@ def allocate(
     contacts: Mapping[str, ArrayLike],
     wrench_b: ArrayLike,
     objective: Objective | None = None,
+    cart_limits: Sequence[CartLimit] = (),
 ) -> Allocation:
     """`build_allocation`, solved and proven."""
-    template = AllocationTemplate.of(cart, arms, objective)
+    template = AllocationTemplate.of(cart, arms, objective, cart_limits)
     points = contact_array(template, contacts)
     target = template.basis_b.T @ np.asarray(wrench_b, dtype=float)
     program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n)))
@@ -71,7 +74,11 @@ def conclude(
         return _solved(template, program, solution)
     target = program.equality[1]
     projection = project(QuadraticSolver(always_feasible=True), program, template.slack_map(False))
-    if not projection.is_feasible(target):
+    if projection.solution.status != OPTIMAL:
+        certificate = contradiction(template, program)
+        if certificate is not None:
+            return Allocation(INFEASIBLE, {}, np.nan, (), solution, certificate)
+    elif not projection.is_feasible(target):
         certificate = certify(template, contacts, projection, target)
         if certificate is not None:
             nearest = nearest_plan(template, contacts, projection, program)
@@ -96,5 +103,5 @@ def contact_array(template: AllocationTemplate, contacts: Mapping[str, ArrayLike
 
 
 def _solved(template: AllocationTemplate, program: QuadraticProgram, solution: QPSolution) -> Allocation:
-    wrenches = dict(zip(template.names, solution.x.reshape(-1, 6), strict=True))
-    return Allocation(OPTIMAL, wrenches, template.effort(solution.x), program.active(solution), solution)
+    wrenches = dict(zip(template.names, solution.x[: template.n].reshape(-1, 6), strict=True))
+    return Allocation(OPTIMAL, wrenches, template.effort(solution.x[: template.n]), program.active(solution), solution)

@@ -3,12 +3,17 @@
 With S the basis of the free velocities, k = n_free, and G_i the grasp map of arm i at its contact, the
 equality is `Sᵀ sum_i G_i F_i = Sᵀ wrench_b` (physics 8): k rows of full rank, free of the cart's parameters.
 
-A contact enters only the rows with a moment, and linearly. So where contacts may vary over a convex set with
-vertices v, the wrenches within reach are the union over pairs of vertices (high, low) of
+A contact enters the effective rows only where there is a moment, and linearly. So where contacts may vary over a
+convex set with vertices v, the wrenches within reach are the union over pairs of vertices (high, low) of
 
     m(high) F >= tau,    m(low) F <= tau,    the other rows as equalities,
 
-because m(.) F takes every value between its largest and its smallest: a `range` program, linear and convex.
+because m(.) F takes every value between its largest and its smallest: a `range` program, linear and convex. Limits
+of the cart (limits/cart_limit.py) depend on contacts too. A range program has them at the middle of the vertices, and
+wider by the most that any contact of the set makes of it: not exact, but never too tight, and exact as the set shrinks.
+
+Unknowns are the wrenches F (6n,), and behind them the objective's own (`Cost.epigraph`). Rows are, in this order, the
+arms' limits, the objective's, the cart's limits and the effective rows; only the last two depend on contacts.
 """
 
 from __future__ import annotations
@@ -21,31 +26,41 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .limits import LimitRows, limits_of
+from .limits import CartLimit, CartRows, LimitRows, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Objective, WeightedWrench
-from .quadratic_program import Cone, QuadraticProgram
+from .quadratic_program import QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
+    from cartgrasp.motion import Motion
 
 PLANAR_NAMES = ("fx", "fy", "tau")
 
 
 @dataclass(frozen=True, eq=False)
 class AllocationTemplate:
-    """n arms, their limits side by side over F (6n,), and an objective; basis_b is S, shape (3, k)."""
+    """n arms, their limits side by side over F (6n,), limits of the cart, and an objective; basis_b is S, (3, k)."""
 
     arms: tuple[Arm, ...]
     basis_b: Array
     limits: LimitRows
     objective: Objective
+    cart_rows: CartRows
 
     @classmethod
-    def of(cls, cart: CartModel, arms: Sequence[Arm], objective: Objective | None = None) -> Self:
+    def of(
+        cls,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        objective: Objective | None = None,
+        cart_limits: Sequence[CartLimit] = (),
+        motion: Motion | None = None,
+    ) -> Self:
+        """`cart_limits` at a motion of the cart; at rest if None."""
         arms = tuple(arms)
         names = [arm.name for arm in arms]
         if not arms:
@@ -56,7 +71,24 @@ class AllocationTemplate:
         basis_b = cart.constraints.basis_b
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
-        return cls(arms, basis_b, _side_by_side(arms), objective or WeightedWrench())
+        limits = side_by_side(names, [limits_of(arm) for arm in arms])
+        rows = cart_rows(cart_limits, cart, motion, arms)
+        return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
+
+    def with_cart_rows(self, rows: CartRows) -> Self:
+        """The same with as many other rows for the cart's limits: what is cached stays."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__, cart_rows=rows)
+        return other
+
+    def with_bounds(self, limits: LimitRows) -> Self:
+        """The same with other bounds on F, and all else of `limits` as it was."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__, limits=limits)
+        other.__dict__.pop("fixed", None)
+        for blank in other.__dict__.keys() & {"_at_points", "_over_ranges"}:
+            other.__dict__[blank] = other.__dict__[blank].with_bounds(limits)
+        return other
 
     # --- structure ----------------------------------------------------------------------------------------
 
@@ -88,10 +120,25 @@ class AllocationTemplate:
         return tuple(in_words(column) for column in self.basis_b.T)
 
     @cached_property
+    def _first_cost(self) -> Cost:
+        return self.cost(np.zeros(self.n))
+
+    @cached_property
     def hessian(self) -> Array:
-        cost = self.cost(np.zeros(self.n))
+        cost = self._first_cost
         hessian = np.diag(2.0 * cost.weights)
         return hessian if cost.coupling is None else hessian + 2.0 * cost.coupling
+
+    @cached_property
+    def fixed(self) -> LimitRows:
+        """What doesn't depend on contacts, over all unknowns: the arms' limits, then the objective's rows."""
+        limits, epigraph = self.limits, self._first_cost.epigraph
+        if epigraph is None:
+            return limits
+        n_own = len(epigraph.lower)
+        cones = tuple(replace(c, rows=np.pad(c.rows, ((0, 0), (0, n_own)))) for c in limits.cones)
+        wide = replace(limits, rows=np.pad(limits.rows, ((0, 0), (0, n_own))), cones=cones)
+        return wide.followed_by(epigraph)
 
     def cost(self, previous: Array) -> Cost:
         return self.objective.cost(self.arms, previous)
@@ -102,36 +149,78 @@ class AllocationTemplate:
 
     # --- programs -----------------------------------------------------------------------------------------
 
-    def contact_rows(self, points: Array, yaws: Array | None = None) -> Array:
-        """`Sᵀ G` of contact points (..., 3), shape (..., k, 6); yaws are the arms' where points are (..., n,
-        3)."""
-        grasp_map = grasp_map_planar(points, self.yaws if yaws is None else yaws)
-        return np.asarray(self.basis_b.T @ grasp_map)
+    def contact_rows(self, points: Array, owners: Array | None = None) -> Array:
+        """Rows of the cart's limits and then `Sᵀ G`, shape (..., c + k, 6), of contact points (..., n, 3), or of
+        points (v, 3) that belong to the arms `owners` (v,)."""
+        yaws = self.yaws if owners is None else self.yaws[owners]
+        effective = self.basis_b.T @ grasp_map_planar(points, yaws)
+        rows = self.cart_rows
+        if not len(rows.low):
+            return np.asarray(effective)
+        of_arm = rows.of_arm if owners is None else rows.of_arm[owners]
+        return np.concatenate([rows.of_sum @ grasp_map_spatial(points, yaws) + of_arm, effective], axis=-2)
+
+    def contact_limits(self, target: Array) -> tuple[Array, Array]:
+        """What `contact_rows` are limited by, low and high (c + k,), for an effective wrench (k,)."""
+        rows = self.cart_rows
+        if not len(rows.low):
+            return target, target
+        return np.concatenate([rows.low, target]), np.concatenate([rows.high, target])
 
     def program(self, rows: Array, target: Array, cost: Cost) -> QuadraticProgram:
-        """One contact an arm: `rows` (n, k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""
-        matrix = rows.transpose(1, 0, 2).reshape(len(target), self.n)
-        return self._filled(self._at_points, matrix, (target, target), cost)
+        """One contact an arm: `rows` (n, c + k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""
+        return self._filled(self._at_points, self._in_line(rows), self.contact_limits(target), cost)
 
-    def range_program(self, rows: tuple[Array, Array], target: Array, cost: Cost) -> QuadraticProgram:
-        """Contacts between two vertices: `rows` at the high and the low one. Rows: high, low, then the
-        equalities."""
-        moment = self.moment_row
-        high, low = (part.transpose(1, 0, 2).reshape(len(target), self.n) for part in rows)
-        others = [i for i in range(len(target)) if i != moment]
-        matrix = np.concatenate([high[moment, None], low[moment, None], high[others]])
-        below = np.concatenate([[target[moment], -np.inf], target[others]])
-        above = np.concatenate([[np.inf, target[moment]], target[others]])
+    def range_program(self, rows: tuple[Array, Array], hull: Array, target: Array, cost: Cost) -> QuadraticProgram:
+        """Contacts between two vertices: `rows` at the high and the low one, `hull` (v, n, c + k, 6) at all that
+        span them. Rows: the cart's, then high, low, and the equalities."""
+        k, moment = len(target), self.moment_row
+        high, low = (self._in_line(part[:, -k:]) for part in rows)
+        if moment is None:
+            matrix, below, above = high, target, target
+        else:
+            others = [i for i in range(k) if i != moment]
+            matrix = np.concatenate([high[moment, None], low[moment, None], high[others]])
+            below = np.concatenate([[target[moment], -np.inf], target[others]])
+            above = np.concatenate([[np.inf, target[moment]], target[others]])
+        if len(self.cart_rows.low):
+            fixed_part = self._turning * target[-1]
+            middle, spread = self._spread(hull[..., :-k, :] - self._turning[:, None] * hull[..., -1:, :])
+            matrix = np.concatenate([middle, matrix])
+            below = np.concatenate([self.cart_rows.low - fixed_part - spread, below])
+            above = np.concatenate([self.cart_rows.high - fixed_part + spread, above])
         return self._filled(self._over_ranges, matrix, (below, above), cost)
 
     def slack_map(self, is_range: bool) -> Array:
-        """T, (effective rows of the program, k): where a slack of each effective row of `target` enters."""
-        identity = np.eye(self.basis_b.shape[1])
-        if not is_range:
-            return identity
-        moment = self.moment_row
-        others = [i for i in range(len(identity)) if i != moment]
-        return np.vstack([identity[moment], identity[moment], identity[others]])
+        """T, (contact rows of the program, k): where a slack of each effective row of `target` enters."""
+        effective, moment = np.eye(self.basis_b.shape[1]), self.moment_row
+        of_cart = np.zeros((len(self.cart_rows.low), len(effective)))
+        if is_range:
+            of_cart[:, -1] = -self._turning
+        if is_range and moment is not None:
+            others = [i for i in range(len(effective)) if i != moment]
+            effective = np.vstack([effective[moment], effective[moment], effective[others]])
+        return np.vstack([of_cart, effective])
+
+    def _in_line(self, rows: Array) -> Array:
+        """Rows (n, m, 6) of each arm as rows (m, unknowns) of the program."""
+        matrix = rows.transpose(1, 0, 2).reshape(-1, self.n)
+        n_own = len(self.hessian) - self.n
+        return np.pad(matrix, ((0, 0), (0, n_own))) if n_own else matrix
+
+    @property
+    def _turning(self) -> Array:
+        """How much of the moment row is in the cart's rows (c,). Ranges are without that part: the equality says what
+        it is, so contacts don't change it."""
+        return self.cart_rows.of_sum[:, 5] if self.moment_row is not None else np.zeros(len(self.cart_rows.low))
+
+    def _spread(self, hull: Array) -> tuple[Array, Array]:
+        """The cart's rows (c, unknowns) at the middle of vertices, and by how much others may differ in value (c,)."""
+        each = np.array([self._in_line(rows) for rows in hull])
+        middle = each.mean(axis=0)
+        largest = np.maximum(np.abs(self.fixed.lower), np.abs(self.fixed.upper))
+        apart = np.abs(each - middle).max(axis=0)
+        return middle, np.where(apart > 0, apart * np.where(apart > 0, largest, 0.0), 0.0).sum(axis=1)
 
     @cached_property
     def _at_points(self) -> QuadraticProgram:
@@ -139,22 +228,23 @@ class AllocationTemplate:
 
     @cached_property
     def _over_ranges(self) -> QuadraticProgram:
-        return self._blank(self.basis_b.shape[1] + 1, self.basis_b.shape[1] - 1)
+        split = self.moment_row is not None
+        return self._blank(self.basis_b.shape[1] + split, self.basis_b.shape[1] - split)
 
     def _blank(self, n_effective: int, n_equalities: int) -> QuadraticProgram:
-        """A program but for its effective rows, which come last."""
-        limits, effective = self.limits, ("effective row",) * n_effective
-        zero = np.zeros(n_effective)
+        """A program but for the rows that depend on contacts, which come last."""
+        fixed, cart = self.fixed, self.cart_rows
+        effective, last = ("effective row",) * n_effective, np.zeros(len(cart.low) + n_effective)
         return QuadraticProgram(
             hessian=self.hessian,
-            gradient=np.zeros(self.n),
-            rows=np.concatenate([limits.rows, np.zeros((n_effective, self.n))]),
-            lower=np.concatenate([limits.lower, np.full(len(limits.limits), -np.inf), zero]),
-            upper=np.concatenate([limits.upper, limits.limits, zero]),
+            gradient=np.zeros(len(self.hessian)),
+            rows=np.concatenate([fixed.rows, np.zeros((len(last), len(self.hessian)))]),
+            lower=np.concatenate([fixed.lower, fixed.low_limits, last]),
+            upper=np.concatenate([fixed.upper, fixed.limits, last]),
             n_equalities=n_equalities,
-            lower_names=limits.lower_names + limits.names + effective,
-            upper_names=limits.upper_names + limits.names + effective,
-            cones=limits.cones,
+            lower_names=fixed.lower_names + fixed.low_names + cart.low_names + effective,
+            upper_names=fixed.upper_names + fixed.names + cart.high_names + effective,
+            cones=fixed.cones,
         )
 
     def _filled(
@@ -172,34 +262,3 @@ def in_words(direction: Array) -> str:
             sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
             text += sign + ("" if abs(abs(factor) - 1) < 1e-9 else f"{abs(factor):.4g} ") + name
     return text or "0"
-
-
-def _side_by_side(arms: Sequence[Arm]) -> LimitRows:
-    """Limits over all arms' wrenches, with the arm's name before each name."""
-    each = [limits_of(arm) for arm in arms]
-    n, k = 6 * len(arms), sum(len(part.rows) for part in each)
-    rows, cones, start = np.zeros((k, n)), [], 0
-    for i, (arm, part) in enumerate(zip(arms, each, strict=True)):
-        columns = slice(6 * i, 6 * i + 6)
-        rows[start : start + len(part.rows), columns] = part.rows
-        start += len(part.rows)
-        for cone in part.cones:
-            wide = np.zeros((len(cone.offset), n))
-            wide[:, columns] = cone.rows
-            cones.append(Cone(f"{arm.name}: {cone.name}", wide, cone.offset))
-
-    def named(field: str) -> tuple[str, ...]:
-        pairs = zip(arms, each, strict=True)
-        return tuple(f"{arm.name}: {name}" for arm, part in pairs for name in getattr(part, field))
-
-    return replace(
-        each[0],
-        lower=np.concatenate([part.lower for part in each]),
-        upper=np.concatenate([part.upper for part in each]),
-        lower_names=named("lower_names"),
-        upper_names=named("upper_names"),
-        rows=rows,
-        limits=np.concatenate([part.limits for part in each]),
-        names=named("names"),
-        cones=tuple(cones),
-    )

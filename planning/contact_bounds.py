@@ -143,8 +143,7 @@ class CutPool:
 
     def __init__(self, candidates: Candidates, template: AllocationTemplate, ray_tolerance: float) -> None:
         self._candidates, self._template, self._ray_tolerance = candidates, template, ray_tolerance
-        yaws = template.yaws[candidates.arm_of_vertex]
-        self._rows = template.contact_rows(candidates.vertices, yaws)
+        self._rows = template.contact_rows(candidates.vertices, candidates.arm_of_vertex)
         self._cuts: list[Cut] = []
         self._tables = np.zeros((8, len(candidates.options)))
         self._least = np.zeros((8, candidates.n_arms))

@@ -43,11 +43,11 @@ class Question:
     cost: Cost
     distance: bool = False
 
-    def tolerance(self, value: float) -> float:
-        """How near to a value a bound has to come: 1e-9 relative, of at least 1 for an effort."""
+    def tolerance(self, value: float, gap: float) -> float:
+        """How near to a value a bound has to come: a relative gap, of at least 1 for an effort."""
         if self.distance:
-            return GAP_TOLERANCE * value + 1e-18 * (1.0 + float(self.target @ self.target))
-        return GAP_TOLERANCE * max(1.0, abs(value))
+            return gap * value + 1e-18 * (1.0 + float(self.target @ self.target))
+        return gap * max(1.0, abs(value))
 
 
 class CaseSolver:
@@ -58,17 +58,19 @@ class CaseSolver:
         self.solved = 0
         self._effort = {is_range: QuadraticSolver() for is_range in (False, True)}
         self._distance = {is_range: QuadraticSolver(always_feasible=True) for is_range in (False, True)}
-        self._slack_map = {key: template.slack_map(key) for key in (False, True) if self._has(key)}
 
-    def answer(self, question: Question, high: Array, low: Array) -> Answer:
-        """Contacts (n, 3) at the high and the low vertex, the same object for points."""
+    def answer(self, question: Question, high: Array, low: Array, hull: Array | None = None) -> Answer:
+        """Contacts (n, 3) at the high and the low vertex of those that span the case, `hull` (v, n, 3); without a
+        hull, or with one of one, contacts are points."""
         template, self.solved = self.template, self.solved + 1
-        is_range = high is not low and template.moment_row is not None
-        rows = (template.contact_rows(high), template.contact_rows(low)) if is_range else (template.contact_rows(high),)
-        if len(rows) == 2:
-            program = template.range_program(rows, question.target, question.cost)
+        rows = template.contact_rows(high)
+        is_range = hull is not None and len(hull) > 1
+        if hull is not None and is_range:
+            pair = rows, template.contact_rows(low)
+            spanned = template.contact_rows(hull) if len(template.cart_rows.low) else hull
+            program = template.range_program(pair, spanned, question.target, question.cost)
         else:
-            program = template.program(rows[0], question.target, question.cost)
+            program = template.program(rows, question.target, question.cost)
         if question.distance:
             return self._distance_answer(question, program, is_range)
         return self._effort_answer(question, program, is_range)
@@ -92,16 +94,20 @@ class CaseSolver:
         if projection.solution.status != OPTIMAL:
             return Answer(np.inf, proven=False)
         cut = distance_cut(self.template, projection.solution, projection.slack, question.target)
-        return Answer(0.5 * projection.distance**2, cut, projection.wrenches, question.target - projection.slack)
+        return Answer(
+            0.5 * projection.distance**2,
+            cut,
+            projection.wrenches[: self.template.n],
+            question.target - projection.slack,
+        )
 
     def _solved(self, question: Question, solution: QPSolution, is_range: bool) -> Answer:
-        start = len(solution.x) + len(self.template.limits.limits)
-        multipliers = solution.multipliers[start:] @ self._slack_map[is_range]
-        cut = effort_cut(self.template, solution, multipliers, question.target, question.cost)
-        return Answer(solution.cost, cut, solution.x, question.target)
+        template = self.template
+        dual = solution.multipliers[len(solution.x) + len(template.fixed.limits) :]
+        of_cart = dual[: len(template.cart_rows.low)]
+        multipliers = np.concatenate([of_cart, dual @ template.slack_map(is_range)])
+        cut = effort_cut(template, solution, multipliers, question.target, question.cost)
+        return Answer(solution.cost, cut, solution.x[: template.n], question.target)
 
     def _project(self, program: QuadraticProgram, is_range: bool) -> Projection:
-        return project(self._distance[is_range], program, self._slack_map[is_range])
-
-    def _has(self, is_range: bool) -> bool:
-        return not is_range or self.template.moment_row is not None
+        return project(self._distance[is_range], program, self.template.slack_map(is_range))

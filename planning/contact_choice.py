@@ -22,7 +22,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .contact_bounds import TABLE_SIZE, Candidates, ChoiceTable, CutPool
-from .contact_cases import Answer, CaseSolver, Question
+from .contact_cases import GAP_TOLERANCE, Answer, CaseSolver, Question
 from .contact_regions import DISTANCE_TOLERANCE, Box, Region, boxes, hand_distance
 from .quadratic_program import EQUALITY_TOLERANCE
 
@@ -50,10 +50,12 @@ class Choice:
 
 @dataclass(frozen=True)
 class SearchLimit:
-    """How long to search: programs solved, and seconds (None: no deadline)."""
+    """How long to search: programs solved, seconds (None: no deadline), and the relative gap that is good enough.
+    Over segments whose contacts matter to a cart's limit, a gap of 1e-3 takes tens of programs, 1e-9 thousands."""
 
     solves: int = 5000
     seconds: float | None = None
+    gap: float = GAP_TOLERANCE
 
 
 class ContactSearch:
@@ -125,18 +127,25 @@ class ContactSearch:
         if answer is None:
             return
         contacts = self._realise(region, answer)
-        if self._keeps_distance(contacts):
+        if self._keeps_distance(contacts) and self._keeps_cart_limits(region, contacts, answer):
             self._accept(answer.value, contacts)
             return
-        allowed = region.vertices[hand_distance(region.vertices) >= self._candidates.distance - DISTANCE_TOLERANCE]
-        if len(allowed):
-            away = np.linalg.norm(allowed - contacts, axis=(1, 2))
-            self._try(allowed[away.argmin()])
+        self._try_near(region, contacts)
         if box.size < SMALLEST_BOX:
             self._leave(answer.value)
             return
         for half in box.halves():
             self._push(max(bound, answer.value), half)
+
+    def _try_near(self, region: Region, contacts: Array) -> None:
+        """Looks for an incumbent at contacts that keep the distance: these, or the region's nearest vertex."""
+        if self._keeps_distance(contacts):
+            self._try(contacts)
+            return
+        allowed = region.vertices[hand_distance(region.vertices) >= self._candidates.distance - DISTANCE_TOLERANCE]
+        if len(allowed):
+            away = np.linalg.norm(allowed - contacts, axis=(1, 2))
+            self._try(allowed[away.argmin()])
 
     def _best_case(self, bound: float, region: Region) -> Answer | None:
         """The least over the region's pairs of extreme vertices; pairs that a cut puts above it are left
@@ -145,16 +154,16 @@ class ContactSearch:
         if self._solver.template.moment_row is None:
             pairs = pairs[:1]
         high, low = (region.vertices[list(side)] for side in zip(*pairs, strict=True))
-        bounds = self._cuts.at(high, low) if len(pairs) > 1 else np.array([bound])
+        comparable = len(pairs) > 1 and not len(self._solver.template.cart_rows.low)  # else a cut bounds no pair
+        bounds = self._cuts.at(high, low) if comparable else np.full(len(pairs), bound)
         for i in np.argsort(bounds):
             lowest = max(bound, bounds[i])
-            if len(pairs) > 1:  # by the cuts of the pairs before as well
+            if comparable:  # by the cuts of the pairs before as well
                 lowest = max(lowest, self._cuts.at(high[i : i + 1], low[i : i + 1])[0])
             if lowest >= self._cutoff or (best and lowest >= best.value):
                 self._leave(lowest if lowest >= self._cutoff else np.inf)
                 continue
-            vertex = high[i]
-            answer = self._ask(vertex, vertex if len(pairs) == 1 else low[i])
+            answer = self._ask(high[i], low[i], region.vertices)
             if not answer.proven:
                 self._leave(lowest)
             elif answer.value >= self._cutoff:
@@ -165,8 +174,8 @@ class ContactSearch:
 
     # --- answers ------------------------------------------------------------------------------------------
 
-    def _ask(self, high: Array, low: Array) -> Answer:
-        answer = self._solver.answer(self._question, high, low)
+    def _ask(self, high: Array, low: Array, hull: Array | None = None) -> Answer:
+        answer = self._solver.answer(self._question, high, low, hull)
         if answer.cut is not None:
             self._cuts.add(answer.cut)
         return answer
@@ -190,7 +199,7 @@ class ContactSearch:
         rows, row = self._solver.template.contact_rows(region.vertices), self._solver.template.moment_row
         excess = np.zeros(len(region.s))
         if row is not None:
-            excess = np.einsum("vnj,nj->v", rows[:, :, row], answer.wrenches.reshape(-1, 6)) - answer.reached[row]
+            excess = np.einsum("vnj,nj->v", rows[:, :, -1], answer.wrenches.reshape(-1, 6)) - answer.reached[row]
         excess[np.abs(excess) < 1e-13 * max(1.0, float(np.abs(excess).max()))] = 0.0
         one, other = np.triu_indices(len(excess))
         crosses = excess[one] * excess[other] <= 0
@@ -209,10 +218,20 @@ class ContactSearch:
 
     @property
     def _cutoff(self) -> float:
-        return self._best - self._question.tolerance(self._best) if np.isfinite(self._best) else np.inf
+        return self._best - self._question.tolerance(self._best, self._limit.gap) if np.isfinite(self._best) else np.inf
 
     def _keeps_distance(self, contacts: Array) -> bool:
         return bool(hand_distance(contacts) >= self._candidates.distance - DISTANCE_TOLERANCE)
+
+    def _keeps_cart_limits(self, region: Region, contacts: Array, answer: Answer) -> bool:
+        """At a point they were limits of the case; over a range they were widened."""
+        template = self._solver.template
+        c = len(template.cart_rows.low)
+        if c == 0 or len(region.s) == 1:
+            return True
+        values = np.einsum("nkj,nj->k", template.contact_rows(contacts)[:, :c], answer.wrenches.reshape(-1, 6))
+        beyond = np.maximum(values - template.cart_rows.high, template.cart_rows.low - values).max()
+        return bool(beyond <= EQUALITY_TOLERANCE * max(1.0, float(np.abs(self._question.target).max())))
 
     def _spent(self) -> bool:
         seconds = self._limit.seconds

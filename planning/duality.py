@@ -1,10 +1,11 @@
 """Weak duality over contacts: what one solved program says about every other choice of contacts.
 
-Relax the effective rows with multipliers mu (k,) and the limits' rows and cones with theirs (which bound `l F
-<= sigma` for all F within limits); keep the box. What is left falls apart into scalars, and each into arms:
+Relax the rows that depend on contacts (the cart's limits, and the effective rows) with multipliers mu (c + k,) and
+the limits' rows and cones with theirs (which bound `l F <= sigma` for all F within limits); keep the box. What is
+left falls apart into scalars, and each into arms:
 
     bound(contacts) = constant + sum_i phi_i(p_i),
-    phi_i(p) = sum_j min over the box of (w_j F_j² + r_j F_j),    r = linear + mu (Sᵀ G_i(p)).
+    phi_i(p) = sum_j min over the box of (w_j F_j² + r_j F_j),    r = linear + mu (contact rows of i at p).
 
 r is affine in p, so phi_i is concave: over a segment its least value is at an end. With w = 0 and linear = l
 it is a Farkas ray: where its bound is above zero, no wrench within limits gives what is asked. Any
@@ -14,7 +15,7 @@ limited to `UNLIMITED`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +30,7 @@ UNLIMITED = 1e6
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A bound over contacts; weights, linear, lower and upper are (n, 6)."""
+    """A bound over contacts; weights, linear, lower and upper are (n, 6), multipliers (c + k,)."""
 
     weights: Array
     linear: Array
@@ -40,49 +41,50 @@ class Cut:
     ray: bool = False
 
     def per_vertex(self, rows: Array, arm: Array) -> Array:
-        """phi of candidate points with rows (V, k, 6) that belong to arms (V,), shape (V,)."""
+        """phi of candidate points with rows (V, c + k, 6) that belong to arms (V,), shape (V,)."""
         slope = self.linear[arm] + self.multipliers @ rows
         return _least(self.weights[arm], slope, self.lower[arm], self.upper[arm])
 
     def value(self, rows: Array) -> Array:
-        """The bound at full choices of contacts with rows (..., n, k, 6), shape (...)."""
+        """The bound at full choices of contacts with rows (..., n, c + k, 6), shape (...)."""
         slope = self.linear + self.multipliers @ rows
         return np.asarray(self.constant + _least(self.weights, slope, self.lower, self.upper).sum(axis=-1))
 
     @property
     def looks_low(self) -> bool:
-        """Whether a range of contacts is bounded at its low vertex; else at the high one. None moves it:
-        either."""
+        """Whether the moment over a range of contacts is bounded at its low vertex; else at the high one. None moves
+        it: either."""
         return bool(self.multipliers[-1] >= 0)
 
 
 def effort_cut(
     template: AllocationTemplate, solution: QPSolution, multipliers: Array, target: Array, cost: Cost
 ) -> Cut:
-    """From a solved allocation; a coupling of arms enters by its tangent at the solution, which is below
-    it."""
+    """From a solved allocation and its multipliers of the contact rows; a coupling of arms enters by its tangent
+    at the solution, which is below it."""
     linear, sigma = _relaxed_limits(template, solution)
-    linear, constant = linear + cost.gradient, cost.constant - sigma - float(multipliers @ target)
+    linear, constant = linear + cost.gradient, cost.constant - sigma
     if cost.coupling is not None:
-        x = solution.x[: template.n]
-        slope = cost.coupling @ x
-        linear, constant = linear + 2.0 * slope, constant - float(x @ slope)
-    return _cut(template, (cost.weights, linear), multipliers, constant, False)
+        slope = cost.coupling @ solution.x
+        linear, constant = linear + 2.0 * slope, constant - float(solution.x @ slope)
+    return _cut(template, (cost.weights, linear), multipliers, constant, target)
 
 
 def distance_cut(template: AllocationTemplate, solution: QPSolution, slack: Array, target: Array) -> Cut:
     """From a solved projection: bounds ½ distance² over contacts."""
     linear, sigma = _relaxed_limits(template, solution)
-    constant = float(slack @ target) - sigma - 0.5 * float(slack @ slack)
-    return _cut(template, (np.zeros(template.n), linear), -slack, constant, False)
+    multipliers = np.concatenate([_of_cart(template, solution), -slack])
+    constant = -sigma - 0.5 * float(slack @ slack)
+    return _cut(template, (np.zeros(len(linear)), linear), multipliers, constant, target)
 
 
 def farkas_cut(template: AllocationTemplate, solution: QPSolution, slack: Array, target: Array) -> Cut:
     """From a solved projection: a ray whose value is the distance at least where it is positive."""
     linear, sigma = _relaxed_limits(template, solution)
     length = float(np.linalg.norm(slack))
-    constant = (float(slack @ target) - sigma) / length
-    return _cut(template, (np.zeros(template.n), linear / length), -slack / length, constant, True)
+    multipliers = np.concatenate([_of_cart(template, solution), -slack]) / length
+    cut = _cut(template, (np.zeros(len(linear)), linear / length), multipliers, -sigma / length, target)
+    return replace(cut, ray=True)
 
 
 def infeasible_by(program: QuadraticProgram, solution: QPSolution, slack: Array) -> float:
@@ -103,24 +105,41 @@ def infeasible_by(program: QuadraticProgram, solution: QPSolution, slack: Array)
 
 
 def _cut(
-    template: AllocationTemplate, scalars: tuple[Array, Array], multipliers: Array, constant: float, ray: bool
+    template: AllocationTemplate, scalars: tuple[Array, Array], multipliers: Array, constant: float, target: Array
 ) -> Cut:
-    shape = (len(template.arms), 6)
-    lower = np.maximum(template.limits.lower, -UNLIMITED).reshape(shape)
-    upper = np.minimum(template.limits.upper, UNLIMITED).reshape(shape)
-    weights, linear = (part.reshape(shape) for part in scalars)
-    return Cut(weights, linear, lower, upper, multipliers, constant, ray)
+    """Relaxes the contact rows as well; unknowns beside the wrenches are minimised over here and now."""
+    multipliers, limit = _priced(multipliers, *template.contact_limits(target))
+    n, (weights, linear), fixed = template.n, scalars, template.fixed
+    lower, upper = np.maximum(fixed.lower, -UNLIMITED), np.minimum(fixed.upper, UNLIMITED)
+    own = float(_least(weights[n:], linear[n:], lower[n:], upper[n:]))
+    weights, linear, lower, upper = (part[:n].reshape(-1, 6) for part in (weights, linear, lower, upper))
+    return Cut(weights, linear, lower, upper, multipliers, constant - limit + own)
 
 
 def _relaxed_limits(template: AllocationTemplate, solution: QPSolution) -> tuple[Array, float]:
-    """l (6n,) and sigma with `l @ F <= sigma` for every F within the rows and cones of the limits."""
-    limits, start = template.limits, len(solution.x)
-    dual = np.maximum(solution.multipliers[start : start + len(limits.limits)], 0.0)
-    linear, sigma = dual @ limits.rows, float(dual @ limits.limits)
-    for cone, z in zip(limits.cones, solution.cone_multipliers, strict=True):
+    """l (unknowns,) and sigma with `l @ x <= sigma` for every x within the rows and cones of the limits."""
+    fixed, start = template.fixed, len(solution.x)
+    priced = solution.multipliers[start : start + len(fixed.limits)]
+    dual, sigma = _priced(priced, fixed.low_limits, fixed.limits)
+    linear = dual @ fixed.rows
+    for cone, z in zip(fixed.cones, solution.cone_multipliers, strict=True):
         inside = into_cone(z)
         linear, sigma = linear - inside @ cone.rows, sigma + float(inside @ cone.offset)
     return linear, sigma
+
+
+def _of_cart(template: AllocationTemplate, solution: QPSolution) -> Array:
+    """Multipliers of the cart's limits (c,)."""
+    start = len(solution.x) + len(template.fixed.limits)
+    return solution.multipliers[start : start + len(template.cart_rows.low)]
+
+
+def _priced(multipliers: Array, low: Array, high: Array) -> tuple[Array, float]:
+    """Multipliers without those of limits that aren't there, and s with `multipliers @ v <= s` for low <= v <= high."""
+    at = np.where(multipliers > 0, high, low)
+    held = np.isfinite(at) & (multipliers != 0)
+    multipliers = np.where(held, multipliers, 0.0)
+    return multipliers, float(multipliers[held] @ at[held])
 
 
 def _least(weights: Array, slope: Array, lower: Array, upper: Array) -> Array:

@@ -22,7 +22,7 @@ from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate, in_words
-from .duality import Cut, farkas_cut
+from .duality import Cut, farkas_cut, infeasible_by
 from .quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, Cone, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
 
@@ -40,13 +40,16 @@ SINGLE_DIRECTIONS = {
 @dataclass(frozen=True, eq=False)
 class Nearest:
     """The feasible cart wrench (3,) in {b} nearest to the one asked for, in effective rows, with its
-    least-effort plan."""
+    least-effort plan, its `missing` part of each effective row (N, N·m), and the solved program."""
 
     wrench: Array
     distance: float
+    missing: Mapping[str, float]
     contacts: Mapping[str, Array]
     wrenches: Mapping[str, Array]
     effort: float
+    program: QuadraticProgram
+    solution: QPSolution
 
     def as_dict(self) -> dict[str, Any]:
         arms = {
@@ -64,8 +67,8 @@ class Nearest:
 @dataclass(frozen=True)
 class Certificate:
     """Why a wrench is out of reach. In the unit `direction` of (fx, fy, tau), `asked` is more than `most`,
-    the most that `limits` (name: value) allow. Empty direction: it is about the hands' distance, in m,
-    instead."""
+    the most that `limits` (name: value) allow. Empty direction: it is about the hands' distance or reach, in m, or
+    about limits that no wrench keeps, in N, instead. `remedy` names contacts that would do, where some were found."""
 
     words: str
     asked: float
@@ -73,6 +76,7 @@ class Certificate:
     direction: tuple[float, ...] = ()
     limits: Mapping[str, float] = field(default_factory=dict)
     nearest: Nearest | None = None
+    remedy: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     @property
     def verified(self) -> bool:
@@ -81,12 +85,13 @@ class Certificate:
     def as_dict(self) -> dict[str, Any]:
         most = self.most if np.isfinite(self.most) else None
         numbers = {"asked": self.asked, "most": most, "direction": list(self.direction)}
-        return {"words": self.words, **numbers, "limits": dict(self.limits)}
+        remedy = {"remedy": {name: list(point) for name, point in self.remedy.items()}} if self.remedy else {}
+        return {"words": self.words, **numbers, "limits": dict(self.limits), **remedy}
 
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """The slack t (k,) that is missing, and the wrenches F (6n,) that reach the rest."""
+    """The slack t (k,) that is missing, and the unknowns, F (6n,) first, that reach the rest."""
 
     slack: Array
     wrenches: Array
@@ -131,7 +136,7 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     solution = solver.solve(near)
     slack = _slack(solution, program.n)
     projection = Projection(slack, solution.x[: program.n], solution, slack, solution)
-    values = program.upper[-len(slack_map) :]
+    values = program.upper[-len(slack_map) :][slack_map.any(axis=1)]
     scale = max(1.0, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
     if not EQUALITY_TOLERANCE * scale < projection.distance < FAR * scale:
         return projection
@@ -161,19 +166,25 @@ def nearest_plan(
     """Least effort among the wrenches that reach the nearest point; `program` is the infeasible
     allocation."""
     reachable = program.with_equality_value(program.equality[1] - projection.slack)
-    wrenches = projection.wrenches
-    for solve in (QuadraticSolver().solve, solve_with_clarabel):
-        solution = solve(reachable)
-        if solution.status == OPTIMAL:
-            wrenches = solution.x
-            break
+    solution = QuadraticSolver().solve(reachable)
+    if solution.status != OPTIMAL:
+        solution = solve_with_clarabel(reachable)
+    if solution.status != OPTIMAL:
+        cones = [np.zeros(len(cone.offset)) for cone in reachable.cones]
+        solution = QPSolution.checked(
+            reachable, projection.wrenches, np.zeros(len(reachable.upper)), cones, "projection"
+        )
+    wrenches = solution.x[: template.n]
     parts = wrenches.reshape(-1, 6)
     return Nearest(
         wrench=_total(template, contacts, parts),
         distance=projection.distance,
+        missing=dict(zip(template.row_names, projection.slack.tolist(), strict=True)),
         contacts=dict(zip(template.names, contacts, strict=True)),
         wrenches=dict(zip(template.names, parts, strict=True)),
         effort=template.effort(wrenches),
+        program=reachable,
+        solution=solution,
     )
 
 
@@ -183,7 +194,7 @@ def certify(template: AllocationTemplate, contacts: Array, projection: Projectio
         return None
     cut = farkas_cut(template, projection.normal_solution, projection.normal, target)
     margin = float(cut.value(template.contact_rows(contacts)))
-    normal = -cut.multipliers
+    normal = -cut.multipliers[-len(target) :]
     asked = float(normal @ target)
     if margin <= 1e-12 * max(1.0, float(np.abs(target).max())):
         return None
@@ -193,20 +204,60 @@ def certify(template: AllocationTemplate, contacts: Array, projection: Projectio
     return Certificate(words, asked, asked - margin, tuple(direction.tolist()), limits)
 
 
+def contradiction(template: AllocationTemplate, program: QuadraticProgram) -> Certificate | None:
+    """Why no wrench at all is within limits, whatever is asked: the cart's limits, with the arms' held, are missed
+    by a least distance (N). None if that doesn't verify."""
+    c, k = len(template.cart_rows.low), template.basis_b.shape[1]
+    if c == 0:
+        return None
+    rows = len(program.rows) - k
+    stop = program.n + rows
+    alone = replace(
+        program,
+        rows=program.rows[:rows],
+        lower=program.lower[:stop],
+        upper=program.upper[:stop],
+        lower_names=program.lower_names[:stop],
+        upper_names=program.upper_names[:stop],
+        n_equalities=0,
+    )
+    projection = project(QuadraticSolver(always_feasible=True), alone, np.eye(c))
+    if projection.solution.status != OPTIMAL or projection.distance == 0.0:
+        return None
+    least = infeasible_by(alone, projection.normal_solution, projection.normal)
+    if least <= 0:
+        return None
+    missed = np.abs(projection.slack) > 1e-7 * projection.distance
+    names = [
+        template.cart_rows.low_names[i] if projection.slack[i] > 0 else template.cart_rows.high_names[i]
+        for i in np.flatnonzero(missed)
+    ]
+    limits = {name: abs(float(t)) for name, t in zip(names, projection.slack[missed], strict=True)}
+    parts = "; ".join(f"{name} by {value:.6g} N" for name, value in limits.items())
+    return Certificate(
+        f"{parts}: missed at least that much by any wrench that the arms can give", least, 0.0, (), limits
+    )
+
+
 def conflicting_limits(
     template: AllocationTemplate, contacts: Array, cut: Cut, solution: QPSolution
 ) -> dict[str, float]:
     """Names and values of the limits that hold the arms back in the direction of a ray."""
-    limits, found = template.limits, {}
+    fixed, cart, found = template.fixed, template.cart_rows, dict[str, float]()
     slope = (cut.linear + cut.multipliers @ template.contact_rows(contacts)).ravel()
     smallest = 1e-7 * float(np.abs(slope).max())
     for j in np.flatnonzero(np.abs(slope) > smallest):
-        names, values = (limits.lower_names, limits.lower) if slope[j] > 0 else (limits.upper_names, limits.upper)
+        names, values = (fixed.lower_names, fixed.lower) if slope[j] > 0 else (fixed.upper_names, fixed.upper)
         found[names[j]] = float(values[j])
     smallest = 1e-7 * float(np.abs(solution.multipliers).max())
-    dual = solution.multipliers[len(solution.x) :][: len(limits.limits)]
-    found.update({limits.names[j]: float(limits.limits[j]) for j in np.flatnonzero(dual > smallest)})
-    pairs = zip(limits.cones, solution.cone_multipliers, strict=True)
+    dual = solution.multipliers[len(solution.x) :][: len(fixed.limits) + len(cart.low)]
+    lows = zip(fixed.low_names + cart.low_names, [*fixed.low_limits, *cart.low], strict=True)
+    highs = zip(fixed.names + cart.high_names, [*fixed.limits, *cart.high], strict=True)
+    for y, low, high in zip(dual, lows, highs, strict=True):
+        if abs(y) > smallest:
+            name, value = high if y > 0 else low
+            found[name] = float(value)
+    pairs = zip(fixed.cones, solution.cone_multipliers, strict=True)
     found.update({cone.name: 0.0 for cone, z in pairs if z[0] > smallest})
     return found
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from cartgrasp.contacts import ContactWrenches
@@ -12,9 +13,9 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .infeasibility import Certificate, Nearest
-from .quadratic_program import OPTIMAL, Residuals
+from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals
 
-INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "invalid_input", "stale_estimate", "timeout"
+RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,11 @@ class ChoiceProof:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A status, and when it is `optimal` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.
+    """A status, and when it is `optimal` or `relaxed` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.
 
-    `effort` is `sum weight component²`. When `infeasible`, `certificate` proves it and holds the nearest
-    plan. `held` is what `plan_or_hold` gives instead when the status is not `optimal`.
+    `effort` is `sum weight component²`. When `infeasible`, `certificate` proves it and holds the nearest plan;
+    `relaxed` is that nearest plan. `held` is what `plan_or_hold` gives instead where there are no wrenches. `proof` is
+    the program with its solution, of which the proof consists.
     """
 
     status: str
@@ -51,11 +53,17 @@ class Plan:
     solver: str = ""
     message: str = ""
     held: ContactWrenches | None = None
+    proof: tuple[QuadraticProgram, QPSolution] | None = field(default=None, repr=False)
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether it has wrenches: it is optimal, or relaxed as the caller allows."""
+        return self.status in (OPTIMAL, RELAXED)
 
     @property
     def contact_wrenches(self) -> ContactWrenches:
         """What the arms should do: the plan, or what is held instead of one."""
-        if self.status == OPTIMAL:
+        if self.is_usable:
             return ContactWrenches(self.wrenches, self.contacts, self.yaws)
         if self.held is None:
             raise UsageError(f"this plan is {self.status}: {self.message or 'it has no wrenches'}; use plan_or_hold")
@@ -65,9 +73,22 @@ class Plan:
     def nearest(self) -> Nearest | None:
         return None if self.certificate is None else self.certificate.nearest
 
+    @property
+    def missing(self) -> Mapping[str, float]:
+        """What a relaxed plan leaves out of the wrench asked for, N or N·m by effective row (`fx`, `tau`, …)."""
+        return self.nearest.missing if self.status == RELAXED and self.nearest else {}
+
+    @cached_property
+    def margins(self) -> Mapping[str, float]:
+        """How far the wrenches are from each limit, by its name, in its unit; empty without wrenches."""
+        if not self.is_usable or self.proof is None:
+            return {}
+        program, solution = self.proof
+        return program.margins(solution.x)
+
     def as_dict(self) -> dict[str, Any]:
-        """The JSON of `cartgrasp plan`; `nearest` only when infeasible, `message` only when there is no
-        certificate."""
+        """The JSON of `cartgrasp plan`; `nearest` only with a certificate, `missing` only when relaxed, `message`
+        only where neither wrenches nor a certificate say it all."""
         document: dict[str, Any] = {
             "status": self.status,
             "effort": self.effort,
@@ -85,6 +106,8 @@ class Plan:
             document["nearest"] = None if self.nearest is None else self.nearest.as_dict()
         elif self.status != OPTIMAL:
             document["message"] = self.message
+        if self.status == RELAXED:
+            document["missing"] = dict(self.missing)
         return document
 
 

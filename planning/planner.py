@@ -13,22 +13,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
-from cartgrasp.contacts import ContactSet, ContactWrenches
+from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .allocation import conclude
-from .allocation_template import AllocationTemplate
+from .allocation import Allocation, conclude
 from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
-from .infeasibility import Certificate
-from .objectives import Objective
-from .plan import TIMEOUT, ChoiceProof, Plan
-from .plan_inputs import RefusedError, check_estimate, read_contacts, read_wrench
+from .given_contacts import GivenContacts
+from .limits import CartLimit
+from .objectives import Lexicographic, Objective
+from .plan import RELAXED, TIMEOUT, ChoiceProof, Plan
+from .plan_inputs import RefusedError, check_estimate, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
+from .refusals import out_of_reach, refusal, too_near
+from .remedy import find_remedy, with_remedy
+from .second_stage import second_stage
 from .solvers import QuadraticSolver, solve_with_clarabel
+from .terms import Terms, scaled_into
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -41,7 +45,11 @@ DEFAULT_SEARCH = SearchLimit()
 
 class WrenchPlanner:
     """Plans for one cart and its arms. It remembers its last wrench: to hold it, to start the next choice of
-    contacts from, and for `Smoothness`."""
+    contacts from, for `Smoothness`, and for rates of change (from zero at first).
+
+    `cart_limits` are those of the hands together. Where a wrench can't be given, one that misses it by at most
+    `relax` (N and N·m side by side, in effective rows; `inf` for any) is planned instead: the nearest, `relaxed`.
+    """
 
     def __init__(
         self,
@@ -49,7 +57,9 @@ class WrenchPlanner:
         arms: Sequence[Arm],
         *,
         objective: Objective | None = None,
+        cart_limits: Sequence[CartLimit] = (),
         min_hand_distance: float = 0.0,
+        relax: float = 0.0,
         search_limit: SearchLimit = DEFAULT_SEARCH,
         period: float = PERIOD,
     ) -> None:
@@ -57,34 +67,32 @@ class WrenchPlanner:
             raise UsageError(f"min_hand_distance: {min_hand_distance} is not a finite number >= 0, in m")
         if not (math.isfinite(period) and period > 0):
             raise UsageError(f"period: {period} is not a finite number > 0, in s")
-        self._template = AllocationTemplate.of(cart, arms, objective)
-        self._sets = {arm.name: arm.contacts for arm in self._template.arms}
-        self._candidates = Candidates.of(list(self._sets.values()), min_hand_distance)
-        self._given: dict[str, tuple[float, float, float]] = {}
-        self._given_candidates = self._candidates
-        self._to_effective = np.ascontiguousarray(self._template.basis_b.T)
-        self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
-        self._yaws = dict(zip(self._template.names, self._template.yaws.tolist(), strict=True))
-        self._solver, self._cases = QuadraticSolver(), CaseSolver(self._template)
-        self._program: QuadraticProgram | None = None
-        self._program_points = self._shown_points = np.zeros((0, 3))
+        if not relax >= 0:
+            raise UsageError(f"relax: {relax} is not a number >= 0, in N and N·m")
+        self._terms = Terms(cart, arms, objective, cart_limits, (min_hand_distance, period))
+        self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
+        self._relax, self._limit, self._decay = relax, search_limit, math.exp(-period / HOLD_TIME)
+        self._solver, self._second_solver = QuadraticSolver(), QuadraticSolver()
+        self._cases = CaseSolver(self._terms.template)
         self._shown: dict[str, Array] = {}
+        self._shown_points = np.zeros((0, 3))
+        self._last = np.zeros(self._terms.base.n)
+        self._begin_terms()
         self.reset()
 
     def reset(self) -> None:
-        """Forgets the last wrench, contacts and estimate."""
-        self._last = np.zeros(self._template.n)
-        self._last_points = np.array([contacts.first for contacts in self._sets.values()])
+        """Forgets the last wrench, contacts and estimate's time."""
+        self._last_points = np.array([contacts.first for contacts in self._terms.sets.values()])
         self._last_choice: Array | None = None
-        self._cost = self._template.cost(self._last)
         self._newest_estimate = -math.inf
+        self._look_back_at(np.zeros(self._terms.base.n))
 
     def warm_up(self) -> None:
         """Does now what would cost at the first call: workspaces, and the import of the fallback solver."""
         self.plan((0.0, 0.0, 0.0))
         self.plan((1.0, 0.0, 0.1))
         self.reset()
-        solve_with_clarabel(self._program_at(self._last_points, np.zeros(self._template.basis_b.shape[1])))
+        solve_with_clarabel(self._program_at(self._last_points, np.zeros(len(self._to_effective))))
 
     # --- planning -----------------------------------------------------------------------------------------
 
@@ -93,53 +101,107 @@ class WrenchPlanner:
         wrench: ArrayLike,
         contacts: Mapping[str, ArrayLike] | None = None,
         estimate: Estimate | None = None,
+        arms: Sequence[Arm] | None = None,
     ) -> Plan:
         """`wrench` is the desired (fx, fy, tau) on the cart in {b}; `contacts` (3,) by arm are fixed this
-        tick, and for arms left out the planner chooses. An estimate 0.5 s older than the newest given is
-        stale."""
+        tick, and for arms left out the planner chooses. Where it can't be done, contacts are sought that would do.
+
+        The limits of the cart are those of `estimate`'s cart and motion; one 0.5 s older than the newest given is
+        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates.
+        Both hold until others are given."""
+        plan = self._plan(wrench, contacts, estimate, arms)
+        if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
+            return plan
+        question = Question(self._to_effective @ read_wrench(wrench), self._cost)
+        held = plan.nearest.contacts
+        own = None if contacts is None else self._terms.candidates
+        remedy = find_remedy(self._cases, question, own, held, self._terms.candidates.distance)
+        certificate = with_remedy(plan.certificate, remedy, held)
+        return replace(plan, certificate=certificate, message=certificate.words)
+
+    def plan_or_hold(
+        self,
+        wrench: ArrayLike,
+        contacts: Mapping[str, ArrayLike] | None = None,
+        estimate: Estimate | None = None,
+        arms: Sequence[Arm] | None = None,
+    ) -> Plan:
+        """As `plan` but for the search for better contacts, and a safe wrench whatever the status: where there is
+        none, the last one, decaying with a time constant of 0.1 s, or as fast as rates of change allow (zero if there
+        was none). The arms' limits are convex and hold the zero wrench, so it stays within; a cart that skids
+        or tips without the hands is beyond them."""
+        plan = self._plan(wrench, contacts, estimate, arms)
+        if plan.is_usable:
+            return plan
+        rate = self._terms.rate
+        shrink = self._decay if rate is None else rate.shrink(self._last, self._decay)
+        self._remember(shrink * self._last, self._last_points)
+        held = ContactWrenches(self._by_arm(self._last), self._by_arm(self._last_points), self._yaws)
+        return replace(plan, held=held)
+
+    def _plan(
+        self,
+        wrench: ArrayLike,
+        contacts: Mapping[str, ArrayLike] | None,
+        estimate: Estimate | None,
+        arms: Sequence[Arm] | None,
+    ) -> Plan:
         start = time.perf_counter()
         try:
             target = self._to_effective.dot(read_wrench(wrench))
-            candidates = self._candidates if contacts is None else self._narrowed(contacts)
+            if arms is not None and self._terms.take_arms(arms):
+                self._begin_terms()
+                self._look_back_at(scaled_into(self._terms.base.limits, self._last))
+            candidates = self._terms.candidates if contacts is None else self._given.candidates(contacts)
             if estimate is not None:
-                self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+                self._take_estimate(estimate)
         except RefusedError as refused:
-            return self._refusal(refused.status, str(refused), start)
+            return refusal(refused.status, str(refused), start)
+        if contacts is not None and self._given.beyond:
+            return out_of_reach(self._given.beyond, start)
         if candidates.distance > 0 and candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
-            return self._too_near(candidates, start)
+            return too_near(candidates, start)
         points = candidates.single
         if points is None:
             return self._choose(candidates, target, start)
         return self._solve_at(points, target, start)
 
-    def plan_or_hold(self, wrench: ArrayLike, contacts: Mapping[str, ArrayLike] | None = None) -> Plan:
-        """As `plan`, and a safe wrench whatever the status: when it is not `optimal`, the last one, decaying
-        with a time constant of 0.1 s (zero if there was none). Limits are convex and hold the zero wrench, so
-        it stays within."""
-        plan = self.plan(wrench, contacts)
-        if plan.status == OPTIMAL:
-            return plan
-        self._remember(self._decay * self._last, self._last_points)
-        held = ContactWrenches(self._by_arm(self._last), self._by_arm(self._last_points), self._yaws)
-        return replace(plan, held=held)
+    # --- what changes between ticks -----------------------------------------------------------------------
 
-    # --- contacts -----------------------------------------------------------------------------------------
+    def _take_estimate(self, estimate: Estimate) -> None:
+        self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+        if self._terms.take_estimate(estimate):
+            self._drop_program()
+            self._take_last()
 
-    def _narrowed(self, contacts: Mapping[str, ArrayLike]) -> Candidates:
-        """The candidates with some arms' contacts fixed; those of the last call where these are the same."""
-        given = read_contacts(contacts, self._template.names)
-        if given != self._given:
-            self._given_candidates = self._fixed_at(given)
-            self._given = given
-        return self._given_candidates
+    def _begin_terms(self) -> None:
+        """Drops what was made for other arms."""
+        base = self._terms.base
+        self._yaws = dict(zip(base.names, base.yaws.tolist(), strict=True))
+        self._given = GivenContacts(self._terms)
+        self._drop_program()
 
-    def _fixed_at(self, given: dict[str, tuple[float, float, float]]) -> Candidates:
-        if not given:
-            return self._candidates
-        if len(given) == len(self._sets):
-            return Candidates.at([given[name] for name in self._sets], self._candidates.distance)
-        sets = [ContactSet((given[name],)) if name in given else own for name, own in self._sets.items()]
-        return Candidates.of(sets, self._candidates.distance)
+    def _drop_program(self) -> None:
+        self._program: QuadraticProgram | None = None
+        self._program_points = np.zeros((0, 3))
+
+    def _look_back_at(self, wrenches: Array) -> None:
+        self._last = wrenches
+        self._cost = self._terms.base.cost(wrenches)
+        self._take_last()
+
+    def _take_last(self) -> None:
+        self._terms.take_last(self._last)
+        self._cases.template = self._terms.template
+
+    def _remember(self, wrenches: Array, points: Array) -> None:
+        wrenches.setflags(write=False)  # plans show them
+        points.setflags(write=False)
+        self._last, self._last_points = wrenches, points
+        if self._terms.looks_back:
+            self._look_back_at(wrenches)
+
+    # --- solving ------------------------------------------------------------------------------------------
 
     def _solve_at(self, points: Array, target: Array, start: float) -> Plan:
         program = self._program_at(points, target)
@@ -149,12 +211,12 @@ class WrenchPlanner:
         return self._solved(points, program, solution, ChoiceProof(solution.cost, 0.0, 1), start)
 
     def _choose(self, candidates: Candidates, target: Array, start: float) -> Plan:
-        question = Question(target, self._cost)
-        seed = self._last_choice if candidates is self._candidates else None
+        question, is_own = Question(target, self._cost), candidates is self._terms.candidates
+        seed = self._last_choice if is_own else None
         choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
         if choice.contacts is None:
             return self._none_found(candidates, question, choice, start)
-        if candidates is self._candidates:
+        if is_own:
             self._last_choice = choice.contacts
         program = self._program_at(choice.contacts, target)
         solution = self._solver.solve(program)
@@ -166,14 +228,14 @@ class WrenchPlanner:
     def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:
         if not choice.complete:
             message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
-            return self._refusal(TIMEOUT, message, start)
+            return refusal(TIMEOUT, message, start)
         if np.isfinite(choice.bound):
-            return self._refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
+            return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
         nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
         if nearest.contacts is None and nearest.complete and not np.isfinite(nearest.bound):
-            return self._too_near(candidates, start)
+            return too_near(candidates, start)
         if nearest.contacts is None:
-            return self._refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
+            return refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
         program = self._program_at(nearest.contacts, question.target)
         proof = ChoiceProof(np.inf, np.inf, choice.solved + nearest.solved + 1)
         plan = self._concluded(nearest.contacts, program, self._solver.solve(program), proof, start)
@@ -184,13 +246,17 @@ class WrenchPlanner:
         return replace(plan, certificate=replace(plan.certificate, words=words), message=words)
 
     def _program_at(self, points: Array, target: Array) -> QuadraticProgram:
-        """The program at contacts; where these are as at the last call, only its equality's value is new."""
+        """The program at contacts; where these are as at the last call, only its equality's value is new, and what
+        looks back."""
+        template = self._terms.base
         same = points is self._program_points or np.array_equal(points, self._program_points)
         if self._program is None or not same:
-            self._program = self._template.program(self._template.contact_rows(points), target, self._cost)
+            self._program = template.program(template.contact_rows(points), target, self._cost)
             self._program_points = points
         program = self._program.with_equality_value(target)
-        if self._template.objective.looks_back:
+        if self._terms.rate is not None:
+            program = program.with_bounds(self._terms.template.limits)
+        if template.objective.looks_back:
             program = program.with_gradient(self._cost.gradient, self._cost.constant)
         return program
 
@@ -199,19 +265,25 @@ class WrenchPlanner:
     def _solved(
         self, points: Array, program: QuadraticProgram, solution: QPSolution, proof: ChoiceProof, start: float
     ) -> Plan:
-        self._remember(solution.x, points)
+        base, objective = self._terms.base, self._terms.base.objective
+        if isinstance(objective, Lexicographic):
+            second = objective.second.cost(base.arms, self._last)
+            program, solution = second_stage(self._second_solver, program, solution, second)
+        wrenches = solution.x if len(solution.x) == base.n else solution.x[: base.n]
+        self._remember(wrenches, points)
         return Plan(
             status=OPTIMAL,
-            wrenches=self._by_arm(solution.x),
+            wrenches=self._by_arm(wrenches),
             contacts=self._contacts_at(points),
             yaws=self._yaws,
-            effort=self._template.effort(solution.x),
+            effort=base.effort(wrenches),
             active=program.active(solution),
             residuals=solution.residuals,
             choice=proof,
             solve_time=time.perf_counter() - start,
             solver=solution.solver,
             message=solution.message,
+            proof=(program, solution),
         )
 
     def _concluded(
@@ -223,10 +295,13 @@ class WrenchPlanner:
         start: float,
     ) -> Plan:
         """As `_solved`, for what may have failed."""
-        allocation = conclude(self._template, points, program, solution)
+        allocation = conclude(self._terms.template, points, program, solution)
         if allocation.status == OPTIMAL:
             proof = proof or ChoiceProof(allocation.solution.cost, 0.0, 1)
             return self._solved(points, program, allocation.solution, proof, start)
+        relaxed = self._relaxed(allocation, points, proof, start)
+        if relaxed is not None:
+            return relaxed
         words = allocation.certificate.words if allocation.certificate else allocation.solution.message
         return Plan(
             status=allocation.status,
@@ -237,26 +312,15 @@ class WrenchPlanner:
             message=words,
         )
 
-    def _too_near(self, candidates: Candidates, start: float) -> Plan:
-        asked, most = candidates.distance, candidates.widest
-        words = f"min_hand_distance: no choice of contacts keeps the hands {asked:g} m apart"
-        if most < asked:
-            words += f"; at most {most:.6g} m is possible"
-        else:
-            most = math.nan  # proven by exhaustion
-        certificate = Certificate(words, asked, most, limits={"min_hand_distance": asked})
-        spent = time.perf_counter() - start
-        return Plan(INFEASIBLE, certificate=certificate, solve_time=spent, message=words)
-
-    def _refusal(self, status: str, message: str, start: float) -> Plan:
-        return Plan(status, solve_time=time.perf_counter() - start, message=message)
-
-    def _remember(self, wrenches: Array, points: Array) -> None:
-        wrenches.setflags(write=False)  # plans show them
-        points.setflags(write=False)
-        self._last, self._last_points = wrenches, points
-        if self._template.objective.looks_back:
-            self._cost = self._template.cost(wrenches)
+    def _relaxed(self, allocation: Allocation, points: Array, proof: ChoiceProof | None, start: float) -> Plan | None:
+        """The nearest wrench that can be given, where it is near enough."""
+        certificate = allocation.certificate
+        nearest = None if certificate is None else certificate.nearest
+        if nearest is None or nearest.distance > self._relax or not nearest.solution.residuals.feasible:
+            return None
+        proof = proof or ChoiceProof(nearest.solution.cost, 0.0, 1)
+        plan = self._solved(points, nearest.program, nearest.solution, proof, start)
+        return replace(plan, status=RELAXED, certificate=certificate, message=certificate.words if certificate else "")
 
     def _contacts_at(self, points: Array) -> dict[str, Array]:
         if points is not self._shown_points:
@@ -264,4 +328,4 @@ class WrenchPlanner:
         return self._shown.copy()
 
     def _by_arm(self, values: Array) -> dict[str, Array]:
-        return dict(zip(self._template.names, values.reshape(len(self._sets), -1), strict=True))
+        return dict(zip(self._terms.base.names, values.reshape(len(self._terms.sets), -1), strict=True))

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -38,9 +38,26 @@ class Cone:
     offset: Array
 
 
+class Bounds(Protocol):
+    """Limits of single unknowns, with names."""
+
+    @property
+    def lower(self) -> Array: ...
+
+    @property
+    def upper(self) -> Array: ...
+
+    @property
+    def lower_names(self) -> tuple[str, ...]: ...
+
+    @property
+    def upper_names(self) -> tuple[str, ...]: ...
+
+
 @dataclass(frozen=True, eq=False)
 class QuadraticProgram:
-    """See the module's head for the convention. H (n, n), f (n,), R (m, n), lower and upper (n + m,)."""
+    """See the module's head for the convention. H (n, n), f (n,), R (m, n), lower and upper (n + m,). What has an
+    empty name is no limit, but part of how the cost is written."""
 
     hessian: Array
     gradient: Array
@@ -99,6 +116,17 @@ class QuadraticProgram:
         lower[start:], upper[start:], stacked[self.n + start :] = low, high, matrix
         return self._but(lower=lower, upper=upper, stacked=stacked, rows=stacked[2 * self.n :])
 
+    def with_bounds(self, bounds: Bounds) -> Self:
+        """The same program with other bounds on its first unknowns."""
+        k = len(bounds.lower)
+        lower, upper = self.lower.copy(), self.upper.copy()
+        lower[:k], upper[:k] = bounds.lower, bounds.upper
+        names = {
+            "lower_names": bounds.lower_names + self.lower_names[k:],
+            "upper_names": bounds.upper_names + self.upper_names[k:],
+        }
+        return self._but(lower=lower, upper=upper, **names)
+
     def with_gradient(self, gradient: Array, constant: float) -> Self:
         return self._but(gradient=gradient, constant=constant)
 
@@ -120,8 +148,20 @@ class QuadraticProgram:
         for i, dual in pairs:
             if i < len(y) - self.n_equalities and abs(dual) > least:
                 names.append(self.upper_names[i] if dual > 0 else self.lower_names[i])
+        names = [name for name in names if name]
         cones = zip(self.cones, solution.cone_multipliers, strict=True)
         return (*names, *(cone.name for cone, z in cones if z[0] > least))
+
+    def margins(self, x: Array) -> dict[str, float]:
+        """How far x is from each limit, by name, in the limit's unit; of a cone `s_0 - ‖(s_1, s_2, …)‖`."""
+        stop = len(self.lower) - self.n_equalities
+        values = np.concatenate([x, self.rows @ x])[:stop]
+        rooms = (self.lower_names, values - self.lower[:stop]), (self.upper_names, self.upper[:stop] - values)
+        found = {n[i]: float(room[i]) for n, room in rooms for i in np.flatnonzero(np.isfinite(room)) if n[i]}
+        for cone in self.cones:
+            s = cone.offset + cone.rows @ x
+            found[cone.name] = float(s[0] - np.linalg.norm(s[1:]))
+        return found
 
 
 @dataclass(frozen=True)
@@ -139,12 +179,16 @@ class Residuals:
     slope_scale: float = 1.0
 
     @property
+    def feasible(self) -> bool:
+        """Whether the equality and the limits hold: absolute up to wrenches of 1 N, relative above."""
+        tolerance = EQUALITY_TOLERANCE * self.wrench_scale
+        return self.equality <= tolerance and self.limits <= tolerance
+
+    @property
     def proven(self) -> bool:
-        """Whether all are within tolerance: absolute up to wrenches of 1 N, relative above."""
-        feasible = EQUALITY_TOLERANCE * self.wrench_scale
+        """Whether all are within tolerance."""
         return (
-            self.equality <= feasible
-            and self.limits <= feasible
+            self.feasible
             and self.stationarity <= STATIONARITY_TOLERANCE * self.slope_scale
             and self.gap <= STATIONARITY_TOLERANCE
         )
@@ -216,7 +260,7 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
         stationarity=highest(np.abs(gradient)),
         gap=gap / max(1.0, abs(cost)),
         cost=cost,
-        wrench_scale=max(1.0, *map(abs, asked)),
+        wrench_scale=max((1.0, *map(abs, asked))),
         slope_scale=slope,
     )
 

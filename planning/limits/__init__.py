@@ -1,21 +1,62 @@
-"""Limits of what an arm can give at a contact, one small file each."""
+"""Limits, one small file each: of an arm at its contact (`Limit`), and of the hands together (`CartLimit`)."""
 
 from __future__ import annotations
 
+import math
+
 from cartgrasp.arms import EXACT, Arm
 
+from .cart_limit import CartLimit, CartRows, cart_rows
 from .friction_cone import FrictionCone
 from .friction_pyramid import FrictionPyramid
+from .internal_force import InternalForce
+from .joint_torque import JointTorque
 from .limit import Limit, LimitRows
+from .payload import Payload
+from .push_only import PushOnly
+from .side_by_side import side_by_side
+from .skid import Skid
+from .tip_over import TipOver
 from .wrench_box import WrenchBox
+from .wrench_rate import WrenchRate
 
-__all__ = ["FrictionCone", "FrictionPyramid", "Limit", "LimitRows", "WrenchBox", "limits_of"]
+__all__ = [
+    "CartLimit",
+    "CartRows",
+    "FrictionCone",
+    "FrictionPyramid",
+    "InternalForce",
+    "JointTorque",
+    "Limit",
+    "LimitRows",
+    "Payload",
+    "PushOnly",
+    "Skid",
+    "TipOver",
+    "WrenchBox",
+    "WrenchRate",
+    "cart_rows",
+    "limits_of",
+    "side_by_side",
+]
 
 
 def limits_of(arm: Arm) -> LimitRows:
-    """All that an arm states about itself, as one set of rows."""
+    """All that an arm states about itself, as one set of rows; its rate is about the last wrench, see `WrenchRate`."""
     rows = WrenchBox().rows(arm)
-    if arm.friction is None:
-        return rows
-    friction: Limit = FrictionCone() if arm.friction.sides == EXACT else FrictionPyramid()
-    return rows & friction.rows(arm)
+    for limit in _stated(arm):
+        rows &= limit.rows(arm)
+    return rows
+
+
+def _stated(arm: Arm) -> list[Limit]:
+    stated: list[Limit] = []
+    if arm.friction is not None:
+        stated.append(FrictionCone() if arm.friction.sides == EXACT else FrictionPyramid())
+    if arm.push_only:
+        stated.append(PushOnly())
+    if math.isfinite(arm.payload):
+        stated.append(Payload())
+    if arm.joints is not None:
+        stated.append(JointTorque())
+    return stated

@@ -8,8 +8,8 @@ from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from planning.quadratic_program import Cone
 
-from .friction_pyramid import push_only
 from .limit import Limit, LimitRows
+from .push_only import PushOnly
 
 
 class FrictionCone(Limit):
@@ -19,6 +19,6 @@ class FrictionCone(Limit):
         matrix = np.zeros((3, 6))
         matrix[0, 0] = arm.friction.mu
         matrix[1, 1] = matrix[2, 2] = 1.0
-        push = push_only()
+        push = PushOnly().rows(arm)
         cone = Cone("friction cone", matrix, np.zeros(3))
         return LimitRows(lower=push.lower, lower_names=push.lower_names, cones=(cone,))

@@ -16,8 +16,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 
 from .limit import Limit, LimitRows
-
-PUSH_ONLY = "push only"
+from .push_only import PushOnly
 
 
 class FrictionPyramid(Limit):
@@ -30,13 +29,5 @@ class FrictionPyramid(Limit):
         rows[:, 0] = -arm.friction.mu * np.cos(np.pi / sides)
         rows[:, 1], rows[:, 2] = np.cos(angles), np.sin(angles)
         names = tuple(f"friction edge {k}" for k in range(sides))
-        push = push_only()
+        push = PushOnly().rows(arm)
         return LimitRows(lower=push.lower, lower_names=push.lower_names, rows=rows, limits=np.zeros(sides), names=names)
-
-
-def push_only() -> LimitRows:
-    """fx >= 0, which the pyramid and the cone imply unless mu is 0."""
-    plain = LimitRows()
-    lower = plain.lower.copy()
-    lower[0] = 0.0
-    return LimitRows(lower=lower, lower_names=(PUSH_ONLY, *plain.lower_names[1:]))

@@ -17,7 +17,8 @@ from planning.quadratic_program import Cone
 
 @dataclass(frozen=True, eq=False)
 class LimitRows:
-    """`lower <= F <= upper` (6,), `rows @ F <= limits` (k, 6), and cones on F (6,)."""
+    """`lower <= F <= upper` (6,), `low_limits <= rows @ F <= limits` (k, 6), and cones on F (6,); of several arms
+    side by side F is (6n,). Low limits that are left out are infinite, and called as the limits are."""
 
     lower: Array = field(default_factory=lambda: np.full(6, -np.inf))
     upper: Array = field(default_factory=lambda: np.full(6, np.inf))
@@ -27,6 +28,28 @@ class LimitRows:
     limits: Array = field(default_factory=lambda: np.zeros(0))
     names: tuple[str, ...] = ()
     cones: tuple[Cone, ...] = ()
+    low_limits: Array = field(default_factory=lambda: np.zeros(0))
+    low_names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.low_limits) != len(self.limits):
+            object.__setattr__(self, "low_limits", np.full(len(self.limits), -np.inf))
+            object.__setattr__(self, "low_names", self.names)
+
+    def followed_by(self, other: LimitRows) -> LimitRows:
+        """These, and bounds of further unknowns; both have rows over all unknowns."""
+        return LimitRows(
+            np.concatenate([self.lower, other.lower]),
+            np.concatenate([self.upper, other.upper]),
+            self.lower_names + other.lower_names,
+            self.upper_names + other.upper_names,
+            np.vstack([self.rows, other.rows]),
+            np.concatenate([self.limits, other.limits]),
+            self.names + other.names,
+            self.cones + other.cones,
+            np.concatenate([self.low_limits, other.low_limits]),
+            self.low_names + other.low_names,
+        )
 
     def __and__(self, other: LimitRows) -> LimitRows:
         """Both limits at once: of two bounds the tighter one stays, with its name."""
@@ -40,6 +63,8 @@ class LimitRows:
             np.concatenate([self.limits, other.limits]),
             self.names + other.names,
             self.cones + other.cones,
+            np.concatenate([self.low_limits, other.low_limits]),
+            self.low_names + other.low_names,
         )
 
 

@@ -2,9 +2,25 @@
 
 from __future__ import annotations
 
+from .least_internal_force import LeastInternalForce
+from .least_joint_torque import LeastJointTorque
+from .lexicographic import Lexicographic
 from .load_share import LoadShare
+from .nothing import Nothing
 from .objective import Cost, Objective
 from .smoothness import Smoothness
 from .weighted_wrench import WeightedWrench
+from .worst_arm import WorstArm
 
-__all__ = ["Cost", "LoadShare", "Objective", "Smoothness", "WeightedWrench"]
+__all__ = [
+    "Cost",
+    "LeastInternalForce",
+    "LeastJointTorque",
+    "Lexicographic",
+    "LoadShare",
+    "Nothing",
+    "Objective",
+    "Smoothness",
+    "WeightedWrench",
+    "WorstArm",
+]

@@ -4,7 +4,7 @@ with f_i the horizontal force of arm i in {b}, N."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -44,5 +44,5 @@ class LoadShare(Objective):
             forces[i, :, 6 * i : 6 * i + 2] = rotation_planar(arm.yaw)
         shares = np.array([self.shares[arm.name] for arm in arms])
         departure = (forces - shares[:, None, None] * forces.sum(axis=0)).reshape(-1, 6 * len(arms))
-        coupling = self.weight * departure.T @ departure
-        return replace(base, coupling=coupling if base.coupling is None else base.coupling + coupling)
+        departure = np.pad(departure, ((0, 0), (0, len(base.weights) - departure.shape[1])))
+        return base.coupled(self.weight * departure.T @ departure)

@@ -5,22 +5,29 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cartgrasp.arms import Arm
 from cartgrasp.frames import Array
+from planning.limits import LimitRows
 
 
 @dataclass(frozen=True, eq=False)
 class Cost:
-    """`sum weights F² + gradientᵀ F + Fᵀ coupling F + constant`; weights (6n,) >= 0, coupling (6n, 6n)
-    positive semidefinite or None. What doesn't couple arms or axes belongs in the weights: contact choice
-    bounds by them."""
+    """`sum weights x² + gradientᵀ x + xᵀ coupling x + constant` over the unknowns x: the wrenches F (6n,), and
+    behind them those of the `epigraph`, with their bounds and its rows over all of x. Weights are >= 0, coupling is
+    positive semidefinite or None. What doesn't couple arms or axes belongs in the weights: contact choice bounds by
+    them."""
 
     weights: Array
     gradient: Array
     coupling: Array | None = None
     constant: float = 0.0
+    epigraph: LimitRows | None = None
+
+    def coupled(self, more: Array) -> Cost:
+        """The cost with another coupling added."""
+        return replace(self, coupling=more if self.coupling is None else self.coupling + more)
 
 
 class Objective(ABC):

@@ -33,9 +33,10 @@ class Smoothness(Objective):
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         base = self.base.cost(arms, previous)
         added = self.rate * np.concatenate([arm.weights for arm in arms])
+        n_own = len(base.weights) - len(added)
         return replace(
             base,
-            weights=base.weights + added,
-            gradient=base.gradient - 2 * added * previous,
+            weights=base.weights + np.pad(added, (0, n_own)),
+            gradient=base.gradient - np.pad(2 * added * previous, (0, n_own)),
             constant=base.constant + float(added @ previous**2),
         )

@@ -207,8 +207,8 @@ def test_what_no_solver_could_answer_keeps_the_bound_down(monkeypatch):
     true = planner.plan((40, 0, 3)).effort
     answer = planner._cases.answer
 
-    def give_up(question, high, low):
-        return Answer(np.inf, proven=False) if high[0, 1] == -0.075 else answer(question, high, low)
+    def give_up(question, high, low, hull=None):
+        return Answer(np.inf, proven=False) if high[0, 1] == -0.075 else answer(question, high, low, hull)
 
     monkeypatch.setattr(planner._cases, "answer", give_up)
     planner.reset()

@@ -8,13 +8,17 @@ import pytest
 
 from cartgrasp.arms import Friction
 from cartgrasp.errors import UsageError
+from cartgrasp.joint_torques import JointTorques
 from planning import allocate
-from planning.limits import FrictionCone, FrictionPyramid, WrenchBox, limits_of
+from planning.limits import FrictionCone, FrictionPyramid, JointTorque, Payload, PushOnly, WrenchBox, limits_of
 
 from .drawn import arm, cart, first_contacts
 
 ARM = arm(force_limit=(60, 50, 40), moment_limit=(8, 7, 6), friction=Friction(0.6, 5))
 CONE_ARM = arm(friction=Friction(0.6, "exact"))
+LEVERS = np.zeros((6, 2))
+LEVERS[1], LEVERS[5] = (0.7, 0.3), (1.0, 1.0)  # two links along x
+LINKS = arm(friction=None, joints=JointTorques(LEVERS, [5.0, 0.0], [20.0, 10.0]))
 BOUNDARIES = [
     (WrenchBox(), ARM, np.array([0, 0, 0, 0, 0, -6.0]), "tz lower"),
     (WrenchBox(), ARM, np.array([0, 50.0, 0, 0, 0, 0]), "fy upper"),
@@ -25,6 +29,12 @@ BOUNDARIES = [
         np.array([10, *(6 * np.cos(np.pi / 5) * np.array([np.cos(np.pi / 5), np.sin(np.pi / 5)])), 0, 0, 0]),
         "friction edge 0",
     ),
+    (PushOnly(), arm(friction=None, push_only=True), np.array([0.0, 0, 0, 0, 0, 0]), "push only"),
+    (Payload(), arm(friction=None, payload=3.0), np.array([9.0, 0, -3 * 9.81, 0, 0, 0]), "payload lower"),
+    (Payload(), arm(friction=None, payload=3.0), np.array([0, 0, 3 * 9.81, 0, 0, 1.0]), "payload upper"),
+    (JointTorque(), LINKS, np.array([0, 15 / 0.7, 0, 0, 0, 0]), "joint 0 torque upper"),
+    (JointTorque(), LINKS, np.array([0, -40.0, 0, 0, 0, 3.0]), "joint 0 torque lower"),
+    (JointTorque(), LINKS, np.array([0, -10.0, 9.0, 0, 0, 13.0]), "joint 1 torque upper"),
     (FrictionCone(), CONE_ARM, np.array([10, 3.6, -4.8, 0, 0, 0]), "friction cone"),
 ]
 
@@ -34,6 +44,7 @@ def violated(rows, wrench):
     broken = [name for name, low, f in zip(rows.lower_names, rows.lower, wrench, strict=True) if f < low]
     broken += [name for name, high, f in zip(rows.upper_names, rows.upper, wrench, strict=True) if f > high]
     broken += [name for name, over in zip(rows.names, rows.rows @ wrench > rows.limits, strict=True) if over]
+    broken += [name for name, under in zip(rows.low_names, rows.rows @ wrench < rows.low_limits, strict=True) if under]
     for cone in rows.cones:
         s = cone.offset + cone.rows @ wrench
         broken += [cone.name] if np.linalg.norm(s[1:]) > s[0] else []
@@ -90,6 +101,8 @@ def test_asking_a_limit_of_the_wrong_arm():
         FrictionPyramid().rows(CONE_ARM)
     with pytest.raises(UsageError, match="left"):
         FrictionCone().rows(arm(friction=None))
+    with pytest.raises(UsageError, match="left"):
+        JointTorque().rows(arm())
 
 
 @pytest.mark.parametrize("wrench", [(30, 0, 2), (30, 0, 15), (55, 0, -18), (15, 0, 6)])

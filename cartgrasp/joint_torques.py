@@ -1,0 +1,52 @@
+"""What an arm's joints bear at one posture: torques `tau = Jᵀ F + tau_0`, affine in the wrench F that the arm gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import UsageError
+from .frames import Array
+
+
+@dataclass(frozen=True, eq=False)
+class JointTorques:
+    """An arm of n joints at a posture. `jacobian` (6, n) maps joint velocity to the twist [linear; angular] of the
+    contact frame {a}, in {a}; `gravity_torque` (n,) carries the arm itself; |torque| <= `torque_limit` (n,), N·m (N
+    for a sliding joint), `inf` for none. Torques that carry the arm are within the limits: it can stand idle."""
+
+    jacobian: Array
+    gravity_torque: Array
+    torque_limit: Array
+
+    def __post_init__(self) -> None:
+        for field in ("jacobian", "gravity_torque", "torque_limit"):
+            values = np.array(getattr(self, field), dtype=float)
+            values.setflags(write=False)
+            object.__setattr__(self, field, values)
+        if self.jacobian.ndim != 2 or len(self.jacobian) != 6 or not self.jacobian.size:
+            raise UsageError(f"joint torques: jacobian: shape {self.jacobian.shape} is not (6, number of joints)")
+        n = self.jacobian.shape[1]
+        for field in ("gravity_torque", "torque_limit"):
+            shape = getattr(self, field).shape
+            if shape != (n,):
+                raise UsageError(f"joint torques: {field}: shape {shape} is not ({n},), one number for each joint")
+        if not (np.isfinite(self.jacobian).all() and np.isfinite(self.gravity_torque).all()):
+            raise UsageError("joint torques: the jacobian or the gravity torque has a value that is not finite")
+        if not (self.torque_limit >= 0).all():
+            raise UsageError(f"joint torques: torque_limit: {self.torque_limit.tolist()} has a value that is not >= 0")
+        for joint in np.flatnonzero(np.abs(self.gravity_torque) > self.torque_limit):
+            needed, limit = abs(self.gravity_torque[joint]), self.torque_limit[joint]
+            raise UsageError(
+                f"joint torques: joint {joint} needs {needed:g} N·m to carry the arm itself, more than its limit of "
+                f"{limit:g} N·m; choose another posture"
+            )
+
+    @property
+    def n_joints(self) -> int:
+        return len(self.gravity_torque)
+
+    def torques(self, wrench_a: Array) -> Array:
+        """Joint torques (..., n), N·m, under a wrench (..., 6) on the cart in {a}."""
+        return np.asarray(wrench_a) @ self.jacobian + self.gravity_torque

@@ -1,0 +1,64 @@
+"""What the hands together must obey: a CartLimit answers with rows over all arms' wrenches, each with names.
+
+The block of arm i at contact p_i is `of_sum @ Ad_i(p_i) + of_arm[i]`, with Ad_i the spatial grasp map: rows over the
+sum of what the hands do to the cart, about {b}'s origin, and over each hand's own wrench in {a}. So a block is affine
+in its own contact and free of the others', which is what lets contact choice bound by it (duality.py).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.frames import Array
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Motion
+
+
+@dataclass(frozen=True, eq=False)
+class CartRows:
+    """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,)."""
+
+    of_sum: Array
+    of_arm: Array
+    low: Array
+    high: Array
+    low_names: tuple[str, ...]
+    high_names: tuple[str, ...]
+
+    @classmethod
+    def none(cls, n_arms: int) -> Self:
+        return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
+
+    def __and__(self, other: CartRows) -> CartRows:
+        return CartRows(
+            np.vstack([self.of_sum, other.of_sum]),
+            np.concatenate([self.of_arm, other.of_arm], axis=1),
+            np.concatenate([self.low, other.low]),
+            np.concatenate([self.high, other.high]),
+            self.low_names + other.low_names,
+            self.high_names + other.high_names,
+        )
+
+
+class CartLimit(ABC):
+    """Half-spaces of all hands' wrenches. They need not hold the zero wrench: a cart that is driven too fast round
+    a bend skids unless the hands hold it."""
+
+    @abstractmethod
+    def rows(self, cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
+        """The limit for a cart at a motion (at rest if None)."""
+
+
+def cart_rows(limits: Sequence[CartLimit], cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
+    """All of them, above each other."""
+    found = [limit.rows(cart, motion, arms) for limit in limits]
+    return reduce(CartRows.__and__, found, CartRows.none(len(arms)))

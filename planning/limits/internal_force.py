@@ -1,0 +1,66 @@
+"""Hands on a common handle don't work against each other along it: with a_i = axis · f_i the force of hand i along
+the handle, in {b},
+
+    |a_i - mean of all a_j| <= bound.
+
+For two hands that is half of a_1 - a_2: forces that cancel on the cart and press the handle together or pull it
+apart. Hands that don't stand in one line have a part of it in common with what turns the cart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array, rotation_z
+
+from .cart_limit import CartLimit, CartRows
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Motion
+
+HANDLE = (0.0, 1.0, 0.0)
+
+
+@final
+@dataclass(frozen=True)
+class InternalForce(CartLimit):
+    """`bound` in N, along `axis` in {b}: the handle's direction, of any length."""
+
+    bound: float
+    axis: tuple[float, float, float] = HANDLE
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.bound) and self.bound >= 0):
+            raise UsageError(f"internal force: bound: {self.bound} is not a finite number >= 0, in N")
+        if len(self.axis) != 3 or not np.isfinite(self.axis).all() or not np.any(self.axis):
+            raise UsageError(f"internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
+
+    def rows(self, cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
+        departures = departures_along(self.axis, arms)
+        if len(arms) <= 2:
+            departures = departures[: len(arms) - 1]  # the second says the same
+        k = len(departures)
+        names = [f"internal force of {arm.name}" for arm in arms[:k]]
+        return CartRows(
+            of_sum=np.zeros((k, 6)),
+            of_arm=departures.transpose(1, 0, 2),
+            low=np.full(k, -self.bound),
+            high=np.full(k, self.bound),
+            low_names=tuple(f"{name} lower" for name in names),
+            high_names=tuple(f"{name} upper" for name in names),
+        )
+
+
+def departures_along(axis: Sequence[float], arms: Sequence[Arm]) -> Array:
+    """D (n, n, 6): along an axis of {b}, hand i departs by `sum_j D[i, j] @ F_j` from the mean of all hands."""
+    direction, n = np.asarray(axis) / np.linalg.norm(axis), len(arms)
+    along = np.zeros((n, 6))
+    along[:, :3] = [direction @ rotation_z(arm.yaw) for arm in arms]
+    return np.asarray((np.eye(n) - 1.0 / n)[:, :, None] * along)

@@ -1,0 +1,23 @@
+"""What the joints bear: |Jᵀ F + tau_0| <= tau_max for each joint. The zero wrench holds it, since `JointTorques`
+refuses a posture whose own weight breaks it."""
+
+from __future__ import annotations
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+
+from .limit import Limit, LimitRows
+
+
+class JointTorque(Limit):
+    def rows(self, arm: Arm) -> LimitRows:
+        if arm.joints is None:
+            raise UsageError(f"arm {arm.name}: a limit of joint torques needs joints")
+        joints = arm.joints
+        return LimitRows(
+            rows=joints.jacobian.T,
+            limits=joints.torque_limit - joints.gravity_torque,
+            names=tuple(f"joint {i} torque upper" for i in range(joints.n_joints)),
+            low_limits=-joints.torque_limit - joints.gravity_torque,
+            low_names=tuple(f"joint {i} torque lower" for i in range(joints.n_joints)),
+        )

@@ -1,0 +1,43 @@
+"""Penalises hands that work against each other along a handle: `base + weight sum_i (a_i - mean a)²`, with a_i the
+force of hand i along `axis` in {b}, N. See `planning.limits.internal_force`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+from planning.limits.internal_force import HANDLE, departures_along
+
+from .objective import Cost, Objective
+from .weighted_wrench import WeightedWrench
+
+
+@dataclass(frozen=True)
+class LeastInternalForce(Objective):
+    """`weight` per N²."""
+
+    weight: float = 1.0
+    axis: tuple[float, float, float] = HANDLE
+    base: Objective = field(default_factory=WeightedWrench)
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.weight) and self.weight >= 0):
+            raise UsageError(f"least internal force: weight: {self.weight} is not a finite number >= 0")
+        if len(self.axis) != 3 or not np.isfinite(self.axis).all() or not np.any(self.axis):
+            raise UsageError(f"least internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
+
+    @property
+    def looks_back(self) -> bool:
+        return self.base.looks_back
+
+    def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
+        base = self.base.cost(arms, previous)
+        departures = departures_along(self.axis, arms).reshape(len(arms), -1)
+        n_own = len(base.weights) - departures.shape[1]
+        departures = np.pad(departures, ((0, 0), (0, n_own)))
+        return base.coupled(self.weight * departures.T @ departures)

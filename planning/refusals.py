@@ -1,0 +1,39 @@
+"""Plans without wrenches that need no program to be solved."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+
+from .contact_bounds import Candidates
+from .infeasibility import Certificate
+from .plan import Plan
+from .quadratic_program import INFEASIBLE
+
+
+def refusal(status: str, message: str, start: float) -> Plan:
+    return Plan(status, solve_time=time.perf_counter() - start, message=message)
+
+
+def too_near(candidates: Candidates, start: float) -> Plan:
+    """No choice of contacts keeps the hands apart."""
+    asked, most = candidates.distance, candidates.widest
+    words = f"min_hand_distance: no choice of contacts keeps the hands {asked:g} m apart"
+    if most < asked:
+        words += f"; at most {most:.6g} m is possible"
+    else:
+        most = math.nan  # proven by exhaustion
+    return _certified(Certificate(words, asked, most, limits={"min_hand_distance": asked}), start)
+
+
+def out_of_reach(beyond: Mapping[str, float], start: float) -> Plan:
+    """Contacts are given by so many m (by arm) beyond the arms' reach."""
+    words = "; ".join(f"{name}: reach: the contact is {excess:.3g} m beyond it" for name, excess in beyond.items())
+    limits = {f"{name}: reach": excess for name, excess in beyond.items()}
+    return _certified(Certificate(words, max(beyond.values()), 0.0, limits=limits), start)
+
+
+def _certified(certificate: Certificate, start: float) -> Plan:
+    spent = time.perf_counter() - start
+    return Plan(INFEASIBLE, certificate=certificate, solve_time=spent, message=certificate.words)

@@ -1,0 +1,125 @@
+"""What holds at a tick: the arms with their limits and candidate contacts, the cart with its own, the last wrench.
+
+Nothing is built anew for a new wrench or contact. A new estimate changes the numbers of the cart's limits, a rate
+the bounds about the last wrench; new arms cost their rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.contacts import ContactSet
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+from cartgrasp.reach import Reach
+
+from .allocation_template import AllocationTemplate
+from .contact_bounds import Candidates
+from .limits import CartLimit, LimitRows, WrenchRate, cart_rows
+from .objectives import Objective
+from .plan import INVALID_INPUT
+from .plan_inputs import RefusedError
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Estimate, Motion
+
+
+class Terms:
+    """`base` is the template but for the rate of change, `template` with it."""
+
+    base: AllocationTemplate
+    template: AllocationTemplate
+    candidates: Candidates
+    rate: WrenchRate | None
+    sets: dict[str, ContactSet]
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        objective: Objective | None,
+        cart_limits: Sequence[CartLimit],
+        distance_and_period: tuple[float, float],
+    ) -> None:
+        self._cart = cart
+        self._motion: Motion | None = None
+        self._objective, self._cart_limits = objective, tuple(cart_limits)
+        self._distance, self._period = distance_and_period
+        self._use(tuple(arms))
+
+    def take_arms(self, arms: Sequence[Arm]) -> bool:
+        """Puts these in the place of the arms of their names; True if that changed anything."""
+        new = {arm.name: arm for arm in arms}
+        for name in new:
+            if name not in self.sets:
+                raise RefusedError(INVALID_INPUT, f"arms: there is no arm {name!r}; there are {', '.join(self.sets)}")
+        changed = tuple(new.get(arm.name, arm) for arm in self.base.arms)
+        if all(one is other for one, other in zip(changed, self.base.arms, strict=True)):
+            return False
+        try:
+            self._use(changed)
+        except UsageError as error:
+            raise RefusedError(INVALID_INPUT, str(error)) from error
+        return True
+
+    @property
+    def looks_back(self) -> bool:
+        """Whether the last wrench matters to the next plan."""
+        return self.rate is not None or self.base.objective.looks_back
+
+    def reaching(self, names: Iterable[str]) -> list[tuple[str, Reach]]:
+        """Those of the named arms that have a reach, with it."""
+        return [(arm.name, arm.reach) for arm in self.base.arms if arm.name in names and arm.reach is not None]
+
+    def take_estimate(self, estimate: Estimate) -> bool:
+        """The cart's limits for the cart and motion as now estimated; False if there are no such limits."""
+        if not self._cart_limits:
+            return False
+        try:
+            cart = estimate.cart()
+            rows = cart_rows(self._cart_limits, cart, estimate.motion, self.base.arms)
+        except UsageError as error:
+            raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
+        self._cart, self._motion = cart, estimate.motion
+        self.template = self.base = self.base.with_cart_rows(rows)
+        return True
+
+    def take_last(self, wrenches: Array) -> None:
+        """Bounds about the last wrenches (6n,), where an arm has a rate."""
+        if self.rate is not None:
+            limits = self.base.limits
+            last = np.clip(wrenches, limits.lower, limits.upper)
+            self.template = self.base.with_bounds(limits & self.rate.around(last))
+
+    def _use(self, arms: tuple[Arm, ...]) -> None:
+        base = AllocationTemplate.of(self._cart, arms, self._objective, self._cart_limits, self._motion)
+        self.sets = {arm.name: _within_reach(arm) for arm in arms}
+        self.candidates = Candidates.of(list(self.sets.values()), self._distance)
+        self.template = self.base = base
+        self.rate = WrenchRate.of(arms, self._period)
+
+
+def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
+    """Wrenches (6n,) scaled towards zero, which the limits hold, as little as brings them within."""
+    values = np.concatenate([wrenches, limits.rows @ wrenches])
+    low, high = np.concatenate([limits.lower, limits.low_limits]), np.concatenate([limits.upper, limits.limits])
+    beyond = (values > high) | (values < low)
+    ends = np.where(values > 0, high, low)[beyond]
+    scale = float((ends / values[beyond]).min(initial=1.0))
+    cones = [cone.offset + cone.rows @ wrenches for cone in limits.cones]
+    outside = any(np.linalg.norm(s[1:]) > s[0] + 1e-9 for s in cones)
+    return np.zeros_like(wrenches) if outside else scale * wrenches
+
+
+def _within_reach(arm: Arm) -> ContactSet:
+    left = arm.contacts if arm.reach is None else arm.reach.clip(arm.contacts)
+    if left is None:
+        ends = [*arm.contacts.points, *(end for s in arm.contacts.segments for end in (s.start, s.stop))]
+        least = float(arm.reach.excess(ends).min()) if arm.reach is not None else 0.0
+        raise UsageError(f"arm {arm.name}: reach: no candidate contact is within; the nearest is {least:.3g} m beyond")
+    return left

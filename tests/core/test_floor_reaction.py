@@ -1,0 +1,80 @@
+"""What the floor gives, against the balance of momentum in space with the model's own accelerations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cartgrasp as cg
+from cartgrasp.contacts import grasp_map_spatial
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import FloorReaction
+from cartgrasp.motion import Motion
+
+TRICYCLE = (cg.Wheel("fixed", 0.1, 0.3), cg.Wheel("fixed", 0.1, -0.25), cg.Wheel("caster", 0.8, 0.05, 0.04))
+HEIGHT = 0.45
+
+
+def cart(axle=0.1, wheels=TRICYCLE, effects=(), **changes):
+    inertia = cg.Inertia(24.0, (0.35, 0.06), 2.0)
+    constraints = cg.RollingConstraints(axle)
+    return cg.CartModel(inertia, constraints, effects, wheels, com_height=HEIGHT, **changes)
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("axle", [0.1, 0.0])
+def test_momentum_in_space(seed, axle):
+    """On three wheels the loads follow from the balance alone: forces, and moments about the centre of mass."""
+    rng = np.random.default_rng(seed)
+    model = cart(axle, effects=(ViscousDrag(3.0, 1.2),))
+    u, r = rng.uniform(-1.5, 1.5, 2)
+    motion = Motion(rng.uniform(-2, 2, 3), np.array([u, r]))
+    point, yaw, wrench_a = rng.uniform((-0.4, -0.3, 0.8), (0.1, 0.3, 1.1)), rng.uniform(-1, 1), rng.normal(0, 15, 6)
+    hands = grasp_map_spatial(point, yaw) @ wrench_a
+    floor = FloorReaction.of(model, motion)
+    loads, lateral = floor.loads(hands), float(floor.lateral(hands))
+
+    state = model.state(motion.pose_sb, motion.velocity)
+    du, dr = model.state_rate(state, hands[[0, 1, 5]])[3:5]
+    spin, turn = np.array([0, 0, r]), np.array([0, 0, dr])
+    velocity, rate = np.array([u, -axle * r, 0.0]), np.array([du, -axle * dr, 0.0])  # no side slip at the axle
+    com = np.array([0.35, 0.06, HEIGHT])
+    acceleration = rate + np.cross(spin, velocity) + np.cross(turn, com) + np.cross(spin, np.cross(spin, com))
+    drag = model.effect_wrench(state)
+    forces = [(np.array([drag[0], drag[1], 0.0]), np.zeros(3)), (np.array([0.0, lateral, 0.0]), np.array([axle, 0, 0]))]
+    forces += [(np.array([0, 0, load]), np.array([w.x, w.y, 0])) for load, w in zip(loads, TRICYCLE, strict=True)]
+    forces += [(np.array([0, 0, -24.0 * 9.81]), com), (hands[:3], np.zeros(3))]
+    total = sum(force for force, _ in forces)
+    moment = sum(np.cross(at - com, force) for force, at in forces) + hands[3:] + [0, 0, drag[2]]
+    assert total == pytest.approx(24.0 * acceleration, abs=1e-9)
+    assert moment == pytest.approx([0, 0, 2.0 * dr], abs=1e-9)
+
+
+def test_the_closed_form_of_physics_5():
+    """With the axle through {b}'s origin: lambda = m (u r + dx r' - dy r²) - fy."""
+    model, (u, r) = cart(0.0), (0.8, 0.5)
+    motion, wrench = Motion(np.zeros(3), np.array([u, r])), np.array([20.0, 6.0, 0, 0, 0, 2.0])
+    dr = model.state_rate(model.state(motion.pose_sb, motion.velocity), wrench[[0, 1, 5]])[4]
+    expected = 24.0 * (u * r + 0.35 * dr - 0.06 * r**2) - 6.0
+    assert FloorReaction.of(model, motion).lateral(wrench) == pytest.approx(expected, rel=1e-12)
+
+
+def test_at_rest_and_pushed():
+    """Idle, the weight as WheelSet spreads it. A push at the handle loads the front by its lever over the track."""
+    model = cart()
+    floor = FloorReaction.of(model)
+    idle = floor.loads(np.zeros(6))
+    assert idle == pytest.approx(model.wheel_set.loads(model.inertia.phi), rel=1e-12)
+    assert floor.lateral(np.zeros(6)) == pytest.approx(0.0, abs=1e-12)
+    pushed = floor.loads(grasp_map_spatial((-0.25, 0.06, 1.0)) @ np.array([48.0, 0, 0, 0, 0, 0]))
+    carried_forward = 48.0 * (1.0 - HEIGHT) / (0.8 - 0.1)  # 24 kg take 2 m/s²: force at 1 m, inertia at the CoM
+    assert pushed[2] - idle[2] == pytest.approx(carried_forward, rel=1e-9)
+    assert pushed.sum() == pytest.approx(24 * 9.81)
+
+
+def test_what_it_needs():
+    for changes in ({"wheels": ()}, {"com_height": None}):
+        model = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), **({"wheels": TRICYCLE, "com_height": 0.4} | changes))
+        with pytest.raises(UsageError, match="wheels and com_height are needed"):
+            FloorReaction.of(model)
