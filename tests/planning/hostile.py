@@ -8,6 +8,8 @@ import numpy as np
 
 from cartgrasp.arms import Arm, Friction
 
+from cartgrasp.joint_torques import JointTorques
+
 from .drawn import cart
 
 SPECIAL = (np.nan, np.inf, -np.inf, 0.0, -0.0, 1e300, -1e300, 5e-324, 1e-12, 1e9, 1e15, -1.0)
@@ -54,10 +56,25 @@ def hostile_arms(rng, share):
                 moment_limit=[limit(rng, 8.0, share) for _ in range(3)],
                 friction=hostile_friction(rng, share),
                 weights=[abs(limit(rng, 10.0, share)) for _ in range(6)],
+                **hostile_strength(rng, share),
                 **more,
             )
         )
     return arms
+
+
+def hostile_strength(rng, share):
+    """Push only, a payload, joints: with a share of odd numbers, each for a few arms."""
+    more = {}
+    if rng.random() < 0.1:
+        more["push_only"] = True
+    if rng.random() < 0.1:
+        more["payload"] = limit(rng, 5.0, share)
+    if rng.random() < 0.1:
+        jacobian = [[number(rng, 1.0, share / 40) for _ in range(7)] for _ in range(6)]
+        most = np.array([limit(rng, 30.0, share / 7) for _ in range(7)])
+        more["joints"] = JointTorques(np.array(jacobian), rng.uniform(-0.3, 1.0, 7) * np.minimum(most, 10.0), most)
+    return more
 
 
 def hostile_cart(rng):

@@ -119,8 +119,8 @@ def _left_over(slope, matrix, touched, around):
         for (start, mu), some in zip(around, angles, strict=True):
             basis += [_cone_normal(n, start, mu, angle) for angle in some]
         basis = np.array(basis)
-        lengths = np.linalg.norm(basis, axis=1)
-        basis = basis / np.where(lengths > 0, lengths, 1.0)[:, None]
+        longest = np.abs(basis).max(axis=1, keepdims=True)
+        basis = basis / np.where(longest > 0, longest, 1.0)
         weights, _ = nnls(basis.T, -slope, maxiter=100 * len(basis))
         rest, first = slope + weights @ basis, len(fixed)
         for k, ((start, _), some) in enumerate(zip(around, angles, strict=True)):
