@@ -7,9 +7,11 @@ from .contacts import ContactSet, ContactWrenches, Segment, grasp_map_planar, gr
 from .effects import KNOWN_EFFECTS
 from .errors import CartgraspError, DataError, FileError, LogError, UsageError
 from .inertia import Inertia
+from .joint_torques import JointTorques
 from .logs import RunLog, read_log, write_log
 from .model import CartModel
 from .motion import Estimate, Measurement, Motion, ParameterEstimate, Reference
+from .reach import Reach
 from .wheels import Wheel
 
 __version__ = "0.1.0"
@@ -26,10 +28,12 @@ __all__ = [
     "FileError",
     "Friction",
     "Inertia",
+    "JointTorques",
     "LogError",
     "Measurement",
     "Motion",
     "ParameterEstimate",
+    "Reach",
     "Reference",
     "RollingConstraints",
     "RunLog",

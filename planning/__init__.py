@@ -4,21 +4,40 @@ from __future__ import annotations
 
 from .allocation import Allocation, allocate, build_allocation
 from .contact_choice import SearchLimit
-from .objectives import LoadShare, Objective, Smoothness, WeightedWrench
+from .limits import InternalForce, Skid, TipOver
+from .objectives import (
+    LeastInternalForce,
+    LeastJointTorque,
+    Lexicographic,
+    LoadShare,
+    Nothing,
+    Objective,
+    Smoothness,
+    WeightedWrench,
+    WorstArm,
+)
 from .plan import Plan
 from .planner import WrenchPlanner
 from .quadratic_program import QPSolution, QuadraticProgram
 
 __all__ = [
     "Allocation",
+    "InternalForce",
+    "LeastInternalForce",
+    "LeastJointTorque",
+    "Lexicographic",
     "LoadShare",
+    "Nothing",
     "Objective",
     "Plan",
     "QPSolution",
     "QuadraticProgram",
     "SearchLimit",
+    "Skid",
     "Smoothness",
+    "TipOver",
     "WeightedWrench",
+    "WorstArm",
     "WrenchPlanner",
     "allocate",
     "build_allocation",

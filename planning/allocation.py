@@ -16,8 +16,9 @@ from cartgrasp.frames import Array
 from .allocation_template import AllocationTemplate
 from .infeasibility import Certificate, certify, contradiction, nearest_plan, project
 from .limits import CartLimit
-from .objectives import Objective
+from .objectives import Lexicographic, Objective
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
+from .second_stage import second_stage
 from .solvers import QuadraticSolver, solve_with_clarabel
 
 if TYPE_CHECKING:
@@ -63,7 +64,11 @@ def allocate(
     points = contact_array(template, contacts)
     target = template.basis_b.T @ np.asarray(wrench_b, dtype=float)
     program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n)))
-    return conclude(template, points, program, QuadraticSolver().solve(program))
+    allocation = conclude(template, points, program, QuadraticSolver().solve(program))
+    if allocation.status == OPTIMAL and isinstance(objective, Lexicographic):
+        second = objective.second.cost(template.arms, np.zeros(template.n))
+        return _solved(template, *second_stage(QuadraticSolver(), program, allocation.solution, second))
+    return allocation
 
 
 def conclude(

@@ -26,6 +26,7 @@ from .duality import Cut, farkas_cut, infeasible_by
 from .quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, Cone, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
 
+FORCE_WORDS = frozenset({"fx", "fy", "fz", "payload", "force"})
 FAR = 0.1  # of the wrench asked for: a slack shorter than this is seen from farther away
 SINGLE_DIRECTIONS = {
     "fx": "forward force",
@@ -50,6 +51,10 @@ class Nearest:
     effort: float
     program: QuadraticProgram
     solution: QPSolution
+
+    def may_stand_in(self, most: float) -> bool:
+        """Whether it misses what was asked by `most` or less, and was verified."""
+        return self.distance <= most and self.solution.residuals.feasible
 
     def as_dict(self) -> dict[str, Any]:
         arms = {
@@ -269,8 +274,8 @@ def _words(limits: Mapping[str, float], direction: Array, numbers: tuple[float, 
     parts = []
     for limit, value in limits.items():
         words = limit.split()
-        axis = words[-2] if words[-1] in ("lower", "upper") else ""
-        bound = f" {abs(value):.6g} {'N' if axis.startswith('f') else 'N·m'}" if axis else ""
+        is_force = FORCE_WORDS.intersection(words)
+        bound = f" {abs(value):.6g} {'N' if is_force else 'N·m'}" if words[-1] in ("lower", "upper") else ""
         parts.append(limit + bound)
     asked, most = (f"{round(number, 9) + 0.0:.6g}{unit}" for number in numbers)
     subject = "together they give" if len(parts) > 1 else "it gives"

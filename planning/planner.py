@@ -77,15 +77,25 @@ class WrenchPlanner:
         self._shown: dict[str, Array] = {}
         self._shown_points = np.zeros((0, 3))
         self._last = np.zeros(self._terms.base.n)
+        self._last_choice: Array | None = None
         self._begin_terms()
         self.reset()
 
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
         self._last_points = np.array([contacts.first for contacts in self._terms.sets.values()])
-        self._last_choice: Array | None = None
+        self._last_choice = None
         self._newest_estimate = -math.inf
         self._look_back_at(np.zeros(self._terms.base.n))
+
+    def start_from(self, wrenches: Mapping[str, ArrayLike]) -> None:
+        """As if the last plan had been these wrenches (6,) in {a} by arm; of arms left out, zero."""
+        last = np.zeros((len(self._terms.sets), 6))
+        for i, name in enumerate(self._terms.sets):
+            last[i] = wrenches.get(name, last[i])
+        if not set(wrenches) <= set(self._terms.sets) or not np.isfinite(last).all():
+            raise UsageError(f"start_from: {dict(wrenches)} are not finite wrenches of {', '.join(self._terms.sets)}")
+        self._look_back_at(scaled_into(self._terms.base.limits, last.ravel()))
 
     def warm_up(self) -> None:
         """Does now what would cost at the first call: workspaces, and the import of the fallback solver."""
@@ -179,6 +189,7 @@ class WrenchPlanner:
         base = self._terms.base
         self._yaws = dict(zip(base.names, base.yaws.tolist(), strict=True))
         self._given = GivenContacts(self._terms)
+        self._last_choice = None
         self._drop_program()
 
     def _drop_program(self) -> None:
@@ -316,11 +327,12 @@ class WrenchPlanner:
         """The nearest wrench that can be given, where it is near enough."""
         certificate = allocation.certificate
         nearest = None if certificate is None else certificate.nearest
-        if nearest is None or nearest.distance > self._relax or not nearest.solution.residuals.feasible:
+        if certificate is None or nearest is None or not nearest.may_stand_in(self._relax):
             return None
         proof = proof or ChoiceProof(nearest.solution.cost, 0.0, 1)
         plan = self._solved(points, nearest.program, nearest.solution, proof, start)
-        return replace(plan, status=RELAXED, certificate=certificate, message=certificate.words if certificate else "")
+        active = tuple(dict.fromkeys((*certificate.limits, *plan.active)))
+        return replace(plan, status=RELAXED, active=active, certificate=certificate, message=certificate.words)
 
     def _contacts_at(self, points: Array) -> dict[str, Array]:
         if points is not self._shown_points:

@@ -3,84 +3,61 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import AfterValidator, Field
+import numpy as np
 from ruamel.yaml.comments import CommentedMap
 
 from cartgrasp.arms import EXACT, Arm, Friction
 from cartgrasp.cart_file import cart_from_document, load_cart
 from cartgrasp.contacts import ContactSet, Segment
 from cartgrasp.errors import FileError, UsageError
+from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
-from cartgrasp.yaml_file import StrictModel, file_error, read_yaml, validate
+from cartgrasp.reach import Reach
+from cartgrasp.yaml_file import file_error, read_yaml, validate
+
+from .limits import CartLimit, InternalForce, Skid, TipOver
+from .planner import WrenchPlanner
+from .problem_schema import ArmEntry, CartLimitsEntry, FrictionEntry, JointsEntry, ProblemEntry, ReachEntry
 
 NO_LIMIT = (float("inf"),) * 3
-WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
-
-
-def _limit(value: float) -> float:
-    if not abs(value) < float("inf"):
-        raise ValueError(f"{value} is not a finite number; leave the key out for no limit")
-    return _not_negative(value)
-
-
-def _not_negative(value: float) -> float:
-    if value < 0:
-        raise ValueError(f"{value:g} is negative; a number >= 0 is needed")
-    return value
-
-
-NotNegative = Annotated[float, AfterValidator(_not_negative)]
-LimitValue = Annotated[float, Field(allow_inf_nan=True), AfterValidator(_limit)]
-Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
-LimitTriple = Annotated[list[LimitValue], Field(min_length=3, max_length=3)]
-
-
-class _LimitsEntry(StrictModel):
-    force: LimitTriple | None = None
-    moment: LimitTriple | None = None
-
-
-class _FrictionEntry(StrictModel):
-    mu: NotNegative
-    sides: Any = 4
-
-
-class _ArmEntry(StrictModel):
-    name: str
-    contacts: list[Triple] = Field(default_factory=list)
-    segment: Annotated[list[Triple], Field(min_length=2, max_length=2)] | None = None
-    yaw: float = 0.0
-    limits: _LimitsEntry = _LimitsEntry()
-    friction: _FrictionEntry | None = None
-    weights: list[NotNegative] = Field(default_factory=lambda: [*WEIGHTS], min_length=6, max_length=6)
-
-
-class _ProblemEntry(StrictModel):
-    cart: Any
-    wrench: Triple
-    arms: list[_ArmEntry] = Field(min_length=1)
-    min_hand_distance: NotNegative = 0.0
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A cart, its arms, and the wrench (fx, fy, tau) wanted on the cart in {b}."""
+    """A cart, its arms, and the wrench (fx, fy, tau) wanted on the cart in {b}; `last` are the wrenches (6,) by arm
+    that rates of change count from, one `period` (s) ago."""
 
     cart: CartModel
     arms: tuple[Arm, ...]
     wrench: tuple[float, float, float]
     min_hand_distance: float
+    cart_limits: tuple[CartLimit, ...]
+    relax: float
+    period: float
+    last: Mapping[str, Sequence[float]]
+
+    def planner(self) -> WrenchPlanner:
+        planner = WrenchPlanner(
+            self.cart,
+            self.arms,
+            cart_limits=self.cart_limits,
+            min_hand_distance=self.min_hand_distance,
+            relax=self.relax,
+            period=self.period,
+        )
+        planner.start_from(self.last)
+        return planner
 
 
 def read_problem(path: str | os.PathLike[str]) -> Problem:
     """A mistake is refused as `file:line:column: key: why`."""
     document, name = read_yaml(path), str(path)
-    entry = validate(_ProblemEntry, document, name)
+    entry = validate(ProblemEntry, document, name)
 
     def refuse(location: list[str | int], why: str) -> FileError:
         return file_error(document, name, location, why)
@@ -92,7 +69,16 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         arms.append(_arm(arm, ["arms", i], refuse))
     fx, fy, tau = entry.wrench
     cart = _cart(entry.cart, document, Path(path), refuse)
-    return Problem(cart, tuple(arms), (fx, fy, tau), entry.min_hand_distance)
+    return Problem(
+        cart=cart,
+        arms=tuple(arms),
+        wrench=(fx, fy, tau),
+        min_hand_distance=entry.min_hand_distance,
+        cart_limits=_cart_limits(entry.cart_limits, cart, arms, refuse),
+        relax=entry.relax,
+        period=entry.period,
+        last={arm.name: arm.rate.last for arm in entry.arms if arm.rate is not None},
+    )
 
 
 Refuse = Callable[[list[str | int], str], FileError]
@@ -106,7 +92,28 @@ def _cart(entry: Any, document: CommentedMap, path: Path, refuse: Refuse) -> Car
     raise refuse(["cart"], f"{entry!r} is neither the path of a cart file nor a mapping")
 
 
-def _arm(entry: _ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
+def _cart_limits(entry: CartLimitsEntry, cart: CartModel, arms: Sequence[Arm], refuse: Refuse) -> tuple[CartLimit, ...]:
+    limits: list[tuple[str, Callable[[], CartLimit]]] = []
+    if entry.skid is not None:
+        friction = entry.skid.friction
+        limits.append(("skid", lambda: Skid(friction)))
+    if entry.tip_over is not None:
+        least = entry.tip_over.least_load
+        limits.append(("tip_over", lambda: TipOver(least)))
+    if entry.internal_force is not None:
+        bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
+        limits.append(("internal_force", lambda: InternalForce(bound, (x, y, z))))
+    found = []
+    for key, make in limits:
+        try:
+            found.append(make())
+            found[-1].rows(cart, None, arms)
+        except UsageError as error:
+            raise refuse(["cart_limits", key], str(error)) from error
+    return tuple(found)
+
+
+def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
     if not entry.contacts and entry.segment is None:
         raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
     points = tuple((x, y, z) for x, y, z in entry.contacts)
@@ -115,6 +122,9 @@ def _arm(entry: _ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
         (x, y, z), (x2, y2, z2) = entry.segment
         segments = (Segment((x, y, z), (x2, y2, z2)),)
     friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
+    joints = _joints(entry.joints, [*where, "joints"], refuse)
+    reach = _reach(entry.reach, ContactSet(points, segments), [*where, "reach"], refuse)
+    rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
     try:
         return Arm(
             entry.name,
@@ -124,15 +134,46 @@ def _arm(entry: _ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
             moment_limit=entry.limits.moment or NO_LIMIT,
             friction=friction,
             weights=entry.weights,
+            push_only=entry.push_only,
+            payload=float("inf") if entry.payload is None else entry.payload,
+            wrench_rate=rate or NO_LIMIT * 2,
+            joints=joints,
+            reach=reach,
         )
     except UsageError as error:
         raise refuse([*where, "name"], str(error)) from error
 
 
-def _friction(entry: _FrictionEntry | None, where: list[str | int], refuse: Refuse) -> Friction | None:
+def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refuse) -> Friction | None:
     if entry is None:
         return None
     sides = entry.sides
     if sides != EXACT and not (isinstance(sides, int) and not isinstance(sides, bool) and 3 <= sides <= 256):
         raise refuse(where, f"{sides!r} is neither a whole number of 3 to 256 nor `exact`")
     return Friction(entry.mu, sides)
+
+
+def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -> JointTorques | None:
+    if entry is None:
+        return None
+    n = len(entry.torque_limit)
+    for row, values in enumerate(entry.jacobian):
+        if len(values) != n:
+            why = f"{len(values)} numbers, but there are {n} torque limits: one for each joint is needed"
+            raise refuse([*where, "jacobian", row], why)
+    try:
+        return JointTorques(*(np.array(part) for part in (entry.jacobian, entry.gravity_torque, entry.torque_limit)))
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
+
+
+def _reach(entry: ReachEntry | None, held: ContactSet, where: list[str | int], refuse: Refuse) -> Reach | None:
+    if entry is None:
+        return None
+    try:
+        reach = Reach.box(entry.low, entry.high)
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
+    if reach.clip(held) is None:
+        raise refuse(where, "no candidate contact is within it")
+    return reach

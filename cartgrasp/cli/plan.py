@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from planning import Plan, WrenchPlanner
+from planning import Plan
 from planning.plan import INVALID_INPUT
 from planning.problem_file import read_problem
 
@@ -14,15 +14,14 @@ from .output import print_json, print_table
 
 def run(path: Path, as_json: bool) -> int:
     problem = read_problem(path)
-    planner = WrenchPlanner(problem.cart, list(problem.arms), min_hand_distance=problem.min_hand_distance)
-    plan = planner.plan(problem.wrench)
+    plan = problem.planner().plan(problem.wrench)
     if as_json:
         print_json(plan.as_dict())
     elif plan.status != INVALID_INPUT:
         _print(plan)
     if plan.status == INVALID_INPUT:
         raise UsageError(f"{path}: {plan.message}")
-    return 0 if plan.status in ("optimal", "relaxed") else 1
+    return 0 if plan.is_usable else 1
 
 
 def _print(plan: Plan) -> None:
@@ -31,6 +30,10 @@ def _print(plan: Plan) -> None:
         print(f"{plan.status}: {plan.certificate.words if plan.certificate else plan.message}")
         if plan.nearest is None:
             return
+        if plan.missing:
+            print(
+                "left out of what is asked: " + ", ".join(f"{row} {value:.4g}" for row, value in plan.missing.items())
+            )
         fx, fy, tau = plan.nearest.wrench
         print(f"nearest feasible wrench on the cart: fx {fx:.4g} N, fy {fy:.4g} N, moment {tau:.4g} N·m")
         wrenches, contacts = plan.nearest.wrenches, plan.nearest.contacts
@@ -40,8 +43,11 @@ def _print(plan: Plan) -> None:
     ]
     columns = ["arm", "contact (m)", "fx (N)", "fy", "fz", "tx (N·m)", "ty", "tz"]
     print_table("Wrench of each arm in its contact frame", columns, rows, left=2)
-    if plan.status == "optimal":
+    if plan.is_usable:
         print(f"effort {plan.effort:.6g}; active: {', '.join(plan.active) or 'no limit'}")
         residuals = {} if plan.residuals is None else plan.residuals.as_dict()
         print("residuals: " + ", ".join(f"{name} {value:.1e}" for name, value in residuals.items()))
+        if plan.margins:
+            name = min(plan.margins, key=lambda limit: plan.margins[limit])
+            print(f"smallest margin: {plan.margins[name]:.4g} to {name}")
         print(f"solved in {1e6 * plan.solve_time:.0f} µs by {plan.solver}")

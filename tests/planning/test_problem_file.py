@@ -10,7 +10,7 @@ import pytest
 from cartgrasp.arms import Friction
 from cartgrasp.contacts import Segment
 from cartgrasp.errors import FileError
-from planning import WrenchPlanner
+from planning import InternalForce, Skid, TipOver, WrenchPlanner
 from planning.problem_file import read_problem
 
 CART = """\
@@ -134,6 +134,113 @@ def test_a_mistake_has_a_place(tmp_path, old, new, place, why):
     with pytest.raises(FileError, match=re.escape(why)) as caught:
         read_problem(path)
     assert str(caught.value).startswith(f"{path}:{place}: ")
+
+
+WHEELS = """\
+com_height: 0.45
+wheels:
+  - {kind: fixed, x: 0.0, y: 0.27}
+  - {kind: fixed, x: 0.0, y: -0.27}
+  - {kind: caster, x: 0.72, y: 0.0, trail: 0.04}
+"""
+MORE = """\
+cart: cart.yaml
+wrench: [40.0, 0.0, 3.0]
+arms:
+  - name: left
+    contacts: [[-0.25, 0.20, 1.0], [-0.25, 0.5, 1.0]]
+    push_only: true
+    payload: 5
+    rate: {force: [2000, 2000, 9000], last: [10, 0, 0, 0, 0, 0]}
+    joints:
+      jacobian: [[0.1, 0.2], [0.6, 0.3], [0, 0], [0, 0], [0, 0], [1, 1]]
+      gravity_torque: [2, 1]
+      torque_limit: [30, 20]
+    reach: {low: [-0.5, -0.3, 0], high: [0, 0.3, 2]}
+  - name: right
+    contacts: [[-0.25, -0.20, 1.0]]
+cart_limits:
+  skid: {friction: 0.4}
+  tip_over: {least_load: 10}
+  internal_force: {bound: 20}
+relax: 50
+period: 0.01
+"""
+
+
+def more_file(folder, text):
+    path = problem_file(folder, text)
+    (folder / "cart.yaml").write_text(CART + WHEELS)
+    return path
+
+
+def test_every_other_limit(tmp_path):
+    problem = read_problem(more_file(tmp_path, MORE))
+    left, right = problem.arms
+    assert left.push_only
+    assert left.payload == 5
+    assert left.wrench_rate == (2000, 2000, 9000, np.inf, np.inf, np.inf)
+    assert left.joints.jacobian.shape == (6, 2)
+    assert left.joints.torque_limit.tolist() == [30, 20]
+    assert left.reach.excess([-0.25, 0.2, 1.0]) < 0 < left.reach.excess([-0.25, 0.5, 1.0])
+    assert problem.cart_limits == (Skid(0.4), TipOver(10.0), InternalForce(20.0))
+    assert (problem.relax, problem.period) == (50.0, 0.01)
+    assert (right.push_only, right.payload, right.joints, right.reach) == (False, np.inf, None, None)
+    plan = problem.planner().plan(problem.wrench)
+    assert plan.status == "optimal"
+    assert plan.contacts["left"].tolist() == [-0.25, 0.2, 1.0]
+    assert {"wheel 2 load", "skid to the left", "left: joint 1 torque upper", "left: payload upper"} <= set(
+        plan.margins
+    )
+    assert plan.margins["left: fx rate upper"] == pytest.approx(30.0 - plan.wrenches["left"][0])
+    assert plan.margins["left: joint 0 torque upper"] == pytest.approx(
+        28.0 - left.joints.jacobian[:, 0] @ plan.wrenches["left"]
+    )
+
+
+def test_a_plan_from_a_file_is_relaxed_as_it_allows(tmp_path):
+    asked = MORE.replace("cart_limits:", "    limits: {force: [9, 9, 9]}\ncart_limits:")
+    plan = read_problem(more_file(tmp_path, asked)).planner().plan((60.0, 0.0, 0.0))
+    assert plan.status == "relaxed"
+    assert set(plan.active) & {"left: fx rate upper", "right: fx upper"}
+    assert plan.contact_wrenches.wrench_b[0] <= 39.0 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "why"),
+    [
+        ("push_only: true", "push_only: 1", "6:5: arms.0.push_only", "push_only"),
+        ("payload: 5", "payload: -5", "7:5: arms.0.payload", "-5 is negative"),
+        ("payload: 5", "payload: .inf", "7:5: arms.0.payload", "leave the key out"),
+        ("force: [2000, 2000", "force: [2000, 0", "8:26: arms.0.rate.force.1", "0 is not > 0"),
+        ("last: [10, 0", "last: [.nan, 0", "8:46: arms.0.rate.last.0", "nan is not a finite"),
+        ("[0.6, 0.3]", "[0.6]", "10:30: arms.0.joints.jacobian.1", "1 numbers, but there are 2 torque limits"),
+        (", [1, 1]]", "]", "10:7: arms.0.joints.jacobian", "at least 6"),
+        ("gravity_torque: [2, 1]", "gravity_torque: [2]", "9:5: arms.0.joints", "gravity_torque: shape (1,)"),
+        ("gravity_torque: [2, 1]", "gravity_torque: [2, 25]", "9:5: arms.0.joints", "joint 1 needs 25 N·m"),
+        ("torque_limit: [30, 20]", "torque_limit: [30, -20]", "12:26: arms.0.joints.torque_limit.1", "-20 is negative"),
+        ("low: [-0.5", "low: [0.5", "13:5: arms.0.reach", "corner of a box"),
+        ("low: [-0.5", "low: [-0.1", "13:5: arms.0.reach", "no candidate contact is within it"),
+        ("friction: 0.4", "friction: -0.4", "17:10: cart_limits.skid.friction", "-0.4 is negative"),
+        ("{friction: 0.4}", "{mu: 0.4}", "17:10: cart_limits.skid", "mu"),
+        ("{bound: 20}", "{bound: 20, axis: [0, 0, 0]}", "19:3: cart_limits.internal_force", "not a direction"),
+        ("relax: 50", "relax: .inf", "20:1: relax", "inf is not a finite"),
+        ("period: 0.01", "period: 0", "21:1: period", "0 is not > 0"),
+        ("tip_over:", "tipover:", "18:3: cart_limits.tipover", "unknown key"),
+    ],
+)
+def test_a_mistake_in_another_limit_has_a_place(tmp_path, old, new, place, why):
+    assert old in MORE
+    path = more_file(tmp_path, MORE.replace(old, new, 1))
+    with pytest.raises(FileError, match=re.escape(why)) as caught:
+        read_problem(path)
+    assert str(caught.value).startswith(f"{path}:{place}")
+
+
+def test_a_cart_that_can_not_have_a_limit(tmp_path):
+    with pytest.raises(FileError, match="stand in one line") as caught:
+        read_problem(problem_file(tmp_path, MORE.replace("  skid: {friction: 0.4}\n", "")))
+    assert ":17:3: cart_limits.tip_over: " in str(caught.value)
 
 
 def test_no_arms(tmp_path):

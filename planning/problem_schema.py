@@ -1,0 +1,114 @@
+"""The keys of `PROBLEM.yaml`, with their types and what a single value may be."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field
+
+from cartgrasp.yaml_file import StrictModel
+
+WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
+
+
+def _limit(value: float) -> float:
+    if not abs(value) < float("inf"):
+        raise ValueError(f"{value} is not a finite number; leave the key out for no limit")
+    return _not_negative(value)
+
+
+def _not_negative(value: float) -> float:
+    if value < 0:
+        raise ValueError(f"{value:g} is negative; a number >= 0 is needed")
+    return value
+
+
+def _positive(value: float) -> float:
+    if not value > 0:
+        raise ValueError(f"{value:g} is not > 0")
+    return value
+
+
+NotNegative = Annotated[float, AfterValidator(_not_negative)]
+Positive = Annotated[float, AfterValidator(_positive)]
+LimitValue = Annotated[float, Field(allow_inf_nan=True), AfterValidator(_limit)]
+Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
+LimitTriple = Annotated[list[LimitValue], Field(min_length=3, max_length=3)]
+RateTriple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+
+
+class LimitsEntry(StrictModel):
+    force: LimitTriple | None = None
+    moment: LimitTriple | None = None
+
+
+class RateEntry(StrictModel):
+    """Per second; `last` is the wrench that it counts from."""
+
+    force: RateTriple | None = None
+    moment: RateTriple | None = None
+    last: list[float] = Field(default_factory=lambda: [0.0] * 6, min_length=6, max_length=6)
+
+
+class JointsEntry(StrictModel):
+    """Six rows of the Jacobian, as many columns as joints."""
+
+    jacobian: Annotated[list[list[float]], Field(min_length=6, max_length=6)]
+    gravity_torque: list[float]
+    torque_limit: list[NotNegative]
+
+
+class ReachEntry(StrictModel):
+    low: Triple
+    high: Triple
+
+
+class FrictionEntry(StrictModel):
+    mu: NotNegative
+    sides: Any = 4
+
+
+class ArmEntry(StrictModel):
+    name: str
+    contacts: list[Triple] = Field(default_factory=list)
+    segment: Annotated[list[Triple], Field(min_length=2, max_length=2)] | None = None
+    yaw: float = 0.0
+    limits: LimitsEntry = LimitsEntry()
+    friction: FrictionEntry | None = None
+    weights: list[NotNegative] = Field(default_factory=lambda: [*WEIGHTS], min_length=6, max_length=6)
+    push_only: bool = False
+    payload: LimitValue | None = None
+    rate: RateEntry | None = None
+    joints: JointsEntry | None = None
+    reach: ReachEntry | None = None
+
+
+class SkidEntry(StrictModel):
+    friction: NotNegative
+
+
+class TipOverEntry(StrictModel):
+    least_load: NotNegative = 0.0
+
+
+class InternalForceEntry(StrictModel):
+    bound: NotNegative
+    axis: Triple = Field(default_factory=lambda: [0.0, 1.0, 0.0])
+
+
+class CartLimitsEntry(StrictModel):
+    """Limits of the hands together."""
+
+    skid: SkidEntry | None = None
+    tip_over: TipOverEntry | None = None
+    internal_force: InternalForceEntry | None = None
+
+
+class ProblemEntry(StrictModel):
+    cart: Any
+    wrench: Triple
+    arms: list[ArmEntry] = Field(min_length=1)
+    min_hand_distance: NotNegative = 0.0
+    cart_limits: CartLimitsEntry = CartLimitsEntry()
+    relax: NotNegative = 0.0
+    period: Positive = 1e-3
