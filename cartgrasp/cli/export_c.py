@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from planning import WrenchPlanner
 from planning.embedded import EmbeddedProblem, check_free, export_c
 from planning.problem_file import Problem, read_problem
 
@@ -17,9 +16,11 @@ from .output import print_json, say
 def run(path: Path, out: Path, as_json: bool) -> int:
     problem = read_problem(path)
     check_free(out)
+    if problem.relax > 0:
+        raise UsageError(f"{path}: relax: C plans don't relax; leave the key out")
     contacts, chosen = _contacts(problem, path)
     try:
-        embedded = EmbeddedProblem.of(problem.cart, problem.arms, contacts)
+        embedded = EmbeddedProblem.of(problem.cart, problem.arms, contacts, problem.cart_limits)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
     export_c(embedded, out, problem.wrench)
@@ -39,10 +40,8 @@ def _contacts(problem: Problem, path: Path) -> tuple[Mapping[str, Array], list[s
     chosen = [name for name, contacts in sets.items() if contacts.segments or len(contacts.points) > 1]
     if not chosen:
         return {name: contacts.first for name, contacts in sets.items()}, []
-    plan = WrenchPlanner(problem.cart, list(problem.arms), min_hand_distance=problem.min_hand_distance).plan(
-        problem.wrench
-    )
-    if plan.status == "optimal":
+    plan = problem.planner().plan(problem.wrench)
+    if plan.is_usable:
         return plan.contacts, chosen
     if plan.nearest is not None:
         return plan.nearest.contacts, chosen

@@ -16,26 +16,37 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.allocation import contact_array
 from planning.allocation_template import AllocationTemplate
+from planning.limits import CartLimit
 from planning.quadratic_program import QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
 MOST_ITERATIONS = 4000
-IN_PLANE = (0, 1, 5)  # fx, fy, tz of {a}: what of an arm's wrench acts on the cart in the plane
+PLANAR = [0, 1, 5]  # (fx, fy, tau) in a spatial wrench
 
 
 @dataclass(frozen=True, eq=False)
 class EmbeddedProblem:
-    """An allocation at contacts (n, 3) in {b}; its effective rows are the last of `program.rows`."""
+    """An allocation at contacts (n, 3) in {b}; the last of `program.rows` depend on contacts."""
 
     template: AllocationTemplate
     contacts: Array
     program: QuadraticProgram
 
     @classmethod
-    def of(cls, cart: CartModel, arms: Sequence[Arm], contacts: Mapping[str, ArrayLike]) -> Self:
-        template = AllocationTemplate.of(cart, arms)
+    def of(
+        cls,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        contacts: Mapping[str, ArrayLike],
+        cart_limits: Sequence[CartLimit] = (),
+    ) -> Self:
+        """Limits of the cart are those of `cart` at rest."""
+        for arm in arms:
+            if np.isfinite(arm.wrench_rate).any():
+                raise UsageError(f"{arm.name}: rate: C plans don't look back; limit rates in the controller instead")
+        template = AllocationTemplate.of(cart, arms, cart_limits=cart_limits)
         points = contact_array(template, contacts)
         cost = template.cost(np.zeros(template.n))
         program = template.program(template.contact_rows(points), np.zeros(template.basis_b.shape[1]), cost)
@@ -55,8 +66,7 @@ class EmbeddedProblem:
 
     @property
     def contact_entries(self) -> list[int]:
-        """Where in the sparse data of `matrix` stand the entries that contacts change: by arm, effective row,
-        component in the plane."""
+        """Where in the sparse data of `matrix` stand the entries that contacts change: by arm, row, component."""
         matrix = self.matrix
         columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
         position = {place: k for k, place in enumerate(zip(matrix.indices.tolist(), columns.tolist(), strict=True))}
@@ -64,16 +74,29 @@ class EmbeddedProblem:
 
     @property
     def _contact_places(self) -> tuple[Array, Array]:
-        n_arms, k = len(self.template.arms), self.template.basis_b.shape[1]
+        n_arms, k = len(self.template.arms), len(self.of_sum)
         first = self.program.n + len(self.program.rows) - k
-        arm, row, component = np.meshgrid(range(n_arms), range(k), IN_PLANE, indexing="ij")
+        arm, row, component = np.meshgrid(range(n_arms), range(k), range(6), indexing="ij")
         return (first + row).ravel(), (6 * arm + component).ravel()
+
+    @property
+    def of_sum(self) -> Array:
+        """What contact rows take of the hands' sum about {b}'s origin, (k, 6)."""
+        effective = np.zeros((self.template.basis_b.shape[1], 6))
+        effective[:, PLANAR] = self.template.basis_b.T
+        return np.vstack([self.template.cart_rows.of_sum, effective])
+
+    @property
+    def of_arm(self) -> Array:
+        """What contact rows take of each hand's own wrench in {a}, (n, k, 6)."""
+        none = np.zeros((len(self.template.arms), self.template.basis_b.shape[1], 6))
+        return np.concatenate([self.template.cart_rows.of_arm, none], axis=1)
 
 
 def header(problem: EmbeddedProblem) -> str:
     """`problem.h`."""
     template, program = problem.template, problem.program
-    k = template.basis_b.shape[1]
+    k, contact_rows = template.basis_b.shape[1], len(problem.of_sum)
     pairs = enumerate(zip(_macros(template.names), template.names, strict=True))
     names = "".join(f"  CARTGRASP_ARM_{macro} = {i}, /* {_comment(name)} */\n" for i, (macro, name) in pairs)
     limits = "".join(f"     {i}: {_comment(name)}\n" for i, name in enumerate(program.upper_names[program.n :][:-k]))
@@ -85,7 +108,8 @@ def header(problem: EmbeddedProblem) -> str:
 
 #define CARTGRASP_ARMS {len(template.arms)}
 #define CARTGRASP_FREE {k} /* effective rows on the cart: {", ".join(template.row_names)} */
-#define CARTGRASP_LIMIT_ROWS {len(program.rows) - k}
+#define CARTGRASP_CONTACT_ROWS {contact_rows} /* limits of the cart, then the effective rows */
+#define CARTGRASP_ARM_ROWS {len(program.rows) - contact_rows}
 #define CARTGRASP_MOST_ITERATIONS {MOST_ITERATIONS} /* of OSQP in one plan */
 
 /* The order of arms in contacts and wrenches. */
@@ -101,6 +125,10 @@ extern const double CARTGRASP_YAWS[CARTGRASP_ARMS];
 /* Basis S of the cart's free velocities in {{b}}. */
 extern const double CARTGRASP_BASIS_B[3][CARTGRASP_FREE];
 
+/* Rows that depend on contacts are OF_SUM Ad_i + OF_ARM for arm i, with Ad_i the spatial grasp map of its contact. */
+extern const double CARTGRASP_OF_SUM[CARTGRASP_CONTACT_ROWS][6];
+extern const double CARTGRASP_OF_ARM[CARTGRASP_ARMS][CARTGRASP_CONTACT_ROWS][6];
+
 /* The cost is 1/2 x'Hx + f'x of the wrenches x; effort is the sum of weight times component squared. */
 extern const double CARTGRASP_HESSIAN[6 * CARTGRASP_ARMS][6 * CARTGRASP_ARMS];
 extern const double CARTGRASP_GRADIENT[6 * CARTGRASP_ARMS];
@@ -108,12 +136,12 @@ extern const double CARTGRASP_WEIGHTS[6 * CARTGRASP_ARMS];
 
 /* Limits of x (N, N m), then of these rows, then the equalities:
 {limits or "     (none)"}*/
-extern const double CARTGRASP_ROWS[CARTGRASP_LIMIT_ROWS + CARTGRASP_FREE][6 * CARTGRASP_ARMS];
-extern const double CARTGRASP_LOWER[6 * CARTGRASP_ARMS + CARTGRASP_LIMIT_ROWS + CARTGRASP_FREE];
-extern const double CARTGRASP_UPPER[6 * CARTGRASP_ARMS + CARTGRASP_LIMIT_ROWS + CARTGRASP_FREE];
+extern const double CARTGRASP_ROWS[CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS][6 * CARTGRASP_ARMS];
+extern const double CARTGRASP_LOWER[6 * CARTGRASP_ARMS + CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS];
+extern const double CARTGRASP_UPPER[6 * CARTGRASP_ARMS + CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS];
 
 /* Where in OSQP's constraint matrix stand the entries that contacts change. */
-extern const int CARTGRASP_CONTACT_ENTRIES[3 * CARTGRASP_FREE * CARTGRASP_ARMS];
+extern const int CARTGRASP_CONTACT_ENTRIES[6 * CARTGRASP_ARMS * CARTGRASP_CONTACT_ROWS];
 
 #endif
 """
@@ -123,22 +151,24 @@ def source(problem: EmbeddedProblem) -> str:
     """`problem.c`."""
     template, program = problem.template, problem.program
     arms, n = "[CARTGRASP_ARMS]", "[6 * CARTGRASP_ARMS]"
-    entries = "[6 * CARTGRASP_ARMS + CARTGRASP_LIMIT_ROWS + CARTGRASP_FREE]"
+    entries = "[6 * CARTGRASP_ARMS + CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS]"
     names = ", ".join(f'"{_text(name)}"' for name in template.names)
     values = {
         f"CARTGRASP_CONTACTS_B{arms}[3]": problem.contacts,
         f"CARTGRASP_YAWS{arms}": template.yaws,
         "CARTGRASP_BASIS_B[3][CARTGRASP_FREE]": template.basis_b,
+        "CARTGRASP_OF_SUM[CARTGRASP_CONTACT_ROWS][6]": problem.of_sum,
+        f"CARTGRASP_OF_ARM{arms}[CARTGRASP_CONTACT_ROWS][6]": problem.of_arm,
         f"CARTGRASP_HESSIAN{n}{n}": program.hessian,
         f"CARTGRASP_GRADIENT{n}": program.gradient,
         f"CARTGRASP_WEIGHTS{n}": template.effort_weights,
-        f"CARTGRASP_ROWS[CARTGRASP_LIMIT_ROWS + CARTGRASP_FREE]{n}": program.rows,
+        f"CARTGRASP_ROWS[CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS]{n}": program.rows,
         f"CARTGRASP_LOWER{entries}": program.lower,
         f"CARTGRASP_UPPER{entries}": program.upper,
     }
     parts = [f"const double {name} = {_literal(np.asarray(value).tolist())};\n" for name, value in values.items()]
     places = _literal(problem.contact_entries)
-    parts.append(f"const int CARTGRASP_CONTACT_ENTRIES[3 * CARTGRASP_FREE * CARTGRASP_ARMS] = {places};\n")
+    parts.append(f"const int CARTGRASP_CONTACT_ENTRIES[6 * CARTGRASP_ARMS * CARTGRASP_CONTACT_ROWS] = {places};\n")
     top = f'#include "problem.h"\n\n#include <math.h>\n\nconst char *const CARTGRASP_ARM_NAMES{arms} = {{{names}}};\n'
     return "\n".join([top, *parts])
 

@@ -45,4 +45,6 @@ def test_what_can_not_be_exported(capsys, tmp_path):
     run(capsys, "export-c", problem_file(tmp_path), "--out", tmp_path).refused(2, "holds other files")
     far = problem_file(tmp_path, PROBLEM.replace("min_hand_distance: 0.1", "min_hand_distance: 5"))
     run(capsys, "export-c", far, "--out", tmp_path / "c").refused(2, "no contacts can be chosen")
+    relaxed = problem_file(tmp_path, PROBLEM + "relax: 5\n")
+    run(capsys, "export-c", relaxed, "--out", tmp_path / "c").refused(2, "problem.yaml", "relax")
     assert not (tmp_path / "c").exists()

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from cartgrasp.arms import Arm, Friction
-
 from cartgrasp.joint_torques import JointTorques
 
 from .drawn import cart

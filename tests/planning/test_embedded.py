@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import cartgrasp as cg
 from cartgrasp.arms import Friction
 from cartgrasp.errors import UsageError
+from cartgrasp.joint_torques import JointTorques
 from planning import WrenchPlanner
 from planning.embedded import EmbeddedProblem, export_c
+from planning.limits import InternalForce, Skid, TipOver
 
 from .drawn import arm, cart, first_contacts, random_arms, random_cart, support
 
 OURS = ("active_set", "main", "problem", "program", "proof", "wrench_planner")
+JOINTS = JointTorques(np.linspace(-1, 1, 18).reshape(6, 3), [2.0, -3.0, 0.5], [20.0, 25.0, 30.0])
 BOX = ((-80, -60, -40), (180, 60, 40))
 
 
 def pair():
-    left = arm("left", [(-0.25, 0.2, 1.0)], yaw=0.3, friction=Friction(0.6, 5))
+    left = arm("left", [(-0.25, 0.2, 1.0)], yaw=0.3, friction=Friction(0.6, 5), payload=3.0, joints=JOINTS)
     return [left, arm('r"i\\g/h*/t', [(-0.25, -0.2, 1.0)], moment_limit=(8, 0, 6), friction=None)]
 
 
-def built(model, arms, folder):
-    export_c(EmbeddedProblem.of(model, arms, first_contacts(arms)), folder, (40.0, 0.0, 3.0))
+def built(model, arms, folder, cart_limits=()):
+    export_c(EmbeddedProblem.of(model, arms, first_contacts(arms), cart_limits), folder, (40.0, 0.0, 3.0))
     done = subprocess.run(["make", "-C", folder, "CFLAGS=-O1"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     for name in OURS:
@@ -51,10 +56,10 @@ def questions(rng, arms, n):
     return lines, contacts
 
 
-def disagreements(model, arms, folder, rng, n):
+def disagreements(model, arms, folder, rng, n, cart_limits=()):
     """Compares n plans; gives how many were optimal, and those that C left undecided."""
     lines, contacts = questions(rng, arms, n)
-    planner, optimal, undecided = WrenchPlanner(model, arms), 0, []
+    planner, optimal, undecided = WrenchPlanner(model, arms, cart_limits=cart_limits), 0, []
     for line, points, (status, numbers) in zip(lines, contacts, answers(folder, lines), strict=True):
         plan = planner.plan(line[:3], contacts=points)
         if status == "numerical":
@@ -65,7 +70,7 @@ def disagreements(model, arms, folder, rng, n):
             optimal += 1
             assert numbers[0] == pytest.approx(plan.effort, rel=1e-9, abs=1e-12)
             assert numbers[1:] == pytest.approx(np.concatenate(list(plan.wrenches.values())), abs=1e-7)
-        else:
+        elif not cart_limits:
             check_certificate(model, arms, points, line[:3], numbers)
     return optimal, undecided
 
@@ -95,6 +100,17 @@ def test_carts_on_casters_and_on_rails(rows, tmp_path):
     place = built(cart(rows), arms, tmp_path / "c")
     optimal, undecided = disagreements(cart(rows), arms, place, np.random.default_rng(1), 100)
     assert 0 < optimal < 100
+    assert not undecided
+
+
+def test_limits_of_the_cart(tmp_path):
+    """They depend on contacts by all six components, which a contact's height and the yaw enter."""
+    model = cg.load_cart(Path(__file__).parents[2] / "examples" / "cart.yaml")
+    limits = [Skid(0.4), TipOver(20.0), InternalForce(30.0)]
+    arms = [arm("left", yaw=0.4, friction=None), arm("right", [(-0.25, -0.2, 1.0)], friction=None)]
+    folder = built(model, arms, tmp_path / "c", limits)
+    optimal, undecided = disagreements(model, arms, folder, np.random.default_rng(2), 300, limits)
+    assert 50 < optimal < 250
     assert not undecided
 
 
@@ -170,7 +186,10 @@ def test_an_earlier_export_is_replaced_and_nothing_else(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"c", "mine"}
 
 
-def test_exact_cones_are_refused():
+def test_what_c_does_not_know_is_refused():
     arms = [arm("left", friction=Friction(0.6, "exact"))]
     with pytest.raises(UsageError, match=r"left: friction cone: .*linear limits only"):
+        EmbeddedProblem.of(cart(), arms, first_contacts(arms))
+    arms = [arm("left", wrench_rate=(100,) * 6)]
+    with pytest.raises(UsageError, match="left: rate: C plans don't look back"):
         EmbeddedProblem.of(cart(), arms, first_contacts(arms))

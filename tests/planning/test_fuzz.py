@@ -23,8 +23,7 @@ def hostile_planner(rng):
     try:
         model, arms = hostile_cart(rng), hostile_arms(rng, share=float(rng.choice([0.0, 0.05])))
         return model, arms, WrenchPlanner(model, arms)
-    except CartgraspError as refusal:
-        assert str(refusal)
+    except CartgraspError:
         return None
 
 

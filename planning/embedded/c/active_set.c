@@ -16,6 +16,7 @@
 #define MOST_SETS 12
 #define MOST_STEPS 12
 #define ROUNDING 1e-12
+#define NEARLY_FREE 1e-7 /* of the cost, where the nearest wrench is sought */
 #define NEGLIGIBLE 1e-6 /* of a ray's largest multiplier */
 #define DELTA 1e-8 /* of the Hessian's largest entry */
 
@@ -23,6 +24,12 @@ typedef struct {
   int n, entries[MOST_HELD];
   double limits[MOST_HELD];
 } held_set;
+
+/* What is minimised: the cost times `cost`, and where `softness` is above zero the square of what the equalities miss,
+   over twice the softness: then their multipliers are what is missing over the softness. */
+typedef struct {
+  double cost, softness;
+} goal;
 
 static double factor[MOST][MOST]; /* unit lower triangle, and D on the diagonal */
 static double right[MOST];
@@ -59,10 +66,10 @@ static double largest_curvature(void) {
   return largest;
 }
 
-/* Lower triangle of the matrix above; without the Hessian for a ray. */
-static void fill(const program *p, const held_set *held, int with_hessian, double delta, double epsilon) {
+/* Lower triangle of the matrix above, with the Hessian times `cost`. */
+static void fill(const program *p, const held_set *held, double cost, double delta, double epsilon) {
   for (int i = 0; i < WIDTH; i++) {
-    for (int j = 0; j <= i; j++) factor[i][j] = with_hessian ? CARTGRASP_HESSIAN[i][j] : 0.0;
+    for (int j = 0; j <= i; j++) factor[i][j] = cost * CARTGRASP_HESSIAN[i][j];
     factor[i][i] += delta;
   }
   for (int k = 0; k < held->n; k++) {
@@ -101,28 +108,33 @@ static double largest_right(int n) {
   return largest;
 }
 
-static void residual(const program *p, const held_set *held, const point *at) {
+static void residual(const program *p, const held_set *held, const point *at, const goal *of) {
   for (int i = 0; i < WIDTH; i++) {
-    right[i] = dot(CARTGRASP_HESSIAN[i], at->x, WIDTH) + CARTGRASP_GRADIENT[i];
+    right[i] = of->cost * (dot(CARTGRASP_HESSIAN[i], at->x, WIDTH) + CARTGRASP_GRADIENT[i]);
   }
   for (int k = 0; k < held->n; k++) {
-    add_entry(p, held->entries[k], at->y[held->entries[k]], right);
-    right[WIDTH + k] = entry_value(p, at->x, held->entries[k]) - held->limits[k];
+    const int entry = held->entries[k];
+    add_entry(p, entry, at->y[entry], right);
+    right[WIDTH + k] = entry_value(p, at->x, entry) - held->limits[k];
+    if (entry >= FIRST_EQUALITY) right[WIDTH + k] -= of->softness * at->y[entry];
   }
   for (int i = 0; i < WIDTH + held->n; i++) right[i] = -right[i];
 }
 
-static int newton(const program *p, const held_set *held, point *at) {
+static int newton(const program *p, const held_set *held, point *at, const goal *of) {
   const int n = WIDTH + held->n;
   const double curvature = largest_curvature();
   double y[ENTRIES] = {0.0};
   for (int k = 0; k < held->n; k++) y[held->entries[k]] = at->y[held->entries[k]];
   memcpy(at->y, y, sizeof y);
-  fill(p, held, 1, DELTA * curvature, DELTA / curvature);
+  fill(p, held, of->cost, DELTA * of->cost * curvature, DELTA / curvature);
+  for (int k = 0; k < held->n; k++) {
+    if (held->entries[k] >= FIRST_EQUALITY) factor[WIDTH + k][WIDTH + k] -= of->softness;
+  }
   if (!factorise(n)) return 0;
   double last = INFINITY;
   for (int step = 0; step < MOST_STEPS; step++) {
-    residual(p, held, at);
+    residual(p, held, at, of);
     const double error = largest_right(n);
     if (error == 0.0 || !(error < 0.5 * last)) break;
     last = error;
@@ -133,15 +145,25 @@ static int newton(const program *p, const held_set *held, point *at) {
   return isfinite(largest_right(n));
 }
 
-int polish(const program *p, point *at) {
+static int settle(const program *p, point *at, const goal *of) {
   held_set held, next;
   if (!choose(p, at, &held)) return 0;
   for (int i = 0; i < MOST_SETS; i++) {
-    if (!newton(p, &held, at) || !choose(p, at, &next)) return 0;
+    if (!newton(p, &held, at, of) || !choose(p, at, &next)) return 0;
     if (same(&held, &next)) break;
     held = next;
   }
   return 1;
+}
+
+int polish(const program *p, point *at) {
+  static const goal exact = {1.0, 0.0};
+  return settle(p, at, &exact);
+}
+
+int approach(const program *p, point *at) {
+  static const goal nearest = {NEARLY_FREE, 1.0};
+  return settle(p, at, &nearest);
 }
 
 void polish_ray(const program *p, double *ray) {
@@ -151,7 +173,7 @@ void polish_ray(const program *p, double *ray) {
   for (int i = 0; i < ENTRIES; i++) {
     if (fabs(ray[i]) > NEGLIGIBLE * largest && !hold(&held, i, 0.0)) return;
   }
-  fill(p, &held, 0, DELTA, 1.0);
+  fill(p, &held, 0.0, DELTA, 1.0);
   if (!factorise(WIDTH + held.n)) return;
   for (int i = 0; i < ENTRIES; i++) ray[i] = fabs(ray[i]) > NEGLIGIBLE * largest ? ray[i] : 0.0;
   for (int step = 0; step < 3; step++) {

@@ -1,6 +1,7 @@
 /* The quadratic program: minimise 1/2 x'Hx + f'x such that lower <= (x, R x) <= upper, x the arms' wrenches side
-   by side. The last CARTGRASP_FREE rows of R are equalities: S' sum G_i F_i = S' wrench_b, with S the basis of
-   the cart's free velocities and G_i the planar grasp map of arm i.
+   by side. The last CARTGRASP_CONTACT_ROWS rows of R depend on contacts: limits of the cart, and last of all
+   CARTGRASP_FREE equalities, S' sum G_i F_i = S' wrench_b, with S the basis of the cart's free velocities and G_i
+   the grasp map of arm i.
 
    One signed multiplier for each entry of (x, R x): positive pushes down from the upper limit, negative up from
    the lower one. */
@@ -11,9 +12,9 @@
 #include "wrench_planner.h"
 
 #define WIDTH (6 * CARTGRASP_ARMS)
-#define ROWS (CARTGRASP_LIMIT_ROWS + CARTGRASP_FREE)
+#define ROWS (CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS)
 #define ENTRIES (WIDTH + ROWS)
-#define FIRST_EQUALITY (WIDTH + CARTGRASP_LIMIT_ROWS)
+#define FIRST_EQUALITY (ENTRIES - CARTGRASP_FREE)
 
 #define EQUALITY_TOLERANCE 1e-9
 #define STATIONARITY_TOLERANCE 1e-8
@@ -45,6 +46,9 @@ int certify(const program *p, const double *ray, cartgrasp_certificate *certific
 
 /* active_set.c: Newton's steps on the entries that `at` holds, until these repeat; 0 if it can't go on. */
 int polish(const program *p, point *at);
+/* Newton's steps towards the wrenches that come nearest to the equalities: where these can't hold, the multipliers
+   become a ray. */
+int approach(const program *p, point *at);
 /* The nearest ray whose entries' gradients add up to zero, which certifies most; as it was where it can't be had. */
 void polish_ray(const program *p, double *ray);
 

@@ -31,11 +31,11 @@ static int within(const double *values, int n, double largest) {
 }
 
 static void set_contacts(const double contacts_b[][3]) {
-  double changed[9 * CARTGRASP_ARMS];
+  double changed[WIDTH * CARTGRASP_CONTACT_ROWS];
   memcpy(contacts, contacts_b, sizeof contacts);
   program_set_contacts(&problem, contacts_b, changed);
   osqp_update_data_mat(&cartgrasp_osqp_solver, NULL, NULL, 0, changed, CARTGRASP_CONTACT_ENTRIES,
-                       3 * CARTGRASP_FREE * CARTGRASP_ARMS);
+                       WIDTH * CARTGRASP_CONTACT_ROWS);
 }
 
 static void start(void) {
@@ -92,7 +92,10 @@ static int take_proposal(cartgrasp_plan *plan) {
   memcpy(found.x, proposed->x, sizeof found.x);
   memcpy(found.y, proposed->y, sizeof found.y);
   memcpy(ray, proposed->y, sizeof ray);
-  return take(plan, &found) || take_ray(plan, ray);
+  if (take(plan, &found) || take_ray(plan, ray)) return 1;
+  memcpy(found.x, proposed->x, sizeof found.x);
+  memset(found.y, 0, sizeof found.y);
+  return approach(&problem, &found) && take_ray(plan, found.y);
 }
 
 static void solve(cartgrasp_plan *plan) {
