@@ -43,7 +43,8 @@ class PeriodicContacts:
 @final
 class LeastEffortContacts:
     """The arms regrasp where the planner finds the least effort for the wrench wanted (smoothed over the dwell),
-    at most once a `dwell` (s), and only for a gain of `least_gain` (share of the effort)."""
+    at most once a `dwell` (s), and only for a gain of `least_gain` (share of the effort). The planner is its own, not
+    the controller's, which would take these trials for wrenches it gave."""
 
     def __init__(self, planner: WrenchPlanner, arms: Sequence[Arm], dwell: float, least_gain: float = 0.05) -> None:
         self._planner, self._dwell, self._least_gain = planner, dwell, least_gain

@@ -17,20 +17,19 @@ from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .allocation import Allocation, conclude
+from .answers import Answers, Solved
 from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
 from .given_contacts import GivenContacts
 from .limits import CartLimit
-from .objectives import Lexicographic, Objective
-from .plan import RELAXED, TIMEOUT, ChoiceProof, Plan
+from .objectives import Objective
+from .plan import TIMEOUT, ChoiceProof, Plan
 from .plan_inputs import RefusedError, check_estimate, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 from .refusals import out_of_reach, refusal, too_near
 from .remedy import find_remedy, with_remedy
-from .second_stage import second_stage
 from .solvers import QuadraticSolver, solve_with_clarabel
 from .terms import Terms, scaled_into
 
@@ -71,11 +70,9 @@ class WrenchPlanner:
             raise UsageError(f"relax: {relax} is not a number >= 0, in N and N·m")
         self._terms = Terms(cart, arms, objective, cart_limits, (min_hand_distance, period))
         self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
-        self._relax, self._limit, self._decay = relax, search_limit, math.exp(-period / HOLD_TIME)
-        self._solver, self._second_solver = QuadraticSolver(), QuadraticSolver()
-        self._cases = CaseSolver(self._terms.template)
-        self._shown: dict[str, Array] = {}
-        self._shown_points = np.zeros((0, 3))
+        self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
+        self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
+        self._answers = Answers(self._terms, relax)
         self._last = np.zeros(self._terms.base.n)
         self._last_choice: Array | None = None
         self._begin_terms()
@@ -146,7 +143,8 @@ class WrenchPlanner:
         rate = self._terms.rate
         shrink = self._decay if rate is None else rate.shrink(self._last, self._decay)
         self._remember(shrink * self._last, self._last_points)
-        held = ContactWrenches(self._by_arm(self._last), self._by_arm(self._last_points), self._yaws)
+        by_arm = self._answers.by_arm
+        held = ContactWrenches(by_arm(self._last), by_arm(self._last_points), self._terms.yaws)
         return replace(plan, held=held)
 
     def _plan(
@@ -174,7 +172,7 @@ class WrenchPlanner:
         points = candidates.single
         if points is None:
             return self._choose(candidates, target, start)
-        return self._solve_at(points, target, start)
+        return self._planned(points, target, None, start)
 
     # --- what changes between ticks -----------------------------------------------------------------------
 
@@ -186,8 +184,6 @@ class WrenchPlanner:
 
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""
-        base = self._terms.base
-        self._yaws = dict(zip(base.names, base.yaws.tolist(), strict=True))
         self._given = GivenContacts(self._terms)
         self._last_choice = None
         self._drop_program()
@@ -206,20 +202,11 @@ class WrenchPlanner:
         self._cases.template = self._terms.template
 
     def _remember(self, wrenches: Array, points: Array) -> None:
-        wrenches.setflags(write=False)  # plans show them
-        points.setflags(write=False)
         self._last, self._last_points = wrenches, points
         if self._terms.looks_back:
             self._look_back_at(wrenches)
 
     # --- solving ------------------------------------------------------------------------------------------
-
-    def _solve_at(self, points: Array, target: Array, start: float) -> Plan:
-        program = self._program_at(points, target)
-        solution = self._solver.solve(program)
-        if solution.status != OPTIMAL:
-            return self._concluded(points, program, solution, None, start)
-        return self._solved(points, program, solution, ChoiceProof(solution.cost, 0.0, 1), start)
 
     def _choose(self, candidates: Candidates, target: Array, start: float) -> Plan:
         question, is_own = Question(target, self._cost), candidates is self._terms.candidates
@@ -229,12 +216,7 @@ class WrenchPlanner:
             return self._none_found(candidates, question, choice, start)
         if is_own:
             self._last_choice = choice.contacts
-        program = self._program_at(choice.contacts, target)
-        solution = self._solver.solve(program)
-        cost = solution.cost if solution.status == OPTIMAL else choice.value
-        gap = max(0.0, cost - choice.bound) / max(1.0, abs(cost))
-        proof = ChoiceProof(choice.bound, gap, choice.solved + 1)
-        return self._concluded(choice.contacts, program, solution, proof, start)
+        return self._planned(choice.contacts, target, choice, start)
 
     def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:
         if not choice.complete:
@@ -247,14 +229,23 @@ class WrenchPlanner:
             return too_near(candidates, start)
         if nearest.contacts is None:
             return refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
-        program = self._program_at(nearest.contacts, question.target)
-        proof = ChoiceProof(np.inf, np.inf, choice.solved + nearest.solved + 1)
-        plan = self._concluded(nearest.contacts, program, self._solver.solve(program), proof, start)
+        whole = replace(choice, solved=choice.solved + nearest.solved)
+        plan = self._planned(nearest.contacts, question.target, whole, start)
         if plan.certificate is None:
             return plan
         others = f"at the nearest of {candidates.count} choices of contacts; none is feasible"
         words = f"{plan.certificate.words} ({others})"
         return replace(plan, certificate=replace(plan.certificate, words=words), message=words)
+
+    def _planned(self, points: Array, target: Array, choice: Choice | None, start: float) -> Plan:
+        """The plan at contacts, which were chosen or given."""
+        program = self._program_at(points, target)
+        solution = self._solver.solve(program)
+        proof = None if choice is None else _proof(choice, solution)
+        plan = self._answers.of(Solved(points, program, solution, start), self._last, proof)
+        if plan.is_usable and plan.proof is not None:
+            self._remember(plan.proof[1].x[: self._terms.base.n], points)
+        return plan
 
     def _program_at(self, points: Array, target: Array) -> QuadraticProgram:
         """The program at contacts; where these are as at the last call, only its equality's value is new, and what
@@ -271,73 +262,10 @@ class WrenchPlanner:
             program = program.with_gradient(self._cost.gradient, self._cost.constant)
         return program
 
-    # --- answers ------------------------------------------------------------------------------------------
 
-    def _solved(
-        self, points: Array, program: QuadraticProgram, solution: QPSolution, proof: ChoiceProof, start: float
-    ) -> Plan:
-        base, objective = self._terms.base, self._terms.base.objective
-        if isinstance(objective, Lexicographic):
-            second = objective.second.cost(base.arms, self._last)
-            program, solution = second_stage(self._second_solver, program, solution, second)
-        wrenches = solution.x if len(solution.x) == base.n else solution.x[: base.n]
-        self._remember(wrenches, points)
-        return Plan(
-            status=OPTIMAL,
-            wrenches=self._by_arm(wrenches),
-            contacts=self._contacts_at(points),
-            yaws=self._yaws,
-            effort=base.effort(wrenches),
-            active=program.active(solution),
-            residuals=solution.residuals,
-            choice=proof,
-            solve_time=time.perf_counter() - start,
-            solver=solution.solver,
-            message=solution.message,
-            proof=(program, solution),
-        )
-
-    def _concluded(
-        self,
-        points: Array,
-        program: QuadraticProgram,
-        solution: QPSolution,
-        proof: ChoiceProof | None,
-        start: float,
-    ) -> Plan:
-        """As `_solved`, for what may have failed."""
-        allocation = conclude(self._terms.template, points, program, solution)
-        if allocation.status == OPTIMAL:
-            proof = proof or ChoiceProof(allocation.solution.cost, 0.0, 1)
-            return self._solved(points, program, allocation.solution, proof, start)
-        relaxed = self._relaxed(allocation, points, proof, start)
-        if relaxed is not None:
-            return relaxed
-        words = allocation.certificate.words if allocation.certificate else allocation.solution.message
-        return Plan(
-            status=allocation.status,
-            choice=proof,
-            certificate=allocation.certificate,
-            solve_time=time.perf_counter() - start,
-            solver=allocation.solution.solver,
-            message=words,
-        )
-
-    def _relaxed(self, allocation: Allocation, points: Array, proof: ChoiceProof | None, start: float) -> Plan | None:
-        """The nearest wrench that can be given, where it is near enough."""
-        certificate = allocation.certificate
-        nearest = None if certificate is None else certificate.nearest
-        if certificate is None or nearest is None or not nearest.may_stand_in(self._relax):
-            return None
-        proof = proof or ChoiceProof(nearest.solution.cost, 0.0, 1)
-        plan = self._solved(points, nearest.program, nearest.solution, proof, start)
-        active = tuple(dict.fromkeys((*certificate.limits, *plan.active)))
-        return replace(plan, status=RELAXED, active=active, certificate=certificate, message=certificate.words)
-
-    def _contacts_at(self, points: Array) -> dict[str, Array]:
-        if points is not self._shown_points:
-            self._shown_points, self._shown = points, self._by_arm(points)
-        return self._shown.copy()
-
-    def _by_arm(self, values: Array) -> dict[str, Array]:
-        return dict(zip(self._terms.base.names, values.reshape(len(self._terms.sets), -1), strict=True))
+def _proof(choice: Choice, solution: QPSolution) -> ChoiceProof:
+    """Of contacts that were chosen; `solution` is the plan's own program, solved once more."""
+    cost = solution.cost if solution.status == OPTIMAL else choice.value
+    if not np.isfinite(choice.bound):
+        return ChoiceProof(choice.bound, np.inf, choice.solved + 1)
+    return ChoiceProof(choice.bound, max(0.0, cost - choice.bound) / max(1.0, abs(cost)), choice.solved + 1)

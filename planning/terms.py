@@ -37,6 +37,7 @@ class Terms:
     candidates: Candidates
     rate: WrenchRate | None
     sets: dict[str, ContactSet]
+    yaws: dict[str, float]
 
     def __init__(
         self,
@@ -101,6 +102,7 @@ class Terms:
         self.sets = {arm.name: _within_reach(arm) for arm in arms}
         self.candidates = Candidates.of(list(self.sets.values()), self._distance)
         self.template = self.base = base
+        self.yaws = dict(zip(base.names, base.yaws.tolist(), strict=True))
         self.rate = WrenchRate.of(arms, self._period)
 
 

@@ -57,12 +57,12 @@ class Scenario:
 
     def build(self) -> Loop:
         """The loop, ready to run."""
-        planner = WrenchPlanner(self.guess, list(self.arms), period=self.period)
+        planner = WrenchPlanner(self.guess, list(self.arms), period=self.period, relax=np.inf)
         reference = PathReference(self.stretches, self.truth.constraints)
         return Loop(
             reference=reference,
             tracker=build_tracker(self.truth.constraints, self.gains),
-            contacts=self._contacts(planner),
+            contacts=self._contacts(),
             planner=planner,
             plant=self._plant(),
             sensors=Sensors(self.truth, self.sensors, self.seed),
@@ -72,11 +72,11 @@ class Scenario:
             learn=self.estimation != FIRST_GUESS,
         )
 
-    def _contacts(self, planner: WrenchPlanner) -> ContactSource:
+    def _contacts(self) -> ContactSource:
         if self.switching is None:
             return FixedContacts(self.arms)
         if self.least_effort:
-            return LeastEffortContacts(planner, self.arms, self.switching)
+            return LeastEffortContacts(WrenchPlanner(self.guess, list(self.arms)), self.arms, self.switching)
         return PeriodicContacts(self.arms, self.switching)
 
     def _plant(self) -> Plant:

@@ -334,3 +334,26 @@ def test_the_choice_among_contacts_is_the_best(capsys, tmp_path):
     assert document["effort"] == pytest.approx(efforts[best], rel=1e-9)
     assert document["choice"]["gap"] < 1e-6
     assert document["choice"]["bound"] == pytest.approx(efforts[best], rel=1e-6)
+
+
+def test_relaxed_as_the_problem_allows(tmp_path, capsys):
+    """120 N is all that two hands of 60 N give; the problem says that 50 N may be missed, and then that 20 N may."""
+    wide = PROBLEM.replace("[40.0, 0.0, 3.0]", "[150.0, 0.0, 0.0]") + "relax: 50\n"
+    answer = run(capsys, "plan", problem_file(tmp_path, wide), "--json")
+    document = answer.json
+    assert answer.status == 0
+    assert document["status"] == "relaxed"
+    assert document["missing"]["fx"] == pytest.approx(30.0)
+    assert set(document) > KEYS
+    assert sum(arm["wrench"][0] for arm in document["arms"].values()) == pytest.approx(120.0)
+    assert "left out of what is asked: fx 30, tau 0" in run(capsys, "plan", problem_file(tmp_path, wide)).out
+    narrow = run(capsys, "plan", problem_file(tmp_path, wide.replace("relax: 50", "relax: 20")), "--json")
+    assert (narrow.status, narrow.json["status"]) == (1, "infeasible")
+
+
+def test_a_limit_of_the_cart_shows_in_the_answer(tmp_path, capsys):
+    pulled = PROBLEM.replace("[40.0, 0.0, 3.0]", "[-60.0, 0.0, 0.0]").replace("    friction: {mu: 0.6, sides: 4}\n", "")
+    limited = problem_file(tmp_path, pulled + "cart_limits: {tip_over: {least_load: 30}}\n")
+    document = run(capsys, "plan", limited, "--json").json
+    assert {"wheel 2 load", "wheel 3 load"} & set(document["active"])
+    assert "smallest margin: " in run(capsys, "plan", limited).out
