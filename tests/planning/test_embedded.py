@@ -116,12 +116,14 @@ def test_limits_of_the_cart(tmp_path):
 
 @pytest.mark.prove
 @pytest.mark.parametrize("seed", range(40))
-def test_plans_of_random_problems_agree(seed, tmp_path):
-    """C may leave what is undecided by OSQP undecided, and says so: at most 1 in 100 here."""
+def test_plans_of_random_problems_agree(seed, tmp_path, record_property):
+    """C may leave a plan undecided, and says so: at most 3 in 1,000 here."""
     rng = np.random.default_rng(seed)
     model, arms = random_cart(rng), random_arms(rng, int(rng.integers(1, 5)))
-    _, undecided = disagreements(model, arms, built(model, arms, tmp_path / "c"), rng, 1000)
-    assert len(undecided) <= 10
+    optimal, undecided = disagreements(model, arms, built(model, arms, tmp_path / "c"), rng, 1000)
+    record_property("optimal", optimal)
+    record_property("undecided", len(undecided))
+    assert len(undecided) <= 3
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e300])

@@ -16,7 +16,7 @@
 #define MOST_SETS 12
 #define MOST_STEPS 12
 #define ROUNDING 1e-12
-#define NEARLY_FREE 1e-7 /* of the cost, where the nearest wrench is sought */
+#define NEARLY_FREE 1e-9 /* of the cost, where the nearest wrench is sought */
 #define NEGLIGIBLE 1e-6 /* of a ray's largest multiplier */
 #define DELTA 1e-8 /* of the Hessian's largest entry */
 
