@@ -1,10 +1,7 @@
 """Three solvers of three kinds find one optimum: the planner (daqp, active set), Clarabel (interior point) and OSQP
-(operator splitting, polished); quadprog too where the extra `bench` is installed. The others get the program as the
-test writes it down, not as `planning` does."""
+(operator splitting, polished). The others get the program as the test writes it down, not as `planning` does."""
 
 from __future__ import annotations
-
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -21,31 +18,29 @@ pytestmark = pytest.mark.filterwarnings("ignore:The default value of raise_error
 SETTINGS = {
     "clarabel": {"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
     "osqp": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 100_000, "polishing": True, "polish_refine_iter": 10},
-    "quadprog": {},
 }
-PEERS = ["clarabel", "osqp", *(["quadprog"] if find_spec("quadprog") else [])]
 AGREE = 1e-7  # of the objective, relative above 1
 
 
-def written_down(model, arms, contacts, wrench, form):
-    """The allocation as `minimise 1/2 x'Px such that G x <= h, A x = b, lb <= x <= ub`, matrices of a form."""
+def written_down(model, arms, contacts, wrench):
+    """The allocation as `minimise 1/2 x'Px such that G x <= h, A x = b, lb <= x <= ub`."""
     rows, limits, bounds = linear_limits(arms)
     weights = 2 * np.concatenate([a.weights for a in arms])
     lower = np.array([-np.inf if low is None else low for low, _ in bounds])
     upper = np.array([np.inf if high is None else high for _, high in bounds])
     equality, target = effective_matrix(model, arms, contacts), model.constraints.basis_b.T @ wrench
-    inequality = (form(rows), limits) if len(rows) else (None, None)
-    return Problem(form(np.diag(weights)), np.zeros(len(weights)), *inequality, form(equality), target, lower, upper)
+    inequality = (csc_matrix(rows), limits) if len(rows) else (None, None)
+    return Problem(csc_matrix(np.diag(weights)), np.zeros(len(weights)), *inequality, csc_matrix(equality), target, lower, upper)
 
 
 def draw(rng):
     """A feasible problem: a wrench at 0.05 to 0.95 of what the arms can do, or at all where they can do anything."""
     while True:
         model, arms = random_cart(rng), random_arms(rng, int(rng.integers(1, 5)))
-        contacts, wrench = first_contacts(arms), rng.uniform((-5, -20, -12), (80, 20, 12))
+        contacts, wrench = first_contacts(arms), rng.unicsc_matrix((-5, -20, -12), (80, 20, 12))
         largest = largest_scale(model, arms, contacts, wrench)
         if largest > 1e-3:
-            share = rng.uniform(0.05, 0.95)
+            share = rng.unicsc_matrix(0.05, 0.95)
             return model, arms, contacts, wrench * (share * largest if np.isfinite(largest) else 1.0)
 
 
@@ -55,8 +50,8 @@ def objectives(rng):
     plan = WrenchPlanner(model, arms).plan(wrench, contacts)
     assert plan.status == "optimal"
     found = {}
-    for name in PEERS:
-        problem = written_down(model, arms, contacts, wrench, np.array if name == "quadprog" else csc_matrix)
+    for name in SETTINGS:
+        problem = written_down(model, arms, contacts, wrench)
         solution = solve_problem(problem, solver=name, **SETTINGS[name])
         assert solution.found, name
         found[name] = float(0.5 * solution.x @ (problem.P @ solution.x))
@@ -65,7 +60,7 @@ def objectives(rng):
 
 def compare(seed, n):
     """The largest difference of each peer over n problems."""
-    rng, worst = np.random.default_rng(seed), dict.fromkeys(PEERS, 0.0)
+    rng, worst = np.random.default_rng(seed), dict.fromkeys(SETTINGS, 0.0)
     for _ in range(n):
         ours, others = objectives(rng)
         for name, theirs in others.items():
@@ -76,7 +71,7 @@ def compare(seed, n):
 
 
 def test_three_solvers_agree():
-    assert set(compare(0, 40)) == set(PEERS)
+    assert set(compare(0, 40)) == set(SETTINGS)
 
 
 @pytest.mark.prove
