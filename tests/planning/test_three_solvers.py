@@ -30,17 +30,18 @@ def written_down(model, arms, contacts, wrench):
     upper = np.array([np.inf if high is None else high for _, high in bounds])
     equality, target = effective_matrix(model, arms, contacts), model.constraints.basis_b.T @ wrench
     inequality = (csc_matrix(rows), limits) if len(rows) else (None, None)
-    return Problem(csc_matrix(np.diag(weights)), np.zeros(len(weights)), *inequality, csc_matrix(equality), target, lower, upper)
+    hessian, zero = csc_matrix(np.diag(weights)), np.zeros(len(weights))
+    return Problem(hessian, zero, *inequality, csc_matrix(equality), target, lower, upper)
 
 
 def draw(rng):
     """A feasible problem: a wrench at 0.05 to 0.95 of what the arms can do, or at all where they can do anything."""
     while True:
         model, arms = random_cart(rng), random_arms(rng, int(rng.integers(1, 5)))
-        contacts, wrench = first_contacts(arms), rng.unicsc_matrix((-5, -20, -12), (80, 20, 12))
+        contacts, wrench = first_contacts(arms), rng.uniform((-5, -20, -12), (80, 20, 12))
         largest = largest_scale(model, arms, contacts, wrench)
         if largest > 1e-3:
-            share = rng.unicsc_matrix(0.05, 0.95)
+            share = rng.uniform(0.05, 0.95)
             return model, arms, contacts, wrench * (share * largest if np.isfinite(largest) else 1.0)
 
 
