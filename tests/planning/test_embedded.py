@@ -160,6 +160,12 @@ def test_lines_that_are_not_wrenches(folder):
     assert done.stdout == ""
 
 
+def test_it_times_its_plans(folder):
+    text = "40 0 3\n" * 50
+    done = subprocess.run([folder / "plan", "--time"], input=text, capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("50 plans, us each: median ")
+
+
 def test_the_folder_stands_alone(folder):
     names = {path.name for path in folder.iterdir()}
     assert {"README.md", "Makefile", "main.c", "wrench_planner.h", "problem.h", "wrenches.txt", "osqp"} <= names
