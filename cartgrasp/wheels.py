@@ -56,6 +56,11 @@ class WheelSet:
         return np.array([[w.x, w.y] for w in self.wheels])
 
     @cached_property
+    def spans_floor(self) -> bool:
+        """Whether the wheels stand in more than one line, so that they carry a moment about any."""
+        return bool(np.linalg.matrix_rank(self.positions - self.positions.mean(axis=0), tol=1e-9) == 2)
+
+    @cached_property
     def is_caster(self) -> np.ndarray:
         return np.array([w.kind == CASTER for w in self.wheels])
 

@@ -30,7 +30,7 @@ from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .limits import CartLimit, CartRows, LimitRows, cart_rows, limits_of, side_by_side
+from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Objective, WeightedWrench
 from .quadratic_program import QuadraticProgram
 
@@ -72,7 +72,7 @@ class AllocationTemplate:
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits = side_by_side(names, [limits_of(arm) for arm in arms])
-        rows = cart_rows(cart_limits, cart, motion, arms)
+        rows = cart_rows(cart_limits, Pushed(cart, motion, arms))
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_cart_rows(self, rows: CartRows) -> Self:

@@ -78,6 +78,11 @@ class Candidates:
         """The contacts (n, 3) if there is only one choice, and that of points; else None."""
         return self.vertices if len(self.vertices) == len(self.options) == self.n_arms else None
 
+    @property
+    def first(self) -> Array:
+        """The first end of each arm's first option, (n, 3)."""
+        return np.asarray(self.vertices[self.options[list(self.starts[:-1]), 0]])
+
     @cached_property
     def reach(self) -> Array:
         """Largest distance between a pair of options, (O, O): at their ends, since distance is convex."""

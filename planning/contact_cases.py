@@ -14,9 +14,10 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
+from .contradiction import contradiction
 from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by
-from .infeasibility import Projection, project
 from .objectives import Cost
+from .projection import Projection, project
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
 
@@ -87,12 +88,12 @@ class CaseSolver:
         solution = solve_with_clarabel(program)
         if solution.status == OPTIMAL:
             return self._solved(question, solution, is_range)
-        return Answer(np.inf, proven=False)
+        return self._contradicted(program, is_range)
 
     def _distance_answer(self, question: Question, program: QuadraticProgram, is_range: bool) -> Answer:
         projection = self._project(program, is_range)
         if projection.solution.status != OPTIMAL:
-            return Answer(np.inf, proven=False)
+            return self._contradicted(program, is_range)
         cut = distance_cut(self.template, projection.solution, projection.slack, question.target)
         return Answer(
             0.5 * projection.distance**2,
@@ -100,6 +101,10 @@ class CaseSolver:
             projection.wrenches[: self.template.n],
             question.target - projection.slack,
         )
+
+    def _contradicted(self, program: QuadraticProgram, is_range: bool) -> Answer:
+        """No answer: proven where the cart's limits can't be kept at all."""
+        return Answer(np.inf, proven=contradiction(self.template, program, is_range) is not None)
 
     def _solved(self, question: Question, solution: QPSolution, is_range: bool) -> Answer:
         template = self.template

@@ -22,13 +22,14 @@ from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
+from .contradiction import contradiction
 from .given_contacts import GivenContacts
 from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
 from .plan_inputs import RefusedError, check_estimate, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
-from .refusals import out_of_reach, refusal, too_near
+from .refusals import certified, out_of_reach, refusal, too_near
 from .remedy import find_remedy, with_remedy
 from .solvers import QuadraticSolver, solve_with_clarabel
 from .terms import Terms, scaled_into
@@ -222,13 +223,15 @@ class WrenchPlanner:
         if not choice.complete:
             message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
             return refusal(TIMEOUT, message, start)
-        if np.isfinite(choice.bound):
+        if choice.bound < np.inf:
             return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
         nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
-        if nearest.contacts is None and nearest.complete and not np.isfinite(nearest.bound):
-            return too_near(candidates, start)
+        if nearest.contacts is None and nearest.complete and nearest.bound == np.inf:
+            certificate = contradiction(self._terms.template, self._program_at(candidates.first, question.target))
+            return too_near(candidates, start) if certificate is None else certified(certificate, start)
         if nearest.contacts is None:
-            return refusal(NUMERICAL, "infeasible at every contact, but the nearest wrench was not found", start)
+            message = "infeasible at every contact, but the nearest wrench was not found"
+            return refusal(NUMERICAL if nearest.complete else TIMEOUT, message, start)
         whole = replace(choice, solved=choice.solved + nearest.solved)
         plan = self._planned(nearest.contacts, question.target, whole, start)
         if plan.certificate is None:

@@ -20,7 +20,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.reach import Reach
 from cartgrasp.yaml_file import file_error, read_yaml, validate
 
-from .limits import CartLimit, InternalForce, Skid, TipOver
+from .limits import CartLimit, InternalForce, Pushed, Skid, TipOver
 from .planner import WrenchPlanner
 from .problem_schema import ArmEntry, CartLimitsEntry, FrictionEntry, JointsEntry, ProblemEntry, ReachEntry
 
@@ -103,11 +103,11 @@ def _cart_limits(entry: CartLimitsEntry, cart: CartModel, arms: Sequence[Arm], r
     if entry.internal_force is not None:
         bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
         limits.append(("internal_force", lambda: InternalForce(bound, (x, y, z))))
-    found = []
+    found, pushed = [], Pushed(cart, None, arms)
     for key, make in limits:
         try:
             found.append(make())
-            found[-1].rows(cart, None, arms)
+            found[-1].rows(pushed)
         except UsageError as error:
             raise refuse(["cart_limits", key], str(error)) from error
     return tuple(found)

@@ -24,16 +24,16 @@ def too_near(candidates: Candidates, start: float) -> Plan:
         words += f"; at most {most:.6g} m is possible"
     else:
         most = math.nan  # proven by exhaustion
-    return _certified(Certificate(words, asked, most, limits={"min_hand_distance": asked}), start)
+    return certified(Certificate(words, asked, most, limits={"min_hand_distance": asked}), start)
 
 
 def out_of_reach(beyond: Mapping[str, float], start: float) -> Plan:
     """Contacts are given by so many m (by arm) beyond the arms' reach."""
     words = "; ".join(f"{name}: reach: the contact is {excess:.3g} m beyond it" for name, excess in beyond.items())
     limits = {f"{name}: reach": excess for name, excess in beyond.items()}
-    return _certified(Certificate(words, max(beyond.values()), 0.0, limits=limits), start)
+    return certified(Certificate(words, max(beyond.values()), 0.0, limits=limits), start)
 
 
-def _certified(certificate: Certificate, start: float) -> Plan:
+def certified(certificate: Certificate, start: float) -> Plan:
     spent = time.perf_counter() - start
     return Plan(INFEASIBLE, certificate=certificate, solve_time=spent, message=certificate.words)

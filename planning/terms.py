@@ -19,7 +19,7 @@ from cartgrasp.reach import Reach
 
 from .allocation_template import AllocationTemplate
 from .contact_bounds import Candidates
-from .limits import CartLimit, LimitRows, WrenchRate, cart_rows
+from .limits import CartLimit, LimitRows, Pushed, WrenchRate, cart_rows
 from .objectives import Objective
 from .plan import INVALID_INPUT
 from .plan_inputs import RefusedError
@@ -83,7 +83,7 @@ class Terms:
             return False
         try:
             cart = estimate.cart()
-            rows = cart_rows(self._cart_limits, cart, estimate.motion, self.base.arms)
+            rows = cart_rows(self._cart_limits, Pushed(cart, estimate.motion, self.base.arms))
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
         self._cart, self._motion = cart, estimate.motion

@@ -10,12 +10,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.frames import Array
 
 if TYPE_CHECKING:
@@ -49,16 +50,28 @@ class CartRows:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """What is pushed and by whom: a cart, its motion (at rest if None), and the arms."""
+
+    cart: CartModel
+    motion: Motion | None
+    arms: Sequence[Arm]
+
+    @cached_property
+    def floor(self) -> FloorReaction:
+        return FloorReaction.of(self.cart, self.motion)
+
+
 class CartLimit(ABC):
     """Half-spaces of all hands' wrenches. They need not hold the zero wrench: a cart that is driven too fast round
     a bend skids unless the hands hold it."""
 
     @abstractmethod
-    def rows(self, cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
-        """The limit for a cart at a motion (at rest if None)."""
+    def rows(self, pushed: Pushed) -> CartRows:
+        """The limit as it is now."""
 
 
-def cart_rows(limits: Sequence[CartLimit], cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
+def cart_rows(limits: Sequence[CartLimit], pushed: Pushed) -> CartRows:
     """All of them, above each other."""
-    found = [limit.rows(cart, motion, arms) for limit in limits]
-    return reduce(CartRows.__and__, found, CartRows.none(len(arms)))
+    return reduce(CartRows.__and__, (limit.rows(pushed) for limit in limits), CartRows.none(len(pushed.arms)))

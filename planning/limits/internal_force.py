@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
@@ -19,11 +19,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_z
 
-from .cart_limit import CartLimit, CartRows
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.motion import Motion
+from .cart_limit import CartLimit, CartRows, Pushed
 
 HANDLE = (0.0, 1.0, 0.0)
 
@@ -42,7 +38,8 @@ class InternalForce(CartLimit):
         if len(self.axis) != 3 or not np.isfinite(self.axis).all() or not np.any(self.axis):
             raise UsageError(f"internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 
-    def rows(self, cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
+    def rows(self, pushed: Pushed) -> CartRows:
+        arms = pushed.arms
         departures = departures_along(self.axis, arms)
         if len(arms) <= 2:
             departures = departures[: len(arms) - 1]  # the second says the same

@@ -7,21 +7,14 @@ where r' follows from the wrench. See `cartgrasp.floor_reaction`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
-from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import FloorReaction
 
-from .cart_limit import CartLimit, CartRows
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.motion import Motion
+from .cart_limit import CartLimit, CartRows, Pushed
 
 NAMES = ("skid to the right", "skid to the left")
 
@@ -37,16 +30,17 @@ class Skid(CartLimit):
         if not (np.isfinite(self.friction) and self.friction >= 0):
             raise UsageError(f"skid: friction: {self.friction} is not a finite number >= 0")
 
-    def rows(self, cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
+    def rows(self, pushed: Pushed) -> CartRows:
+        cart = pushed.cart
         fixed = ~cart.wheel_set.is_caster
         if cart.constraints.n_rows != 1 or not fixed.any():
             raise UsageError(f"skid: {cart.name} has no fixed wheels under one no_lateral_slip; only such a cart skids")
-        floor = FloorReaction.of(cart, motion)
+        floor = pushed.floor
         carried, carried_offset = floor.load_map[fixed].sum(axis=0), float(floor.load_offset[fixed].sum())
         sides = np.array([[1.0], [-1.0]])
         return CartRows(
             of_sum=sides * floor.lateral_map - self.friction * carried,
-            of_arm=np.zeros((len(arms), 2, 6)),
+            of_arm=np.zeros((len(pushed.arms), 2, 6)),
             low=np.full(2, -np.inf),
             high=self.friction * carried_offset - sides[:, 0] * floor.lateral_offset,
             low_names=NAMES,

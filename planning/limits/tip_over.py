@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
-from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import FloorReaction
 
-from .cart_limit import CartLimit, CartRows
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.motion import Motion
+from .cart_limit import CartLimit, CartRows, Pushed
 
 
 @final
@@ -30,14 +23,16 @@ class TipOver(CartLimit):
         if not (np.isfinite(self.least_load) and self.least_load >= 0):
             raise UsageError(f"tip-over: least_load: {self.least_load} is not a finite number >= 0, in N")
 
-    def rows(self, cart: CartModel, motion: Motion | None, arms: Sequence[Arm]) -> CartRows:
-        if np.linalg.matrix_rank(cart.wheel_set.positions - cart.wheel_set.positions.mean(axis=0), tol=1e-9) < 2:
-            raise UsageError(f"tip-over: the wheels of {cart.name} stand in one line; three that don't are needed")
-        floor = FloorReaction.of(cart, motion)
+    def rows(self, pushed: Pushed) -> CartRows:
+        if not pushed.cart.wheel_set.spans_floor:
+            raise UsageError(
+                f"tip-over: the wheels of {pushed.cart.name} stand in one line; three that don't are needed"
+            )
+        floor = pushed.floor
         names = tuple(f"wheel {i} load" for i in range(len(floor.load_offset)))
         return CartRows(
             of_sum=floor.load_map,
-            of_arm=np.zeros((len(arms), len(names), 6)),
+            of_arm=np.zeros((len(pushed.arms), len(names), 6)),
             low=self.least_load - floor.load_offset,
             high=np.full(len(names), np.inf),
             low_names=names,

@@ -241,3 +241,15 @@ def test_what_is_refused(make, words):
 def plain(limit, wheels=()):
     cart = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), cg.RollingConstraints(None), wheels=wheels)
     return WrenchPlanner(cart, hands({}), cart_limits=[limit])
+
+
+def test_a_contradiction_whatever_the_contacts():
+    motion = Motion(np.zeros(3), np.array([3.0, 2.0]))
+    points = [(-0.25, y, 1.0) for y in np.linspace(-0.25, 0.25, 5)]
+    weak = {"force_limit": (2, 2, 2), "moment_limit": (8, 8, 6)}
+    arms = [cg.Arm("left", points, **weak), cg.Arm("right", points, **weak)]
+    planner = WrenchPlanner(shopping_cart(), arms, cart_limits=[Skid(0.1)])
+    plan = planner.plan((1, 0, 0), estimate=estimate_at(motion))
+    assert plan.status == "infeasible"
+    assert plan.certificate.words.startswith("skid to the right by ")
+    assert plan.certificate.verified

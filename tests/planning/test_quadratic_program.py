@@ -10,7 +10,7 @@ import pytest
 from cartgrasp.arms import Friction
 from planning.allocation import build_allocation
 from planning.duality import infeasible_by
-from planning.infeasibility import project, projection_program
+from planning.projection import project, projection_program
 from planning.quadratic_program import Cone, QuadraticProgram, verify
 from planning.reference_allocation import solve_reference
 from planning.solvers import QuadraticSolver, solve_with_clarabel
