@@ -100,8 +100,8 @@ class Arm:
             raise UsageError(f"arm {name}: yaw: {yaw} is not finite")
         if not np.isfinite(self.weights).all():
             raise UsageError(f"arm {name}: weights: {list(self.weights)} has a value that is not finite")
-        if not self.payload >= 0:
-            raise UsageError(f"arm {name}: payload: {payload} is not a number >= 0, in kg")
+        if not (0 <= self.payload <= LARGEST_NUMBER or self.payload == np.inf):
+            raise UsageError(f"arm {name}: payload: {payload} is not a number >= 0, in kg, nor `inf`")
         if not min(self.wrench_rate) > 0:
             raise UsageError(f"arm {name}: wrench_rate: {list(self.wrench_rate)} has a rate that is not > 0")
 
@@ -131,9 +131,8 @@ def _numbers(arm: str, what: str, values: Sequence[float], n: int) -> tuple[floa
     if any(np.isnan(v) for v in numbers):
         raise UsageError(f"arm {arm}: {what}: {list(numbers)} holds a NaN")
     if any(LARGEST_NUMBER < abs(v) < np.inf for v in numbers):
-        raise UsageError(
-            f"arm {arm}: {what}: {list(numbers)} has a number beyond {LARGEST_NUMBER:g}; no limit is `inf`"
-        )
+        beyond = f"has a number beyond {LARGEST_NUMBER:g}; for no limit, give inf"
+        raise UsageError(f"arm {arm}: {what}: {list(numbers)} {beyond}")
     if what.endswith("limit") and any(v < 0 for v in numbers):
         raise UsageError(f"arm {arm}: {what}: {list(numbers)} has a negative limit; limits are symmetric, >= 0")
     if what == "weights" and any(v < 0 for v in numbers):
