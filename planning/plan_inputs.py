@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cartgrasp.contacts import LARGEST_POSITION
 from cartgrasp.errors import CartgraspError
 
 from .plan import INVALID_INPUT, STALE_ESTIMATE
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from cartgrasp.motion import Estimate
 
 LARGEST_WRENCH = 1e9  # N, N·m
-LARGEST_POSITION = 1e6  # m
 MAX_ESTIMATE_AGE = 0.5  # s
 
 

@@ -16,6 +16,8 @@ from .solvers import QuadraticSolver
 
 FAR = 0.1  # of the wrench asked for: a slack shorter than this is seen from farther away
 
+STEEP = 1e6
+
 
 @dataclass(frozen=True, eq=False)
 class Projection:
@@ -61,7 +63,7 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     """The projection. Where what is missing is little, its multipliers are little too, and rounding blurs the
     normal: then it is taken from a point farther out along the same normal, whose projection is the same."""
     near = projection_program(program, slack_map)
-    solution = solver.solve(near)
+    solution = _solved(solver, near)
     slack = _slack(solution, program.n)
     projection = Projection(slack, solution.x[: program.n], solution, slack, solution)
     values = program.upper[-len(slack_map) :][slack_map.any(axis=1)]
@@ -80,6 +82,18 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     if np.linalg.norm(normal - outward) < projection.distance:
         return replace(projection, slack=normal - outward, wrenches=far.x[: program.n])
     return projection
+
+
+def _solved(solver: QuadraticSolver, near: QuadraticProgram) -> QPSolution:
+    """A short slack costs less than a solver's tolerance: where that fails, its cost is taken `STEEP` times."""
+    solution = solver.solve(near)
+    if solution.status == OPTIMAL:
+        return solution
+    steep = solver.solve(replace(near, hessian=STEEP * near.hessian))
+    if steep.status != OPTIMAL:
+        return solution
+    z = tuple(multiplier / STEEP for multiplier in steep.cone_multipliers)
+    return QPSolution.checked(near, steep.x, steep.multipliers / STEEP, z, steep.solver, steep.message)
 
 
 def _slack(solution: QPSolution, n: int) -> Array:
