@@ -14,7 +14,7 @@ from .joint_torques import LARGEST_NUMBER, JointTorques
 from .reach import Reach
 
 EXACT = "exact"
-LARGEST_FRICTION = 1e6
+LARGEST_FRICTION = 100.0
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ slopes are taken from `AllocationTemplate`, which alone knows the formula.
 
 from __future__ import annotations
 
+from cartgrasp.contacts import LARGEST_POSITION
 from cartgrasp.frames import Array
-from planning.plan_inputs import LARGEST_POSITION
 
 from .dual_active_set import INFEASIBLE, OPTIMAL, REFUSED, UNPROVEN, solve
 from .jit import compiled, entry
