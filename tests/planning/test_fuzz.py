@@ -19,10 +19,14 @@ STATUSES = {"optimal", "infeasible", "invalid_input", "stale_estimate", "timeout
 
 
 def hostile_planner(rng):
-    """None where construction refuses; tame limits half of the time, so that many plans succeed."""
+    """None where construction refuses; tame limits half of the time, so that many plans succeed, and compiled half of
+    the time."""
     try:
         model, arms = hostile_cart(rng), hostile_arms(rng, share=float(rng.choice([0.0, 0.05])))
-        return model, arms, WrenchPlanner(model, arms)
+        planner = WrenchPlanner(model, arms)
+        if rng.random() < 0.5:
+            planner.warm_up()
+        return model, arms, planner
     except CartgraspError:
         return None
 
