@@ -109,6 +109,11 @@ def with_piqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
     first, solver = blocks[0], piqp.DenseSolver()
     solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 1e-9
     solver.setup(first.P, first.q, first.A, first.b, first.G, None, first.h, first.lb, first.ub)
+    return _updating(solver, blocks, fixed, lambda: solver.result.x)
+
+
+def _updating(solver: Any, blocks: Sequence[Blocks], fixed: bool, answer: Callable[[], Array]) -> Solve:
+    """Hands over what is new, and solves."""
 
     def solve(k: int) -> Array:
         if fixed:
@@ -116,7 +121,7 @@ def with_piqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
         else:
             solver.update(A=blocks[k].A, b=blocks[k].b)
         solver.solve()
-        return np.array(solver.result.x)
+        return np.array(answer())
 
     return solve
 
@@ -141,16 +146,7 @@ def with_proxqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
         np.maximum(first.lb, -big),
         np.minimum(first.ub, big),
     )
-
-    def solve(k: int) -> Array:
-        if fixed:
-            solver.update(b=blocks[k].b)
-        else:
-            solver.update(A=blocks[k].A, b=blocks[k].b)
-        solver.solve()
-        return np.array(solver.results.x)
-
-    return solve
+    return _updating(solver, blocks, fixed, lambda: solver.results.x)
 
 
 def with_osqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
