@@ -2,84 +2,129 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 import numpy as np
 
-from cartgrasp import Arm, CartModel
+from cartgrasp import Arm
 from cartgrasp.frames import Array
-from planning import WrenchPlanner
+from planning import WrenchPlanner, build_allocation
 from planning.allocation_template import AllocationTemplate
 
 from .measuring import Run, interleave
-from .peers import bare_daqp
+from .peers import bare_daqp, most
 from .report import Result, Table, number, timed_table
 from .scene import CART, hand
 
-POINTS = 64
 KINDS = 20
 SPAN = (-0.25, 0.25)  # m, of the handle
 APART = 0.1  # m, between hands
 OURS = "WrenchPlanner.plan"
 BRUTE = "brute force, bare daqp"
-BRUTE_ROUNDS = {1: 20, 2: 3}
-NOTE = f"""Points are {POINTS} an arm along a handle of 0.5 m, segments are the handle itself; two hands stay
-{APART:g} m apart. Each call has another wrench; the planner begins with the contacts of its last call. Brute force
-solves every choice of points by daqp alone, programs ready, no verification ({BRUTE_ROUNDS[1]} rounds for one arm,
-{BRUTE_ROUNDS[2]} for two). Beside segments it tries the same {POINTS} points, which is not exact: `worse` is by how
-much its effort is above ours, the largest over its wrenches."""
+COARSE = 9
+MOST_TRIED = 20_000  # programs that brute force may solve for a table
+NOTE = f"""Points stand along a handle of 0.5 m, segments are the handle itself; two hands stay {APART:g} m apart.
+Wrenches have random directions and a share of the most that the arms can give in that direction, at the best of
+{COARSE} points on each handle. Each call has another wrench; the planner begins with the contacts of its last call.
+Brute force solves every choice of points by daqp alone, programs ready, no verification, for as many rounds as
+{MOST_TRIED:,} programs allow. Beside segments it tries 64 points on each, which is not exact: `worse` is by how much
+its effort is above ours, the largest over its wrenches, and `gap` is the largest relative gap that our proofs leave."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    name: str
-    arms: tuple[Arm, ...]
-    wrenches: Array
+    """Arms with `points` candidates each (on segments: what brute force tries), and shares of the most."""
 
-    @classmethod
-    def of(cls, n: int, segments: bool) -> Scene:
-        what = f"{n} segment{'s' * (n > 1)}" if segments else " x ".join([str(POINTS)] * n) + " points"
-        random = np.random.default_rng(n)
-        wrenches = random.uniform((5, 0, -6), (n * 55, 0, 6), (KINDS, 3))
-        return cls(what, tuple(_arm(f"arm{i}", segments) for i in range(n)), wrenches)
+    n_arms: int
+    points: int
+    shares: tuple[float, float]
+    segments: bool = False
+
+    @property
+    def name(self) -> str:
+        what = ["segment" if self.segments else f"{self.points:,}"] * self.n_arms
+        low, high = (round(100 * share) for share in self.shares)
+        return f"{' x '.join(what)}{'' if self.segments else ' points'}, at {low} to {high} % of the most"
+
+    @property
+    def distance(self) -> float:
+        return APART if self.n_arms > 1 else 0.0
+
+    @property
+    def line(self) -> Array:
+        ys = np.linspace(*SPAN, self.points)
+        return np.column_stack([np.full(self.points, -0.25), ys, np.ones(self.points)])
+
+    @property
+    def arms(self) -> list[Arm]:
+        if self.segments:
+            return [hand(f"arm{i}", segment=self.line[[0, -1]].tolist()) for i in range(self.n_arms)]
+        return [hand(f"arm{i}", self.line.tolist()) for i in range(self.n_arms)]
+
+    def wrenches(self) -> Array:
+        random = np.random.default_rng(self.n_arms)
+        return _strongest(self.n_arms) * random.uniform(*self.shares, (KINDS, 1))
+
+
+SCENES = (
+    Scene(1, 64, (0.1, 0.9)),
+    Scene(1, 1024, (0.1, 0.9)),
+    Scene(2, 64, (0.1, 0.9)),
+    Scene(2, 64, (0.9, 1.0)),
+    Scene(2, 128, (0.1, 0.9)),
+    Scene(1, 64, (0.1, 0.9), segments=True),
+    Scene(2, 64, (0.1, 0.9), segments=True),
+)
 
 
 def run(rounds: int) -> Result:
-    scenes = [Scene.of(n, segments) for segments in (False, True) for n in (1, 2)]
-    return Result("Choice of contacts", NOTE, tuple(_compare(scene, rounds) for scene in scenes))
+    return Result("Choice of contacts", NOTE, tuple(_compare(scene, rounds) for scene in SCENES))
+
+
+@cache
+def _strongest(n_arms: int) -> Array:
+    """In random directions, the most that is feasible at some choice of points, (KINDS, 3)."""
+    coarse, random = Scene(n_arms, COARSE, (1.0, 1.0)), np.random.default_rng(n_arms)
+    arms, found = coarse.arms, []
+    choices = [{a.name: point for a, point in zip(arms, points, strict=True)} for points in _kept(coarse)]
+    for moment in random.uniform(-0.25, 0.25, KINDS):
+        direction = np.array([1.0, 0.0, moment])
+        found.append(max(most(build_allocation(CART, arms, c, direction)) for c in choices) * direction)
+    return np.array(found)
 
 
 def _compare(scene: Scene, rounds: int) -> Table:
-    apart = APART if len(scene.arms) > 1 else 0.0
-    planner = WrenchPlanner(CART, scene.arms, min_hand_distance=apart)
+    planner = WrenchPlanner(CART, scene.arms, min_hand_distance=scene.distance)
     planner.warm_up()
-    plans = [planner.plan(wrench) for wrench in scene.wrenches]
-    every = _every_program(CART, scene.arms)
-    tried = min(rounds, BRUTE_ROUNDS[len(scene.arms)])
-    brute = [every(scene.wrenches[k % KINDS]) for k in range(tried)]
-    worse = max((b / plan.effort - 1 for b, plan in zip(brute, plans, strict=False) if plan.effort), default=np.nan)
-    ours = interleave({OURS: lambda k: planner.plan(scene.wrenches[k % KINDS])}, rounds)
-    theirs = interleave({BRUTE: lambda k: every(scene.wrenches[k % KINDS])}, tried)
+    wrenches = scene.wrenches()
+    plans = [planner.plan(wrench) for wrench in wrenches]
+    every = _every_program(scene)
+    tried = max(1, min(rounds, MOST_TRIED // scene.points**scene.n_arms))
+    brute = [every(wrenches[k % KINDS]) for k in range(tried)]
+    worse = max(b / plan.effort - 1 for b, plan in zip(brute, plans, strict=False) if plan.effort)
+    ours = interleave({OURS: lambda k: planner.plan(wrenches[k % KINDS])}, rounds)
+    theirs = interleave({BRUTE: lambda k: every(wrenches[k % KINDS])}, tried)
     run = Run({**ours.times, **theirs.times}, rounds, (ours.load[0], theirs.load[1]))
-    solved = [plan.choice.solved for plan in plans if plan.choice]
+    proofs = [plan.choice for plan in plans if plan.choice]
+    solved = [proof.solved for proof in proofs]
     extra = {
         "programs solved": {OURS: f"{number(float(np.median(solved)))} (most {max(solved)})"},
-        "worse": {BRUTE: f"{max(worse, 0.0):.1e}"},
+        "gap": {OURS: f"{max(proof.gap for proof in proofs):.1e}"},
+        "worse": {BRUTE: f"{worse:.1e}"},
     }
     found = sum(plan.status == "optimal" for plan in plans)
-    return timed_table(f"{scene.name} ({found} of {KINDS} wrenches feasible)", run, OURS, "ms", extra)
+    return timed_table(f"{scene.name} ({found} of {KINDS} planned)", run, OURS, "µs", extra)
 
 
-def _every_program(cart: CartModel, arms: tuple[Arm, ...]) -> Callable[[Array], float]:
+def _every_program(scene: Scene) -> Callable[[Array], float]:
     """A function from a wrench to the least effort over all choices of points that keep apart."""
-    template = AllocationTemplate.of(cart, arms)
-    line = np.column_stack([np.full(POINTS, -0.25), np.linspace(*SPAN, POINTS), np.ones(POINTS)])
-    choices = [c for c in product(range(POINTS), repeat=len(arms)) if len(c) == 1 or _keep(line[list(c)])]
+    template = AllocationTemplate.of(CART, scene.arms)
     cost = template.cost(np.zeros(template.n))
     zero = np.zeros(template.basis_b.shape[1])
-    programs = [template.program(template.contact_rows(line[list(c)]), zero, cost) for c in choices]
+    programs = [template.program(template.contact_rows(points), zero, cost) for points in _kept(scene)]
     asked = list(programs)
     solve = bare_daqp(asked, False)
 
@@ -95,11 +140,8 @@ def _every_program(cart: CartModel, arms: tuple[Arm, ...]) -> Callable[[Array], 
     return least
 
 
-def _keep(points: Array) -> bool:
-    return bool(np.linalg.norm(points[0] - points[1]) >= APART)
-
-
-def _arm(name: str, segment: bool) -> Arm:
-    if segment:
-        return hand(name, segment=[(-0.25, y, 1.0) for y in SPAN])
-    return hand(name, [(-0.25, y, 1.0) for y in np.linspace(*SPAN, POINTS)])
+def _kept(scene: Scene) -> Iterator[Array]:
+    """Every choice of points (n, 3) that keeps the hands apart."""
+    for points in product(scene.line, repeat=scene.n_arms):
+        if len(points) == 1 or np.linalg.norm(points[0] - points[1]) >= APART:
+            yield np.array(points)

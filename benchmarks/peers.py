@@ -10,10 +10,17 @@ from typing import Any
 
 import numpy as np
 from scipy import sparse
+from scipy.optimize import linprog
 
 from cartgrasp.frames import Array
 from planning.quadratic_program import QuadraticProgram
 
+# Through qpsolvers as when called directly.
+TIGHT: dict[str, dict[str, Any]] = {
+    "piqp": {"eps_abs": 1e-9, "eps_rel": 1e-9},
+    "proxqp": {"eps_abs": 1e-9},
+    "osqp": {"eps_abs": 1e-6, "eps_rel": 1e-6, "max_iter": 20000},
+}
 Solve = Callable[[int], Array]
 Build = Callable[[Sequence[QuadraticProgram], bool], Solve]
 
@@ -57,6 +64,17 @@ class Blocks:
         return np.vstack([self.G, eye[up], -eye[low]]), np.concatenate([self.h, self.ub[up], -self.lb[low]])
 
 
+def most(program: QuadraticProgram) -> float:
+    """The largest t such that A x = t b can be kept, by HiGHS."""
+    block = Blocks.of(program)
+    A = np.column_stack([block.A, -block.b])
+    G = np.column_stack([block.G, np.zeros(len(block.h))])
+    bounds = [*zip(block.lb, block.ub, strict=True), (0.0, None)]
+    cost = np.append(np.zeros(len(block.q)), -1.0)
+    found: Any = linprog(cost, G, block.h, A, np.zeros(len(block.b)), bounds=bounds)
+    return float(found.x[-1])
+
+
 def bare_daqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
     import daqp
 
@@ -91,6 +109,11 @@ def with_piqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
     first, solver = blocks[0], piqp.DenseSolver()
     solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 1e-9
     solver.setup(first.P, first.q, first.A, first.b, first.G, None, first.h, first.lb, first.ub)
+    return _updating(solver, blocks, fixed, lambda: solver.result.x)
+
+
+def _updating(solver: Any, blocks: Sequence[Blocks], fixed: bool, answer: Callable[[], Array]) -> Solve:
+    """Hands over what is new, and solves."""
 
     def solve(k: int) -> Array:
         if fixed:
@@ -98,7 +121,7 @@ def with_piqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
         else:
             solver.update(A=blocks[k].A, b=blocks[k].b)
         solver.solve()
-        return np.array(solver.result.x)
+        return np.array(answer())
 
     return solve
 
@@ -123,16 +146,7 @@ def with_proxqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
         np.maximum(first.lb, -big),
         np.minimum(first.ub, big),
     )
-
-    def solve(k: int) -> Array:
-        if fixed:
-            solver.update(b=blocks[k].b)
-        else:
-            solver.update(A=blocks[k].A, b=blocks[k].b)
-        solver.solve()
-        return np.array(solver.results.x)
-
-    return solve
+    return _updating(solver, blocks, fixed, lambda: solver.results.x)
 
 
 def with_osqp(programs: Sequence[QuadraticProgram], fixed: bool) -> Solve:
@@ -193,13 +207,14 @@ def with_qpsolvers(solver: str) -> Build:
 
         problems: list[tuple[Any, ...]] = []
         for b in map(Blocks.of, programs):
-            if solver == "clarabel":
+            if solver in ("clarabel", "osqp"):
                 (G, h), matrix = b.one_sided, sparse.csc_matrix
                 problems.append((matrix(b.P), b.q, matrix(G), h, matrix(b.A), b.b))
             else:
                 problems.append((b.P, b.q, b.G, b.h, b.A, b.b, b.lb, b.ub))
         solve: Any = qpsolvers.solve_qp
-        return lambda k: np.asarray(solve(*problems[k], solver=solver))
+        options = TIGHT.get(solver, {})
+        return lambda k: np.asarray(solve(*problems[k], solver=solver, **options))
 
     return build
 
@@ -249,9 +264,13 @@ PEERS = (
     Peer("quadprog", "quadprog", with_quadprog),
     Peer("piqp", "piqp", with_piqp),
     Peer("proxqp", "proxsuite", with_proxqp),
-    Peer("OSQP, eps 1e-6", "osqp", with_osqp),
+    Peer("OSQP, updated, eps 1e-6", "osqp", with_osqp),
     Peer("Clarabel", "clarabel", with_clarabel),
     Peer("qpsolvers + daqp", "qpsolvers", with_qpsolvers("daqp")),
+    Peer("qpsolvers + quadprog", "quadprog", with_qpsolvers("quadprog")),
+    Peer("qpsolvers + piqp", "piqp", with_qpsolvers("piqp")),
+    Peer("qpsolvers + proxqp", "proxsuite", with_qpsolvers("proxqp")),
+    Peer("qpsolvers + OSQP", "qpsolvers", with_qpsolvers("osqp")),
     Peer("qpsolvers + Clarabel", "qpsolvers", with_qpsolvers("clarabel")),
     Peer("cvxpy (DPP) + Clarabel", "cvxpy", with_cvxpy),
     Peer("pseudo-inverse, no limits", "numpy", pseudo_inverse),

@@ -14,6 +14,7 @@ from .measuring import Run
 
 PACKAGES = (
     "numpy",
+    "numba",
     "daqp",
     "quadprog",
     "piqp",

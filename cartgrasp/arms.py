@@ -10,10 +10,11 @@ import numpy as np
 from .contacts import ContactSet, Segment
 from .errors import UsageError
 from .frames import Array
-from .joint_torques import JointTorques
+from .joint_torques import LARGEST_NUMBER, JointTorques
 from .reach import Reach
 
 EXACT = "exact"
+LARGEST_FRICTION = 100.0
 
 
 @dataclass(frozen=True)
@@ -28,8 +29,8 @@ class Friction:
     sides: int | str = 4
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.mu) and self.mu >= 0):
-            raise UsageError(f"friction: mu: {self.mu} is not a finite number >= 0")
+        if not 0 <= self.mu <= LARGEST_FRICTION:
+            raise UsageError(f"friction: mu: {self.mu} is not a finite number >= 0 and up to {LARGEST_FRICTION:g}")
         if self.sides != EXACT and not (isinstance(self.sides, int) and 3 <= self.sides <= 256):
             raise UsageError(f'friction: sides: {self.sides!r} is neither a whole number of 3 to 256 nor "exact"')
 
@@ -99,8 +100,8 @@ class Arm:
             raise UsageError(f"arm {name}: yaw: {yaw} is not finite")
         if not np.isfinite(self.weights).all():
             raise UsageError(f"arm {name}: weights: {list(self.weights)} has a value that is not finite")
-        if not self.payload >= 0:
-            raise UsageError(f"arm {name}: payload: {payload} is not a number >= 0, in kg")
+        if not (0 <= self.payload <= LARGEST_NUMBER or self.payload == np.inf):
+            raise UsageError(f"arm {name}: payload: {payload} is not a number >= 0, in kg, nor `inf`")
         if not min(self.wrench_rate) > 0:
             raise UsageError(f"arm {name}: wrench_rate: {list(self.wrench_rate)} has a rate that is not > 0")
 
@@ -129,6 +130,9 @@ def _numbers(arm: str, what: str, values: Sequence[float], n: int) -> tuple[floa
         raise UsageError(f"arm {arm}: {what}: {n} numbers are needed, {len(numbers)} given")
     if any(np.isnan(v) for v in numbers):
         raise UsageError(f"arm {arm}: {what}: {list(numbers)} holds a NaN")
+    if any(LARGEST_NUMBER < abs(v) < np.inf for v in numbers):
+        beyond = f"has a number beyond {LARGEST_NUMBER:g}; for no limit, give inf"
+        raise UsageError(f"arm {arm}: {what}: {list(numbers)} {beyond}")
     if what.endswith("limit") and any(v < 0 for v in numbers):
         raise UsageError(f"arm {arm}: {what}: {list(numbers)} has a negative limit; limits are symmetric, >= 0")
     if what == "weights" and any(v < 0 for v in numbers):

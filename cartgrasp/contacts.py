@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from .errors import UsageError
 from .frames import Array, adjoint, body_to_world
 
+LARGEST_POSITION = 1e6  # m
 PLANAR_ROWS = (0, 1, 5)
 WRENCH_NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
 
@@ -65,8 +66,9 @@ class ContactSet:
             raise UsageError("contacts: none given; an arm needs a point or a segment to hold")
         ends = [*self.points, *(end for s in self.segments for end in (s.start, s.stop))]
         for point in ends:
-            if len(point) != 3 or not np.isfinite(point).all():
-                raise UsageError(f"contacts: {point} is not three finite numbers (x, y, z in {{b}}, m)")
+            if len(point) != 3 or not all(abs(value) <= LARGEST_POSITION for value in point):
+                form = f"three finite numbers (x, y, z in {{b}}, m) within {LARGEST_POSITION:g}"
+                raise UsageError(f"contacts: {point} is not {form}")
 
     @property
     def first(self) -> Array:

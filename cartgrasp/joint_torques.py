@@ -9,6 +9,8 @@ import numpy as np
 from .errors import UsageError
 from .frames import Array
 
+LARGEST_NUMBER = 1e12  # of a limit, rate, weight or lever that isn't infinite: squares of larger ones mean nothing
+
 
 @dataclass(frozen=True, eq=False)
 class JointTorques:
@@ -32,8 +34,9 @@ class JointTorques:
             shape = getattr(self, field).shape
             if shape != (n,):
                 raise UsageError(f"joint torques: {field}: shape {shape} is not ({n},), one number for each joint")
-        if not (np.isfinite(self.jacobian).all() and np.isfinite(self.gravity_torque).all()):
-            raise UsageError("joint torques: the jacobian or the gravity torque has a value that is not finite")
+        if not max(np.abs(self.jacobian).max(), np.abs(self.gravity_torque).max()) <= LARGEST_NUMBER:
+            what = f"not finite, or beyond {LARGEST_NUMBER:g}"
+            raise UsageError(f"joint torques: the jacobian or the gravity torque has a value that is {what}")
         if not (self.torque_limit >= 0).all():
             raise UsageError(f"joint torques: torque_limit: {self.torque_limit.tolist()} has a value that is not >= 0")
         for joint in np.flatnonzero(np.abs(self.gravity_torque) > self.torque_limit):

@@ -14,9 +14,11 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
-from .infeasibility import Certificate, certify, contradiction, nearest_plan, project
+from .contradiction import contradiction
+from .infeasibility import Certificate, certify, nearest_plan
 from .limits import CartLimit
 from .objectives import Lexicographic, Objective
+from .projection import project
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 from .second_stage import second_stage
 from .solvers import QuadraticSolver, solve_with_clarabel

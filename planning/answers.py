@@ -81,7 +81,7 @@ class Answers:
             solve_time=time.perf_counter() - solved.start,
             solver=solution.solver,
             message=solution.message,
-            proof=(program, solution),
+            prove=lambda: (program, solution),
         )
 
     def _relaxed(self, solved: Solved, allocation: Allocation, last: Array, proof: ChoiceProof | None) -> Plan | None:

@@ -3,9 +3,11 @@ so far."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from itertools import combinations
 from math import prod
 from typing import Self, TypeVar
 
@@ -60,9 +62,7 @@ class Candidates:
     @classmethod
     def at(cls, points: Sequence[tuple[float, float, float]], distance: float = 0.0) -> Self:
         """One point (x, y, z) for each arm: no choice."""
-        n = len(points)
-        arms = np.arange(n)
-        return cls(np.array(points), arms[:, None].repeat(2, axis=1), tuple(range(n + 1)), arms, distance)
+        return cls(np.array(points), *_one_each(len(points)), distance)
 
     @property
     def n_arms(self) -> int:
@@ -73,7 +73,7 @@ class Candidates:
         """Number of full choices, a segment counted once."""
         return prod(stop - start for start, stop in zip(self.starts, self.starts[1:], strict=False))
 
-    @property
+    @cached_property
     def single(self) -> Array | None:
         """The contacts (n, 3) if there is only one choice, and that of points; else None."""
         return self.vertices if len(self.vertices) == len(self.options) == self.n_arms else None
@@ -94,6 +94,8 @@ class Candidates:
     def widest(self) -> float:
         """An upper bound of the hands' distance over all choices; for points (and up to 2^16 choices) the
         largest."""
+        if self.single is not None:
+            return min((math.dist(p, q) for p, q in combinations(self.vertices.tolist(), 2)), default=np.inf)
         pairs = [(i, j) for j in range(self.n_arms) for i in range(j)]
         slices = [slice(a, b) for a, b in zip(self.starts, self.starts[1:], strict=False)]
         if self.count > TABLE_SIZE:
@@ -206,6 +208,13 @@ class CutPool:
         rays = self._rays[start : start + len(values)]
         best = values[~rays].max(axis=0, initial=-np.inf)
         return np.where((values[rays] > self._ray_tolerance).any(axis=0), np.inf, best)
+
+
+@cache
+def _one_each(n: int) -> tuple[np.ndarray, tuple[int, ...], np.ndarray]:
+    """Options, starts and owners of one point for each arm."""
+    arms = np.arange(n)
+    return arms[:, None].repeat(2, axis=1), tuple(range(n + 1)), arms
 
 
 def _along(values: NDArray[Scalar], axes: tuple[int, ...], n: int) -> NDArray[Scalar]:

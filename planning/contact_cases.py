@@ -14,9 +14,10 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
+from .contradiction import contradiction
 from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by, of_cart
-from .infeasibility import Projection, contradiction, project
 from .objectives import Cost
+from .projection import Projection, project
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
 

@@ -21,12 +21,15 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
+from .allocation_template import AllocationTemplate
 from .contact_bounds import TABLE_SIZE, Candidates, ChoiceTable, CutPool
 from .contact_cases import GAP_TOLERANCE, Answer, CaseSolver, Question
 from .contact_regions import DISTANCE_TOLERANCE, Box, Region, boxes, hand_distance
+from .plan import ChoiceProof
 from .quadratic_program import EQUALITY_TOLERANCE
 
 SMALLEST_BOX = 1e-9  # m
+WIDENED_GAP = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +50,27 @@ class Choice:
             return np.inf
         return max(0.0, (self.value - self.bound) / max(1.0, abs(self.value)))
 
+    @property
+    def proof(self) -> ChoiceProof:
+        return ChoiceProof(self.bound, self.gap, self.solved)
+
 
 @dataclass(frozen=True)
 class SearchLimit:
-    """How long to search: programs solved, seconds (None: no deadline), and the relative gap that is good enough.
-    Over segments whose contacts matter to a cart's limit, a gap of 1e-3 takes tens of programs, 1e-9 thousands."""
+    """How long to search: programs solved, seconds (None: no deadline), and the relative gap that is good enough
+    (None: 1e-9, or 1e-3 over segments where a cart's limit depends on the contact: that takes tens to hundreds of
+    programs, and 1e-9 thousands)."""
 
     solves: int = 5000
     seconds: float | None = None
-    gap: float = GAP_TOLERANCE
+    gap: float | None = None
+
+    def gap_over(self, candidates: Candidates, template: AllocationTemplate) -> float:
+        """The gap that is good enough for these candidates."""
+        if self.gap is not None:
+            return self.gap
+        widened = len(candidates.vertices) > len(candidates.options) and bool(template.cart_rows.of_sum.any())
+        return WIDENED_GAP if widened else GAP_TOLERANCE
 
 
 class ContactSearch:
@@ -74,7 +89,7 @@ class ContactSearch:
         self._heap: list[tuple[float, int, ChoiceTable | Box]] = []
         self._pushed, self._before, self._start = 0, solver.solved, time.perf_counter()
         self._best, self._contacts = np.inf, np.zeros(0)
-        self._floor = np.inf
+        self._floor, self._gap = np.inf, limit.gap_over(candidates, solver.template)
 
     def run(self, seed: Array | None = None) -> Choice:
         """`seed` (n, 3) is tried first, such as the contacts of the last tick."""
@@ -218,7 +233,7 @@ class ContactSearch:
 
     @property
     def _cutoff(self) -> float:
-        return self._best - self._question.tolerance(self._best, self._limit.gap) if np.isfinite(self._best) else np.inf
+        return self._best - self._question.tolerance(self._best, self._gap) if np.isfinite(self._best) else np.inf
 
     def _keeps_distance(self, contacts: Array) -> bool:
         return bool(hand_distance(contacts) >= self._candidates.distance - DISTANCE_TOLERANCE)

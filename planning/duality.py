@@ -26,6 +26,7 @@ from .objectives import Cost
 from .quadratic_program import QPSolution, QuadraticProgram, into_cone
 
 UNLIMITED = 1e6
+FLAT = 1e-100  # a weight below is none: over UNLIMITED it is worth nothing, and dividing by it overflows
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +156,7 @@ def _priced(multipliers: Array, low: Array, high: Array) -> tuple[Array, float]:
 
 def _least(weights: Array, slope: Array, lower: Array, upper: Array) -> Array:
     """Sum over the last axis of the least `w F² + r F` over a box."""
-    curved = weights > 0
+    curved = weights > FLAT
     free = -0.5 * slope / np.where(curved, weights, 1.0)
     at = np.where(curved, np.clip(free, lower, upper), np.where(slope > 0, lower, upper))
     return np.asarray(((weights * at + slope) * at).sum(axis=-1))

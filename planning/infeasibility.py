@@ -1,8 +1,6 @@
 """When the arms can't give what is asked: the nearest they can, and a Farkas certificate that they can't.
 
-The projection `minimise ½ ‖t‖² such that Sᵀ sum G_i F_i + t = Sᵀ wrench_b, F within limits` measures distance
-in the effective rows as they are (N and N·m side by side). At its optimum t is normal to what the arms can
-give, so
+At the optimum of the projection (projection.py) the missing t is normal to what the arms can give, so
 
     t · Sᵀ wrench_b  >  max over F within limits of  t · Sᵀ sum G_i F_i,
 
@@ -13,7 +11,7 @@ weak duality (see duality.py) in plain numpy: the inequality is what `verified` 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -22,12 +20,12 @@ from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate, in_words
-from .duality import Cut, farkas_cut, infeasible_by
-from .quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, QPSolution, QuadraticProgram
+from .duality import Cut, farkas_cut
+from .projection import Projection
+from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
 
 FORCE_WORDS = frozenset({"fx", "fy", "fz", "payload", "force"})
-FAR = 0.1  # of the wrench asked for: a slack shorter than this is seen from farther away
 SINGLE_DIRECTIONS = {
     "fx": "forward force",
     "-fx": "backward force",
@@ -94,84 +92,6 @@ class Certificate:
         return {"words": self.words, **numbers, "limits": dict(self.limits), **remedy}
 
 
-@dataclass(frozen=True, eq=False)
-class Projection:
-    """The slack t (k,) that is missing, and the unknowns, F (6n,) first, that reach the rest."""
-
-    slack: Array
-    wrenches: Array
-    solution: QPSolution
-    normal: Array  # (k,), along the slack: of the projection from farther away where the slack is short
-    normal_solution: QPSolution
-
-    @property
-    def distance(self) -> float:
-        return float(np.linalg.norm(self.slack))
-
-    def is_feasible(self, target: Array) -> bool:
-        """Whether what is missing is rounding."""
-        return self.distance <= EQUALITY_TOLERANCE * max(1.0, float(np.abs(target).max(initial=0.0)))
-
-
-def projection_program(program: QuadraticProgram, slack_map: Array) -> QuadraticProgram:
-    """An allocation's program with a slack t (k,) in its last rows, minimising ½ ‖t‖² alone."""
-    n, (m, k) = program.n, slack_map.shape
-    other_rows = len(program.rows) - m
-    hessian = np.diag(np.concatenate([np.zeros(n), np.ones(k)]))
-    slack_rows = np.vstack([np.zeros((other_rows, k)), slack_map])
-    free, name = np.full(k, np.inf), ("slack",) * k
-    return replace(
-        program,
-        hessian=hessian,
-        gradient=np.zeros(n + k),
-        rows=np.hstack([program.rows, slack_rows]),
-        lower=np.concatenate([program.lower[:n], -free, program.lower[n:]]),
-        upper=np.concatenate([program.upper[:n], free, program.upper[n:]]),
-        lower_names=program.lower_names[:n] + name + program.lower_names[n:],
-        upper_names=program.upper_names[:n] + name + program.upper_names[n:],
-        cones=tuple(replace(c, rows=np.hstack([c.rows, c.own(slack_rows)])) for c in program.cones),
-        constant=0.0,
-    )
-
-
-def _moved(near: QuadraticProgram, slack_map: Array, outward: Array) -> QuadraticProgram:
-    """A projection of what is farther out by a slack (k,)."""
-    lower, upper, shift = near.lower.copy(), near.upper.copy(), slack_map @ outward
-    lower[-len(shift) :] += shift
-    upper[-len(shift) :] += shift
-    of_rows = np.concatenate([np.zeros(len(near.rows) - len(shift)), shift])
-    cones = tuple(replace(cone, offset=cone.offset - cone.own(of_rows)) for cone in near.cones)
-    return replace(near, lower=lower, upper=upper, cones=cones)
-
-
-def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array) -> Projection:
-    """The projection. Where what is missing is little, its multipliers are little too, and rounding blurs the
-    normal: then it is taken from a point farther out along the same normal, whose projection is the same."""
-    near = projection_program(program, slack_map)
-    solution = solver.solve(near)
-    slack = _slack(solution, program.n)
-    projection = Projection(slack, solution.x[: program.n], solution, slack, solution)
-    values = program.upper[-len(slack_map) :][slack_map.any(axis=1)]
-    scale = max(1.0, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
-    if not EQUALITY_TOLERANCE * scale < projection.distance < FAR * scale:
-        return projection
-    outward = scale / projection.distance * slack
-    far = solver.solve(_moved(near, slack_map, outward))
-    if far.status != OPTIMAL:
-        return projection
-    normal = _slack(far, program.n)
-    projection = replace(projection, normal=normal, normal_solution=far)
-    if np.linalg.norm(normal - outward) < projection.distance:
-        return replace(projection, slack=normal - outward, wrenches=far.x[: program.n])
-    return projection
-
-
-def _slack(solution: QPSolution, n: int) -> Array:
-    slack = solution.x[n:].copy()
-    slack[np.abs(slack) < 1e-13 * max(1.0, float(np.abs(slack).max(initial=0.0)))] = 0.0
-    return slack
-
-
 def nearest_plan(
     template: AllocationTemplate, contacts: Array, projection: Projection, program: QuadraticProgram
 ) -> Nearest:
@@ -214,46 +134,6 @@ def certify(template: AllocationTemplate, contacts: Array, projection: Projectio
     limits = conflicting_limits(template, contacts, cut, projection.normal_solution)
     words = _words(limits, direction, (asked, asked - margin))
     return Certificate(words, asked, asked - margin, tuple(direction.tolist()), limits)
-
-
-def contradiction(
-    template: AllocationTemplate, program: QuadraticProgram, is_range: bool = False
-) -> Certificate | None:
-    """Why no wrench at all is within limits, whatever is asked: the cart's limits, with the arms' held, are missed
-    by a least distance (N). None if that doesn't verify."""
-    c = len(template.cart_rows.low)
-    if c == 0:
-        return None
-    rows = len(program.rows) - len(template.slack_map(is_range)) + c
-    stop = program.n + rows
-    alone = replace(
-        program,
-        rows=program.rows[:rows],
-        lower=program.lower[:stop],
-        upper=program.upper[:stop],
-        lower_names=program.lower_names[:stop],
-        upper_names=program.upper_names[:stop],
-        n_equalities=0,
-    )
-    slack_map = np.eye(c)
-    for cone in template.cart_rows.cones:
-        slack_map[cone.first + 1 : cone.own.stop] = 0.0
-    projection = project(QuadraticSolver(always_feasible=True), alone, slack_map)
-    if projection.solution.status != OPTIMAL or projection.distance == 0.0:
-        return None
-    least = infeasible_by(alone, projection.normal_solution, projection.normal)
-    if least <= 0:
-        return None
-    missed = np.abs(projection.slack) > 1e-7 * projection.distance
-    names = [
-        template.cart_rows.low_names[i] if projection.slack[i] > 0 else template.cart_rows.high_names[i]
-        for i in np.flatnonzero(missed)
-    ]
-    limits = {name: abs(float(t)) for name, t in zip(names, projection.slack[missed], strict=True)}
-    parts = "; ".join(f"{name} by {value:.6g} N" for name, value in limits.items())
-    return Certificate(
-        f"{parts}: missed at least that much by any wrench that the arms can give", least, 0.0, (), limits
-    )
 
 
 def conflicting_limits(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
@@ -18,8 +18,7 @@ from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
 
 
-@dataclass(frozen=True)
-class ChoiceProof:
+class ChoiceProof(NamedTuple):
     """No choice of contacts costs less than `bound` (of the objective); `gap` is relative to max(1, cost);
     `solved` counts programs."""
 
@@ -36,8 +35,8 @@ class Plan:
     """A status, and when it is `optimal` or `relaxed` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.
 
     `effort` is `sum weight component²`. When `infeasible`, `certificate` proves it and holds the nearest plan;
-    `relaxed` is that nearest plan. `held` is what `plan_or_hold` gives instead where there are no wrenches. `proof` is
-    the program with its solution, of which the proof consists.
+    `relaxed` is that nearest plan. `held` is what `plan_or_hold` gives instead where there are no wrenches. `prove`
+    makes `proof`.
     """
 
     status: str
@@ -53,7 +52,20 @@ class Plan:
     solver: str = ""
     message: str = ""
     held: ContactWrenches | None = None
-    proof: tuple[QuadraticProgram, QPSolution] | None = field(default=None, repr=False)
+    prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
+
+    @classmethod
+    def optimal(cls, fields: dict[str, Any]) -> Self:
+        """From all fields but `status`, `certificate` and `held`; as the constructor, at a third of its time."""
+        fields["status"], fields["certificate"], fields["held"] = OPTIMAL, None, None
+        plan = object.__new__(cls)
+        object.__setattr__(plan, "__dict__", fields)
+        return plan
+
+    @cached_property
+    def proof(self) -> tuple[QuadraticProgram, QPSolution] | None:
+        """The program with its solution, of which the proof consists; without wrenches None."""
+        return None if self.prove is None else self.prove()
 
     @property
     def is_usable(self) -> bool:

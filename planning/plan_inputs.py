@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cartgrasp.contacts import LARGEST_POSITION
 from cartgrasp.errors import CartgraspError
 from cartgrasp.frames import Array
 
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from cartgrasp.motion import Estimate
 
 LARGEST_WRENCH = 1e9  # N, N·m
-LARGEST_POSITION = 1e6  # m
 MAX_ESTIMATE_AGE = 0.5  # s
 COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
 
@@ -30,9 +30,9 @@ class RefusedError(CartgraspError):
         super().__init__(message)
 
 
-def read_wrench(wrench: Any) -> Array:
-    """(fx, fy, tau) in {b}, shape (3,)."""
-    return np.array(_read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH))
+def read_wrench(wrench: Any) -> tuple[float, float, float]:
+    """(fx, fy, tau) in {b}."""
+    return _read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH)
 
 
 def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[float, float, float]]:
@@ -50,9 +50,9 @@ def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str
 
 def check_estimate(estimate: Estimate, newest: float) -> float:
     """The time of the newest estimate so far, s; refused if this one isn't finite or much older."""
-    values = [float(parameter.value) for parameter in estimate.parameters.values()]
-    numbers = np.concatenate([np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity), values])
-    if not (math.isfinite(estimate.time) and np.isfinite(numbers).all()):
+    motion = np.concatenate((np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity)))
+    numbers = [estimate.time, *motion.tolist(), *(parameter.value for parameter in estimate.parameters.values())]
+    if not all(map(math.isfinite, numbers)):
         raise RefusedError(INVALID_INPUT, "estimate: its time, motion or a parameter is not finite")
     if estimate.time < newest - MAX_ESTIMATE_AGE:
         age = newest - estimate.time

@@ -18,12 +18,14 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .answers import Answers, Solved
+from .compiled_allocation import SOLVER, Point
+from .compiled_planning import CompiledPlanning
 from .contact_bounds import Candidates
 from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
+from .contradiction import contradiction
 from .given_contacts import GivenContacts
-from .infeasibility import contradiction
 from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
@@ -81,6 +83,8 @@ class WrenchPlanner:
         self._answers = Answers(self._terms, relax)
         self._last = np.zeros(self._terms.base.n)
         self._last_choice: Array | None = None
+        self._compiled: CompiledPlanning | None = None
+        self._is_warm = False
         self._begin_terms()
         self.reset()
 
@@ -89,6 +93,8 @@ class WrenchPlanner:
         self._last_points = np.array([contacts.first for contacts in self._terms.sets.values()])
         self._last_choice = None
         self._newest_estimate = -math.inf
+        if self._compiled is not None:
+            self._compiled.forget()
         self._look_back_at(np.zeros(self._terms.base.n))
 
     def start_from(self, wrenches: Mapping[str, ArrayLike]) -> None:
@@ -101,7 +107,11 @@ class WrenchPlanner:
         self._look_back_at(scaled_into(self._terms.base.limits, last.ravel()))
 
     def warm_up(self) -> None:
-        """Does now what would cost at the first call: workspaces, and the import of the fallback solver."""
+        """Does now what would cost at the first call: workspaces, the import of the fallback solver, and the compiled
+        kernels, without which planning takes ten times as long. They are loaded in half a second, and compiled in half
+        a minute the very first time on a machine."""
+        self._is_warm = True
+        self._begin_terms()
         self.plan((0.0, 0.0, 0.0))
         self.plan((1.0, 0.0, 0.1))
         self.reset()
@@ -120,12 +130,12 @@ class WrenchPlanner:
         tick, and for arms left out the planner chooses. Where it can't be done, contacts are sought that would do.
 
         The limits of the cart are those of `estimate`'s cart and motion; one 0.5 s older than the newest given is
-        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates.
-        Both hold until others are given."""
+        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates; the
+        last wrench is scaled into their limits. Both hold until others are given."""
         plan = self._plan(wrench, contacts, estimate, arms)
         if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
             return plan
-        question = Question(self._to_effective @ read_wrench(wrench), self._cost)
+        question = Question(self._to_effective.dot(read_wrench(wrench)), self._cost)
         held = plan.nearest.contacts
         own = None if contacts is None else self._terms.candidates
         remedy = find_remedy(self._cases, question, own, held, self._terms.candidates.distance)
@@ -162,13 +172,17 @@ class WrenchPlanner:
     ) -> Plan:
         start = time.perf_counter()
         try:
-            target = self._to_effective.dot(read_wrench(wrench))
-            if arms is not None and self._terms.take_arms(arms):
+            if arms is not None and self._terms.take_arms(arms):  # first: what is held must obey them as well
                 self._begin_terms()
                 self._look_back_at(scaled_into(self._terms.base.limits, self._last))
-            candidates = self._terms.candidates if contacts is None else self._given.candidates(contacts)
+            asked = read_wrench(wrench)
             if estimate is not None:
                 self._take_estimate(estimate)
+            plan = None if self._compiled is None else self._compiled.at(contacts, asked, self._cost, start)
+            if self._compiled is not None and plan is not None:
+                self._remember(*self._compiled.last)
+                return plan
+            candidates = self._terms.candidates if contacts is None else self._given.candidates(contacts)
         except RefusedError as refused:
             return refusal(refused.status, str(refused), start)
         if contacts is not None and self._given.beyond:
@@ -177,22 +191,30 @@ class WrenchPlanner:
             return too_near(candidates, start)
         points = candidates.single
         if points is None:
-            return self._choose(candidates, target, start)
-        return self._planned(points, target, None, start)
+            return self._choose(candidates, asked, start)
+        return self._planned(points, self._to_effective.dot(asked), None, start)
 
     # --- what changes between ticks -----------------------------------------------------------------------
 
     def _take_estimate(self, estimate: Estimate) -> None:
         self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+        before = self._terms.base.cart_rows
         if self._terms.take_estimate(estimate):
             self._drop_program()
             self._take_last()
+            if not self._terms.base.cart_rows.is_like(before):  # margins came, or went
+                self._compile()
 
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""
         self._given = GivenContacts(self._terms)
         self._last_choice = None
         self._drop_program()
+        self._compile()
+
+    def _compile(self) -> None:
+        """Where it is warm, and what is compiled covers the programs."""
+        self._compiled = CompiledPlanning.of(self._terms, self._cost) if self._is_warm else None
 
     def _drop_program(self) -> None:
         self._program: QuadraticProgram | None = None
@@ -214,10 +236,19 @@ class WrenchPlanner:
 
     # --- solving ------------------------------------------------------------------------------------------
 
-    def _choose(self, candidates: Candidates, target: Array, start: float) -> Plan:
+    def _choose(self, candidates: Candidates, asked: Point, start: float) -> Plan:
+        target = self._to_effective.dot(asked)
         question, is_own = Question(target, self._cost), candidates is self._terms.candidates
-        seed = self._last_choice if is_own else None
-        choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
+        choice = None
+        if self._compiled is not None:
+            choice = self._compiled.choose(candidates, asked, self._cost, self._limit)
+            if choice is not None and choice.contacts is not None:
+                plan = self._compiled.chosen(choice, asked, start)
+                self._remember(*self._compiled.last)
+                return plan
+        if choice is None:
+            seed = self._last_choice if is_own else None
+            choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
         if choice.contacts is None:
             return self._none_found(candidates, question, choice, start)
         if is_own:
@@ -250,6 +281,8 @@ class WrenchPlanner:
         program = self._program_at(points, target)
         solution = self._solver.solve(program)
         proof = None if choice is None else _proof(choice, solution)
+        if choice is None and self._compiled is not None and not solution.message:
+            solution = replace(solution, message=f"fallback: {SOLVER} gave no proven answer")
         plan = self._answers.of(Solved(points, program, solution, start), self._last, proof)
         if plan.is_usable and plan.proof is not None:
             self._remember(plan.proof[1].x[: self._terms.base.n], points)

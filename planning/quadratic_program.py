@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -174,8 +174,7 @@ class QuadraticProgram:
         return found
 
 
-@dataclass(frozen=True)
-class Residuals:
+class Residuals(NamedTuple):
     """Worst violation of A x = b, of limits and cones, of stationarity, and the duality gap over
     max(1, |cost|); and what they are measured by: the cost, the largest |b| and the largest slope of the
     cost, each at least 1."""

@@ -71,6 +71,18 @@ def plan(
     raise typer.Exit(command.run(problem, json))
 
 
+@app.command("export-c")
+def export_c(
+    problem: Annotated[Path, typer.Argument(help="PROBLEM.yaml: cart, wrench, arms.", metavar="PROBLEM")],
+    out: Annotated[Path, typer.Option("--out", help="Folder for the C; an earlier export is replaced.")],
+    json: Json = False,
+) -> None:
+    """Write the problem's planner as C that stands alone, for a controller in hard real time."""
+    from . import export_c as command
+
+    raise typer.Exit(command.run(problem, out, json))
+
+
 @app.command()
 def estimate(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, or the EMPS .mat.", metavar="LOG")],

@@ -10,10 +10,13 @@ A force on edge k makes rows k - 1 and k active.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
 
 from .limit import Limit, LimitRows
 from .push_only import PushOnly
@@ -23,11 +26,18 @@ class FrictionPyramid(Limit):
     def rows(self, arm: Arm) -> LimitRows:
         if arm.friction is None or not isinstance(arm.friction.sides, int):
             raise UsageError(f"arm {arm.name}: a friction pyramid needs friction with a number of sides")
-        sides = arm.friction.sides
-        angles = (2 * np.arange(sides) + 1) * np.pi / sides
-        rows = np.zeros((sides, 6))
-        rows[:, 0] = -arm.friction.mu * np.cos(np.pi / sides)
-        rows[:, 1], rows[:, 2] = np.cos(angles), np.sin(angles)
-        names = tuple(f"friction edge {k}" for k in range(sides))
+        rows, names = _sides(arm.friction.mu, arm.friction.sides)
         push = PushOnly().rows(arm)
-        return LimitRows(lower=push.lower, lower_names=push.lower_names, rows=rows, limits=np.zeros(sides), names=names)
+        return LimitRows(
+            lower=push.lower, lower_names=push.lower_names, rows=rows, limits=np.zeros(len(names)), names=names
+        )
+
+
+@lru_cache(maxsize=64)
+def _sides(mu: float, sides: int) -> tuple[Array, tuple[str, ...]]:
+    angles = (2 * np.arange(sides) + 1) * np.pi / sides
+    rows = np.zeros((sides, 6))
+    rows[:, 0] = -mu * np.cos(np.pi / sides)
+    rows[:, 1], rows[:, 2] = np.cos(angles), np.sin(angles)
+    rows.setflags(write=False)
+    return rows, tuple(f"friction edge {k}" for k in range(sides))

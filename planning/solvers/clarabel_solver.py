@@ -9,6 +9,7 @@ from scipy import sparse
 from planning.quadratic_program import INFEASIBLE, NUMERICAL, QPSolution, QuadraticProgram
 
 TOLERANCE = 1e-12
+DIVERGED = 1e50  # what is larger overflows in a proof
 USABLE = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")
 
 
@@ -37,12 +38,15 @@ def solve(program: QuadraticProgram) -> QPSolution:
     if status not in USABLE:
         claimed = INFEASIBLE if "PrimalInfeasible" in status else NUMERICAL
         return QPSolution.failed(program, claimed, "clarabel", f"Clarabel ended with {status}")
+    x = np.asarray(found.x)
+    if not max(np.abs(x).max(initial=0.0), np.abs(found.z).max(initial=0.0)) <= DIVERGED:
+        return QPSolution.failed(program, NUMERICAL, "clarabel", "Clarabel diverged")
     parts = np.split(np.asarray(found.z), np.cumsum([len(v) for v in values])[:-1])
     y = np.zeros(len(program.upper))
     y[equal] = parts[0]
     y[up] += np.maximum(parts[1], 0.0)
     y[low] -= np.maximum(parts[2], 0.0)
-    return QPSolution.checked(program, np.asarray(found.x), y, parts[3:], "clarabel", status)
+    return QPSolution.checked(program, x, y, parts[3:], "clarabel", status)
 
 
 def _settings() -> clarabel.DefaultSettings:

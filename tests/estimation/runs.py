@@ -28,16 +28,14 @@ def push(time, curved=True):
     return float(forward), float(swing) if curved else 0.0
 
 
-def simulate(cart, seed=0, duration=12.0, curved=True, noise=(0.0004, 0.005, 0.0)):
-    """A log of an open-loop push of a cart (m, dx, dy, I, linear, angular, coulomb), and the truth (n, 5)."""
-    random = np.random.default_rng(seed)
-    sigma_pose, sigma_velocity, sigma_force = noise
-    n = round(duration / STEP)
+def integrate(cart, forces, duration):
+    """Truth (n, 5) and reduced wrenches (n, 2) of a cart (m, dx, dy, I, linear, angular, coulomb) pushed with
+    `forces(time, state) -> (fx, tau)`, held over each step."""
     state, states, wrenches = np.zeros(5), [], []
-    for k in range(n):
-        fx, tau = push(k * STEP, curved)
+    for k in range(round(duration / STEP)):
+        fx, tau = forces(k * STEP, state)
         states.append(state)
-        wrenches.append([fx, 0.0, 0.0, 0.0, 0.0, tau + CONTACT[1] * fx])
+        wrenches.append([fx, tau])
         for _ in range(SUBSTEPS):
             h = STEP / SUBSTEPS
             k1 = reduced_rate(state, fx, tau, cart)
@@ -45,14 +43,50 @@ def simulate(cart, seed=0, duration=12.0, curved=True, noise=(0.0004, 0.005, 0.0
             k3 = reduced_rate(state + h / 2 * k2, fx, tau, cart)
             k4 = reduced_rate(state + h * k3, fx, tau, cart)
             state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    truth = np.array(states)
+    return np.array(states), np.array(wrenches)
+
+
+def record(truth, hands, noise, seed):
+    """A log with sensor noise (pose, velocity, force) of what each hand gives: contact (3,), wrench (n, 6)."""
+    random = np.random.default_rng(seed)
+    sigma_pose, sigma_velocity, sigma_force = noise
+    n = len(truth)
     theta, u, r = truth[:, 2:].T
     velocity = np.stack([u * np.cos(theta), u * np.sin(theta), r], axis=1)
     force = np.array([sigma_force] * 3 + [sigma_force / 20] * 3)
-    log = RunLog(
+    return RunLog(
         time=np.arange(n) * STEP,
         pose=truth[:, :3] + sigma_pose * random.standard_normal((n, 3)),
         velocity=velocity + sigma_velocity * random.standard_normal((n, 3)),
-        arms={"hand": ArmLog(np.tile(CONTACT, (n, 1)), np.array(wrenches) + force * random.standard_normal((n, 6)))},
+        arms={
+            name: ArmLog(np.tile(contact, (n, 1)), wrench + force * random.standard_normal((n, 6)))
+            for name, (contact, wrench) in hands.items()
+        },
     )
-    return log, truth
+
+
+def simulate(cart, seed=0, duration=12.0, curved=True, noise=(0.0004, 0.005, 0.0)):
+    """A log of an open-loop push of a cart with one hand, and the truth (n, 5)."""
+    truth, wrenches = integrate(cart, lambda time, _: push(time, curved), duration)
+    wrench = np.zeros((len(truth), 6))
+    wrench[:, 0] = wrenches[:, 0]
+    wrench[:, 5] = wrenches[:, 1] + CONTACT[1] * wrenches[:, 0]
+    return record(truth, {"hand": (CONTACT, wrench)}, noise, seed), truth
+
+
+def weave(time, state):
+    """Two hands' feedback on speed and heading, from rest: forwards and back at times, with many turns."""
+    speed = 0.0 if time < 0.5 else 0.35 + 0.35 * np.sin(0.7 * time + 1.0) + 0.1 * np.sin(1.9 * time)
+    heading = 0.9 * np.sin(0.5 * time) + 0.35 * np.sin(1.3 * time)
+    return 80.0 * (speed - state[3]), 40.0 * (heading - state[2]) - 25.0 * state[4]
+
+
+def simulate_two_hands(cart, seed=0, duration=30.0, noise=(0.0005, 0.005, 3.0)):
+    """A log of a cart pushed by two hands with feedback; the moment is given by unlike forward forces."""
+    truth, wrenches = integrate(cart, weave, duration)
+    hands = {}
+    for name, side in (("left", 0.25), ("right", -0.25)):
+        wrench = np.zeros((len(truth), 6))
+        wrench[:, 0] = wrenches[:, 0] / 2 - wrenches[:, 1] / (2 * side)
+        hands[name] = (np.array([-0.4, side, 1.0]), wrench)
+    return record(truth, hands, noise, seed)

@@ -17,7 +17,7 @@ from estimation import CartFilter, FilterNoise, PaperFilter, Prior
 from estimation.gaussian import Gaussian
 from estimation.replay import replay
 
-from .runs import CONTACT, simulate
+from .runs import CONTACT, simulate, simulate_two_hands
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
 WITH_COULOMB = (*TRUTH[:-1], 0.02)
@@ -137,6 +137,28 @@ def test_noisy_forces_do_not_inflate_the_mass():
         assert mass.value == pytest.approx(24.0, abs=1.5)
         scores.append((mass.value - 24.0) / mass.std)
     assert abs(np.mean(scores)) < 1.5
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_two_noisy_hands_under_feedback(seed):
+    """4 N of noise on a push of 6 N (rms): once 5-6 % too heavy, and 20 % too much inertia."""
+    noise = replace(NOISE, force=3.0, moment=0.15, disturbance=0.06)
+    log = simulate_two_hands(TRUTH, seed)
+    found = replay(log, CartFilter(guess(), ["left", "right"], noise=noise)).last.parameters
+    assert found["mass"].value == pytest.approx(24.0, rel=0.04)
+    assert abs(found["mass"].value - 24.0) < 3 * found["mass"].std
+    assert abs(found["com_y"].value - 0.06) < 3 * found["com_y"].std
+
+
+@pytest.mark.parametrize("coulomb", [0.02, 0.03])
+def test_from_rest_with_a_friction_underestimated(coulomb):
+    """Guesses that are no body, on the way, once ended with a mass half as large again."""
+    noise = replace(NOISE, force=1.0, moment=0.05, disturbance=0.06)
+    log = simulate_two_hands((*TRUTH[:-1], coulomb), 0, noise=(0.0005, 0.005, 1.0))
+    believed = guess(effects=(ViscousDrag(2.0, 1.0), RollingResistance(0.005)))
+    found = replay(log, CartFilter(believed, ["left", "right"], noise=noise)).last.parameters
+    assert found["mass"].value == pytest.approx(24.0, rel=0.03)
+    assert found["rolling_resistance.coefficient"].value == pytest.approx(coulomb, rel=0.1)
 
 
 def test_the_papers_literal_form_fails_where_the_filter_does_not():

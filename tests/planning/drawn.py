@@ -10,6 +10,7 @@ from scipy.optimize import linprog
 from cartgrasp.arms import Arm, Friction
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.joint_torques import JointTorques
 
 FORCE, MOMENT = (60.0, 60.0, 40.0), (8.0, 8.0, 6.0)
 
@@ -51,6 +52,7 @@ def random_arms(rng, n, n_points=1, sides=None):
         friction = None if kind == 0 else Friction(float(rng.uniform(0.2, 1.0)), kind if sides else int(kind))
         points = rng.uniform((-0.5, -0.5, 0.8), (0.5, 0.5, 1.2), (n_points, 3))
         weights = rng.uniform(0.5, 12, 6)
+        more = {} if sides is not None else random_strength(rng)
         arms.append(
             Arm(
                 f"arm{i}",
@@ -60,9 +62,23 @@ def random_arms(rng, n, n_points=1, sides=None):
                 moment_limit=moment,
                 friction=friction,
                 weights=weights,
+                **more,
             )
         )
     return arms
+
+
+def random_strength(rng):
+    """What some arms state beside a wrench box: push only, a payload, joints that bear so much."""
+    more = {}
+    if rng.random() < 0.2:
+        more["push_only"] = True
+    if rng.random() < 0.2:
+        more["payload"] = float(rng.uniform(0.1, 5))
+    if rng.random() < 0.2:
+        at_rest, n = rng.uniform(-5, 5, 7), 7
+        more["joints"] = JointTorques(rng.uniform(-1, 1, (6, n)), at_rest, np.abs(at_rest) + rng.uniform(0, 30, n))
+    return more
 
 
 def replace_friction(a, friction):
@@ -74,6 +90,9 @@ def replace_friction(a, friction):
         moment_limit=a.moment_limit,
         friction=friction,
         weights=a.weights,
+        push_only=a.push_only,
+        payload=a.payload,
+        joints=a.joints,
     )
 
 
@@ -86,17 +105,24 @@ def linear_limits(arms):
     rows, limits, bounds = [], [], []
     for i, a in enumerate(arms):
         for j, limit in enumerate([*a.force_limit, *a.moment_limit]):
-            low = 0.0 if a.friction is not None and j == 0 else -limit
+            limit = min(limit, 9.81 * a.payload) if j == 2 else limit
+            low = 0.0 if (a.friction is not None or a.push_only) and j == 0 else -limit
             bounds.append((None if np.isinf(low) else low, None if np.isinf(limit) else limit))
+        if a.joints is not None:
+            wide = np.zeros((a.joints.n_joints, 6 * len(arms)))
+            wide[:, 6 * i : 6 * i + 6] = a.joints.jacobian.T
+            at_rest, most = a.joints.gravity_torque, a.joints.torque_limit
+            rows += [*wide[np.isfinite(most)], *-wide[np.isfinite(most)]]
+            limits += [*(most - at_rest)[np.isfinite(most)], *(most + at_rest)[np.isfinite(most)]]
         if a.friction is None:
             continue
         sides, mu = a.friction.sides, a.friction.mu
         angles = 2 * np.pi * np.arange(sides) / sides
-        corners = list(mu * np.stack([np.cos(angles), np.sin(angles)], axis=-1))
+        corners = list(np.stack([np.cos(angles), np.sin(angles)], axis=-1))  # times mu: a mu of 0 has sides too
         for one, other in zip(corners, corners[1:] + corners[:1], strict=True):
             normal = np.array([other[1] - one[1], one[0] - other[0]])  # outward for a walk against the clock
             row = np.zeros(6 * len(arms))
-            row[6 * i : 6 * i + 3] = [-normal @ one, *normal]
+            row[6 * i : 6 * i + 3] = [-mu * (normal @ one), *normal]
             rows.append(row)
             limits.append(0.0)
     matrix = np.array(rows).reshape(len(rows), 6 * len(arms))

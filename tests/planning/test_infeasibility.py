@@ -76,7 +76,8 @@ def test_right_at_the_limit_of_what_the_arms_can_do(seed, beyond):
     assert found.status == ("optimal" if beyond < 0 else "infeasible")
     if beyond > 0:
         assert found.certificate.verified
-        assert found.certificate.nearest.distance <= np.linalg.norm(asked) * beyond * 1.001
+        # HiGHS is exact to some 1e-10: a hundredth of the least distance here
+        assert found.certificate.nearest.distance <= np.linalg.norm(asked) * beyond * 1.01
     else:
         assert violation(arms, found.wrenches) <= 1e-8
 

@@ -253,3 +253,16 @@ def test_a_contradiction_whatever_the_contacts():
     assert plan.status == "infeasible"
     assert plan.certificate.words.startswith("skid to the right by ")
     assert plan.certificate.verified
+
+
+def test_margins_by_hand():
+    arms = [
+        cg.Arm("left", [LEFT.tolist()], force_limit=(60, 60, 40), friction=cg.Friction(0.6, "exact"), joints=JOINTS)
+    ]
+    plan = WrenchPlanner(shopping_cart(), arms).plan((40, 0, -9))
+    f, margins = plan.wrenches["left"], plan.margins
+    assert margins["left: friction cone"] == pytest.approx(0.6 * f[0] - np.hypot(f[1], f[2]), abs=1e-9)
+    assert margins["left: fx upper"] == pytest.approx(60 - f[0])
+    assert margins["left: joint 2 torque lower"] == pytest.approx(JOINTS.torques(f)[2] + 30.0)
+    assert "left: tx upper" not in margins  # it has no limit
+    assert WrenchPlanner(shopping_cart(), arms).plan((400, 0, 0)).margins == {}

@@ -166,6 +166,24 @@ def test_a_wrench_that_new_limits_forbid_is_not_held():
     assert 0 < held[0] <= 10
 
 
+def test_new_arms_count_even_if_the_wrench_is_refused():
+    planner = WrenchPlanner(cart(), pair())
+    planner.plan((100, 0, 0))
+    plan = planner.plan_or_hold((np.nan, 0, 0), arms=[arm("left", force_limit=(10, 60, 40))])
+    assert plan.status == "invalid_input"
+    assert 0 < plan.contact_wrenches.wrenches["left"][0] <= 10
+
+
+def test_starting_from_a_wrench():
+    rated = [arm("left", wrench_rate=(1e3,) * 6), arm("right", [(-0.25, -0.2, 1.0)])]
+    planner = WrenchPlanner(cart(), rated, period=1e-3)
+    planner.start_from({"left": (30, 0, 0, 0, 0, 0)})
+    assert planner.plan((60, 0, 0)).wrenches["left"][0] == pytest.approx(30, abs=1 + 1e-9)
+    for wrong in ({"left": (np.nan,) * 6}, {"middle": (0,) * 6}):
+        with pytest.raises(cg.UsageError, match="start_from"):
+            planner.start_from(wrong)
+
+
 def test_arms_that_are_refused_change_nothing():
     planner = WrenchPlanner(cart(), pair())
     before = planner.plan((40, 0, 3))
@@ -255,3 +273,31 @@ def test_nothing_is_proposed_where_nothing_would_do():
     plan = WrenchPlanner(cart(), pair()).plan((150, 0, 0))
     assert plan.certificate.remedy == {}
     assert "would be feasible" not in plan.message
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_handles_know_the_rate_too(seed):
+    """A rate may leave no wrench for which one end of a handle is that of more moment: such cases are proven empty."""
+    rng = np.random.default_rng(seed)
+    rate = (3e3,) * 3 + (3e2,) * 3
+    arms = [bar("left", friction=None, wrench_rate=rate), bar("right", friction=None, wrench_rate=rate)]
+    first, second = rng.uniform((20, 0, -2), (50, 0, 2)), rng.uniform((20, 0, -8), (50, 0, 8))
+    held = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
+
+    def after_first():
+        planner = WrenchPlanner(cart(), arms, period=1e-2)
+        assert planner.plan(first, contacts=held).status == "optimal"
+        return planner
+
+    best = np.inf
+    for one in np.linspace(-0.25, 0.25, 9):
+        for other in np.linspace(-0.25, 0.25, 9):
+            points = {"left": (-0.25, one, 1.0), "right": (-0.25, other, 1.0)}
+            plan = after_first().plan_or_hold(second, contacts=points)
+            best = min(best, plan.effort) if plan.status == "optimal" else best
+    plan = after_first().plan_or_hold(second)
+    assert plan.status in ("optimal", "infeasible")
+    if np.isfinite(best):
+        assert plan.status == "optimal"
+        assert plan.effort <= best * (1 + 1e-9)
+        assert plan.choice.gap <= 1e-9

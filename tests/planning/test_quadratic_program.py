@@ -10,7 +10,7 @@ import pytest
 from cartgrasp.arms import Friction
 from planning.allocation import build_allocation
 from planning.duality import infeasible_by
-from planning.infeasibility import project, projection_program
+from planning.projection import project, projection_program
 from planning.quadratic_program import Cone, QuadraticProgram, verify
 from planning.reference_allocation import solve_reference
 from planning.solvers import QuadraticSolver, solve_with_clarabel
@@ -203,7 +203,7 @@ def test_the_fallback_is_reported(monkeypatch):
     program = build_allocation(cart(), arms, first_contacts(arms), (40, 0, 3))
     solver = QuadraticSolver()
     failed = replace(solver.solve(program), status="numerical", message="daqp gave up (flag -2)")
-    failed = replace(failed, residuals=replace(failed.residuals, equality=np.inf))
+    failed = replace(failed, residuals=failed.residuals._replace(equality=np.inf))
     monkeypatch.setattr(solver._daqp, "solve", lambda _: failed)
     solution = solver.solve(program)
     assert solution.status == "optimal"

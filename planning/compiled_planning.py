@@ -1,0 +1,142 @@
+"""What `WrenchPlanner` has compiled: allocations at given contacts, choice among this tick's candidates, and plans of
+both. Whatever isn't covered, refused or not proven here is for the general road to answer."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from itertools import combinations
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cartgrasp.frames import Array
+
+from .allocation_template import AllocationTemplate
+from .compiled_allocation import SOLVER, CompiledAllocation, Point
+from .compiled_choice import CompiledChoice
+from .contact_bounds import Candidates
+from .contact_choice import Choice, SearchLimit
+from .contact_regions import DISTANCE_TOLERANCE
+from .given_contacts import REACH_TOLERANCE
+from .objectives import Cost
+from .plan import ChoiceProof, Plan
+from .quadratic_program import QPSolution, QuadraticProgram, Residuals
+from .terms import Terms
+
+N_NUMBERS = 8  # residuals and the effort
+
+
+class CompiledPlanning:
+    """For the arms of `terms`; new arms need a new one. `last` are the wrenches (6n,) and contacts of the last plan."""
+
+    def __init__(self, terms: Terms, allocation: CompiledAllocation) -> None:
+        self._terms, self._allocation, own = terms, allocation, terms.candidates.single
+        self._own_points = None if own is None or self._is_refused(own) else own
+        self._given, self._given_points = b"", np.zeros((0, 3))
+        self._parts = [(name, slice(6 * i, 6 * i + 6)) for i, name in enumerate(terms.sets)]
+        self._n = 6 * len(terms.sets)
+        self._shown: dict[str, Array] = {}
+        self._shown_points = self._given_points
+        self.last: tuple[Array, Array] = np.zeros(0), self._given_points
+        self._choice: CompiledChoice | None = None
+        self._candidates: Candidates | None = None
+
+    @classmethod
+    def of(cls, terms: Terms, cost: Cost) -> Self | None:
+        """None where the general road is needed for every program."""
+        allocation = CompiledAllocation.of(terms.template, cost)
+        return None if allocation is None else cls(terms, allocation)
+
+    def at(self, contacts: Mapping[str, ArrayLike] | None, wrench: Point, cost: Cost, start: float) -> Plan | None:
+        """The optimal plan at given contacts, or where arms have no choice."""
+        points = self._own_points if contacts is None else self._points(contacts)
+        if points is None:
+            return None
+        self._allocation.take(self._terms.template, cost)
+        if not self._allocation.solve(wrench, points):
+            return None
+        return self._plan(points, wrench, None, start)
+
+    def choose(self, candidates: Candidates, wrench: Point, cost: Cost, limit: SearchLimit) -> Choice | None:
+        """The search's result; `chosen` is its plan where there are contacts. None if it is for the general search."""
+        if candidates is not self._candidates:
+            self._candidates, self._choice = candidates, CompiledChoice.of(candidates, self._allocation)
+        if self._choice is None:
+            return None
+        self._allocation.take(self._terms.template, cost)
+        return self._choice.run(wrench, cost, limit)
+
+    def chosen(self, choice: Choice, wrench: Point, start: float) -> Plan:
+        assert choice.contacts is not None
+        return self._plan(choice.contacts, wrench, choice.proof, start)
+
+    def forget(self) -> None:
+        """The next search begins as if it were the first."""
+        self._candidates = None
+
+    # --- contacts -----------------------------------------------------------------------------------------
+
+    def _points(self, contacts: Mapping[str, ArrayLike]) -> Array | None:
+        """Contacts of all arms (n, 3), the same object as long as they are the same."""
+        try:
+            points = np.array([contacts[name] for name in self._terms.sets], dtype=float)
+        except (KeyError, TypeError, ValueError, OverflowError):
+            return None
+        given = points.tobytes()
+        if given != self._given:
+            if points.shape != (len(self._parts), 3) or len(contacts) > len(points) or self._is_refused(points):
+                return None
+            points.setflags(write=False)
+            self._given, self._given_points = given, points
+        return self._given_points
+
+    def _is_refused(self, points: Array) -> bool:
+        """Whether hands are too near, or out of reach."""
+        distance, reaching = self._terms.candidates.distance, self._terms.reaching(self._terms.sets)
+        if distance > 0:
+            pairs = combinations(points.tolist(), 2)
+            if min((math.dist(p, q) for p, q in pairs), default=math.inf) < distance - DISTANCE_TOLERANCE:
+                return True
+        if not reaching:
+            return False
+        at = dict(zip(self._terms.sets, points, strict=True))
+        return any(float(reach.excess(at[name])) > REACH_TOLERANCE for name, reach in reaching)
+
+    # --- answers ------------------------------------------------------------------------------------------
+
+    def _plan(self, points: Array, wrench: Point, choice: ChoiceProof | None, start: float) -> Plan:
+        """Of what the allocation holds."""
+        found, template, n = self._allocation, self._terms.template, self._n
+        answer, cost = found.answer(), found.cost
+        answer.setflags(write=False)  # plans show it
+        numbers: list[float] = answer[-N_NUMBERS:].tolist()
+        self.last = answer[:n], points
+        if points is not self._shown_points:
+            self._shown_points = points
+            self._shown = {name: points[i] for i, name in enumerate(self._terms.sets)}
+        fields = {
+            "wrenches": {name: answer[part] for name, part in self._parts},
+            "contacts": self._shown.copy(),
+            "yaws": self._terms.yaws,
+            "effort": numbers.pop(),
+            "active": found.active,
+            "residuals": Residuals._make(numbers),
+            "choice": choice or ChoiceProof(numbers[4], 0.0, 1),
+            "solve_time": time.perf_counter() - start,
+            "solver": SOLVER,
+            "message": "",
+            "prove": lambda: _proof(template, (points, wrench, cost), answer[:n], answer[n:-N_NUMBERS]),
+        }
+        return Plan.optimal(fields)
+
+
+def _proof(
+    template: AllocationTemplate, asked: tuple[Array, Point, Cost], x: Array, y: Array
+) -> tuple[QuadraticProgram, QPSolution]:
+    """The program that was solved, built the general way, with its solution checked in numpy."""
+    points, wrench, cost = asked
+    program = template.program(template.contact_rows(points), template.basis_b.T @ np.array(wrench), cost)
+    return program, QPSolution.checked(program, x, y, (), SOLVER)

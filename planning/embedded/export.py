@@ -1,0 +1,91 @@
+"""Writes the folder: our C, the problem's numbers, OSQP's generated sources and licence."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from importlib import metadata, resources
+from pathlib import Path
+
+import numpy as np
+import osqp
+from scipy import sparse
+
+from cartgrasp.errors import UsageError
+
+from .problem_code import EmbeddedProblem, header, source
+
+MARK = "problem.h"  # what a folder of ours holds
+PREFIX = "cartgrasp_osqp_"
+
+
+def export_c(problem: EmbeddedProblem, folder: str | os.PathLike[str], wrench: tuple[float, float, float]) -> Path:
+    """Written aside, then renamed; an earlier export is replaced, anything else is left alone. `wrench` is what
+    `make check` plans."""
+    folder = Path(folder)
+    check_free(folder)
+    try:
+        folder.absolute().parent.mkdir(parents=True, exist_ok=True)
+        aside = Path(tempfile.mkdtemp(dir=folder.absolute().parent, prefix=f".{folder.name}.", suffix=".part"))
+        try:
+            _fill(aside, problem, wrench)
+            aside.chmod(0o755)
+            _swap(aside, folder)
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
+    except OSError as error:
+        raise UsageError(f"{folder}: can't be written: {error.strerror or error}; name another folder") from error
+    return folder
+
+
+def check_free(folder: Path) -> None:
+    """Refuses a place that holds something else."""
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(f"{folder}: is a file; name a folder")
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
+        raise UsageError(f"{folder}: holds other files; name a new folder, or one that export-c wrote")
+
+
+def _fill(folder: Path, problem: EmbeddedProblem, wrench: tuple[float, float, float]) -> None:
+    _write_osqp(problem, folder / "osqp")
+    for file in resources.files(__package__).joinpath("c").iterdir():
+        (folder / file.name).write_bytes(file.read_bytes())
+    texts = {
+        "problem.h": header(problem),
+        "problem.c": source(problem),
+        "wrenches.txt": f"# fx fy (N) and moment (N m) on the cart\n{' '.join(map(repr, wrench))}\n",
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def _write_osqp(problem: EmbeddedProblem, folder: Path) -> None:
+    """OSQP's solver with this problem's workspace. Its `matrices` mode lets contacts change without allocation."""
+    program = problem.program
+    solver = osqp.OSQP()
+    solver.setup(
+        P=sparse.csc_matrix(np.triu(program.hessian)),
+        q=program.gradient.copy(),
+        A=problem.matrix,
+        l=program.lower.copy(),
+        u=program.upper.copy(),
+        verbose=False,
+        polishing=False,
+        check_termination=10,
+        adaptive_rho_interval=50,
+    )
+    solver.codegen(str(folder), parameters="matrices", extension_name=None, prefix=PREFIX)
+    for name in ("CMakeLists.txt", "Makefile", "emosqp.c"):
+        (folder / name).unlink(missing_ok=True)
+    licence = next(file for file in metadata.files("osqp") or () if file.name == "LICENSE")
+    (folder / "LICENSE").write_text(licence.read_text(), encoding="utf-8")
+
+
+def _swap(aside: Path, folder: Path) -> None:
+    """A rename onto a folder works only where that is empty, so an earlier export moves out of the way first."""
+    old = aside.with_suffix(".old")
+    if folder.exists():
+        os.replace(folder, old)
+    os.replace(aside, folder)
+    shutil.rmtree(old, ignore_errors=True)

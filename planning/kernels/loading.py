@@ -1,0 +1,62 @@
+"""Fills a workspace with a program: plain numpy, done once for what stays the same."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from planning.quadratic_program import QuadraticProgram
+
+from .workspace import Workspace
+
+LEAST_CURVATURE = 1e-9  # of the largest
+
+
+def is_strictly_convex(hessian: Array) -> bool:
+    if not np.isfinite(hessian).all():
+        return False
+    curvature = np.linalg.eigvalsh(hessian)
+    return bool(curvature[0] > LEAST_CURVATURE * curvature[-1])
+
+
+def load(workspace: Workspace, program: QuadraticProgram, pattern: Array | None = None) -> None:
+    """Everything of a program without cones. `pattern` (n + m, n) says where G may get numbers that aren't zero."""
+    problem, claim = workspace.problem, workspace.claim
+    claim.hessian[:], workspace.inverse[:] = program.hessian, _inverse(program.hessian)
+    problem.rows[:] = program.stacked[program.n :]
+    problem.lifted[:] = problem.rows @ workspace.inverse
+    pattern = np.abs(problem.rows if pattern is None else pattern)
+    problem.spans[:, :2] = spans(pattern)
+    problem.spans[:, 2:] = spans(pattern @ np.abs(workspace.inverse))
+    workspace.held.size[0] = 0
+    load_limits(workspace, program)
+    load_gradient(workspace, program.gradient, program.constant)
+
+
+def load_limits(workspace: Workspace, program: QuadraticProgram) -> None:
+    """What was held stays so as long as only values of equalities change."""
+    limits, first = workspace.problem.limits, len(program.lower) - program.n_equalities
+    new = np.array([program.lower, program.upper])
+    if not np.array_equal(limits[:, :first], new[:, :first]):
+        workspace.held.size[0] = 0
+    limits[:] = new
+
+
+def load_gradient(workspace: Workspace, gradient: Array, constant: float) -> None:
+    workspace.claim.gradient[:], workspace.claim.constant[0] = gradient, constant
+    workspace.problem.free[:] = workspace.inverse @ -gradient
+
+
+def spans(pattern: Array) -> Array:
+    """First and last + 1 of the entries of each row that aren't zero, shape (rows, 2)."""
+    held = pattern != 0
+    first, last = held.argmax(axis=1), held.shape[1] - held[:, ::-1].argmax(axis=1)
+    return np.where(held.any(axis=1)[:, None], np.stack([first, last], axis=1), 0)
+
+
+def _inverse(hessian: Array) -> Array:
+    """Exactly as sparse as a diagonal Hessian is."""
+    diagonal = np.diagonal(hessian)
+    if np.count_nonzero(hessian) == np.count_nonzero(diagonal):
+        return np.diag(1.0 / diagonal)
+    return np.asarray(np.linalg.inv(hessian))
