@@ -58,7 +58,8 @@ class ParameterEstimate:
 @dataclass(frozen=True)
 class Estimate:
     """What an estimator knows at `time`: the motion, the parameters by name, and its own health. `structure` is the
-    cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated."""
+    cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated, `covariance` (p, p) is
+    theirs (None where an estimator has none)."""
 
     time: float
     motion: Motion
@@ -66,6 +67,7 @@ class Estimate:
     health: str
     structure: CartModel
     model_parameters: Array
+    covariance: Array | None = None
 
     def cart(self) -> CartModel:
         """The cart as now estimated."""

@@ -124,9 +124,11 @@ class CartFilter:
         mean, part = self.belief.mean, self.layout.parameters
         motion = Motion(mean[:3].copy(), mean[self.cart.velocity_slice].copy())
         block = self._physical_block
-        parameters = self._block.report(block, self.belief.covariance[part, part])
+        believed = self.belief.covariance[part, part]
+        parameters = self._block.report(block, believed)
         health = self._watch.health if self._has_wrench else Health.NO_WRENCH
-        return Estimate(self._time, motion, parameters, health, self.cart, self._block.theta(block))
+        theta, covariance = self._block.theta(block), self._block.model_covariance(block, believed)
+        return Estimate(self._time, motion, parameters, health, self.cart, theta, covariance)
 
     @property
     def _physical_block(self) -> Array:

@@ -60,6 +60,11 @@ class ParameterBlock:
         partials[:N_PHI, :N_PHI] = self._chart.jacobian(full[:N_PHI])
         return partials[:, self.free]
 
+    def model_covariance(self, block: Array, covariance: Array) -> Array:
+        """Of `theta`, (p, p), from that of the block, (f, f)."""
+        jacobian = self.jacobian(block)
+        return np.asarray(jacobian @ covariance @ jacobian.T)
+
     def nearest_physical(self, block: Array, covariance: Array) -> Array:
         """The block itself if a cart can have it: effects within their bounds, m > 0, J m > |m d|² (physics 18);
         else the most likely one, given its covariance (f, f): what is believed together moves together."""

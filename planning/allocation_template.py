@@ -32,13 +32,13 @@ from cartgrasp.frames import Array
 
 from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Objective, WeightedWrench
-from .quadratic_program import QuadraticProgram
+from .quadratic_program import Cone, QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-    from cartgrasp.motion import Motion
 
 PLANAR_NAMES = ("fx", "fy", "tau")
+WIDEST = 1e6  # N, of a cone over contacts of hands without limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +58,8 @@ class AllocationTemplate:
         arms: Sequence[Arm],
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
-        motion: Motion | None = None,
     ) -> Self:
-        """`cart_limits` at a motion of the cart; at rest if None."""
+        """`cart_limits` are those of the cart at rest, until `with_cart_rows`."""
         arms = tuple(arms)
         names = [arm.name for arm in arms]
         if not arms:
@@ -72,13 +71,16 @@ class AllocationTemplate:
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits = side_by_side(names, [limits_of(arm) for arm in arms])
-        rows = cart_rows(cart_limits, Pushed(cart, motion, arms))
+        rows = cart_rows(cart_limits, Pushed(cart, None, arms))
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_cart_rows(self, rows: CartRows) -> Self:
-        """The same with as many other rows for the cart's limits: what is cached stays."""
+        """The same with other rows for the cart's limits; where these are like the old, what is cached stays."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, cart_rows=rows)
+        if not rows.is_like(self.cart_rows):
+            for blank in ("_at_points", "_over_ranges"):
+                other.__dict__.pop(blank, None)
         return other
 
     def with_bounds(self, limits: LimitRows) -> Self:
@@ -189,6 +191,7 @@ class AllocationTemplate:
             matrix = np.concatenate([middle, matrix])
             below = np.concatenate([self.cart_rows.low - fixed_part - spread, below])
             above = np.concatenate([self.cart_rows.high - fixed_part + spread, above])
+            return self._filled(self._over_ranges, matrix, (below, above), cost, (fixed_part, spread))
         return self._filled(self._over_ranges, matrix, (below, above), cost)
 
     def slack_map(self, is_range: bool) -> Array:
@@ -222,6 +225,19 @@ class AllocationTemplate:
         apart = np.abs(each - middle).max(axis=0)
         return middle, np.where(apart > 0, apart * np.where(apart > 0, largest, 0.0), 0.0).sum(axis=1)
 
+    def _cart_cones(self, matrix: Array, moved: tuple[Array, Array] | None) -> list[Cone]:
+        """The cart's cones over contact rows `matrix`. Over a range these have a fixed part (c,), and a cone is wider
+        by the most that their spread (c,) makes of it: of its axis, and of the length of the rest."""
+        cones, start = [], len(self.fixed.rows)
+        for cone in self.cart_rows.cones:
+            offset = cone.offset
+            if moved is not None:
+                fixed_part, spread = (part[cone.own] for part in moved)
+                offset = offset + fixed_part
+                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), WIDEST)
+            cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
+        return cones
+
     @cached_property
     def _at_points(self) -> QuadraticProgram:
         return self._blank(self.basis_b.shape[1], self.basis_b.shape[1])
@@ -248,9 +264,17 @@ class AllocationTemplate:
         )
 
     def _filled(
-        self, blank: QuadraticProgram, matrix: Array, values: tuple[Array, Array], cost: Cost
+        self,
+        blank: QuadraticProgram,
+        matrix: Array,
+        values: tuple[Array, Array],
+        cost: Cost,
+        moved: tuple[Array, Array] | None = None,
     ) -> QuadraticProgram:
-        return blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
+        program = blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
+        if not self.cart_rows.cones:
+            return program
+        return program.with_cones((*blank.cones, *self._cart_cones(matrix, moved)))
 
 
 def in_words(direction: Array) -> str:

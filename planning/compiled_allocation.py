@@ -62,7 +62,7 @@ class CompiledAllocation:
         """None where what is compiled doesn't cover the programs."""
         from .kernels.loading import is_strictly_convex
 
-        covered = not template.fixed.cones and len(template.hessian) == template.n
+        covered = not (template.fixed.cones or template.cart_rows.cones) and len(template.hessian) == template.n
         covered &= not isinstance(template.objective, Lexicographic)
         return cls(template, cost) if covered and is_strictly_convex(template.hessian) else None
 

@@ -15,7 +15,7 @@ from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
 from .contradiction import contradiction
-from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by
+from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by, of_cart
 from .objectives import Cost
 from .projection import Projection, project
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
@@ -108,9 +108,10 @@ class CaseSolver:
 
     def _solved(self, question: Question, solution: QPSolution, is_range: bool) -> Answer:
         template = self.template
-        dual = solution.multipliers[len(solution.x) + len(template.fixed.limits) :]
-        of_cart = dual[: len(template.cart_rows.low)]
-        multipliers = np.concatenate([of_cart, dual @ template.slack_map(is_range)])
+        of_limits = of_cart(template, solution)
+        effective = solution.multipliers[len(solution.x) + len(template.fixed.limits) + len(of_limits) :]
+        dual = np.concatenate([of_limits, effective])
+        multipliers = np.concatenate([of_limits, dual @ template.slack_map(is_range)])
         cut = effort_cut(template, solution, multipliers, question.target, question.cost)
         return Answer(solution.cost, cut, solution.x[: template.n], question.target)
 

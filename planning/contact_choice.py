@@ -245,7 +245,11 @@ class ContactSearch:
         if c == 0 or len(region.s) == 1:
             return True
         values = np.einsum("nkj,nj->k", template.contact_rows(contacts)[:, :c], answer.wrenches.reshape(-1, 6))
-        beyond = np.maximum(values - template.cart_rows.high, template.cart_rows.low - values).max()
+        rows = template.cart_rows
+        beyond = np.maximum(values - rows.high, rows.low - values).max()
+        for cone in rows.cones:
+            s = cone.offset + values[cone.own]
+            beyond = max(beyond, np.linalg.norm(s[1:]) - s[0])
         return bool(beyond <= EQUALITY_TOLERANCE * max(1.0, float(np.abs(self._question.target).max())))
 
     def _spent(self) -> bool:

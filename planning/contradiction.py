@@ -30,7 +30,10 @@ def contradiction(
         return None  # what the arms state holds the last wrench
     slack_map = template.slack_map(is_range)
     free = replace(projection_program(program, slack_map), n_equalities=0)
-    projection = project(QuadraticSolver(always_feasible=True), free, np.eye(len(slack_map)))
+    missing = np.eye(len(slack_map))
+    for cone in template.cart_rows.cones:
+        missing[cone.first + 1 : cone.own.stop] = 0.0
+    projection = project(QuadraticSolver(always_feasible=True), free, missing)
     if projection.solution.status != OPTIMAL or projection.distance == 0.0:
         return None
     least = infeasible_by(free, projection.normal_solution, projection.normal)

@@ -74,7 +74,7 @@ def effort_cut(
 def distance_cut(template: AllocationTemplate, solution: QPSolution, slack: Array, target: Array) -> Cut:
     """From a solved projection: bounds ½ distance² over contacts."""
     linear, sigma = _relaxed_limits(template, solution)
-    multipliers = np.concatenate([_of_cart(template, solution), -slack])
+    multipliers = np.concatenate([of_cart(template, solution), -slack])
     constant = -sigma - 0.5 * float(slack @ slack)
     return _cut(template, (np.zeros(len(linear)), linear), multipliers, constant, target)
 
@@ -83,7 +83,7 @@ def farkas_cut(template: AllocationTemplate, solution: QPSolution, slack: Array,
     """From a solved projection: a ray whose value is the distance at least where it is positive."""
     linear, sigma = _relaxed_limits(template, solution)
     length = float(np.linalg.norm(slack))
-    multipliers = np.concatenate([_of_cart(template, solution), -slack]) / length
+    multipliers = np.concatenate([of_cart(template, solution), -slack]) / length
     cut = _cut(template, (np.zeros(len(linear)), linear / length), multipliers, -sigma / length, target)
     return replace(cut, ray=True)
 
@@ -109,7 +109,7 @@ def _cut(
     template: AllocationTemplate, scalars: tuple[Array, Array], multipliers: Array, constant: float, target: Array
 ) -> Cut:
     """Relaxes the contact rows as well; unknowns beside the wrenches are minimised over here and now."""
-    multipliers, limit = _priced(multipliers, *template.contact_limits(target))
+    multipliers, limit = _priced(multipliers, *_contact_limits(template, target))
     n, (weights, linear), fixed = template.n, scalars, template.fixed
     lower, upper = np.maximum(fixed.lower, -UNLIMITED), np.minimum(fixed.upper, UNLIMITED)
     own = float(_least(weights[n:], linear[n:], lower[n:], upper[n:]))
@@ -123,16 +123,27 @@ def _relaxed_limits(template: AllocationTemplate, solution: QPSolution) -> tuple
     priced = solution.multipliers[start : start + len(fixed.limits)]
     dual, sigma = _priced(priced, fixed.low_limits, fixed.limits)
     linear = dual @ fixed.rows
-    for cone, z in zip(fixed.cones, solution.cone_multipliers, strict=True):
+    for cone, z in zip(fixed.cones, solution.cone_multipliers[: len(fixed.cones)], strict=True):
         inside = into_cone(z)
         linear, sigma = linear - inside @ cone.rows, sigma + float(inside @ cone.offset)
     return linear, sigma
 
 
-def _of_cart(template: AllocationTemplate, solution: QPSolution) -> Array:
-    """Multipliers of the cart's limits (c,)."""
+def of_cart(template: AllocationTemplate, solution: QPSolution) -> Array:
+    """Multipliers of the cart's limits (c,); of a cone's rows they are its own, z, turned about."""
     start = len(solution.x) + len(template.fixed.limits)
-    return solution.multipliers[start : start + len(template.cart_rows.low)]
+    multipliers = solution.multipliers[start : start + len(template.cart_rows.low)].copy()
+    for cone, z in zip(template.cart_rows.cones, solution.cone_multipliers[len(template.fixed.cones) :], strict=True):
+        multipliers[cone.own] = -into_cone(z)
+    return multipliers
+
+
+def _contact_limits(template: AllocationTemplate, target: Array) -> tuple[Array, Array]:
+    """As the template's; to -z a cone's rows v are limited by its offset: z · (offset + v) >= 0."""
+    low, high = template.contact_limits(target)
+    for cone in template.cart_rows.cones:
+        low[cone.own] = high[cone.own] = -cone.offset
+    return low, high
 
 
 def _priced(multipliers: Array, low: Array, high: Array) -> tuple[Array, float]:

@@ -154,8 +154,9 @@ def conflicting_limits(
         if abs(y) > smallest:
             name, value = high if y > 0 else low
             found[name] = float(value)
-    pairs = zip(fixed.cones, solution.cone_multipliers, strict=True)
-    found.update({cone.name: 0.0 for cone, z in pairs if z[0] > smallest})
+    cone_names = [cone.name for cone in fixed.cones] + [cone.name for cone in cart.cones]
+    pairs = zip(cone_names, solution.cone_multipliers, strict=True)
+    found.update({name: 0.0 for name, z in pairs if z[0] > smallest})
     return found
 
 

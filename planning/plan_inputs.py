@@ -10,6 +10,7 @@ import numpy as np
 
 from cartgrasp.contacts import LARGEST_POSITION
 from cartgrasp.errors import CartgraspError
+from cartgrasp.frames import Array
 
 from .plan import INVALID_INPUT, STALE_ESTIMATE
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 LARGEST_WRENCH = 1e9  # N, N·m
 MAX_ESTIMATE_AGE = 0.5  # s
+COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
 
 
 class RefusedError(CartgraspError):
@@ -56,6 +58,27 @@ def check_estimate(estimate: Estimate, newest: float) -> float:
         age = newest - estimate.time
         raise RefusedError(STALE_ESTIMATE, f"estimate: {age:.3g} s older than the newest one given before")
     return max(newest, estimate.time)
+
+
+def read_covariance(estimate: Estimate) -> Array:
+    """That of the model's parameters (p, p); refused unless it is there and is one."""
+    covariance, size = estimate.covariance, len(estimate.model_parameters)
+    if covariance is None:
+        raise RefusedError(INVALID_INPUT, "estimate: it has no covariance, which the planner's confidence needs")
+    if np.shape(covariance) != (size, size):
+        shape = np.shape(covariance)
+        raise RefusedError(INVALID_INPUT, f"estimate: covariance: shape {shape} instead of {(size, size)}")
+    if not np.isfinite(covariance).all():
+        raise RefusedError(INVALID_INPUT, "estimate: covariance: a value is not finite")
+    scale = np.sqrt(np.abs(np.diagonal(covariance)))
+    allowed = COVARIANCE_TOLERANCE * np.outer(scale, scale)
+    if (np.diagonal(covariance) < 0).any() or (np.abs(covariance - covariance.T) > allowed).any():
+        raise RefusedError(INVALID_INPUT, "estimate: covariance: not symmetric with a diagonal >= 0")
+    units = np.where(scale > 0, scale, 1.0)
+    least = float(np.linalg.eigvalsh(covariance / np.outer(units, units))[0])
+    if least < -COVARIANCE_TOLERANCE:
+        raise RefusedError(INVALID_INPUT, f"estimate: covariance: not positive semidefinite (eigenvalue {least:.3g})")
+    return covariance
 
 
 def _read(value: Any, what: str, form: str, largest: float) -> tuple[float, float, float]:

@@ -33,6 +33,7 @@ from .plan_inputs import RefusedError, check_estimate, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 from .refusals import certified, out_of_reach, refusal, too_near
 from .remedy import find_remedy, with_remedy
+from .robust import RobustLimits
 from .solvers import QuadraticSolver, solve_with_clarabel
 from .terms import Terms, scaled_into
 
@@ -51,6 +52,8 @@ class WrenchPlanner:
 
     `cart_limits` are those of the hands together. Where a wrench can't be given, one that misses it by at most
     `relax` (N and N·m side by side, in effective rows; `inf` for any) is planned instead: the nearest, `relaxed`.
+    With a `confidence` (0.5 to below 1), `cart_limits` hold together with that probability for the covariance of the
+    estimate given last (robust.py); before one is given, or where it is zero, as for a known cart.
     """
 
     def __init__(
@@ -60,6 +63,7 @@ class WrenchPlanner:
         *,
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
+        confidence: float | None = None,
         min_hand_distance: float = 0.0,
         relax: float = 0.0,
         search_limit: SearchLimit = DEFAULT_SEARCH,
@@ -71,7 +75,8 @@ class WrenchPlanner:
             raise UsageError(f"period: {period} is not a finite number > 0, in s")
         if not relax >= 0:
             raise UsageError(f"relax: {relax} is not a number >= 0, in N and N·m")
-        self._terms = Terms(cart, arms, objective, cart_limits, (min_hand_distance, period))
+        robust = RobustLimits(tuple(cart_limits), confidence)
+        self._terms = Terms(cart, arms, objective, robust, (min_hand_distance, period))
         self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
         self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
@@ -193,15 +198,22 @@ class WrenchPlanner:
 
     def _take_estimate(self, estimate: Estimate) -> None:
         self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+        before = self._terms.base.cart_rows
         if self._terms.take_estimate(estimate):
             self._drop_program()
             self._take_last()
+            if not self._terms.base.cart_rows.is_like(before):  # margins came, or went
+                self._compile()
 
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""
         self._given = GivenContacts(self._terms)
         self._last_choice = None
         self._drop_program()
+        self._compile()
+
+    def _compile(self) -> None:
+        """Where it is warm, and what is compiled covers the programs."""
         self._compiled = CompiledPlanning.of(self._terms, self._cost) if self._is_warm else None
 
     def _drop_program(self) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, Cone, QPSolution, QuadraticProgram
+from .quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver
 
 FAR = 0.1  # of the wrench asked for: a slack shorter than this is seen from farther away
@@ -43,20 +43,30 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
     n, (m, k) = program.n, slack_map.shape
     other_rows = len(program.rows) - m
     hessian = np.diag(np.concatenate([np.zeros(n), np.ones(k)]))
-    rows = np.hstack([program.rows, np.vstack([np.zeros((other_rows, k)), slack_map])])
+    slack_rows = np.vstack([np.zeros((other_rows, k)), slack_map])
     free, name = np.full(k, np.inf), ("slack",) * k
     return replace(
         program,
         hessian=hessian,
         gradient=np.zeros(n + k),
-        rows=rows,
+        rows=np.hstack([program.rows, slack_rows]),
         lower=np.concatenate([program.lower[:n], -free, program.lower[n:]]),
         upper=np.concatenate([program.upper[:n], free, program.upper[n:]]),
         lower_names=program.lower_names[:n] + name + program.lower_names[n:],
         upper_names=program.upper_names[:n] + name + program.upper_names[n:],
-        cones=tuple(Cone(c.name, np.hstack([c.rows, np.zeros((len(c.offset), k))]), c.offset) for c in program.cones),
+        cones=tuple(replace(c, rows=np.hstack([c.rows, c.own(slack_rows)])) for c in program.cones),
         constant=0.0,
     )
+
+
+def _moved(near: QuadraticProgram, slack_map: Array, outward: Array) -> QuadraticProgram:
+    """A projection of what is farther out by a slack (k,)."""
+    lower, upper, shift = near.lower.copy(), near.upper.copy(), slack_map @ outward
+    lower[-len(shift) :] += shift
+    upper[-len(shift) :] += shift
+    of_rows = np.concatenate([np.zeros(len(near.rows) - len(shift)), shift])
+    cones = tuple(replace(cone, offset=cone.offset - cone.own(of_rows)) for cone in near.cones)
+    return replace(near, lower=lower, upper=upper, cones=cones)
 
 
 def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array) -> Projection:
@@ -71,10 +81,7 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     if not EQUALITY_TOLERANCE * scale < projection.distance < FAR * scale:
         return projection
     outward = scale / projection.distance * slack
-    lower, upper = near.lower.copy(), near.upper.copy()
-    lower[-len(slack_map) :] += slack_map @ outward
-    upper[-len(slack_map) :] += slack_map @ outward
-    far = solver.solve(replace(near, lower=lower, upper=upper))
+    far = solver.solve(_moved(near, slack_map, outward))
     if far.status != OPTIMAL:
         return projection
     normal = _slack(far, program.n)

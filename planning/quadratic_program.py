@@ -31,11 +31,18 @@ STATIONARITY_TOLERANCE = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Cone:
-    """`offset + rows @ x` lies in the second-order cone; rows (k, n), offset (k,)."""
+    """`offset + rows @ x` lies in the second-order cone; rows (k, n), offset (k,). Where they stand among the program's
+    rows too, without limits there, `row` is the first of these."""
 
     name: str
     rows: Array
     offset: Array
+    row: int | None = None
+
+    def own(self, of_rows: Array) -> Array:
+        """The part for this cone (k, ...) of values of the program's rows (m, ...); zero if it has none there."""
+        k = len(self.offset)
+        return np.zeros((k, *of_rows.shape[1:])) if self.row is None else of_rows[self.row : self.row + k]
 
 
 class Bounds(Protocol):
@@ -115,6 +122,9 @@ class QuadraticProgram:
         lower, upper, stacked = self.lower.copy(), self.upper.copy(), self.stacked.copy()
         lower[start:], upper[start:], stacked[self.n + start :] = low, high, matrix
         return self._but(lower=lower, upper=upper, stacked=stacked, rows=stacked[2 * self.n :])
+
+    def with_cones(self, cones: tuple[Cone, ...]) -> Self:
+        return self._but(cones=cones)
 
     def with_bounds(self, bounds: Bounds) -> Self:
         """The same program with other bounds on its first unknowns."""

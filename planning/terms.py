@@ -19,10 +19,11 @@ from cartgrasp.reach import Reach
 
 from .allocation_template import AllocationTemplate
 from .contact_bounds import Candidates
-from .limits import CartLimit, LimitRows, Pushed, WrenchRate, cart_rows
+from .limits import LimitRows, Pushed, WrenchRate
 from .objectives import Objective
 from .plan import INVALID_INPUT
-from .plan_inputs import RefusedError
+from .plan_inputs import RefusedError, read_covariance
+from .robust import RobustLimits
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -44,12 +45,13 @@ class Terms:
         cart: CartModel,
         arms: Sequence[Arm],
         objective: Objective | None,
-        cart_limits: Sequence[CartLimit],
+        cart_limits: RobustLimits,
         distance_and_period: tuple[float, float],
     ) -> None:
         self._cart = cart
         self._motion: Motion | None = None
-        self._objective, self._cart_limits = objective, tuple(cart_limits)
+        self._covariance: Array | None = None
+        self._objective, self._cart_limits = objective, cart_limits
         self._distance, self._period = distance_and_period
         self._use(tuple(arms))
 
@@ -79,14 +81,16 @@ class Terms:
 
     def take_estimate(self, estimate: Estimate) -> bool:
         """The cart's limits for the cart and motion as now estimated; False if there are no such limits."""
-        if not self._cart_limits:
+        if not self._cart_limits.limits:
             return False
+        covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
             cart = estimate.cart()
-            rows = cart_rows(self._cart_limits, Pushed(cart, estimate.motion, self.base.arms))
+            pushed = Pushed(cart, estimate.motion, self.base.arms)
+            rows = self._cart_limits.rows(pushed, covariance)
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
-        self._cart, self._motion = cart, estimate.motion
+        self._cart, self._motion, self._covariance = cart, estimate.motion, covariance
         self.template = self.base = self.base.with_cart_rows(rows)
         return True
 
@@ -98,7 +102,8 @@ class Terms:
             self.template = self.base.with_bounds(limits & self.rate.around(last))
 
     def _use(self, arms: tuple[Arm, ...]) -> None:
-        base = AllocationTemplate.of(self._cart, arms, self._objective, self._cart_limits, self._motion)
+        base = AllocationTemplate.of(self._cart, arms, self._objective)
+        base = base.with_cart_rows(self._cart_limits.rows(Pushed(self._cart, self._motion, arms), self._covariance))
         self.sets = {arm.name: _within_reach(arm) for arm in arms}
         self.candidates = Candidates.of(list(self.sets.values()), self._distance)
         self.template = self.base = base

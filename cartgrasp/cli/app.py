@@ -123,6 +123,19 @@ def excitation(
     raise typer.Exit(command.run(out, json, seed, seeds))
 
 
+@study.command("robust")
+def robust(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the table and plot.")] = Path("out/robust"),
+    json: Json = False,
+    seed: Seed = 0,
+    seeds: Annotated[int, typer.Option("--seeds", min=1, max=100, help="Carts drawn.")] = 8,
+) -> None:
+    """Margins for what is not known yet of a load: how they shrink as it is learned, what they save and cost."""
+    from . import robust as command
+
+    raise typer.Exit(command.run(out, json, seed, seeds))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:

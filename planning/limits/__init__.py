@@ -6,7 +6,7 @@ import math
 
 from cartgrasp.arms import EXACT, Arm
 
-from .cart_limit import CartLimit, CartRows, Pushed, cart_rows
+from .cart_limit import CartLimit, CartRows, Pushed, RowCone, cart_rows
 from .friction_cone import FrictionCone
 from .friction_pyramid import FrictionPyramid
 from .internal_force import InternalForce
@@ -32,6 +32,7 @@ __all__ = [
     "Payload",
     "PushOnly",
     "Pushed",
+    "RowCone",
     "Skid",
     "TipOver",
     "WrenchBox",

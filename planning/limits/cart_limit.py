@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Self
 
@@ -25,8 +25,23 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
+class RowCone:
+    """`offset` (j,) and the values of as many rows, from row `first` on, lie in the second-order cone."""
+
+    name: str
+    first: int
+    offset: Array
+
+    @property
+    def own(self) -> slice:
+        """The rows."""
+        return slice(self.first, self.first + len(self.offset))
+
+
+@dataclass(frozen=True, eq=False)
 class CartRows:
-    """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,)."""
+    """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,).
+    Rows of `cones` have no limits, and names only at the first of each."""
 
     of_sum: Array
     of_arm: Array
@@ -34,12 +49,18 @@ class CartRows:
     high: Array
     low_names: tuple[str, ...]
     high_names: tuple[str, ...]
+    cones: tuple[RowCone, ...] = ()
 
     @classmethod
     def none(cls, n_arms: int) -> Self:
         return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
 
+    def is_like(self, other: CartRows) -> bool:
+        """Whether it has the same rows and cones, with other numbers."""
+        return (self.low_names, self.high_names) == (other.low_names, other.high_names)
+
     def __and__(self, other: CartRows) -> CartRows:
+        behind = tuple(replace(cone, first=len(self.low) + cone.first) for cone in other.cones)
         return CartRows(
             np.vstack([self.of_sum, other.of_sum]),
             np.concatenate([self.of_arm, other.of_arm], axis=1),
@@ -47,6 +68,7 @@ class CartRows:
             np.concatenate([self.high, other.high]),
             self.low_names + other.low_names,
             self.high_names + other.high_names,
+            self.cones + behind,
         )
 
 

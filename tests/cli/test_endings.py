@@ -16,7 +16,8 @@ from cartgrasp.errors import CartgraspError, DataError, PlantError, UsageError
 
 from .commands import CART, PROBLEM, RAIL, problem_file, run, run_apart
 
-COMMANDS = ([], ["demo"], ["simulate"], ["plan"], ["estimate"], ["study"], ["study", "table1"], ["study", "excitation"])
+STUDIES = (["study", "table1"], ["study", "excitation"], ["study", "robust"])
+COMMANDS = ([], ["demo"], ["simulate"], ["plan"], ["estimate"], ["study"], *STUDIES)
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
@@ -258,8 +259,7 @@ def test_out_that_is_a_file(capsys, tmp_path):
     for command in (
         ["demo"],
         ["simulate", "--cart", tmp_path / "cart.yaml"],
-        ["study", "table1"],
-        ["study", "excitation"],
+        *STUDIES,
     ):
         run(capsys, *command, "--out", tmp_path / "cart.yaml").refused(2, "--out", "name another folder")
 

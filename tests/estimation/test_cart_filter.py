@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import CasterRealignment, ForceBias, RollingResistance, ViscousDrag
 from cartgrasp.errors import UsageError
-from cartgrasp.inertia import Inertia
+from cartgrasp.inertia import Inertia, physical_from_phi
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.wheels import Wheel
@@ -306,3 +306,24 @@ def test_a_caster_believed_turned_round_is_not_believed_for_long():
             watching._belief = Gaussian(mean, covariance)
     heading = watching.belief.mean[cart.memory_slice][0]
     assert abs(np.angle(np.exp(1j * heading))) < 0.2
+
+
+def test_the_covariance_of_the_model_parameters():
+    """Of phi and effects: brought to mass, CoM and inertia by differences, it is what is reported of each."""
+    log, _ = simulate(TRUTH, 3, duration=6.0)
+    estimator = CartFilter(guess(), ["hand"], noise=NOISE)
+    for measurement in log.measurements():
+        estimate = estimator.update(measurement)
+    theta, covariance = estimate.model_parameters, estimate.covariance
+    assert covariance.shape == (6, 6)
+    steps = 1e-6 * np.eye(4)
+    slopes = [(physical_from_phi(theta[:4] + h) - physical_from_phi(theta[:4] - h)) / 2e-6 for h in steps]
+    std = np.sqrt(np.diag(np.array(slopes).T @ covariance[:4, :4] @ np.array(slopes)))
+    assert std == pytest.approx([estimate.parameters[name].std for name in NAMES], rel=1e-5)
+    drags = ("viscous_drag.linear", "viscous_drag.angular")
+    assert np.sqrt(np.diag(covariance)[4:]) == pytest.approx([estimate.parameters[n].std for n in drags])
+    assert np.linalg.eigvalsh(covariance).min() > -1e-12
+    known = CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN)
+    for measurement in log.measurements():
+        estimate = known.update(measurement)
+    assert not estimate.covariance[4:].any()

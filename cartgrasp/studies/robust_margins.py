@@ -1,0 +1,219 @@
+"""What margins are worth while a load is learned: the same pushes planned without margins, with them, and by the truth.
+
+Two arms hold a cart by a handle above its load, so that its casters unload when it is braked. They stop it hard four
+times: twice on a straight line, which can't teach where along x its load lies (physics 13), then twice in curves, which
+do. Each seed draws another cart from what is believed at first, so the share of plans that break a true limit can be
+held against the stated confidence. All ways answer the same wanted wrench at the same tick; the one with margins is
+carried out, and the filter learns from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimation import CartFilter, FilterNoise, Prior
+from planning import Plan, Skid, TipOver, WrenchPlanner
+from planning.references import PathReference, Stretch, pause
+from planning.tracking import build_tracker
+
+from ..arms import Arm
+from ..constraints import RollingConstraints
+from ..contacts import grasp_map_spatial
+from ..effects import ViscousDrag
+from ..floor_reaction import FloorReaction
+from ..frames import Array
+from ..inertia import Inertia, physical_from_phi
+from ..model import CartModel
+from ..motion import Estimate, Motion, Reference
+from ..simulation.plant import ModelPlant
+from ..simulation.sensors import SensorNoise, Sensors
+from .shopping_cart import WHEELS
+
+NOMINAL, ROBUST, KNOWN = "no margins", "99 % margins", "cart known"
+WAYS = (NOMINAL, ROBUST, KNOWN)
+CONFIDENCE, LEAST_LOAD, FRICTION = 0.99, 15.0, 0.5
+PERIOD = 0.01
+PRIOR = Prior(mass=0.15, com=0.04, inertia=0.2, known=frozenset({"viscous_drag"}))
+SENSORS = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
+NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.02, slip=0.0001)
+STRAIGHT = (Stretch(0.6, 1.0), Stretch(0.3, -2.0), *pause(0.1))
+CURVED = (
+    Stretch(0.4, 1.0, 3.0),
+    Stretch(0.4, 1.0, -3.0),
+    Stretch(0.2, -2.0, -3.0),
+    Stretch(0.2, -2.0, 3.0),
+    *pause(0.2),
+)
+PATH = (*STRAIGHT, *STRAIGHT, *CURVED, *CURVED)
+LAPS = (0.0, 1.0, 2.0, 3.4, 4.8)
+"""s: when each of them begins, and the end."""
+
+
+def believed() -> CartModel:
+    """The first guess; its load lies near the axle, which leaves the casters little."""
+    inertia = Inertia(24.0, (0.2, 0.0), 2.0)
+    return CartModel(
+        inertia, RollingConstraints(), (ViscousDrag(3.0, 1.2),), WHEELS, com_height=0.45, name="first guess"
+    )
+
+
+def drawn(seed: int) -> CartModel:
+    """A cart from what is believed at first."""
+    guess, random = believed(), np.random.default_rng([seed, 5])
+    mass, com_x, com_y, inertia = physical_from_phi(guess.inertia.phi) + random.normal(0.0, PRIOR.deviations(guess)[:4])
+    return guess.with_inertia(Inertia(float(mass), (float(com_x), float(com_y)), float(inertia)))
+
+
+def arms() -> tuple[Arm, ...]:
+    force, moment = (120.0, 60.0, 80.0), (12.0, 12.0, 12.0)
+    places = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
+    return tuple(Arm(name, [p], force_limit=force, moment_limit=moment) for name, p in places.items())
+
+
+@dataclass(frozen=True, eq=False)
+class Tick:
+    """By way, in the order of WAYS: status, effort, how far the true cart is inside its limits (N; negative: beyond),
+    and whether a limit of the cart was active; the margins' largest `reserve` (N), and the filter's deviations."""
+
+    time: float
+    statuses: tuple[str, ...]
+    efforts: Array
+    room: Array
+    at_limit: tuple[bool, ...]
+    reserve: float
+    std: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One cart, pushed and learned."""
+
+    seed: int
+    ticks: tuple[Tick, ...]
+
+    @property
+    def time(self) -> Array:
+        return np.array([tick.time for tick in self.ticks])
+
+    @property
+    def room(self) -> Array:
+        """(n, ways), N."""
+        return np.array([tick.room for tick in self.ticks])
+
+    @property
+    def efforts(self) -> Array:
+        """(n, ways), N²."""
+        return np.array([tick.efforts for tick in self.ticks])
+
+    @property
+    def reserve(self) -> Array:
+        """(n,), N."""
+        return np.array([tick.reserve for tick in self.ticks])
+
+    @property
+    def com_x_std(self) -> Array:
+        """(n,), m."""
+        return np.array([tick.std[1] for tick in self.ticks])
+
+    @property
+    def is_hard(self) -> np.ndarray:
+        """(n,): the plan without margins, or that of the known cart, is at a limit of the cart."""
+        return np.array([tick.at_limit[0] or tick.at_limit[2] for tick in self.ticks])
+
+
+class Drive:
+    """The three planners, the plant and the filter of one seed."""
+
+    def __init__(self, seed: int) -> None:
+        self.truth, guess = drawn(seed), believed()
+        self._plant, self._sensors = ModelPlant(self.truth), Sensors(self.truth, SENSORS, seed)
+        self._filter = CartFilter(guess, [arm.name for arm in arms()], noise=NOISE, prior=PRIOR)
+        self._reference = PathReference(PATH, guess.constraints)
+        self._tracker = build_tracker(guess.constraints)
+        limits = (TipOver(LEAST_LOAD), Skid(FRICTION))
+        self._planners = [
+            WrenchPlanner(guess, arms(), cart_limits=limits, confidence=sure, relax=np.inf, period=PERIOD)
+            for sure in (None, CONFIDENCE, None)
+        ]
+
+    def ticks(self, duration: float | None) -> Iterator[Tick]:
+        """To the end of the path, or for a duration, s."""
+        seconds = self._reference.duration if duration is None else duration
+        for _ in range(round(seconds / PERIOD)):
+            yield self._tick()
+
+    def _tick(self) -> Tick:
+        time, motion = self._plant.time, self._plant.motion
+        estimate = self._filter.update(self._sensors.motion(time, motion))
+        plans = self._answers(self._reference.at(time), estimate)
+        given = plans[1].contact_wrenches
+        self._filter.update(self._sensors.wrenches(time, given))
+        self._plant.step(given, PERIOD)
+        return Tick(
+            time=time,
+            statuses=tuple(plan.status for plan in plans),
+            efforts=np.array([effort_of(plan) for plan in plans]),
+            room=np.array([room(self.truth, motion, plan) for plan in plans]),
+            at_limit=tuple(any("skid" in name or "wheel" in name for name in plan.active) for plan in plans),
+            reserve=reserve(plans[1]),
+            std=np.array([estimate.parameters[name].std for name in ("mass", "com_x", "com_y", "inertia")]),
+        )
+
+    def _answers(self, reference: Reference, estimate: Estimate) -> list[Plan]:
+        wanted = self._tracker.wrench_b(reference, estimate.motion, estimate.cart())
+        known = Estimate(estimate.time, estimate.motion, {}, "", self.truth, self.truth.parameters)
+        told = (estimate, estimate, known)
+        return [p.plan_or_hold(wanted, estimate=e) for p, e in zip(self._planners, told, strict=True)]
+
+
+def effort_of(plan: Plan) -> float:
+    """Of what is given, N²."""
+    weights = {arm.name: np.array(arm.weights) for arm in arms()}
+    return float(sum(w**2 @ weights[arm] for arm, w in plan.contact_wrenches.wrenches.items()))
+
+
+def room(truth: CartModel, motion: Motion, plan: Plan) -> float:
+    """How far the true cart is inside the limits when it is pushed so, N."""
+    floor, given = FloorReaction.of(truth, motion), plan.contact_wrenches
+    spatial = np.zeros(6)
+    for arm, wrench_a in given.wrenches.items():
+        spatial += grasp_map_spatial(given.contacts[arm]) @ wrench_a
+    loads = floor.loads(spatial)
+    skid = FRICTION * loads[:2].sum() - abs(float(floor.lateral(spatial)))
+    return float(min(loads.min() - LEAST_LOAD, skid))
+
+
+def reserve(plan: Plan) -> float:
+    """The largest margin of a plan, N; 0 without any."""
+    if plan.proof is None:
+        return 0.0
+    program, solution = plan.proof
+    lengths = [float(np.linalg.norm((cone.offset + cone.rows @ solution.x)[1:])) for cone in program.cones]
+    return max(lengths, default=0.0)
+
+
+def drive(seed: int, duration: float | None = None) -> Run:
+    """One run, whole or of a duration (s)."""
+    return Run(seed, tuple(Drive(seed).ticks(duration)))
+
+
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Run]:
+    """A run for each seed, over `workers` processes."""
+    runs = []
+    for run in _map(seeds, workers):
+        runs.append(run)
+        if progress is not None:
+            progress(len(runs) / len(seeds))
+    return runs
+
+
+def _map(seeds: Sequence[int], workers: int) -> Iterator[Run]:
+    if workers == 1:
+        yield from map(drive, seeds)
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        yield from pool.map(drive, seeds)

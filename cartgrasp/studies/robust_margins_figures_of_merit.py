@@ -1,0 +1,106 @@
+"""The study of robust margins in numbers, and what it claims."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..frames import Array
+from .claims import Claim
+from .robust_margins import CONFIDENCE, LAPS, WAYS, Run
+
+COLUMNS = ("lap", "sd of CoM x cm", "largest margin N", *(f"broken, {way} %" for way in WAYS[:2]), "effort", "paid")
+BEYOND = 0.1
+"""N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lap:
+    """From standstill to standstill, over all runs: deviation of the CoM (m) at the end, the largest margin (N), the
+    share of hard ticks at which each way breaks a true limit, and efforts (N²), mean over the whole lap."""
+
+    com_x_std: float
+    reserve: float
+    broken: Array
+    efforts: Array
+
+    @property
+    def paid(self) -> float:
+        """For margins, as a share of the effort with the cart known."""
+        return float(self.efforts[1] / self.efforts[2] - 1.0)
+
+
+def laps(runs: Sequence[Run]) -> list[Lap]:
+    """What each lap was like."""
+    return [_lap(runs, begin, end) for begin, end in pairwise(LAPS)]
+
+
+def rows(runs: Sequence[Run]) -> list[tuple[str, ...]]:
+    """By lap; effort is that of the plans with margins (N²), `paid` what is more than with the cart known."""
+    return [
+        (
+            f"{i} {'straight' if i <= 2 else 'curved'}",
+            f"{100 * lap.com_x_std:.2f}",
+            f"{lap.reserve:.1f}",
+            *(f"{100 * share:.1f}" for share in lap.broken[:2]),
+            f"{lap.efforts[1]:.0f}",
+            f"{100 * lap.paid:+.0f} %",
+        )
+        for i, lap in enumerate(laps(runs), start=1)
+    ]
+
+
+def claims(runs: Sequence[Run]) -> list[Claim]:
+    found = laps(runs)
+    hard = np.concatenate([run.is_hard for run in runs])
+    broken = np.concatenate([run.room < -BEYOND for run in runs])[hard]
+    share, plain = float(broken[:, 1].mean()), float(broken[:, 0].mean())
+    shrunk = found[-1].reserve / found[0].reserve
+    unproven = sum(tick.statuses[1] not in ("optimal", "relaxed") for run in runs for tick in run.ticks)
+    return [
+        Claim(
+            WAYS[1],
+            f"break a true limit at {100 * (1 - CONFIDENCE):g} % of hard ticks at most",
+            f"{100 * share:.2f} %",
+            bool(share <= 1 - CONFIDENCE),
+        ),
+        Claim(WAYS[0], "break one at 20 % or more", f"{100 * plain:.0f} %", bool(plain >= 0.2)),
+        Claim("learning", "margins shrink to a quarter or less", f"{shrunk:.2f}", bool(shrunk <= 0.25)),
+        Claim(
+            "effort",
+            "what is paid for margins falls from lap 1 to lap 4 to a fifth or less",
+            f"{100 * found[0].paid:.0f} to {100 * found[-1].paid:.0f} %",
+            bool(found[-1].paid <= 0.2 * found[0].paid),
+        ),
+        Claim("proof", "every plan with margins is proven", f"{unproven} are not", unproven == 0),
+    ]
+
+
+def as_dict(run: Run) -> dict[str, object]:
+    """For `--json`."""
+    return {
+        "seed": run.seed,
+        "laps": [
+            {
+                "com_x_std": lap.com_x_std,
+                "margin": lap.reserve,
+                "broken": dict(zip(WAYS, lap.broken.tolist(), strict=True)),
+                "effort": dict(zip(WAYS, lap.efforts.tolist(), strict=True)),
+            }
+            for lap in laps([run])
+        ],
+    }
+
+
+def _lap(runs: Sequence[Run], begin: float, end: float) -> Lap:
+    chosen = [(run, (run.time >= begin - 1e-9) & (run.time < end - 1e-9)) for run in runs]
+    broken = np.concatenate([run.room[now & run.is_hard] < -BEYOND for run, now in chosen])
+    return Lap(
+        com_x_std=float(np.sqrt(np.mean([run.com_x_std[now][-1] ** 2 for run, now in chosen]))),
+        reserve=float(np.mean([run.reserve[now & run.is_hard].max(initial=0.0) for run, now in chosen])),
+        broken=broken.mean(axis=0) if len(broken) else np.zeros(len(WAYS)),
+        efforts=np.mean(np.concatenate([run.efforts[now] for run, now in chosen]), axis=0),
+    )

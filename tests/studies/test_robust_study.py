@@ -1,0 +1,56 @@
+"""The study of robust margins: a first stop, seen by our own eyes, and (long) all of its claims."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cartgrasp.studies.claims import all_kept
+from cartgrasp.studies.robust_margins import PRIOR, Run, believed, drawn, drive, run_seeds
+from cartgrasp.studies.robust_margins_figures_of_merit import BEYOND, COLUMNS, as_dict, claims, laps, rows
+from cartgrasp.studies.robust_margins_plots import figure_robust_margins
+
+
+@pytest.fixture(scope="module")
+def stop():
+    """The first, of a cart whose load lies farther back than believed."""
+    return drive(5, duration=0.8)
+
+
+def test_a_first_stop(stop):
+    """Its casters really lift off their least load without margins, and don't with them, at a price."""
+    assert drawn(5).inertia.com[0] < believed().inertia.com[0] - PRIOR.com
+    hard = stop.is_hard
+    assert hard.sum() > 10
+    assert (stop.room[hard, 0] < -BEYOND).all()
+    assert (stop.room[hard, 1] > 0).all()
+    assert np.abs(stop.room[hard, 2]).max() < BEYOND, "the known cart is planned to its limit"
+    assert stop.efforts[hard, 1].mean() > 1.1 * stop.efforts[hard, 2].mean()
+    assert stop.reserve[hard].min() > 10.0
+    assert {status for tick in stop.ticks for status in tick.statuses} <= {"optimal", "relaxed"}
+    assert stop.com_x_std[-1] > 0.5 * PRIOR.com, "a straight line does not teach it"
+
+
+def test_its_figures(stop):
+    """The same stop six times over fills the laps; what is said of them is counted here by hand."""
+    ticks = [replace(stop.ticks[i % 80], time=0.01 * i) for i in range(480)]
+    run = Run(5, tuple(ticks))
+    hard = [tick for tick in stop.ticks if tick.at_limit[0] or tick.at_limit[2]]
+    whole = laps([run])[0]  # 80 ticks and 20 more, before it brakes
+    assert whole.reserve == pytest.approx(max(tick.reserve for tick in hard))
+    assert whole.broken.tolist() == [1.0, 0.0, 0.0]
+    paid = sum(t.efforts[1] for t in ticks[:100]) / sum(t.efforts[2] for t in ticks[:100]) - 1
+    assert whole.paid == pytest.approx(paid)
+    assert [row[0] for row in rows([run])] == ["1 straight", "2 straight", "3 curved", "4 curved"]
+    assert {len(row) for row in rows([run])} == {len(COLUMNS)}
+    kept = {claim.what: claim.holds for claim in claims([run])}
+    assert kept == {"99 % margins": True, "no margins": True, "learning": False, "effort": False, "proof": True}
+    assert as_dict(run)["laps"][0]["broken"] == {"no margins": 1.0, "99 % margins": 0.0, "cart known": 0.0}
+    assert len(figure_robust_margins([run, run]).axes) == 3
+
+
+@pytest.mark.prove
+def test_every_claim_is_kept():
+    runs = run_seeds(range(20, 28))
+    kept = claims(runs)
+    assert all_kept(kept), [claim for claim in kept if not claim.holds]
