@@ -36,7 +36,8 @@ def judge(model, arms, contacts, wrench, wrenches):
     normals, slacks = _limits(arms, x)
     cone_normals, cone_slacks, around = _cones(arms, x, TOUCHED * scale)
     slope = 2 * np.concatenate([a.weights for a in arms]) * x
-    touched = np.vstack([normals[slacks <= TOUCHED * scale], cone_normals])
+    length = np.maximum(1.0, np.linalg.norm(normals, axis=1))  # a lever of 1e7 m makes a slack of what is no distance
+    touched = np.vstack([(normals / length[:, None])[slacks / length <= TOUCHED * scale], cone_normals])
     left = _left_over(slope, matrix, touched, around) if np.any(slope) else 0.0
     return Judged(
         float(np.abs(matrix @ x - target).max()) / scale,
