@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ..studies.claims import Claim, all_kept, markdown_table
+from ..studies.claims import CLAIM_COLUMNS, all_kept, markdown_table
 from ..studies.robust_margins import run_seeds
 from ..studies.robust_margins_figures_of_merit import COLUMNS, as_dict, claims, rows
 from ..studies.robust_margins_plots import save_plots
 from ..yaml_file import write_atomically
 from .output import make_folder, print_json, print_table, progress, say
 
-CLAIM_COLUMNS = ("where", "claim", "our figure", "holds")
 TITLE = "Margins while the load is learned (at hard ticks; effort in N²)"
 
 
@@ -29,7 +28,7 @@ def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
         f"## {TITLE}",
         markdown_table(COLUMNS, table),
         "## Claims",
-        markdown_table(CLAIM_COLUMNS, [_cells(claim) for claim in promised]),
+        markdown_table(CLAIM_COLUMNS, [claim.cells for claim in promised]),
     ]
     write_atomically(out / "robust.md", "\n\n".join(parts))
     kept = all_kept(promised)
@@ -38,10 +37,6 @@ def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
         print_json({**document, "promises": [claim.as_dict() for claim in promised], "kept": kept, "out": str(out)})
     else:
         print_table(TITLE, COLUMNS, table)
-        print_table("Claims", CLAIM_COLUMNS, [_cells(claim) for claim in promised], left=3)
+        print_table("Claims", CLAIM_COLUMNS, [claim.cells for claim in promised], left=3)
     say(f"tables and plot are in {out}")
     return 0 if kept else 1
-
-
-def _cells(claim: Claim) -> tuple[str, str, str, str]:
-    return claim.what, claim.claim, claim.figure, "yes" if claim.holds else "no"

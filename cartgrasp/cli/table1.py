@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import UsageError
-from ..studies.claims import Claim, all_kept, markdown_table
+from ..studies.claims import CLAIM_COLUMNS, Claim, all_kept, markdown_table
 from ..studies.table1 import ROWS, Row, gain_curve, run_rows
 from ..studies.table1_figures_of_merit import comparison, paper_claims, row_claims
 from ..studies.table1_plots import save_plots
@@ -15,7 +15,6 @@ from ..yaml_file import write_atomically
 from .output import make_folder, print_json, print_table, progress, say
 
 GAIN_SCALES = (1.0, 0.5, 0.25, 0.15, 0.1)
-CLAIM_COLUMNS = ("where", "claim", "our figure", "holds")
 ERROR_COLUMNS = ("test", "with estimation", "first guess kept", "literal filter")
 
 
@@ -44,8 +43,8 @@ def run(out: Path, as_json: bool, seed: int, tests: str) -> int:
         )
     else:
         print_table("Largest tracking error from 5 s on", ERROR_COLUMNS, errors)
-        print_table("The paper's claims", CLAIM_COLUMNS, [_cells(c) for c in papers], left=3)
-        print_table("This project's promises", CLAIM_COLUMNS, [_cells(c) for c in promised], left=3)
+        print_table("The paper's claims", CLAIM_COLUMNS, [c.cells for c in papers], left=3)
+        print_table("This project's promises", CLAIM_COLUMNS, [c.cells for c in promised], left=3)
     say(f"tables and plots are in {out}")
     return 0 if all_kept(promised) else 1
 
@@ -63,10 +62,6 @@ def _rows(tests: str) -> tuple[Row, ...]:
     return tuple(known[part] for part in wanted)
 
 
-def _cells(claim: Claim) -> tuple[str, str, str, str]:
-    return claim.what, claim.claim, claim.figure, "yes" if claim.holds else "no"
-
-
 def _markdown(promised: list[Claim], papers: list[Claim], errors: Sequence[Sequence[str]], seed: int) -> str:
     parts = [
         "# Table I",
@@ -74,8 +69,8 @@ def _markdown(promised: list[Claim], papers: list[Claim], errors: Sequence[Seque
         "## Largest tracking error from 5 s on",
         markdown_table(ERROR_COLUMNS, errors),
         "## The paper's claims",
-        markdown_table(CLAIM_COLUMNS, [_cells(c) for c in papers]),
+        markdown_table(CLAIM_COLUMNS, [c.cells for c in papers]),
         "## This project's promises",
-        markdown_table(CLAIM_COLUMNS, [_cells(c) for c in promised]),
+        markdown_table(CLAIM_COLUMNS, [c.cells for c in promised]),
     ]
     return "\n\n".join(parts)

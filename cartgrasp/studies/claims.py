@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+CLAIM_COLUMNS = ("where", "claim", "our figure", "holds")
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -16,6 +18,11 @@ class Claim:
     figure: str
     holds: bool
     promised: bool = True
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """By CLAIM_COLUMNS."""
+        return self.what, self.claim, self.figure, "yes" if self.holds else "no"
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)

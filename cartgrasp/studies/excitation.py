@@ -8,8 +8,7 @@ teaches does not depend on what there is to learn, only its effort does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +29,7 @@ from ..roles import ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise
+from .parallel import run_all
 from .scenario import Scenario, with_truth
 
 DWELL = 3.0
@@ -131,11 +131,7 @@ def run_ways(
 ) -> list[Drive]:
     """Every way with every seed, over `workers` processes."""
     jobs = [(way, first_seed + i) for way in WAYS for i in range(seeds)]
-    records = []
-    for record in _map(jobs, workers):
-        records.append(record)
-        if progress is not None:
-            progress(len(records) / len(jobs))
+    records = run_all(_drive, jobs, workers, progress)
     return [Drive(way, tuple(records[i * seeds : (i + 1) * seeds])) for i, way in enumerate(WAYS)]
 
 
@@ -166,9 +162,5 @@ def taught(way: str) -> Array:
     return np.asarray(first_information(base.guess) + each.sum(axis=0))
 
 
-def _map(jobs: list[tuple[str, int]], workers: int) -> Iterator[RunRecord]:
-    if workers == 1:
-        yield from (drive(*job) for job in jobs)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(drive, *zip(*jobs, strict=True))
+def _drive(job: tuple[str, int]) -> RunRecord:
+    return drive(*job)

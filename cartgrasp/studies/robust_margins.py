@@ -10,7 +10,6 @@ carried out, and the filter learns from it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +30,7 @@ from ..model import CartModel
 from ..motion import Estimate, Motion, Reference
 from ..simulation.plant import ModelPlant
 from ..simulation.sensors import SensorNoise, Sensors
+from .parallel import run_all
 from .shopping_cart import WHEELS
 
 NOMINAL, ROBUST, KNOWN = "no margins", "99 % margins", "cart known"
@@ -203,17 +203,4 @@ def drive(seed: int, duration: float | None = None) -> Run:
 
 def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Run]:
     """A run for each seed, over `workers` processes."""
-    runs = []
-    for run in _map(seeds, workers):
-        runs.append(run)
-        if progress is not None:
-            progress(len(runs) / len(seeds))
-    return runs
-
-
-def _map(seeds: Sequence[int], workers: int) -> Iterator[Run]:
-    if workers == 1:
-        yield from map(drive, seeds)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(drive, seeds)
+    return run_all(drive, seeds, workers, progress)

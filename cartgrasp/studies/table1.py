@@ -7,8 +7,7 @@ on position (m), heading (rad) and their rates, exact wrenches. Trajectory 2 slo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +22,7 @@ from ..inertia import Inertia
 from ..model import CartModel
 from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise
+from .parallel import run_all
 from .scenario import FIRST_GUESS, LEARNING, PAPER, Scenario, total_duration
 
 DURATION = 30.0
@@ -123,11 +123,7 @@ def run_rows(
 ) -> list[RowResult]:
     """Every row in every mode, over `workers` processes."""
     jobs = [scenario(row, mode, seed + row.test) for row in rows for mode in MODES]
-    records = []
-    for record in _map(jobs, workers):
-        records.append(record)
-        if progress is not None:
-            progress(len(records) / len(jobs))
+    records = run_all(Scenario.run, jobs, workers, progress)
     return [
         RowResult(row, dict(zip(MODES, records[i : i + len(MODES)], strict=True)))
         for row, i in zip(rows, range(0, len(records), len(MODES)), strict=True)
@@ -145,15 +141,3 @@ def gain_curve(scales: tuple[float, ...], seed: int = 0) -> list[tuple[float, fl
         )
         curve.append((scale, float(replace(base, gains=gains, duration=12.0).run().tracking_error.max())))
     return curve
-
-
-def _map(jobs: list[Scenario], workers: int) -> Iterator[RunRecord]:
-    if workers == 1:
-        yield from map(_run, jobs)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(_run, jobs)
-
-
-def _run(job: Scenario) -> RunRecord:
-    return job.run()
