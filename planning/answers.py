@@ -11,6 +11,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .allocation import Allocation, conclude
+from .contact_choice import Choice
 from .objectives import Lexicographic
 from .plan import RELAXED, ChoiceProof, Plan
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
@@ -99,3 +100,10 @@ class Answers:
             points.setflags(write=False)
             self._shown_points, self._shown = points, self.by_arm(points)
         return self._shown.copy()
+
+
+def proof_of(choice: Choice, solution: QPSolution) -> ChoiceProof:
+    """Of contacts that were chosen; `solution` is of the plan's own program, solved once more."""
+    cost = solution.cost + choice.switching if solution.status == OPTIMAL else choice.value
+    gap = max(0.0, cost - choice.bound) / max(1.0, abs(cost)) if np.isfinite(choice.bound) else np.inf
+    return ChoiceProof(choice.bound, gap, choice.solved + 1, choice.switching)

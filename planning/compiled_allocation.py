@@ -24,7 +24,7 @@ Point = tuple[float, float, float]
 SOLVER = "dual active set"
 
 
-Tables = tuple[Array, "Ints", Array, Array, Array, Array]
+Tables = tuple[Array, "Ints", Array, Array, Array, Array, Array]
 Progress = tuple[Array, "Ints"]
 
 

@@ -20,6 +20,7 @@ from .contact_bounds import TABLE_SIZE, Candidates
 from .contact_cases import GAP_TOLERANCE
 from .contact_choice import Choice, SearchLimit
 from .objectives import Cost
+from .switching_cost import Switching
 
 SLICE = 16  # programs between two looks at the clock
 
@@ -34,6 +35,7 @@ class CompiledChoice:
     _tables: Tables
     _progress: Progress
     last: int = -1
+    _switching: Switching | None = None
 
     @classmethod
     def of(cls, candidates: Candidates, allocation: CompiledAllocation) -> Self | None:
@@ -42,12 +44,13 @@ class CompiledChoice:
             return None
         allowed = np.where(candidates.allowed((), range(candidates.n_arms)), -np.inf, np.inf).ravel()
         n, points = 6 * candidates.n_arms, candidates.vertices
-        starts, weights = np.array(candidates.starts, dtype=np.int64), np.zeros(n)
-        tables = (points, starts, weights, np.zeros((4, n)), np.zeros(len(points)), np.zeros(len(allowed)))
+        starts, weights, charges = np.array(candidates.starts, dtype=np.int64), np.zeros(n), np.zeros(len(points))
+        tables = (points, starts, weights, charges, np.zeros((4, n)), np.zeros(len(points)), np.zeros(len(allowed)))
         return cls(candidates, allocation, allowed, tables, (np.zeros(2), np.zeros(3, np.int64)))
 
-    def run(self, wrench: Point, cost: Cost, limit: SearchLimit) -> Choice | None:
+    def run(self, wrench: Point, cost: Cost, limit: SearchLimit, switching: Switching | None = None) -> Choice | None:
         """The allocation then holds the answer at the contacts chosen. None if a program had no proven answer."""
+        self._take(switching)
         values, counts = self._progress
         bounds = self._tables[-1]
         bounds[:], self._tables[2][:] = self._allowed, cost.weights
@@ -62,7 +65,12 @@ class CompiledChoice:
         self.last = chosen
         bound = min(best, left if following >= 0 else np.inf)
         contacts = None if chosen < 0 else self._contacts(chosen)
-        return Choice(contacts, best, bound, solved, solved < limit.solves)
+        paid = 0.0 if contacts is None or switching is None else switching.at(contacts, contacts)
+        return Choice(contacts, best, bound, solved, solved < limit.solves, paid)
+
+    def _take(self, switching: Switching | None) -> None:
+        if switching is not self._switching:
+            self._switching, self._tables[3][:] = switching, 0.0 if switching is None else switching.charges
 
     def _search(self, wrench: Point, limit: SearchLimit) -> bool:
         start, most, gap = time.perf_counter(), limit.solves, GAP_TOLERANCE if limit.gap is None else limit.gap

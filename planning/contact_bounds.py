@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import combinations
 from math import prod
@@ -64,9 +64,26 @@ class Candidates:
         """One point (x, y, z) for each arm: no choice."""
         return cls(np.array(points), *_one_each(len(points)), distance)
 
+    def with_point(self, arm: int, point: Array) -> Self:
+        """With one more option of an arm, its last."""
+        at, new = self.starts[arm + 1], len(self.vertices)
+        starts = tuple(start + (i > arm) for i, start in enumerate(self.starts))
+        return replace(
+            self,
+            vertices=np.vstack([self.vertices, point]),
+            options=np.insert(self.options, at, (new, new), axis=0),
+            starts=starts,
+            arm_of_vertex=np.append(self.arm_of_vertex, arm),
+        )
+
     @property
     def n_arms(self) -> int:
         return len(self.starts) - 1
+
+    @property
+    def ends(self) -> Array:
+        """Of all options, (O, 2, 3)."""
+        return np.asarray(self.vertices[self.options])
 
     @property
     def count(self) -> int:
@@ -146,10 +163,14 @@ class ChoiceTable:
 
 
 class CutPool:
-    """Cuts, tabulated over the candidates: a bound of a choice is a sum over arms, the best over cuts."""
+    """Cuts, tabulated over the candidates: a bound of a choice is a sum over arms, the best over cuts. `charges` (O,)
+    are what options cost beside the effort."""
 
-    def __init__(self, candidates: Candidates, template: AllocationTemplate, ray_tolerance: float) -> None:
+    def __init__(
+        self, candidates: Candidates, template: AllocationTemplate, ray_tolerance: float, charges: Array | None = None
+    ) -> None:
         self._candidates, self._template, self._ray_tolerance = candidates, template, ray_tolerance
+        self._charges = charges
         self._rows = template.contact_rows(candidates.vertices, candidates.arm_of_vertex)
         self._cuts: list[Cut] = []
         self._tables = np.zeros((8, len(candidates.options)))
@@ -165,6 +186,8 @@ class CutPool:
         self._cuts.append(cut)
         by_vertex = cut.per_vertex(self._rows, self._candidates.arm_of_vertex)
         self._tables[k] = by_vertex[self._candidates.options].min(axis=1)
+        if self._charges is not None and not cut.ray:
+            self._tables[k] += self._charges
         self._least[k] = np.minimum.reduceat(self._tables[k], self._candidates.starts[:-1])
         self._constants[k], self._rays[k] = cut.constant, cut.ray
 
@@ -189,8 +212,8 @@ class CutPool:
         table.n_cuts = len(self._cuts)
 
     def at(self, high: Array, low: Array) -> Array:
-        """Of cases (c, n, 3), by recent cuts, shape (c,): a range of contacts is bounded where a cut is
-        least."""
+        """Of cases (c, n, 3) without what options cost, by recent cuts, shape (c,): a range of contacts is bounded
+        where a cut is least."""
         rows = self._template.contact_rows(np.stack([high, low]))
         recent = range(max(0, len(self._cuts) - RECENT), len(self._cuts))
         values = [self._cuts[i].value(rows[int(self._cuts[i].looks_low)]) for i in recent]

@@ -20,6 +20,7 @@ from .objectives import Cost
 from .projection import Projection, project
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel
+from .switching_cost import Switching
 
 GAP_TOLERANCE = 1e-9
 
@@ -38,11 +39,22 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is asked of every case: an effective wrench (k,) at a cost, or the distance to it."""
+    """What is asked of every case: an effective wrench (k,) at a cost, or the distance to it. Only the first is charged
+    for `switching`."""
 
     target: Array
     cost: Cost
     distance: bool = False
+    switching: Switching | None = None
+
+    @property
+    def seed(self) -> Array | None:
+        """Contacts to begin with: where all arms stay, if they can."""
+        return None if self.switching is None else self.switching.seed
+
+    def charge(self, low: Array, high: Array) -> float:
+        """Beside the effort, of contacts between two corners (n, 3)."""
+        return 0.0 if self.switching is None or self.distance else self.switching.at(low, high)
 
     def tolerance(self, value: float, gap: float) -> float:
         """How near to a value a bound has to come: a relative gap, of at least 1 for an effort."""

@@ -9,13 +9,15 @@ done; else it is halved.
 With three or more arms on segments and a distance that binds, the hull is the box itself and convergence is
 linear: the limit on solves may end the search first. The incumbent is then returned with the gap that is
 certified.
+
+What options cost beside the effort (switching_cost.py) is a constant of each, and adds to its bounds and to its cases.
 """
 
 from __future__ import annotations
 
 import heapq
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,13 +37,15 @@ WIDENED_GAP = 1e-3
 @dataclass(frozen=True, eq=False)
 class Choice:
     """The best contacts (n, 3) found and their value, None and infinite if there are none; the true optimum
-    is not below `bound`. `solved` counts programs; `complete` is False if the search ended at its limit."""
+    is not below `bound`. `solved` counts programs; `complete` is False if the search ended at its limit. `switching` is
+    what these contacts cost beside the effort."""
 
     contacts: Array | None
     value: float
     bound: float
     solved: int
     complete: bool
+    switching: float = 0.0
 
     @property
     def gap(self) -> float:
@@ -52,7 +56,7 @@ class Choice:
 
     @property
     def proof(self) -> ChoiceProof:
-        return ChoiceProof(self.bound, self.gap, self.solved)
+        return ChoiceProof(self.bound, self.gap, self.solved, self.switching)
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,8 @@ class ContactSearch:
     ) -> None:
         self._candidates, self._solver, self._question, self._limit = candidates, solver, question, limit
         scale = max(1.0, float(np.abs(question.target).max()))
-        self._cuts = CutPool(candidates, solver.template, EQUALITY_TOLERANCE * scale)
+        charges = None if question.switching is None or question.distance else question.switching.charges
+        self._cuts = CutPool(candidates, solver.template, EQUALITY_TOLERANCE * scale, charges)
         self._heap: list[tuple[float, int, ChoiceTable | Box]] = []
         self._pushed, self._before, self._start = 0, solver.solved, time.perf_counter()
         self._best, self._contacts = np.inf, np.zeros(0)
@@ -110,6 +115,7 @@ class ContactSearch:
             bound=float(min(left, self._best, self._floor)),
             solved=self._solver.solved - self._before,
             complete=not self._spent() or left >= self._cutoff,
+            switching=0.0 if found is None else self._question.charge(found, found),
         )
 
     # --- nodes --------------------------------------------------------------------------------------------
@@ -166,19 +172,20 @@ class ContactSearch:
         """The least over the region's pairs of extreme vertices; pairs that a cut puts above it are left
         out."""
         pairs, best = region.extremes(), None
+        charge = self._question.charge(region.box.low, region.box.high)
         if self._solver.template.moment_row is None:
             pairs = pairs[:1]
         high, low = (region.vertices[list(side)] for side in zip(*pairs, strict=True))
         comparable = len(pairs) > 1 and not len(self._solver.template.cart_rows.low)  # else a cut bounds no pair
-        bounds = self._cuts.at(high, low) if comparable else np.full(len(pairs), bound)
+        bounds = self._cuts.at(high, low) + charge if comparable else np.full(len(pairs), bound)
         for i in np.argsort(bounds):
             lowest = max(bound, bounds[i])
             if comparable:  # by the cuts of the pairs before as well
-                lowest = max(lowest, self._cuts.at(high[i : i + 1], low[i : i + 1])[0])
+                lowest = max(lowest, self._cuts.at(high[i : i + 1], low[i : i + 1])[0] + charge)
             if lowest >= self._cutoff or (best and lowest >= best.value):
                 self._leave(lowest if lowest >= self._cutoff else np.inf)
                 continue
-            answer = self._ask(high[i], low[i], region.vertices)
+            answer = self._ask(high[i], low[i], charge, region.vertices)
             if not answer.proven:
                 self._leave(lowest)
             elif answer.value >= self._cutoff:
@@ -189,14 +196,14 @@ class ContactSearch:
 
     # --- answers ------------------------------------------------------------------------------------------
 
-    def _ask(self, high: Array, low: Array, hull: Array | None = None) -> Answer:
+    def _ask(self, high: Array, low: Array, charge: float, hull: Array | None = None) -> Answer:
         answer = self._solver.answer(self._question, high, low, hull)
         if answer.cut is not None:
             self._cuts.add(answer.cut)
-        return answer
+        return replace(answer, value=answer.value + charge) if charge else answer
 
     def _try(self, contacts: Array) -> None:
-        answer = self._ask(contacts, contacts)
+        answer = self._ask(contacts, contacts, self._question.charge(contacts, contacts))
         if answer.value < self._best:
             self._accept(answer.value, contacts)
 

@@ -19,15 +19,17 @@ RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "s
 
 
 class ChoiceProof(NamedTuple):
-    """No choice of contacts costs less than `bound` (of the objective); `gap` is relative to max(1, cost);
-    `solved` counts programs."""
+    """No choice of contacts costs less than `bound` (of the objective and of switching); `gap` is relative to
+    max(1, cost); `solved` counts programs; `switching` is what the plan's contacts cost beside the objective."""
 
     bound: float
     gap: float
     solved: int
+    switching: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
-        return {"bound": _finite(self.bound), "gap": _finite(self.gap), "solved": self.solved}
+        document = {"bound": _finite(self.bound), "gap": _finite(self.gap), "solved": self.solved}
+        return document | ({"switching": self.switching} if self.switching else {})
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +37,8 @@ class Plan:
     """A status, and when it is `optimal` or `relaxed` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.
 
     `effort` is `sum weight component²`. When `infeasible`, `certificate` proves it and holds the nearest plan;
-    `relaxed` is that nearest plan. `held` is what `plan_or_hold` gives instead where there are no wrenches. `prove`
-    makes `proof`.
+    `relaxed` is that nearest plan. `held` is what `plan_or_hold` gives instead where there are no wrenches. `switched`
+    are the arms that hold elsewhere than at the last plan, told where switching has a cost. `prove` makes `proof`.
     """
 
     status: str
@@ -52,12 +54,14 @@ class Plan:
     solver: str = ""
     message: str = ""
     held: ContactWrenches | None = None
+    switched: tuple[str, ...] = ()
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
 
     @classmethod
     def optimal(cls, fields: dict[str, Any]) -> Self:
-        """From all fields but `status`, `certificate` and `held`; as the constructor, at a third of its time."""
-        fields["status"], fields["certificate"], fields["held"] = OPTIMAL, None, None
+        """From all fields but `status`, `certificate`, `held` and `switched`; as the constructor, in a third of the
+        time."""
+        fields["status"], fields["certificate"], fields["held"], fields["switched"] = OPTIMAL, None, None, ()
         plan = object.__new__(cls)
         object.__setattr__(plan, "__dict__", fields)
         return plan
@@ -99,8 +103,8 @@ class Plan:
         return program.margins(solution.x)
 
     def as_dict(self) -> dict[str, Any]:
-        """The JSON of `cartgrasp plan`; `nearest` only with a certificate, `missing` only when relaxed, `message`
-        only where neither wrenches nor a certificate say it all."""
+        """The JSON of `cartgrasp plan`; `nearest` only with a certificate, `missing` only when relaxed, `switched`
+        only where arms have, `message` only where neither wrenches nor a certificate say it all."""
         document: dict[str, Any] = {
             "status": self.status,
             "effort": self.effort,
@@ -120,6 +124,8 @@ class Plan:
             document["message"] = self.message
         if self.status == RELAXED:
             document["missing"] = dict(self.missing)
+        if self.switched:
+            document["switched"] = list(self.switched)
         return document
 
 

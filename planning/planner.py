@@ -17,7 +17,7 @@ from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .answers import Answers, Solved
+from .answers import Answers, Solved, proof_of
 from .compiled_allocation import SOLVER, Point
 from .compiled_planning import CompiledPlanning
 from .contact_bounds import Candidates
@@ -26,15 +26,18 @@ from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
 from .contradiction import contradiction
 from .given_contacts import GivenContacts
+from .last_plan import LastPlan
 from .limits import CartLimit
 from .objectives import Objective
-from .plan import TIMEOUT, ChoiceProof, Plan
+from .plan import TIMEOUT, Plan
 from .plan_inputs import RefusedError, check_estimate, read_wrench
-from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
-from .refusals import certified, out_of_reach, refusal, too_near
+from .program_at_contacts import ProgramAtContacts
+from .quadratic_program import INFEASIBLE, NUMERICAL
+from .refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided
 from .remedy import find_remedy, with_remedy
 from .robust import RobustLimits
 from .solvers import QuadraticSolver, solve_with_clarabel
+from .switching_cost import SwitchingCost
 from .terms import Terms, scaled_into
 
 if TYPE_CHECKING:
@@ -44,16 +47,19 @@ if TYPE_CHECKING:
 PERIOD = 1e-3  # s, between calls of plan_or_hold
 HOLD_TIME = 0.1  # s, time constant with which a held wrench decays
 DEFAULT_SEARCH = SearchLimit()
+NOWHERE: Mapping[str, ArrayLike] = {}
 
 
 class WrenchPlanner:
-    """Plans for one cart and its arms. It remembers its last wrench: to hold it, to start the next choice of
-    contacts from, for `Smoothness`, and for rates of change (from zero at first).
+    """Plans for one cart and its arms. It remembers its last wrench and contacts: to hold them, to start the next
+    choice of contacts from, for `Smoothness`, and for rates of change (from zero at first).
 
     `cart_limits` are those of the hands together. Where a wrench can't be given, one that misses it by at most
     `relax` (N and N·m side by side, in effective rows; `inf` for any) is planned instead: the nearest, `relaxed`.
     With a `confidence` (0.5 to below 1), `cart_limits` hold together with that probability for the covariance of the
     estimate given last (robust.py); before one is given, or where it is zero, as for a known cart.
+    `switching_cost` (in the objective's unit; for every arm, or by arm) is what an arm pays that the planner moves from
+    where the last usable plan held (switching_cost.py).
     """
 
     def __init__(
@@ -66,6 +72,7 @@ class WrenchPlanner:
         confidence: float | None = None,
         min_hand_distance: float = 0.0,
         relax: float = 0.0,
+        switching_cost: float | Mapping[str, float] = 0.0,
         search_limit: SearchLimit = DEFAULT_SEARCH,
         period: float = PERIOD,
     ) -> None:
@@ -80,9 +87,9 @@ class WrenchPlanner:
         self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
         self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
-        self._answers = Answers(self._terms, relax)
-        self._last = np.zeros(self._terms.base.n)
-        self._last_choice: Array | None = None
+        self._answers, self._program = Answers(self._terms, relax), ProgramAtContacts(self._terms)
+        self._switching = SwitchingCost(switching_cost, self._terms.base.names)
+        self._last = LastPlan(len(self._terms.sets))
         self._compiled: CompiledPlanning | None = None
         self._is_warm = False
         self._begin_terms()
@@ -90,21 +97,17 @@ class WrenchPlanner:
 
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
-        self._last_points = np.array([contacts.first for contacts in self._terms.sets.values()])
-        self._last_choice = None
+        self._last = LastPlan(len(self._terms.sets))
         self._newest_estimate = -math.inf
         if self._compiled is not None:
             self._compiled.forget()
-        self._look_back_at(np.zeros(self._terms.base.n))
+        self._look_back_at(self._last.wrenches)
 
-    def start_from(self, wrenches: Mapping[str, ArrayLike]) -> None:
-        """As if the last plan had been these wrenches (6,) in {a} by arm; of arms left out, zero."""
-        last = np.zeros((len(self._terms.sets), 6))
-        for i, name in enumerate(self._terms.sets):
-            last[i] = wrenches.get(name, last[i])
-        if not set(wrenches) <= set(self._terms.sets) or not np.isfinite(last).all():
-            raise UsageError(f"start_from: {dict(wrenches)} are not finite wrenches of {', '.join(self._terms.sets)}")
-        self._look_back_at(scaled_into(self._terms.base.limits, last.ravel()))
+    def start_from(self, wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike] = NOWHERE) -> None:
+        """As if the last plan had been these wrenches (6,) in {a} by arm, of arms left out zero, at these contacts (3,)
+        in {b}; arms left out hold where they held."""
+        self._last = self._last.started(self._terms.base.names, wrenches, contacts)
+        self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
 
     def warm_up(self) -> None:
         """Does now what would cost at the first call: workspaces, the import of the fallback solver, and the compiled
@@ -115,7 +118,8 @@ class WrenchPlanner:
         self.plan((0.0, 0.0, 0.0))
         self.plan((1.0, 0.0, 0.1))
         self.reset()
-        solve_with_clarabel(self._program_at(self._last_points, np.zeros(len(self._to_effective))))
+        target = np.zeros(len(self._to_effective))
+        solve_with_clarabel(self._program.at(self._terms.first, target, self._cost))
 
     # --- planning -----------------------------------------------------------------------------------------
 
@@ -157,13 +161,26 @@ class WrenchPlanner:
         if plan.is_usable:
             return plan
         rate = self._terms.rate
-        shrink = self._decay if rate is None else rate.shrink(self._last, self._decay)
-        self._remember(shrink * self._last, self._last_points)
-        by_arm = self._answers.by_arm
-        held = ContactWrenches(by_arm(self._last), by_arm(self._last_points), self._terms.yaws)
+        shrink = self._decay if rate is None else rate.shrink(self._last.wrenches, self._decay)
+        self._remember(shrink * self._last.wrenches, self._last.contacts)
+        by_arm, points = self._answers.by_arm, self._last.contacts_or(self._terms.first)
+        held = ContactWrenches(by_arm(self._last.wrenches), by_arm(points), self._terms.yaws)
         return replace(plan, held=held)
 
     def _plan(
+        self,
+        wrench: ArrayLike,
+        contacts: Mapping[str, ArrayLike] | None,
+        estimate: Estimate | None,
+        arms: Sequence[Arm] | None,
+    ) -> Plan:
+        before = self._last.contacts
+        plan = self._answer(wrench, contacts, estimate, arms)
+        if not (self._switching.is_any and plan.is_usable):
+            return plan
+        return replace(plan, switched=self._last.moved_from(before, self._terms.base.names))
+
+    def _answer(
         self,
         wrench: ArrayLike,
         contacts: Mapping[str, ArrayLike] | None,
@@ -174,7 +191,7 @@ class WrenchPlanner:
         try:
             if arms is not None and self._terms.take_arms(arms):  # first: what is held must obey them as well
                 self._begin_terms()
-                self._look_back_at(scaled_into(self._terms.base.limits, self._last))
+                self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
             asked = read_wrench(wrench)
             if estimate is not None:
                 self._take_estimate(estimate)
@@ -200,7 +217,7 @@ class WrenchPlanner:
         self._newest_estimate = check_estimate(estimate, self._newest_estimate)
         before = self._terms.base.cart_rows
         if self._terms.take_estimate(estimate):
-            self._drop_program()
+            self._program.drop()
             self._take_last()
             if not self._terms.base.cart_rows.is_like(before):  # margins came, or went
                 self._compile()
@@ -208,105 +225,74 @@ class WrenchPlanner:
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""
         self._given = GivenContacts(self._terms)
-        self._last_choice = None
-        self._drop_program()
+        self._last.choice = None
+        self._program.drop()
         self._compile()
 
     def _compile(self) -> None:
         """Where it is warm, and what is compiled covers the programs."""
         self._compiled = CompiledPlanning.of(self._terms, self._cost) if self._is_warm else None
 
-    def _drop_program(self) -> None:
-        self._program: QuadraticProgram | None = None
-        self._program_points = np.zeros((0, 3))
-
     def _look_back_at(self, wrenches: Array) -> None:
-        self._last = wrenches
+        self._last.wrenches = wrenches
         self._cost = self._terms.base.cost(wrenches)
         self._take_last()
 
     def _take_last(self) -> None:
-        self._terms.take_last(self._last)
+        self._terms.take_last(self._last.wrenches)
         self._cases.template = self._terms.template
 
-    def _remember(self, wrenches: Array, points: Array) -> None:
-        self._last, self._last_points = wrenches, points
+    def _remember(self, wrenches: Array, contacts: Array) -> None:
+        self._last.wrenches, self._last.contacts = wrenches, contacts
         if self._terms.looks_back:
             self._look_back_at(wrenches)
 
     # --- solving ------------------------------------------------------------------------------------------
 
     def _choose(self, candidates: Candidates, asked: Point, start: float) -> Plan:
-        target = self._to_effective.dot(asked)
-        question, is_own = Question(target, self._cost), candidates is self._terms.candidates
+        switching, is_own = self._switching.over(candidates, self._last.contacts), candidates is self._terms.candidates
+        offered = candidates if switching is None else switching.candidates
+        question = Question(self._to_effective.dot(asked), self._cost, switching=switching)
         choice = None
         if self._compiled is not None:
-            choice = self._compiled.choose(candidates, asked, self._cost, self._limit)
+            choice = self._compiled.choose(offered, asked, question, self._limit)
             if choice is not None and choice.contacts is not None:
                 plan = self._compiled.chosen(choice, asked, start)
                 self._remember(*self._compiled.last)
                 return plan
         if choice is None:
-            seed = self._last_choice if is_own else None
-            choice = ContactSearch(candidates, self._cases, question, self._limit).run(seed)
+            seed = self._last.choice if question.seed is None and is_own else question.seed
+            choice = ContactSearch(offered, self._cases, question, self._limit).run(seed)
         if choice.contacts is None:
             return self._none_found(candidates, question, choice, start)
         if is_own:
-            self._last_choice = choice.contacts
-        return self._planned(choice.contacts, target, choice, start)
+            self._last.choice = choice.contacts
+        return self._planned(choice.contacts, question.target, choice, start)
 
     def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:
-        if not choice.complete:
-            message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
-            return refusal(TIMEOUT, message, start)
-        if choice.bound < np.inf:
-            return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
-        nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
+        if not choice.complete or choice.bound < np.inf:
+            return undecided(choice, start)
+        wanted = replace(question, distance=True)
+        nearest = ContactSearch(candidates, self._cases, wanted, self._limit).run(question.seed)
         if nearest.contacts is None and nearest.complete and nearest.bound == np.inf:
-            certificate = contradiction(self._terms.template, self._program_at(candidates.first, question.target))
+            program = self._program.at(candidates.first, question.target, question.cost)
+            certificate = contradiction(self._terms.template, program)
             return too_near(candidates, start) if certificate is None else certified(certificate, start)
         if nearest.contacts is None:
             message = "infeasible at every contact, but the nearest wrench was not found"
             return refusal(NUMERICAL if nearest.complete else TIMEOUT, message, start)
         whole = replace(choice, solved=choice.solved + nearest.solved)
         plan = self._planned(nearest.contacts, question.target, whole, start)
-        if plan.certificate is None:
-            return plan
-        others = f"at the nearest of {candidates.count} choices of contacts; none is feasible"
-        words = f"{plan.certificate.words} ({others})"
-        return replace(plan, certificate=replace(plan.certificate, words=words), message=words)
+        return at_nearest(plan, candidates.count)
 
     def _planned(self, points: Array, target: Array, choice: Choice | None, start: float) -> Plan:
         """The plan at contacts, which were chosen or given."""
-        program = self._program_at(points, target)
+        program = self._program.at(points, target, self._cost)
         solution = self._solver.solve(program)
-        proof = None if choice is None else _proof(choice, solution)
+        proof = None if choice is None else proof_of(choice, solution)
         if choice is None and self._compiled is not None and not solution.message:
             solution = replace(solution, message=f"fallback: {SOLVER} gave no proven answer")
-        plan = self._answers.of(Solved(points, program, solution, start), self._last, proof)
+        plan = self._answers.of(Solved(points, program, solution, start), self._last.wrenches, proof)
         if plan.is_usable and plan.proof is not None:
             self._remember(plan.proof[1].x[: self._terms.base.n], points)
         return plan
-
-    def _program_at(self, points: Array, target: Array) -> QuadraticProgram:
-        """The program at contacts; where these are as at the last call, only its equality's value is new, and what
-        looks back."""
-        template = self._terms.base
-        same = points is self._program_points or np.array_equal(points, self._program_points)
-        if self._program is None or not same:
-            self._program = template.program(template.contact_rows(points), target, self._cost)
-            self._program_points = points
-        program = self._program.with_equality_value(target)
-        if self._terms.rate is not None:
-            program = program.with_bounds(self._terms.template.limits)
-        if template.objective.looks_back:
-            program = program.with_gradient(self._cost.gradient, self._cost.constant)
-        return program
-
-
-def _proof(choice: Choice, solution: QPSolution) -> ChoiceProof:
-    """Of contacts that were chosen; `solution` is the plan's own program, solved once more."""
-    cost = solution.cost if solution.status == OPTIMAL else choice.value
-    if not np.isfinite(choice.bound):
-        return ChoiceProof(choice.bound, np.inf, choice.solved + 1)
-    return ChoiceProof(choice.bound, max(0.0, cost - choice.bound) / max(1.0, abs(cost)), choice.solved + 1)

@@ -1,19 +1,37 @@
-"""Plans without wrenches that need no program to be solved."""
+"""Plans without wrenches that need no program to be solved, and what is told of contacts when none would do."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 
 from .contact_bounds import Candidates
+from .contact_choice import Choice
 from .infeasibility import Certificate
-from .plan import Plan
-from .quadratic_program import INFEASIBLE
+from .plan import TIMEOUT, Plan
+from .quadratic_program import INFEASIBLE, NUMERICAL
 
 
 def refusal(status: str, message: str, start: float) -> Plan:
     return Plan(status, solve_time=time.perf_counter() - start, message=message)
+
+
+def undecided(choice: Choice, start: float) -> Plan:
+    """A search found no feasible contacts, and no proof that there are none."""
+    if choice.complete:
+        return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
+    message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
+    return refusal(TIMEOUT, message, start)
+
+
+def at_nearest(plan: Plan, count: int) -> Plan:
+    """The plan at the nearest of so many choices of contacts, which says so."""
+    if plan.certificate is None:
+        return plan
+    words = f"{plan.certificate.words} (at the nearest of {count} choices of contacts; none is feasible)"
+    return replace(plan, certificate=replace(plan.certificate, words=words), message=words)
 
 
 def too_near(candidates: Candidates, start: float) -> Plan:

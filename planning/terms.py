@@ -71,6 +71,11 @@ class Terms:
         return True
 
     @property
+    def first(self) -> Array:
+        """Each arm's first candidate, (n, 3)."""
+        return np.array([contacts.first for contacts in self.sets.values()])
+
+    @property
     def looks_back(self) -> bool:
         """Whether the last wrench matters to the next plan."""
         return self.rate is not None or self.base.objective.looks_back

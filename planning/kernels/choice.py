@@ -34,7 +34,7 @@ def search(
     floats: Array,
     ints: Ints,
     wrench: tuple[float, float, float],
-    tables: tuple[Array, Ints, Array, Array, Array, Array],
+    tables: tuple[Array, Ints, Array, Array, Array, Array, Array],
     progress: tuple[Array, Ints],
     most: int,
     gap: float,
@@ -69,12 +69,24 @@ def learn(w: Workspace, table: Table, found: Progress, status: int) -> bool:
     table.bounds[choice] = np.inf
     if status not in (OPTIMAL, INFEASIBLE):
         return False
-    if status == OPTIMAL and w.found[COST] < found.values[0]:
-        found.values[0], found.counts[0] = w.found[COST], choice
+    value = w.found[COST] + charge(table, choice)
+    if status == OPTIMAL and value < found.values[0]:
+        found.values[0], found.counts[0] = value, choice
     is_ray = status == INFEASIBLE
     constant = ray_cut(w, table) if is_ray else effort_cut(w, table)
     raise_bounds(table, found, constant, EQUALITY_TOLERANCE * wrench_scale(w.claim) if is_ray else np.inf)
     return True
+
+
+@compiled
+def charge(table: Table, choice: int) -> float:
+    """What a full choice costs beside the effort."""
+    total = 0.0
+    for arm in range(len(table.starts) - 2, -1, -1):
+        options = table.starts[arm + 1] - table.starts[arm]
+        total += table.charges[table.starts[arm] + choice % options]
+        choice //= options
+    return total
 
 
 @compiled

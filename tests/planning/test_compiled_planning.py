@@ -74,19 +74,28 @@ def choices(arms, distance):
             yield {a.name: point for a, point in zip(arms, points, strict=True)}
 
 
-def check_choice(seed, n_points=(0, 9, 5, 3)):
-    """Against an allocation for each choice; `allocate` solves by daqp and Clarabel."""
+def check_choice(seed, n_points=(0, 9, 5, 3), switching=0.0):
+    """Against an allocation for each choice; `allocate` solves by daqp and Clarabel. `switching` is the most that an
+    arm pays to move from the candidate that it holds."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 4))
     model, arms = random_cart(rng), random_arms(rng, n, n_points=n_points[n])
     wrench, distance = rng.uniform((0, -10, -12), (80, 10, 12)), float(rng.choice([0.0, 0.5]))
-    planner = warm(model, arms, min_hand_distance=distance)
+    costs = {a.name: float(rng.uniform(0, switching)) for a in arms}
+    planner = warm(model, arms, min_hand_distance=distance, switching_cost=costs)
+    held = {a.name: a.contacts.points[rng.integers(len(a.contacts.points))] for a in arms}
+    planner.start_from({}, held)
     plan = planner.plan(wrench)
-    found = [allocate(model, arms, contacts, wrench) for contacts in choices(arms, distance)]
-    best = min((one.effort for one in found if one.status == "optimal"), default=np.inf)
+
+    def paid(contacts):
+        return sum(costs[name] for name, point in contacts.items() if tuple(point) != held[name])
+
+    found = [(allocate(model, arms, contacts, wrench), contacts) for contacts in choices(arms, distance)]
+    best = min((one.effort + paid(contacts) for one, contacts in found if one.status == "optimal"), default=np.inf)
     assert plan.status == ("optimal" if np.isfinite(best) else "infeasible"), seed
     if plan.status == "optimal":
-        assert plan.effort == pytest.approx(best, rel=2e-9, abs=1e-9), seed
+        assert plan.choice.switching == pytest.approx(paid(plan.contacts)), seed
+        assert plan.effort + paid(plan.contacts) == pytest.approx(best, rel=2e-9, abs=1e-9), seed
         assert plan.choice.bound <= best * (1 + 1e-9) + 1e-9, seed
         assert plan.choice.gap <= 1e-9, seed
         assert plan.solver == SOLVER, seed
@@ -95,14 +104,16 @@ def check_choice(seed, n_points=(0, 9, 5, 3)):
     return plan.status
 
 
-def test_choices_against_brute_force():
-    statuses = [check_choice(seed) for seed in range(60)]
+@pytest.mark.parametrize("switching", [0.0, 200.0])
+def test_choices_against_brute_force(switching):
+    statuses = [check_choice(seed, switching=switching) for seed in range(60)]
     assert {"optimal", "infeasible"} <= set(statuses)
 
 
 @pytest.mark.prove
-def test_choices_against_brute_force_10000_times():
-    statuses = [check_choice(seed, (0, 7, 4, 2)) for seed in range(1000, 11000)]
+@pytest.mark.parametrize("switching", [0.0, 200.0])
+def test_choices_against_brute_force_10000_times(switching):
+    statuses = [check_choice(seed, (0, 7, 4, 2), switching) for seed in range(1000, 11000)]
     assert min(statuses.count("optimal"), statuses.count("infeasible")) > 500
 
 

@@ -1,0 +1,104 @@
+"""What it costs that a hand holds elsewhere than at the last plan, so that hands don't move for next to nothing.
+
+An arm that moves pays a constant, wherever it goes. That adds to the bound of each of its options, so the choice of
+contacts stays exact; of a segment, the place now held becomes one more option, a point, which is free. An arm without a
+choice (its contact is given, or its only one) pays nothing, nor does one of which nothing is known to be held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self, final
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from .contact_bounds import Candidates
+
+SAME_PLACE = 1e-9  # m
+
+
+@dataclass(frozen=True, eq=False)
+class Switching:
+    """Over `candidates` an arm pays its of `costs` (n,) anywhere but at its row of `stay` (n, 3), which is NaN where
+    what it holds is no candidate."""
+
+    candidates: Candidates
+    stay: Array
+    costs: Array
+
+    @classmethod
+    def of(cls, candidates: Candidates, held: Array, costs: Array) -> Self:
+        """With contacts `held` (n, 3) as options of their own where they lie on a segment; NaN where there is none."""
+        stay, ends, starts = np.full_like(held, np.nan), candidates.ends, candidates.starts
+        costs = np.where(np.isnan(held).any(axis=1), 0.0, costs)
+        for arm in np.flatnonzero(costs).tolist():
+            own = ends[starts[arm] : starts[arm + 1]]
+            is_point = (own[:, 0] == own[:, 1]).all(axis=1)
+            if len(own) == 1 and is_point[0]:
+                costs[arm] = 0.0
+                continue
+            near = _away(own, held[arm]) <= SAME_PLACE
+            points = np.flatnonzero(near & is_point)
+            if len(points):
+                stay[arm] = own[points[0], 0]
+            elif near.any():
+                stay[arm] = held[arm]
+                candidates = candidates.with_point(arm, held[arm])
+        return cls(candidates, stay, costs)
+
+    def at(self, low: Array, high: Array) -> float:
+        """What it costs to hold between `low` and `high`, (n, 3) each, but not where one stays."""
+        return float(self.costs @ ((low != self.stay) | (high != self.stay)).any(axis=1))
+
+    @cached_property
+    def charges(self) -> Array:
+        """Of each option, (O,)."""
+        arms = np.repeat(np.arange(len(self.costs)), np.diff(self.candidates.starts))
+        moves = (self.candidates.ends != self.stay[arms, None]).any(axis=(1, 2))
+        return np.asarray(self.costs[arms] * moves)
+
+    @property
+    def seed(self) -> Array | None:
+        """Where all arms stay, if all can."""
+        return None if np.isnan(self.stay).any() else self.stay
+
+
+@final
+class SwitchingCost:
+    """For every arm, or by arm's name (zero for those left out); in the objective's unit."""
+
+    def __init__(self, cost: float | Mapping[str, float], names: Sequence[str]) -> None:
+        by_arm = dict(cost) if isinstance(cost, Mapping) else dict.fromkeys(names, cost)
+        self._costs = np.array([by_arm.get(name, 0.0) for name in names], dtype=float)
+        if not set(by_arm) <= set(names) or not (np.isfinite(self._costs) & (self._costs >= 0)).all():
+            of_arms = f"of {', '.join(names)}"
+            raise UsageError(
+                f"switching_cost: {cost} is neither a finite number >= 0 nor such numbers by arm, {of_arms}"
+            )
+        self.is_any = bool(self._costs.any())
+        self._last: tuple[Candidates, Array, Switching] | None = None
+
+    def over(self, candidates: Candidates, held: Array) -> Switching | None:
+        """None where nothing is to pay."""
+        if not self.is_any or np.isnan(held).all():
+            return None
+        if (
+            self._last is None
+            or candidates is not self._last[0]
+            or not np.array_equal(held, self._last[1], equal_nan=True)
+        ):
+            self._last = candidates, held, Switching.of(candidates, held, self._costs)
+        return self._last[2]
+
+
+def _away(ends: Array, point: Array) -> Array:
+    """Distances (k,) of a point from segments (k, 2, 3)."""
+    start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    square = np.einsum("ki,ki->k", along, along)
+    share = np.einsum("ki,ki->k", point - start, along) / np.where(square > 0, square, 1.0)
+    return np.asarray(np.linalg.norm(start + np.clip(share, 0.0, 1.0)[:, None] * along - point, axis=1))
