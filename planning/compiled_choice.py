@@ -23,6 +23,7 @@ from .objectives import Cost
 from .switching_cost import Switching
 
 SLICE = 16  # programs between two looks at the clock
+NONE = np.zeros(0)
 
 
 @dataclass(eq=False)
@@ -36,6 +37,7 @@ class CompiledChoice:
     _progress: Progress
     last: int = -1
     _switching: Switching | None = None
+    _shown: tuple[int, Array] = (-1, NONE)
 
     @classmethod
     def of(cls, candidates: Candidates, allocation: CompiledAllocation) -> Self | None:
@@ -44,13 +46,14 @@ class CompiledChoice:
             return None
         allowed = np.where(candidates.allowed((), range(candidates.n_arms)), -np.inf, np.inf).ravel()
         n, points = 6 * candidates.n_arms, candidates.vertices
-        starts, weights, charges = np.array(candidates.starts, dtype=np.int64), np.zeros(n), np.zeros(len(points))
-        tables = (points, starts, weights, charges, np.zeros((4, n)), np.zeros(len(points)), np.zeros(len(allowed)))
+        starts, weights = np.array(candidates.starts, dtype=np.int64), np.zeros(n)
+        tables = (points, starts, weights, NONE, np.zeros((4, n)), np.zeros(len(points)), np.zeros(len(allowed)))
         return cls(candidates, allocation, allowed, tables, (np.zeros(2), np.zeros(3, np.int64)))
 
     def run(self, wrench: Point, cost: Cost, limit: SearchLimit, switching: Switching | None = None) -> Choice | None:
         """The allocation then holds the answer at the contacts chosen. None if a program had no proven answer."""
-        self._take(switching)
+        if switching is not self._switching:
+            self._take(switching)
         values, counts = self._progress
         bounds = self._tables[-1]
         bounds[:], self._tables[2][:] = self._allowed, cost.weights
@@ -69,8 +72,8 @@ class CompiledChoice:
         return Choice(contacts, best, bound, solved, solved < limit.solves, paid)
 
     def _take(self, switching: Switching | None) -> None:
-        if switching is not self._switching:
-            self._switching, self._tables[3][:] = switching, 0.0 if switching is None else switching.charges
+        charges = NONE if switching is None else switching.charges
+        self._switching, self._tables = switching, (*self._tables[:3], charges, *self._tables[4:])
 
     def _search(self, wrench: Point, limit: SearchLimit) -> bool:
         start, most, gap = time.perf_counter(), limit.solves, GAP_TOLERANCE if limit.gap is None else limit.gap
@@ -84,7 +87,11 @@ class CompiledChoice:
                 return True
 
     def _contacts(self, choice: int) -> Array:
-        starts = self.candidates.starts
-        sizes = [stop - start for start, stop in pairwise(starts)]
-        picked = np.unravel_index(choice, sizes)
-        return np.asarray(self.candidates.vertices[[s + int(i) for s, i in zip(starts, picked, strict=False)]])
+        """The same object as long as the choice is the same."""
+        if choice != self._shown[0]:
+            starts = self.candidates.starts
+            picked = np.unravel_index(choice, [stop - start for start, stop in pairwise(starts)])
+            contacts = self.candidates.vertices[[s + int(i) for s, i in zip(starts, picked, strict=False)]]
+            contacts.setflags(write=False)
+            self._shown = choice, contacts
+        return self._shown[1]

@@ -18,13 +18,13 @@ from .allocation_template import AllocationTemplate
 from .compiled_allocation import SOLVER, CompiledAllocation, Point
 from .compiled_choice import CompiledChoice
 from .contact_bounds import Candidates
-from .contact_cases import Question
 from .contact_choice import Choice, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
 from .given_contacts import REACH_TOLERANCE
 from .objectives import Cost
 from .plan import ChoiceProof, Plan
 from .quadratic_program import QPSolution, QuadraticProgram, Residuals
+from .switching_cost import Switching
 from .terms import Terms
 
 N_NUMBERS = 8  # residuals and the effort
@@ -61,14 +61,16 @@ class CompiledPlanning:
             return None
         return self._plan(points, wrench, None, start)
 
-    def choose(self, candidates: Candidates, wrench: Point, question: Question, limit: SearchLimit) -> Choice | None:
+    def choose(
+        self, candidates: Candidates, wrench: Point, cost: Cost, limit: SearchLimit, switching: Switching | None
+    ) -> Choice | None:
         """The search's result; `chosen` is its plan where there are contacts. None if it is for the general search."""
         if candidates is not self._candidates:
             self._candidates, self._choice = candidates, CompiledChoice.of(candidates, self._allocation)
         if self._choice is None:
             return None
-        self._allocation.take(self._terms.template, question.cost)
-        return self._choice.run(wrench, question.cost, limit, question.switching)
+        self._allocation.take(self._terms.template, cost)
+        return self._choice.run(wrench, cost, limit, switching)
 
     def chosen(self, choice: Choice, wrench: Point, start: float) -> Plan:
         assert choice.contacts is not None

@@ -80,7 +80,7 @@ class Candidates:
     def n_arms(self) -> int:
         return len(self.starts) - 1
 
-    @property
+    @cached_property
     def ends(self) -> Array:
         """Of all options, (O, 2, 3)."""
         return np.asarray(self.vertices[self.options])

@@ -37,12 +37,12 @@ class LastPlan:
         """The contacts held, else `first` (n, 3)."""
         return np.where(np.isnan(self.contacts), first, self.contacts)
 
-    def moved_from(self, before: Array, names: Sequence[str]) -> tuple[str, ...]:
-        """Which of the arms hold elsewhere than before; none of those that held nothing."""
-        if before is self.contacts:
+    def moving_to(self, contacts: Array, names: Sequence[str]) -> tuple[str, ...]:
+        """Which of the arms hold elsewhere at the contacts (n, 3); none of those that held nothing."""
+        if contacts is self.contacts:
             return ()
-        moved = np.flatnonzero((np.abs(self.contacts - before) > SAME_PLACE).any(axis=1))
-        return tuple(names[i] for i in moved.tolist())
+        moving = np.flatnonzero((np.abs(contacts - self.contacts) > SAME_PLACE).any(axis=1))
+        return tuple(names[i] for i in moving.tolist())
 
 
 def _put(rows: Array, names: Sequence[str], values: Mapping[str, ArrayLike], what: str) -> Array:

@@ -174,19 +174,6 @@ class WrenchPlanner:
         estimate: Estimate | None,
         arms: Sequence[Arm] | None,
     ) -> Plan:
-        before = self._last.contacts
-        plan = self._answer(wrench, contacts, estimate, arms)
-        if not (self._switching.is_any and plan.is_usable):
-            return plan
-        return replace(plan, switched=self._last.moved_from(before, self._terms.base.names))
-
-    def _answer(
-        self,
-        wrench: ArrayLike,
-        contacts: Mapping[str, ArrayLike] | None,
-        estimate: Estimate | None,
-        arms: Sequence[Arm] | None,
-    ) -> Plan:
         start = time.perf_counter()
         try:
             if arms is not None and self._terms.take_arms(arms):  # first: what is held must obey them as well
@@ -197,8 +184,7 @@ class WrenchPlanner:
                 self._take_estimate(estimate)
             plan = None if self._compiled is None else self._compiled.at(contacts, asked, self._cost, start)
             if self._compiled is not None and plan is not None:
-                self._remember(*self._compiled.last)
-                return plan
+                return self._remembered(plan, *self._compiled.last)
             candidates = self._terms.candidates if contacts is None else self._given.candidates(contacts)
         except RefusedError as refused:
             return refusal(refused.status, str(refused), start)
@@ -247,19 +233,25 @@ class WrenchPlanner:
         if self._terms.looks_back:
             self._look_back_at(wrenches)
 
+    def _remembered(self, plan: Plan, wrenches: Array, contacts: Array) -> Plan:
+        """A usable plan, which tells who has switched."""
+        if self._switching.is_any:
+            plan = replace(plan, switched=self._last.moving_to(contacts, self._terms.base.names))
+        self._remember(wrenches, contacts)
+        return plan
+
     # --- solving ------------------------------------------------------------------------------------------
 
     def _choose(self, candidates: Candidates, asked: Point, start: float) -> Plan:
         switching, is_own = self._switching.over(candidates, self._last.contacts), candidates is self._terms.candidates
         offered = candidates if switching is None else switching.candidates
-        question = Question(self._to_effective.dot(asked), self._cost, switching=switching)
         choice = None
         if self._compiled is not None:
-            choice = self._compiled.choose(offered, asked, question, self._limit)
+            choice = self._compiled.choose(offered, asked, self._cost, self._limit, switching)
             if choice is not None and choice.contacts is not None:
                 plan = self._compiled.chosen(choice, asked, start)
-                self._remember(*self._compiled.last)
-                return plan
+                return self._remembered(plan, *self._compiled.last)
+        question = Question(self._to_effective.dot(asked), self._cost, switching=switching)
         if choice is None:
             seed = self._last.choice if question.seed is None and is_own else question.seed
             choice = ContactSearch(offered, self._cases, question, self._limit).run(seed)
@@ -293,6 +285,6 @@ class WrenchPlanner:
         if choice is None and self._compiled is not None and not solution.message:
             solution = replace(solution, message=f"fallback: {SOLVER} gave no proven answer")
         plan = self._answers.of(Solved(points, program, solution, start), self._last.wrenches, proof)
-        if plan.is_usable and plan.proof is not None:
-            self._remember(plan.proof[1].x[: self._terms.base.n], points)
-        return plan
+        if not plan.is_usable or plan.proof is None:
+            return plan
+        return self._remembered(plan, plan.proof[1].x[: self._terms.base.n], points)

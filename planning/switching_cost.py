@@ -84,16 +84,13 @@ class SwitchingCost:
         self._last: tuple[Candidates, Array, Switching] | None = None
 
     def over(self, candidates: Candidates, held: Array) -> Switching | None:
-        """None where nothing is to pay."""
-        if not self.is_any or np.isnan(held).all():
+        """None where nothing is to pay; that of the last call where nothing has changed."""
+        if not self.is_any:
             return None
-        if (
-            self._last is None
-            or candidates is not self._last[0]
-            or not np.array_equal(held, self._last[1], equal_nan=True)
-        ):
-            self._last = candidates, held, Switching.of(candidates, held, self._costs)
-        return self._last[2]
+        last = self._last
+        if last is None or candidates is not last[0] or not (held is last[1] or np.array_equal(held, last[1])):
+            self._last = last = candidates, held, Switching.of(candidates, held, self._costs)
+        return last[2]
 
 
 def _away(ends: Array, point: Array) -> Array:

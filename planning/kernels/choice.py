@@ -82,6 +82,8 @@ def learn(w: Workspace, table: Table, found: Progress, status: int) -> bool:
 def charge(table: Table, choice: int) -> float:
     """What a full choice costs beside the effort."""
     total = 0.0
+    if len(table.charges) == 0:
+        return total
     for arm in range(len(table.starts) - 2, -1, -1):
         options = table.starts[arm + 1] - table.starts[arm]
         total += table.charges[table.starts[arm] + choice % options]

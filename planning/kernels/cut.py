@@ -25,9 +25,9 @@ from .workspace import Workspace
 
 class Table(NamedTuple):
     """Candidate points of all arms (V, 3), those of arm i from starts[i] to starts[i + 1]; weights of the separable
-    cost (n,), and charges that points cost beside it (V,); the last cut's slopes (4, n) and phi (V,); and a bound for
-    each full choice (N,), the last arm's point running fastest: infinite where it is solved, infeasible or not
-    allowed."""
+    cost (n,), and what points cost beside it, charges (V,), or none (0,); the last cut's slopes (4, n) and phi (V,);
+    and a bound for each full choice (N,), the last arm's point running fastest: infinite where it is solved, infeasible
+    or not allowed."""
 
     points: Array
     starts: Ints
@@ -72,6 +72,8 @@ def effort_cut(w: Workspace, table: Table) -> float:
             slopes[c, j] = 0.0
     constant += relax(w, slopes, 1.0)
     tabulate(w, table, 1.0)
+    for v in range(len(table.charges)):
+        table.phi[v] += table.charges[v]
     return float(constant)
 
 
@@ -91,12 +93,12 @@ def ray_cut(w: Workspace, table: Table) -> float:
 
 @compiled
 def tabulate(w: Workspace, table: Table, share: float) -> None:
-    """phi of all candidate points, with `share` of the weights and charges."""
+    """phi of all candidate points, with `share` of the weights."""
     points, starts, weights, slopes, phi = table.points, table.starts, table.weights, table.slopes, table.phi
     limits = w.claim.limits
     for arm in range(len(starts) - 1):
         for v in range(starts[arm], starts[arm + 1]):
-            phi[v] = share * table.charges[v]
+            phi[v] = 0.0
         for j in range(6 * arm, 6 * arm + 6):
             low, high, weight = max(limits[0, j], -UNLIMITED), min(limits[1, j], UNLIMITED), share * weights[j]
             for v in range(starts[arm], starts[arm + 1]):
