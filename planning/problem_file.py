@@ -30,7 +30,7 @@ NO_LIMIT = (float("inf"),) * 3
 @dataclass(frozen=True)
 class Problem:
     """A cart, its arms, and the wrench (fx, fy, tau) wanted on the cart in {b}; `last` are the wrenches (6,) by arm
-    that rates of change count from, one `period` (s) ago."""
+    that rates of change count from, one `period` (s) ago, `held` the contacts (3,) that the cost of switching does."""
 
     cart: CartModel
     arms: tuple[Arm, ...]
@@ -40,6 +40,8 @@ class Problem:
     relax: float
     period: float
     last: Mapping[str, Sequence[float]]
+    switching_cost: float
+    held: Mapping[str, Sequence[float]]
 
     def planner(self) -> WrenchPlanner:
         planner = WrenchPlanner(
@@ -48,9 +50,10 @@ class Problem:
             cart_limits=self.cart_limits,
             min_hand_distance=self.min_hand_distance,
             relax=self.relax,
+            switching_cost=self.switching_cost,
             period=self.period,
         )
-        planner.start_from(self.last)
+        planner.start_from(self.last, self.held)
         return planner
 
 
@@ -78,6 +81,8 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         relax=entry.relax,
         period=entry.period,
         last={arm.name: arm.rate.last for arm in entry.arms if arm.rate is not None},
+        switching_cost=entry.switching_cost,
+        held={arm.name: arm.held for arm in entry.arms if arm.held is not None},
     )
 
 

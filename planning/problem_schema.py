@@ -82,6 +82,7 @@ class ArmEntry(StrictModel):
     rate: RateEntry | None = None
     joints: JointsEntry | None = None
     reach: ReachEntry | None = None
+    held: Triple | None = None
 
 
 class SkidEntry(StrictModel):
@@ -112,4 +113,5 @@ class ProblemEntry(StrictModel):
     min_hand_distance: NotNegative = 0.0
     cart_limits: CartLimitsEntry = CartLimitsEntry()
     relax: NotNegative = 0.0
+    switching_cost: NotNegative = 0.0
     period: Positive = 1e-3

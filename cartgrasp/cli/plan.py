@@ -45,6 +45,8 @@ def _print(plan: Plan) -> None:
     print_table("Wrench of each arm in its contact frame", columns, rows, left=2)
     if plan.is_usable:
         print(f"effort {plan.effort:.6g}; active: {', '.join(plan.active) or 'no limit'}")
+        if plan.switched:
+            print(f"hold elsewhere than before: {', '.join(plan.switched)}")
         residuals = {} if plan.residuals is None else plan.residuals.as_dict()
         print("residuals: " + ", ".join(f"{name} {value:.1e}" for name, value in residuals.items()))
         if plan.margins:

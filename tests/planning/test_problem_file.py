@@ -136,6 +136,25 @@ def test_a_mistake_has_a_place(tmp_path, old, new, place, why):
     assert str(caught.value).startswith(f"{path}:{place}: ")
 
 
+def test_what_is_held_and_what_it_costs_to_leave_it(tmp_path):
+    right = "    contacts: [[-0.25, -0.20, 1.0], [-0.25, -0.1, 1.0]]\n"
+    assert right in PROBLEM
+    free = read_problem(problem_file(tmp_path, PROBLEM))
+    best = free.planner().plan(free.wrench)
+    assert (free.switching_cost, free.held, best.switched) == (0.0, {}, ())
+    text = PROBLEM.replace(right, f"{right}    held: [-0.25, 0.05, 1.0]\n")
+    for switching, moves in ((1e4, False), (0.1, True)):
+        problem = read_problem(problem_file(tmp_path, f"{text}switching_cost: {switching}\n"))
+        assert problem.held == {"right": [-0.25, 0.05, 1.0]}
+        plan = problem.planner().plan(problem.wrench)
+        assert plan.switched == (("right",) if moves else ())
+        assert plan.contacts["right"] == pytest.approx(best.contacts["right"] if moves else [-0.25, 0.05, 1.0])
+        assert plan.choice.bound == pytest.approx(plan.effort + switching * moves)
+    for wrong, place in ((f"{text}switching_cost: -1\n", "switching_cost"), (text.replace("0.05", ".nan"), "held.1")):
+        with pytest.raises(FileError, match=place):
+            read_problem(problem_file(tmp_path, wrong))
+
+
 WHEELS = """\
 com_height: 0.45
 wheels:
