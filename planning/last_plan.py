@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
+from .plan_inputs import RefusedError, read_contacts
 from .switching_cost import SAME_PLACE
 
 
@@ -28,9 +29,15 @@ class LastPlan:
     ) -> Self:
         """With these wrenches (6,), of arms left out zero, and contacts (3,), of arms left out as they are."""
         other = type(self)(len(names))
-        other.wrenches = _put(np.zeros((len(names), 6)), names, wrenches, "wrenches").ravel()
-        other.contacts = _put(self.contacts.copy(), names, contacts, "contacts")
-        other.choice = self.choice
+        last = np.array([wrenches.get(name, (0.0,) * 6) for name in names], dtype=float)
+        if not set(wrenches) <= set(names) or last.shape != (len(names), 6) or not np.isfinite(last).all():
+            raise UsageError(f"start_from: {dict(wrenches)} are not finite wrenches of {', '.join(names)}")
+        try:
+            held = read_contacts(contacts, names)
+        except RefusedError as error:
+            raise UsageError(f"start_from: {error}") from error
+        other.wrenches, other.choice = last.ravel(), self.choice
+        other.contacts = np.array([held.get(name, now) for name, now in zip(names, self.contacts, strict=True)])
         return other
 
     def contacts_or(self, first: Array) -> Array:
@@ -43,12 +50,3 @@ class LastPlan:
             return ()
         moving = np.flatnonzero((np.abs(contacts - self.contacts) > SAME_PLACE).any(axis=1))
         return tuple(names[i] for i in moving.tolist())
-
-
-def _put(rows: Array, names: Sequence[str], values: Mapping[str, ArrayLike], what: str) -> Array:
-    """Rows by arm with some replaced."""
-    for i, name in enumerate(names):
-        rows[i] = values.get(name, rows[i])
-    if not set(values) <= set(names) or not np.isfinite(rows[[name in values for name in names]]).all():
-        raise UsageError(f"start_from: {dict(values)} are not finite {what} of {', '.join(names)}")
-    return rows

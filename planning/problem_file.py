@@ -82,7 +82,7 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         period=entry.period,
         last={arm.name: arm.rate.last for arm in entry.arms if arm.rate is not None},
         switching_cost=entry.switching_cost,
-        held={arm.name: arm.held for arm in entry.arms if arm.held is not None},
+        held=_held(entry.arms, refuse),
     )
 
 
@@ -147,6 +147,18 @@ def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
         )
     except UsageError as error:
         raise refuse([*where, "name"], str(error)) from error
+
+
+def _held(entries: Sequence[ArmEntry], refuse: Refuse) -> dict[str, Sequence[float]]:
+    held: dict[str, Sequence[float]] = {}
+    for i, entry in enumerate(entries):
+        if entry.held is not None:
+            x, y, z = entry.held
+            try:
+                held[entry.name] = ContactSet(((x, y, z),)).points[0]
+            except UsageError as error:
+                raise refuse(["arms", i, "held"], str(error)) from error
+    return held
 
 
 def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refuse) -> Friction | None:

@@ -9,6 +9,8 @@ from pydantic import AfterValidator, Field
 from cartgrasp.joint_torques import LARGEST_NUMBER
 from cartgrasp.yaml_file import StrictModel
 
+from .switching_cost import LARGEST_COST
+
 WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
 
 
@@ -30,11 +32,18 @@ def _positive(value: float) -> float:
     return value
 
 
+def _switching_cost(value: float) -> float:
+    if value > LARGEST_COST:
+        raise ValueError(f"{value:g} is beyond {LARGEST_COST:g}")
+    return _not_negative(value)
+
+
 NotNegative = Annotated[float, AfterValidator(_not_negative)]
 Positive = Annotated[float, AfterValidator(_positive)]
 LimitValue = Annotated[float, Field(allow_inf_nan=True), AfterValidator(_limit)]
 Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 LimitTriple = Annotated[list[LimitValue], Field(min_length=3, max_length=3)]
+SwitchingCostValue = Annotated[float, AfterValidator(_switching_cost)]
 RateTriple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 
 
@@ -113,5 +122,5 @@ class ProblemEntry(StrictModel):
     min_hand_distance: NotNegative = 0.0
     cart_limits: CartLimitsEntry = CartLimitsEntry()
     relax: NotNegative = 0.0
-    switching_cost: NotNegative = 0.0
+    switching_cost: SwitchingCostValue = 0.0
     period: Positive = 1e-3

@@ -20,12 +20,13 @@ from cartgrasp.frames import Array
 from .contact_bounds import Candidates
 
 SAME_PLACE = 1e-9  # m
+LARGEST_COST = 1e9  # gaps are relative: beside more than this they would say nothing of efforts
 
 
 @dataclass(frozen=True, eq=False)
 class Switching:
-    """Over `candidates` an arm pays its of `costs` (n,) anywhere but at its row of `stay` (n, 3), which is NaN where
-    what it holds is no candidate."""
+    """Over `candidates` an arm pays its of `costs` (n,) anywhere but at its row of `stay` (n, 3), which is NaN where it
+    can't stay."""
 
     candidates: Candidates
     stay: Array
@@ -34,21 +35,20 @@ class Switching:
     @classmethod
     def of(cls, candidates: Candidates, held: Array, costs: Array) -> Self:
         """With contacts `held` (n, 3) as options of their own where they lie on a segment; NaN where there is none."""
-        stay, ends, starts = np.full_like(held, np.nan), candidates.ends, candidates.starts
+        stay, ends, starts = held.copy(), candidates.ends, candidates.starts
         costs = np.where(np.isnan(held).any(axis=1), 0.0, costs)
-        for arm in np.flatnonzero(costs).tolist():
+        for arm, point in enumerate(held):
             own = ends[starts[arm] : starts[arm + 1]]
             is_point = (own[:, 0] == own[:, 1]).all(axis=1)
+            near = _away(own, point) <= SAME_PLACE
             if len(own) == 1 and is_point[0]:
-                costs[arm] = 0.0
-                continue
-            near = _away(own, held[arm]) <= SAME_PLACE
-            points = np.flatnonzero(near & is_point)
-            if len(points):
-                stay[arm] = own[points[0], 0]
-            elif near.any():
-                stay[arm] = held[arm]
-                candidates = candidates.with_point(arm, held[arm])
+                costs[arm], stay[arm] = 0.0, own[0, 0]
+            elif (near & is_point).any():
+                stay[arm] = own[(near & is_point).argmax(), 0]
+            elif not near.any():
+                stay[arm] = np.nan
+            elif costs[arm] > 0:
+                candidates = candidates.with_point(arm, point)
         return cls(candidates, stay, costs)
 
     def at(self, low: Array, high: Array) -> float:
@@ -75,11 +75,9 @@ class SwitchingCost:
     def __init__(self, cost: float | Mapping[str, float], names: Sequence[str]) -> None:
         by_arm = dict(cost) if isinstance(cost, Mapping) else dict.fromkeys(names, cost)
         self._costs = np.array([by_arm.get(name, 0.0) for name in names], dtype=float)
-        if not set(by_arm) <= set(names) or not (np.isfinite(self._costs) & (self._costs >= 0)).all():
-            of_arms = f"of {', '.join(names)}"
-            raise UsageError(
-                f"switching_cost: {cost} is neither a finite number >= 0 nor such numbers by arm, {of_arms}"
-            )
+        if not set(by_arm) <= set(names) or not ((self._costs >= 0) & (self._costs <= LARGEST_COST)).all():
+            form = f"a number from 0 to {LARGEST_COST:g}, or such numbers by arm, of {', '.join(names)}"
+            raise UsageError(f"switching_cost: {cost} is not {form}")
         self.is_any = bool(self._costs.any())
         self._last: tuple[Candidates, Array, Switching] | None = None
 

@@ -101,6 +101,7 @@ def test_answers_are_safe_and_true(seed):
         objective=OBJECTIVES[seed % len(OBJECTIVES)],
         cart_limits=limits,
         relax=float(rng.choice([0.0, 5.0, np.inf])),
+        switching_cost=30.0 * (seed // len(OBJECTIVES) % 2),
         period=PERIOD,
         search_limit=SearchLimit(60),
     )

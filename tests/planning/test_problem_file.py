@@ -145,13 +145,18 @@ def test_what_is_held_and_what_it_costs_to_leave_it(tmp_path):
     text = PROBLEM.replace(right, f"{right}    held: [-0.25, 0.05, 1.0]\n")
     for switching, moves in ((1e4, False), (0.1, True)):
         problem = read_problem(problem_file(tmp_path, f"{text}switching_cost: {switching}\n"))
-        assert problem.held == {"right": [-0.25, 0.05, 1.0]}
+        assert problem.held == {"right": (-0.25, 0.05, 1.0)}
         plan = problem.planner().plan(problem.wrench)
         assert plan.switched == (("right",) if moves else ())
         assert plan.contacts["right"] == pytest.approx(best.contacts["right"] if moves else [-0.25, 0.05, 1.0])
         assert plan.choice.bound == pytest.approx(plan.effort + switching * moves)
-    for wrong, place in ((f"{text}switching_cost: -1\n", "switching_cost"), (text.replace("0.05", ".nan"), "held.1")):
-        with pytest.raises(FileError, match=place):
+    for wrong, why in (
+        (f"{text}switching_cost: -1\n", "switching_cost: -1 is negative"),
+        (f"{text}switching_cost: 2e9\n", r"switching_cost: 2e\+09 is beyond 1e\+09"),
+        (text.replace("0.05", ".nan"), "arms.1.held.1: nan is not a finite number"),
+        (text.replace("0.05", "1e7"), r"arms.1.held: contacts: .* within 1e\+06"),
+    ):
+        with pytest.raises(FileError, match=why):
             read_problem(problem_file(tmp_path, wrong))
 
 

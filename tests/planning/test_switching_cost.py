@@ -292,12 +292,12 @@ def test_starting_from_contacts():
     document = planner.plan((40, 0, -3)).as_dict()
     assert "left" in document["switched"]
     assert document["choice"]["switching"] == 1e6
-    for wrong in ({"left": (np.nan, 0, 0)}, {"middle": (0, 0, 0)}):
-        with pytest.raises(UsageError, match=r"start_from: .* are not finite contacts of left, right"):
+    for wrong in ({"left": (np.nan, 0, 0)}, {"middle": (0, 0, 0)}, {"left": (0, 0)}, {"left": (1e200, 0, 0)}):
+        with pytest.raises(UsageError, match="start_from: contacts: "):
             planner.start_from({}, wrong)
 
 
-@pytest.mark.parametrize("wrong", [-1.0, np.nan, np.inf, {"left": -2.0}, {"middle": 1.0}])
+@pytest.mark.parametrize("wrong", [-1.0, np.nan, np.inf, 1e300, {"left": -2.0}, {"middle": 1.0}])
 def test_a_cost_that_is_none_is_refused(wrong):
     with pytest.raises(UsageError, match="switching_cost"):
         WrenchPlanner(cart(), [arm("left", HANDLE)], switching_cost=wrong)
