@@ -34,7 +34,8 @@ class Switching:
 
     @classmethod
     def of(cls, candidates: Candidates, held: Array, costs: Array) -> Self:
-        """With contacts `held` (n, 3) as options of their own where they lie on a segment; NaN where there is none."""
+        """With contacts `held` (n, 3) as options of their own where they lie on a segment; NaN where there is none. An
+        arm's only contact counts as where it is."""
         stay, ends, starts = held.copy(), candidates.ends, candidates.starts
         costs = np.where(np.isnan(held).any(axis=1), 0.0, costs)
         for arm, point in enumerate(held):
@@ -42,7 +43,7 @@ class Switching:
             is_point = (own[:, 0] == own[:, 1]).all(axis=1)
             near = _away(own, point) <= SAME_PLACE
             if len(own) == 1 and is_point[0]:
-                costs[arm], stay[arm] = 0.0, own[0, 0]
+                stay[arm] = own[0, 0]
             elif (near & is_point).any():
                 stay[arm] = own[(near & is_point).argmax(), 0]
             elif not near.any():
