@@ -65,7 +65,7 @@ class Answers:
         program, solution, base = solved.program, solved.solution, self._terms.base
         proof = proof or ChoiceProof(solution.cost, 0.0, 1)
         if isinstance(base.objective, Lexicographic):
-            second = base.objective.second.cost(base.arms, last)
+            second = base.objective.second_cost(base.arms, last)
             program, solution = second_stage(self._second_solver, program, solution, second)
         wrenches = solution.x if len(solution.x) == base.n else solution.x[: base.n]
         wrenches.setflags(write=False)  # plans show them

@@ -25,11 +25,12 @@ from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
 from .contradiction import contradiction
+from .estimate_inputs import check_estimate
 from .given_contacts import GivenContacts
 from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, ChoiceProof, Plan
-from .plan_inputs import RefusedError, check_estimate, read_wrench
+from .plan_inputs import RefusedError, read_start, read_wrench
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 from .refusals import certified, out_of_reach, refusal, too_near
 from .remedy import find_remedy, with_remedy
@@ -99,12 +100,8 @@ class WrenchPlanner:
 
     def start_from(self, wrenches: Mapping[str, ArrayLike]) -> None:
         """As if the last plan had been these wrenches (6,) in {a} by arm; of arms left out, zero."""
-        last = np.zeros((len(self._terms.sets), 6))
-        for i, name in enumerate(self._terms.sets):
-            last[i] = wrenches.get(name, last[i])
-        if not set(wrenches) <= set(self._terms.sets) or not np.isfinite(last).all():
-            raise UsageError(f"start_from: {dict(wrenches)} are not finite wrenches of {', '.join(self._terms.sets)}")
-        self._look_back_at(scaled_into(self._terms.base.limits, last.ravel()))
+        last = read_start(wrenches, self._terms.base.names)
+        self._look_back_at(scaled_into(self._terms.base.limits, last))
 
     def warm_up(self) -> None:
         """Does now what would cost at the first call: workspaces, the import of the fallback solver, and the compiled
@@ -197,13 +194,14 @@ class WrenchPlanner:
     # --- what changes between ticks -----------------------------------------------------------------------
 
     def _take_estimate(self, estimate: Estimate) -> None:
-        self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+        newest = check_estimate(estimate, self._newest_estimate)
         before = self._terms.base.cart_rows
         if self._terms.take_estimate(estimate):
             self._drop_program()
             self._take_last()
             if not self._terms.base.cart_rows.is_like(before):  # margins came, or went
                 self._compile()
+        self._newest_estimate = newest  # one that is refused makes no later one stale
 
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""
@@ -263,7 +261,8 @@ class WrenchPlanner:
             return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
         nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
         if nearest.contacts is None and nearest.complete and nearest.bound == np.inf:
-            certificate = contradiction(self._terms.template, self._program_at(candidates.first, question.target))
+            target = question.target
+            certificate = contradiction(self._terms.template, self._program_at(candidates.first, target), target)
             return too_near(candidates, start) if certificate is None else certified(certificate, start)
         if nearest.contacts is None:
             message = "infeasible at every contact, but the nearest wrench was not found"
