@@ -47,7 +47,8 @@ class Answers:
         relaxed = self._relaxed(solved, allocation, last, proof)
         if relaxed is not None:
             return relaxed
-        words = allocation.certificate.words if allocation.certificate else allocation.solution.message
+        words = f"no solver gave an answer that verifies ({allocation.solution.message})"
+        words = allocation.certificate.words if allocation.certificate else words
         return Plan(
             status=allocation.status,
             choice=proof,

@@ -256,7 +256,7 @@ class WrenchPlanner:
     def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:
         if not choice.complete:
             message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
-            return refusal(TIMEOUT, message, start)
+            return refusal(TIMEOUT, f"{message}; raise search_limit, or offer fewer contacts", start)
         if choice.bound < np.inf:
             return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
         nearest = ContactSearch(candidates, self._cases, replace(question, distance=True), self._limit).run()
