@@ -153,3 +153,4 @@ def test_a_hundred_thousand_fuzzed_ticks(seed, record_property):
     for status, count in counts.items():
         record_property(status, count)
     assert min(counts[status] for status in ("optimal", "infeasible", "invalid_input")) > 500
+    assert counts["numerical"] + counts["timeout"] <= 0.005 * sum(counts.values())
