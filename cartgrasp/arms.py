@@ -31,8 +31,9 @@ class Friction:
     def __post_init__(self) -> None:
         if not 0 <= self.mu <= LARGEST_FRICTION:
             raise UsageError(f"friction: mu: {self.mu} is not a finite number >= 0 and up to {LARGEST_FRICTION:g}")
-        if self.sides != EXACT and not (isinstance(self.sides, int) and 3 <= self.sides <= 256):
+        if self.sides != EXACT and not (isinstance(self.sides, int | np.integer) and 3 <= self.sides <= 256):
             raise UsageError(f'friction: sides: {self.sides!r} is neither a whole number of 3 to 256 nor "exact"')
+        object.__setattr__(self, "sides", self.sides if self.sides == EXACT else int(self.sides))
 
 
 @dataclass(frozen=True, init=False)
@@ -74,7 +75,7 @@ class Arm:
         joints: JointTorques | None = None,
         reach: Reach | None = None,
     ) -> None:
-        if not name or "." in name or ":" in name:
+        if not isinstance(name, str) or not name or "." in name or ":" in name:
             raise UsageError(f"arm: name {name!r} must be a word without a dot or a colon")
         if not isinstance(contacts, ContactSet):
             contacts = _contact_set(name, contacts, segment)
@@ -83,13 +84,13 @@ class Arm:
         values = {
             "name": name,
             "contacts": contacts,
-            "yaw": float(yaw),
+            "yaw": _number(name, "yaw", yaw),
             "force_limit": _numbers(name, "force_limit", force_limit, 3),
             "moment_limit": _numbers(name, "moment_limit", moment_limit, 3),
             "friction": friction,
             "weights": _numbers(name, "weights", weights, 6),
             "push_only": bool(push_only),
-            "payload": float(payload),
+            "payload": _number(name, "payload", payload),
             "wrench_rate": _numbers(name, "wrench_rate", wrench_rate, 6),
             "joints": joints,
             "reach": reach,
@@ -119,6 +120,13 @@ def _contact_set(name: str, points: Sequence[Sequence[float]], segment: Sequence
         raise UsageError(f"arm {name}: segment: 2 ends are needed, {len(segment)} given")
     segments = () if segment is None else (Segment(triple(segment[0]), triple(segment[1])),)
     return ContactSet(tuple(triple(p) for p in points), segments)
+
+
+def _number(arm: str, what: str, value: float) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"arm {arm}: {what}: {value!r} is not a number") from error
 
 
 def _numbers(arm: str, what: str, values: Sequence[float], n: int) -> tuple[float, ...]:

@@ -26,8 +26,9 @@ class Reach:
         normals, offsets = np.array(self.normals, dtype=float), np.array(self.offsets, dtype=float)
         if normals.ndim != 2 or normals.shape[1] != 3 or offsets.shape != (len(normals),):
             raise UsageError(f"reach: normals {normals.shape} and offsets {offsets.shape} are not (k, 3) and (k,)")
-        lengths = np.linalg.norm(normals, axis=1)
-        if not (np.isfinite(normals).all() and np.isfinite(offsets).all() and (lengths > 0).all()):
+        with np.errstate(over="ignore"):
+            lengths = np.linalg.norm(normals, axis=1)
+        if not (np.isfinite(lengths).all() and np.isfinite(offsets).all() and (lengths > 0).all()):
             raise UsageError("reach: a normal or an offset is not finite, or a normal is zero")
         for field, values in (("normals", normals / lengths[:, None]), ("offsets", offsets / lengths)):
             values.setflags(write=False)

@@ -68,7 +68,7 @@ def allocate(
     program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n)))
     allocation = conclude(template, points, program, QuadraticSolver().solve(program))
     if allocation.status == OPTIMAL and isinstance(objective, Lexicographic):
-        second = objective.second.cost(template.arms, np.zeros(template.n))
+        second = objective.second_cost(template.arms, np.zeros(template.n))
         return _solved(template, *second_stage(QuadraticSolver(), program, allocation.solution, second))
     return allocation
 
@@ -82,7 +82,7 @@ def conclude(
     target = program.equality[1]
     projection = project(QuadraticSolver(always_feasible=True), program, template.slack_map(False))
     if projection.solution.status != OPTIMAL:
-        certificate = contradiction(template, program)
+        certificate = contradiction(template, program, target)
         if certificate is not None:
             return Allocation(INFEASIBLE, {}, np.nan, (), solution, certificate)
     elif not projection.is_feasible(target):

@@ -31,7 +31,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
-from .objectives import Cost, Objective, WeightedWrench
+from .objectives import Cost, Lexicographic, Objective, WeightedWrench
 from .quadratic_program import Cone, QuadraticProgram
 
 if TYPE_CHECKING:
@@ -72,7 +72,11 @@ class AllocationTemplate:
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits = side_by_side(names, [limits_of(arm) for arm in arms])
         rows = cart_rows(cart_limits, Pushed(cart, None, arms))
-        return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
+        template = cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
+        template.cost(np.zeros(template.n))  # raises what it has against these arms
+        if isinstance(template.objective, Lexicographic):
+            template.objective.second_cost(arms, np.zeros(template.n))
+        return template
 
     def with_cart_rows(self, rows: CartRows) -> Self:
         """The same with other rows for the cart's limits; where these are like the old, what is cached stays."""

@@ -48,7 +48,8 @@ class Answers:
         relaxed = self._relaxed(solved, allocation, last, proof)
         if relaxed is not None:
             return relaxed
-        words = allocation.certificate.words if allocation.certificate else allocation.solution.message
+        words = f"no solver gave an answer that verifies ({allocation.solution.message})"
+        words = allocation.certificate.words if allocation.certificate else words
         return Plan(
             status=allocation.status,
             choice=proof,
@@ -66,7 +67,7 @@ class Answers:
         program, solution, base = solved.program, solved.solution, self._terms.base
         proof = proof or ChoiceProof(solution.cost, 0.0, 1)
         if isinstance(base.objective, Lexicographic):
-            second = base.objective.second.cost(base.arms, last)
+            second = base.objective.second_cost(base.arms, last)
             program, solution = second_stage(self._second_solver, program, solution, second)
         wrenches = solution.x if len(solution.x) == base.n else solution.x[: base.n]
         wrenches.setflags(write=False)  # plans show them

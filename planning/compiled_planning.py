@@ -12,6 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cartgrasp.contacts import LARGEST_POSITION
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
@@ -23,6 +24,7 @@ from .contact_regions import DISTANCE_TOLERANCE
 from .given_contacts import REACH_TOLERANCE
 from .objectives import Cost
 from .plan import ChoiceProof, Plan
+from .plan_inputs import real_numbers
 from .quadratic_program import QPSolution, QuadraticProgram, Residuals
 from .switching_cost import Switching
 from .terms import Terms
@@ -85,12 +87,16 @@ class CompiledPlanning:
     def _points(self, contacts: Mapping[str, ArrayLike]) -> Array | None:
         """Contacts of all arms (n, 3), the same object as long as they are the same."""
         try:
-            points = np.array([contacts[name] for name in self._terms.sets], dtype=float)
-        except (KeyError, TypeError, ValueError, OverflowError):
+            points = real_numbers([contacts[name] for name in self._terms.sets])
+            if points is None or len(contacts) > len(self._parts):
+                return None
+        except (KeyError, IndexError, TypeError):
             return None
         given = points.tobytes()
         if given != self._given:
-            if points.shape != (len(self._parts), 3) or len(contacts) > len(points) or self._is_refused(points):
+            if points.shape != (len(self._parts), 3):
+                return None
+            if not (np.abs(points) <= LARGEST_POSITION).all() or self._is_refused(points):
                 return None
             points.setflags(write=False)
             self._given, self._given_points = given, points

@@ -100,12 +100,12 @@ class CaseSolver:
         solution = solve_with_clarabel(program)
         if solution.status == OPTIMAL:
             return self._solved(question, solution, is_range)
-        return self._contradicted(program, is_range)
+        return self._contradicted(question, program, is_range)
 
     def _distance_answer(self, question: Question, program: QuadraticProgram, is_range: bool) -> Answer:
         projection = self._project(program, is_range)
         if projection.solution.status != OPTIMAL:
-            return self._contradicted(program, is_range)
+            return self._contradicted(question, program, is_range)
         cut = distance_cut(self.template, projection.solution, projection.slack, question.target)
         return Answer(
             0.5 * projection.distance**2,
@@ -114,9 +114,9 @@ class CaseSolver:
             question.target - projection.slack,
         )
 
-    def _contradicted(self, program: QuadraticProgram, is_range: bool) -> Answer:
+    def _contradicted(self, question: Question, program: QuadraticProgram, is_range: bool) -> Answer:
         """No answer: proven where the cart's limits can't be kept at all."""
-        return Answer(np.inf, proven=contradiction(self.template, program, is_range) is not None)
+        return Answer(np.inf, proven=contradiction(self.template, program, question.target, is_range) is not None)
 
     def _solved(self, question: Question, solution: QPSolution, is_range: bool) -> Answer:
         template = self.template

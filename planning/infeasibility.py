@@ -166,9 +166,10 @@ def _words(limits: Mapping[str, float], direction: Array, numbers: tuple[float, 
     of_what = SINGLE_DIRECTIONS.get(name, f"{name}" if unit else f"{name} (fx, fy in N, tau in N·m)")
     parts = []
     for limit, value in limits.items():
-        words = limit.split()
+        words = limit.rpartition(":")[2].split()  # an arm may be called "force"
         is_force = FORCE_WORDS.intersection(words)
-        bound = f" {abs(value):.6g} {'N' if is_force else 'N·m'}" if words[-1] in ("lower", "upper") else ""
+        number = value if "rate" in words else abs(value)  # about the last wrench, which has a sign
+        bound = f" {number:.6g} {'N' if is_force else 'N·m'}" if words[-1] in ("lower", "upper") else ""
         parts.append(limit + bound)
     asked, most = (f"{round(number, 9) + 0.0:.6g}{unit}" for number in numbers)
     subject = "together they give" if len(parts) > 1 else "it gives"

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .plan_inputs import RefusedError, read_contacts
+from .plan_inputs import RefusedError, read_contacts, read_start
 from .switching_cost import SAME_PLACE
 
 
@@ -29,14 +29,11 @@ class LastPlan:
     ) -> Self:
         """With these wrenches (6,), of arms left out zero, and contacts (3,), of arms left out as they are."""
         other = type(self)(len(names))
-        last = np.array([wrenches.get(name, (0.0,) * 6) for name in names], dtype=float)
-        if not set(wrenches) <= set(names) or last.shape != (len(names), 6) or not np.isfinite(last).all():
-            raise UsageError(f"start_from: {dict(wrenches)} are not finite wrenches of {', '.join(names)}")
+        other.wrenches, other.choice = read_start(wrenches, names), self.choice
         try:
             held = read_contacts(contacts, names)
         except RefusedError as error:
             raise UsageError(f"start_from: {error}") from error
-        other.wrenches, other.choice = last.ravel(), self.choice
         other.contacts = np.array([held.get(name, now) for name, now in zip(names, self.contacts, strict=True)])
         return other
 

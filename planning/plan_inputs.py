@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
+from cartgrasp.arms import Arm
 from cartgrasp.contacts import LARGEST_POSITION
-from cartgrasp.errors import CartgraspError
+from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.frames import Array
 
-from .plan import INVALID_INPUT, STALE_ESTIMATE
+from .plan import INVALID_INPUT
 
-if TYPE_CHECKING:
-    from cartgrasp.motion import Estimate
-
-LARGEST_WRENCH = 1e9  # N, N·m
-MAX_ESTIMATE_AGE = 0.5  # s
-COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
+LARGEST_WRENCH = 1e6  # N, N·m; projections of what is farther from what arms give lose it in rounding
+REAL = "fiubO"  # kinds of numpy arrays that hold real numbers: no text, dates or complex numbers
 
 
 class RefusedError(CartgraspError):
@@ -48,44 +44,45 @@ def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str
     }
 
 
-def check_estimate(estimate: Estimate, newest: float) -> float:
-    """The time of the newest estimate so far, s; refused if this one isn't finite or much older."""
-    motion = np.concatenate((np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity)))
-    numbers = [estimate.time, *motion.tolist(), *(parameter.value for parameter in estimate.parameters.values())]
-    if not all(map(math.isfinite, numbers)):
-        raise RefusedError(INVALID_INPUT, "estimate: its time, motion or a parameter is not finite")
-    if estimate.time < newest - MAX_ESTIMATE_AGE:
-        age = newest - estimate.time
-        raise RefusedError(STALE_ESTIMATE, f"estimate: {age:.3g} s older than the newest one given before")
-    return max(newest, estimate.time)
+def read_arms(arms: Iterable[Arm], names: Sequence[str]) -> dict[str, Arm]:
+    """By name."""
+    given = list(arms) if isinstance(arms, Iterable) else [arms]
+    found = dict[str, Arm]()
+    for arm in given:
+        if not isinstance(arm, Arm):
+            raise RefusedError(INVALID_INPUT, f"arms: {arm!r} is not an Arm")
+        if arm.name not in names:
+            raise RefusedError(INVALID_INPUT, f"arms: there is no arm {arm.name!r}; there are {', '.join(names)}")
+        if arm.name in found:
+            raise RefusedError(INVALID_INPUT, f"arms: {arm.name} stands twice; names must differ")
+        found[arm.name] = arm
+    return found
 
 
-def read_covariance(estimate: Estimate) -> Array:
-    """That of the model's parameters (p, p); refused unless it is there and is one."""
-    covariance, size = estimate.covariance, len(estimate.model_parameters)
-    if covariance is None:
-        raise RefusedError(INVALID_INPUT, "estimate: it has no covariance, which the planner's confidence needs")
-    if np.shape(covariance) != (size, size):
-        shape = np.shape(covariance)
-        raise RefusedError(INVALID_INPUT, f"estimate: covariance: shape {shape} instead of {(size, size)}")
-    if not np.isfinite(covariance).all():
-        raise RefusedError(INVALID_INPUT, "estimate: covariance: a value is not finite")
-    scale = np.sqrt(np.abs(np.diagonal(covariance)))
-    allowed = COVARIANCE_TOLERANCE * np.outer(scale, scale)
-    if (np.diagonal(covariance) < 0).any() or (np.abs(covariance - covariance.T) > allowed).any():
-        raise RefusedError(INVALID_INPUT, "estimate: covariance: not symmetric with a diagonal >= 0")
-    units = np.where(scale > 0, scale, 1.0)
-    least = float(np.linalg.eigvalsh(covariance / np.outer(units, units))[0])
-    if least < -COVARIANCE_TOLERANCE:
-        raise RefusedError(INVALID_INPUT, f"estimate: covariance: not positive semidefinite (eigenvalue {least:.3g})")
-    return covariance
+def read_start(wrenches: Mapping[str, Any], names: Sequence[str]) -> Array:
+    """Wrenches (6n,) in {a}, of arms left out zero."""
+    given = dict(wrenches) if isinstance(wrenches, Mapping) else {"": wrenches}
+    rows = [real_numbers(given.get(name, np.zeros(6))) for name in names]
+    if set(given) <= set(names) and all(row is not None and row.shape == (6,) for row in rows):
+        last = np.concatenate([row for row in rows if row is not None])
+        if (np.abs(last) <= LARGEST_WRENCH).all():
+            return last
+    raise UsageError(f"start_from: {wrenches} are not wrenches (6,) within {LARGEST_WRENCH:g} of {', '.join(names)}")
+
+
+def real_numbers(value: Any) -> Array | None:
+    """As floats; None where they are none."""
+    try:
+        numbers = np.asarray(value)
+        return numbers.astype(float, copy=False) if numbers.dtype.kind in REAL else None
+    except (TypeError, ValueError, OverflowError):
+        return None
 
 
 def _read(value: Any, what: str, form: str, largest: float) -> tuple[float, float, float]:
-    try:
-        numbers = np.asarray(value, dtype=float)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise RefusedError(INVALID_INPUT, f"{what}: {value!r} is not three numbers {form}") from error
+    numbers = real_numbers(value)
+    if numbers is None:
+        raise RefusedError(INVALID_INPUT, f"{what}: {value!r} is not three numbers {form}")
     if numbers.shape != (3,):
         raise RefusedError(INVALID_INPUT, f"{what}: shape {numbers.shape} instead of three numbers {form}")
     a, b, c = numbers.tolist()

@@ -25,12 +25,13 @@ from .contact_cases import CaseSolver, Question
 from .contact_choice import Choice, ContactSearch, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
 from .contradiction import contradiction
+from .estimate_inputs import check_estimate
 from .given_contacts import GivenContacts
 from .last_plan import LastPlan
 from .limits import CartLimit
 from .objectives import Objective
 from .plan import TIMEOUT, Plan
-from .plan_inputs import RefusedError, check_estimate, read_wrench
+from .plan_inputs import RefusedError, read_wrench
 from .program_at_contacts import ProgramAtContacts
 from .quadratic_program import INFEASIBLE, NUMERICAL
 from .refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided
@@ -200,13 +201,14 @@ class WrenchPlanner:
     # --- what changes between ticks -----------------------------------------------------------------------
 
     def _take_estimate(self, estimate: Estimate) -> None:
-        self._newest_estimate = check_estimate(estimate, self._newest_estimate)
+        newest = check_estimate(estimate, self._newest_estimate)
         before = self._terms.base.cart_rows
         if self._terms.take_estimate(estimate):
             self._program.drop()
             self._take_last()
             if not self._terms.base.cart_rows.is_like(before):  # margins came, or went
                 self._compile()
+        self._newest_estimate = newest  # one that is refused makes no later one stale
 
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""
@@ -268,7 +270,7 @@ class WrenchPlanner:
         nearest = ContactSearch(candidates, self._cases, wanted, self._limit).run(question.seed)
         if nearest.contacts is None and nearest.complete and nearest.bound == np.inf:
             program = self._program.at(candidates.first, question.target, question.cost)
-            certificate = contradiction(self._terms.template, program)
+            certificate = contradiction(self._terms.template, program, question.target)
             return too_near(candidates, start) if certificate is None else certified(certificate, start)
         if nearest.contacts is None:
             message = "infeasible at every contact, but the nearest wrench was not found"

@@ -59,7 +59,7 @@ def projection_program(program: QuadraticProgram, slack_map: Array) -> Quadratic
     )
 
 
-def _moved(near: QuadraticProgram, slack_map: Array, outward: Array) -> QuadraticProgram:
+def moved(near: QuadraticProgram, slack_map: Array, outward: Array) -> QuadraticProgram:
     """A projection of what is farther out by a slack (k,)."""
     lower, upper, shift = near.lower.copy(), near.upper.copy(), slack_map @ outward
     lower[-len(shift) :] += shift
@@ -81,7 +81,7 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     if not EQUALITY_TOLERANCE * scale < projection.distance < FAR * scale:
         return projection
     outward = scale / projection.distance * slack
-    far = solver.solve(_moved(near, slack_map, outward))
+    far = solver.solve(moved(near, slack_map, outward))
     if far.status != OPTIMAL:
         return projection
     normal = _slack(far, program.n)

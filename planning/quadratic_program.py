@@ -15,6 +15,7 @@ and `gap` is the primal less the dual value. Effort, here as in the contract, is
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -206,6 +207,10 @@ class Residuals(NamedTuple):
         return {name: getattr(self, name) for name in ("equality", "limits", "stationarity", "gap")}
 
 
+NOTHING = Residuals(np.inf, np.inf, np.inf, np.inf)
+"""Of no answer."""
+
+
 @dataclass(frozen=True, eq=False)
 class QPSolution:
     """`optimal` is verified; `infeasible` is what a solver says and stays unproven until a certificate
@@ -222,10 +227,9 @@ class QPSolution:
 
     @classmethod
     def failed(cls, program: QuadraticProgram, status: str, solver: str, message: str) -> Self:
-        nothing = Residuals(np.inf, np.inf, np.inf, np.inf)
         x, y = np.zeros(program.n), np.zeros(len(program.upper))
         z = tuple(np.zeros(len(cone.offset)) for cone in program.cones)
-        return cls(status, x, y, z, nothing, np.inf, solver, message)
+        return cls(status, x, y, z, NOTHING, np.inf, solver, message)
 
     @classmethod
     def checked(
@@ -256,6 +260,8 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
             y[i] = 0.0
         else:
             gap += abs(dual * slack)
+    if not math.isfinite(gap):  # a solver's multipliers may not be
+        return NOTHING
     gradient += y.dot(program.stacked[n:])
     for cone, multiplier in zip(program.cones, z, strict=True):
         s, inside = cone.offset + cone.rows @ x, into_cone(multiplier)

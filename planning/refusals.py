@@ -23,7 +23,7 @@ def undecided(choice: Choice, start: float) -> Plan:
     if choice.complete:
         return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
     message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
-    return refusal(TIMEOUT, message, start)
+    return refusal(TIMEOUT, f"{message}; raise search_limit, or offer fewer contacts", start)
 
 
 def at_nearest(plan: Plan, count: int) -> Plan:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.contacts import ContactSet, Segment
+from cartgrasp.contacts import LARGEST_POSITION, ContactSet, Segment
 from cartgrasp.frames import Array
 
 from .contact_bounds import Candidates
@@ -54,7 +54,8 @@ def _aside(arms: Sequence[Arm], held: Array, index: int, distance: float) -> Can
     """One hand anywhere to either side that is in its reach, the others where they are."""
     sets = [ContactSet(((x, y, z),)) for x, y, z in held.tolist()]
     x, y, z = held[index].tolist()
-    aside = ContactSet(segments=(Segment((x, y - ASIDE, z), (x, y + ASIDE, z)),))
+    low, high = max(y - ASIDE, -LARGEST_POSITION), min(y + ASIDE, LARGEST_POSITION)
+    aside = ContactSet(segments=(Segment((x, low, z), (x, high, z)),))
     reach = arms[index].reach
     left = aside if reach is None else reach.clip(aside)
     sets[index] = sets[index] if left is None else left

@@ -72,7 +72,11 @@ def root(covariance: Array) -> Array:
 def _slope(limits: Sequence[CartLimit], pushed: Pushed, column: Array) -> CartRows:
     """The rows' derivative along a direction (p,) of the parameters; 0 for a limit that isn't there."""
     here = pushed.cart.parameters
-    there = (pushed.cart.with_parameters(here + step * column) for step in (STEP, -STEP))
+    try:
+        there = [pushed.cart.with_parameters(here + step * column) for step in (STEP, -STEP)]
+    except UsageError as error:
+        wide = f"covariance: so wide that {STEP:g} of a standard deviation makes it no cart ({error})"
+        raise UsageError(f"{wide}; wait until more is known, or plan without confidence") from error
     up, down = (cart_rows(limits, replace(pushed, cart=cart)) for cart in there)
 
     def derivative(one: Array, other: Array) -> Array:

@@ -19,15 +19,18 @@ from cartgrasp.reach import Reach
 
 from .allocation_template import AllocationTemplate
 from .contact_bounds import Candidates
+from .estimate_inputs import read_cart, read_covariance
 from .limits import LimitRows, Pushed, WrenchRate
 from .objectives import Objective
 from .plan import INVALID_INPUT
-from .plan_inputs import RefusedError, read_covariance
+from .plan_inputs import LARGEST_WRENCH, RefusedError, read_arms
 from .robust import RobustLimits
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate, Motion
+
+ROUNDING = 1e-9  # of the largest component, at least 1 N
 
 
 class Terms:
@@ -57,10 +60,7 @@ class Terms:
 
     def take_arms(self, arms: Sequence[Arm]) -> bool:
         """Puts these in the place of the arms of their names; True if that changed anything."""
-        new = {arm.name: arm for arm in arms}
-        for name in new:
-            if name not in self.sets:
-                raise RefusedError(INVALID_INPUT, f"arms: there is no arm {name!r}; there are {', '.join(self.sets)}")
+        new = read_arms(arms, self.base.names)
         changed = tuple(new.get(arm.name, arm) for arm in self.base.arms)
         if all(one is other for one, other in zip(changed, self.base.arms, strict=True)):
             return False
@@ -88,13 +88,16 @@ class Terms:
         """The cart's limits for the cart and motion as now estimated; False if there are no such limits."""
         if not self._cart_limits.limits:
             return False
+        cart = read_cart(estimate, self.base.basis_b)
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
-            cart = estimate.cart()
-            pushed = Pushed(cart, estimate.motion, self.base.arms)
-            rows = self._cart_limits.rows(pushed, covariance)
-        except UsageError as error:
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                rows = self._cart_limits.rows(Pushed(cart, estimate.motion, self.base.arms), covariance)
+        except (UsageError, np.linalg.LinAlgError) as error:
             raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
+        if not rows.are_numbers(LARGEST_WRENCH):
+            what = f"by it a limit of the cart is not finite, or beyond {LARGEST_WRENCH:g}"
+            raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
         self._cart, self._motion, self._covariance = cart, estimate.motion, covariance
         self.template = self.base = self.base.with_cart_rows(rows)
         return True
@@ -117,14 +120,16 @@ class Terms:
 
 
 def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
-    """Wrenches (6n,) scaled towards zero, which the limits hold, as little as brings them within."""
+    """Wrenches (6n,) scaled towards zero, which the limits hold, as little as brings them within. Rounding is no
+    reason: at the edge of a friction it would scale them to zero."""
     values = np.concatenate([wrenches, limits.rows @ wrenches])
     low, high = np.concatenate([limits.lower, limits.low_limits]), np.concatenate([limits.upper, limits.limits])
-    beyond = (values > high) | (values < low)
+    rounding = ROUNDING * max(1.0, float(np.abs(wrenches).max(initial=0.0)))
+    beyond = (values > high + rounding) | (values < low - rounding)
     ends = np.where(values > 0, high, low)[beyond]
     scale = float((ends / values[beyond]).min(initial=1.0))
     cones = [cone.offset + cone.rows @ wrenches for cone in limits.cones]
-    outside = any(np.linalg.norm(s[1:]) > s[0] + 1e-9 for s in cones)
+    outside = any(np.linalg.norm(s[1:]) > s[0] + rounding for s in cones)
     return np.zeros_like(wrenches) if outside else scale * wrenches
 
 

@@ -10,13 +10,14 @@ from planning.quadratic_program import QuadraticProgram
 from .workspace import Workspace
 
 LEAST_CURVATURE = 1e-9  # of the largest
+FLAT = 1e-100  # a curvature below is none: its inverse would overflow
 
 
 def is_strictly_convex(hessian: Array) -> bool:
     if not np.isfinite(hessian).all():
         return False
     curvature = np.linalg.eigvalsh(hessian)
-    return bool(curvature[0] > LEAST_CURVATURE * curvature[-1])
+    return bool(curvature[0] > max(LEAST_CURVATURE * curvature[-1], FLAT))
 
 
 def load(workspace: Workspace, program: QuadraticProgram, pattern: Array | None = None) -> None:

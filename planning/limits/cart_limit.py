@@ -59,6 +59,13 @@ class CartRows:
         """Whether it has the same rows and cones, with other numbers."""
         return (self.low_names, self.high_names) == (other.low_names, other.high_names)
 
+    def are_numbers(self, largest: float) -> bool:
+        """Whether all are finite and none is larger, but for limits that aren't there."""
+        limits = [part[~np.isinf(part)] for part in (self.low, self.high)]
+        is_there = ~((self.low == np.inf) | (self.high == -np.inf)).any()
+        parts = (self.of_sum, self.of_arm, *limits, *(cone.offset for cone in self.cones))
+        return bool(is_there) and all(bool((np.abs(part) <= largest).all()) for part in parts)
+
     def __and__(self, other: CartRows) -> CartRows:
         behind = tuple(replace(cone, first=len(self.low) + cone.first) for cone in other.cones)
         return CartRows(

@@ -57,7 +57,8 @@ class InternalForce(CartLimit):
 
 def departures_along(axis: Sequence[float], arms: Sequence[Arm]) -> Array:
     """D (n, n, 6): along an axis of {b}, hand i departs by `sum_j D[i, j] @ F_j` from the mean of all hands."""
-    direction, n = np.asarray(axis) / np.linalg.norm(axis), len(arms)
+    direction, n = np.asarray(axis) / np.abs(axis).max(), len(arms)
+    direction = direction / np.linalg.norm(direction)
     along = np.zeros((n, 6))
     along[:, :3] = [direction @ rotation_z(arm.yaw) for arm in arms]
     return np.asarray((np.eye(n) - 1.0 / n)[:, :, None] * along)

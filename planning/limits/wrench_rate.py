@@ -28,7 +28,8 @@ class WrenchRate:
     @classmethod
     def of(cls, arms: Sequence[Arm], period: float) -> Self | None:
         """None where no arm has a rate."""
-        step = period * np.concatenate([arm.wrench_rate for arm in arms])
+        with np.errstate(over="ignore", under="ignore"):
+            step = period * np.concatenate([arm.wrench_rate for arm in arms])
         names = tuple(f"{arm.name}: {name} rate" for arm in arms for name in WRENCH_NAMES)
         return cls(step, names) if np.isfinite(step).any() else None
 
@@ -40,6 +41,6 @@ class WrenchRate:
 
     def shrink(self, wrenches: Array, factor: float) -> float:
         """The smallest factor from `factor` on by which wrenches (6n,) may be scaled in one call."""
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             least = 1.0 - self.step / np.abs(wrenches)
         return max(factor, float(np.nan_to_num(least, nan=0.0, neginf=0.0).max()))

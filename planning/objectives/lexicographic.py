@@ -31,3 +31,10 @@ class Lexicographic(Objective):
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         """The first's."""
         return self.first.cost(arms, previous)
+
+    def second_cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
+        """Over the unknowns of the first's program."""
+        second = self.second.cost(arms, previous)
+        if second.epigraph is not None and self.first.cost(arms, previous).epigraph is None:
+            raise UsageError("lexicographic: the second objective has an unknown of its own (WorstArm); put it first")
+        return second

@@ -43,11 +43,12 @@ class QuadraticSolver:
 
 
 def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:
-    """Interior point, then a polish on the active set it found; about 100 times slower than daqp."""
+    """Interior point, then a polish on the active set it found, then steps; about 100 times slower than daqp."""
     from .clarabel_solver import solve
+    from .proximal import solve_by_steps
 
     solution = solve(program)
     if not np.isfinite(solution.residuals.equality):
         return solution
     polished = polish(program, solution)
-    return polished if polished.status == OPTIMAL else solution
+    return polished if polished.status == OPTIMAL else solve_by_steps(program, solution)

@@ -121,6 +121,7 @@ def linear_limits(arms):
         corners = list(np.stack([np.cos(angles), np.sin(angles)], axis=-1))  # times mu: a mu of 0 has sides too
         for one, other in zip(corners, corners[1:] + corners[:1], strict=True):
             normal = np.array([other[1] - one[1], one[0] - other[0]])  # outward for a walk against the clock
+            normal /= np.linalg.norm(normal)
             row = np.zeros(6 * len(arms))
             row[6 * i : 6 * i + 3] = [-mu * (normal @ one), *normal]
             rows.append(row)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -38,7 +36,7 @@ def estimate(rng, time):
     """Of a cart whose mass and motion are known differently at each tick."""
     model = loaded_cart(float(rng.uniform(18, 30)))
     motion = Motion(np.zeros(3), rng.uniform((0.1, -0.3), (1.0, 0.3)))
-    return SimpleNamespace(time=time, motion=motion, parameters={}, cart=lambda: model)
+    return cg.Estimate(time, motion, {}, "", model, model.parameters)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 5])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.arms import Arm, Friction
-from planning import allocate
+from planning import WrenchPlanner, allocate
 
 from .drawn import (
     arm,
@@ -169,3 +169,15 @@ def test_the_nearest_plan_is_the_cheapest_of_the_nearest():
     found = allocate(cart(), arms, first_contacts(arms), (150, 0, 2))
     cheapest = allocate(cart(), arms, first_contacts(arms), (120, 0, 2))
     assert found.certificate.nearest.effort == pytest.approx(cheapest.effort, rel=1e-8)
+
+
+def test_a_rate_is_told_with_its_sign():
+    """A rate's bounds are about the last wrench: both may have one sign."""
+    hand = arm("left", friction=None, wrench_rate=(100,) * 6)
+    planner = WrenchPlanner(cart(2), [hand], period=0.01)
+    for last, asked, words in (
+        (-10, -5, "rate upper -9 N: it gives at most -9 N of forward force, -5 N is asked"),
+        (10, 5, "rate lower 9 N: it gives at most -9 N of backward force, -5 N is asked"),
+    ):
+        planner.start_from({"left": (last, 0, 0, 0, 0, 0)})
+        assert planner.plan((asked, 0, 0)).message == f"left: fx {words}"

@@ -63,6 +63,11 @@ def test_each_part_of_the_proof_can_fail(x, y, part):
     assert not residuals.proven
 
 
+@pytest.mark.parametrize("y", [[np.inf, 0, -np.inf], [np.nan, 0, -4], [2, 0, np.nan], [1e308, 1e308, -1e308]])
+def test_multipliers_that_a_solver_lost_prove_nothing(y):
+    assert not verify(simple_program(), np.array([0.5, 2.5]), np.array(y, dtype=float)).proven
+
+
 def test_a_multiplier_of_the_wrong_sign_hides_nothing():
     """Without a lower limit nothing can push up: a negative multiplier there counts as zero."""
     program = replace(simple_program(), lower=np.array([-np.inf, -np.inf, 3.0]))

@@ -7,12 +7,15 @@ from itertools import product
 import numpy as np
 import pytest
 
+import cartgrasp as cg
 from planning import (
     LeastInternalForce,
     Lexicographic,
     LoadShare,
+    Nothing,
     SearchLimit,
     Smoothness,
+    TipOver,
     WeightedWrench,
     WorstArm,
     WrenchPlanner,
@@ -94,3 +97,33 @@ def test_other_arms_keep_the_margins():
     assert plan.status == expected.status == "optimal", plan.message
     assert plan.active == expected.active
     assert plan.effort == pytest.approx(expected.effort, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_margins_with_a_cost_that_is_flat(seed):
+    """The worst arm alone leaves much open: over cones Clarabel stalls at some of these, and steps end where it should.
+    A worst share that is only weighed a lot, beside effort, is no smaller."""
+    rng = np.random.default_rng(seed)
+    drawn = [
+        cg.Arm(
+            name,
+            [rng.uniform((-0.4, -0.4, 0.8), (-0.2, 0.4, 1.2)).tolist()],
+            yaw=rng.uniform(-1, 1),
+            force_limit=rng.uniform(10, 90, 3),
+            moment_limit=rng.uniform(1, 9, 3),
+        )
+        for name in ("left", "middle", "right")
+    ]
+    told, wrench = estimate(covariance(rng.uniform(0.1, 1))), rng.uniform((-40, -10, -8), (70, 10, 8))
+    plans = []
+    for base in (Nothing(), WeightedWrench()):
+        objective = WorstArm(1.0 if isinstance(base, Nothing) else 1e6, base)
+        planner = WrenchPlanner(cart(), drawn, objective=objective, cart_limits=[TipOver(5.0)], confidence=0.99)
+        plans.append(planner.plan_or_hold(wrench, estimate=told))
+    flat, curved = plans
+    assert flat.status == curved.status == "optimal", flat.message
+    shares = [
+        max(float(np.abs(plan.wrenches[a.name] / a.wrench_limit).max()) for a in drawn) for plan in (flat, curved)
+    ]
+    assert flat.choice.bound == pytest.approx(shares[0] ** 2, rel=1e-6, abs=1e-8)
+    assert shares[0] <= shares[1] + 1e-6

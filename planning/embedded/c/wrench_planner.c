@@ -8,7 +8,7 @@
 #include "program.h"
 #include "types.h"
 
-#define LARGEST_WRENCH 1e9
+#define LARGEST_WRENCH 1e6
 #define LARGEST_POSITION 1e6
 #define RHO 0.1 /* OSQP's first step size, which it adapts: what it proposes doesn't depend on earlier calls */
 
