@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .errors import UsageError
 from .frames import Array
 from .kernels import entries
 from .kernels.jit import Ints
@@ -44,15 +45,15 @@ class CompiledDynamics:
     def rates(self, point: Point, push: Push, foreign: Array | None = None) -> tuple[Array, ...]:
         """Rate (..., n) and its partials by state, wrench and parameters."""
         n, p = self.n_state, self.n_parameters
-        found = self._ask(entries.rates, self._given(point, (*push, STAY, foreign)), n * (1 + n + 3 + p))
+        found = self._ask(entries.rates, self._given(point, self._pushed(push, STAY), foreign), n * (1 + n + 3 + p))
         return split(found, ((n,), (n, n), (n, 3), (n, p)))
 
     def rate(self, point: Point, push: Push, foreign: Array | None = None) -> Array:
-        return self._ask(entries.rates, self._given(point, (*push, STAY, foreign)), self.n_state)
+        return self._ask(entries.rates, self._given(point, self._pushed(push, STAY), foreign), self.n_state)
 
     def advanced(self, point: Point, push: Push, step: float, n_steps: int) -> Array:
         """The state (..., n) after classical fourth-order steps under a push that is held."""
-        given = self._given(point, (*push, np.array([step, n_steps])))
+        given = self._given(point, self._pushed(push, np.array([step, n_steps])))
         self._ask(entries.rates, given, 0)
         return given[..., : self.n_state]
 
@@ -61,7 +62,9 @@ class CompiledDynamics:
         f, k, n, p = self.n_free, self.n_memory, self.n_state, self.n_parameters
         shapes = ((f,), (f, n), (f, f), (f, p), (k,), (k, n), (k, p))
         size = f * (1 + n + f + p) + k * (1 + n + p)
-        return split(self._ask(entries.inverses, self._given(point, (acceleration, foreign)), size), shapes)
+        if acceleration.shape[-1] != f:
+            raise UsageError(f"model: acceleration has {acceleration.shape[-1]} numbers, but this cart's has {f}")
+        return split(self._ask(entries.inverses, self._given(point, (acceleration,), foreign), size), shapes)
 
     def sums(self, point: Point, foreign: Array | None = None) -> Array:
         """The sums (..., size) of what effects add; `parts` says what stands where."""
@@ -86,17 +89,34 @@ class CompiledDynamics:
         columns = found[..., first : first + 3 * n].reshape(*found.shape[:-1], n, 3)
         return np.swapaxes(columns, -1, -2)
 
+    def _pushed(self, push: Push, steps: Array) -> tuple[Array, Array, Array]:
+        wrench_b, trust = push
+        if wrench_b.shape[-1] != 3 or trust.shape[-1] != self.n_free:
+            raise UsageError(
+                f"model: wrench has {wrench_b.shape[-1]} numbers and trust {trust.shape[-1]}, but this cart's have 3 "
+                f"and {self.n_free}"
+            )
+        return wrench_b, trust, steps
+
     def _effects(self, point: Point, foreign: Array | None = None) -> tuple[Array, int]:
-        given = self._given(point, (foreign,))
+        given = self._given(point, foreign=foreign)
         found = np.empty((*given.shape[:-1], self._n_sums + self.n_memory + 3 * self._most_stictions))
         return found, entries.effects(self.floats, self.ints, _rows(given), _rows(found))
 
-    def _given(self, point: Point, rest: tuple[Array | None, ...]) -> Array:
-        """Rows as kernels expect them."""
+    def _given(self, point: Point, rest: tuple[Array, ...] = (), foreign: Array | None = None) -> Array:
+        """Rows as kernels expect them. They look at no bounds, so this does."""
         state, time, parameters = point
-        parts = [state, np.asarray(time, dtype=float)[..., None], parameters, *(r for r in rest if r is not None)]
-        leads = {part.shape[:-1] for part in parts}
-        lead = leads.pop() if len(leads) == 1 else np.broadcast_shapes(*leads)
+        if state.shape[-1] != self.n_state or parameters.shape[-1] != self.n_parameters:
+            raise UsageError(
+                f"model: state has {state.shape[-1]} numbers and parameters {parameters.shape[-1]}, but this cart's "
+                f"have {self.n_state} and {self.n_parameters}"
+            )
+        parts = [state, np.asarray(time, dtype=float)[..., None], parameters, *rest]
+        if foreign is not None:
+            parts.append(foreign)
+        if max(part.ndim for part in parts) == 1:
+            return np.concatenate(parts)
+        lead = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
         given = np.empty((*lead, sum(part.shape[-1] for part in parts)))
         at = 0
         for part in parts:

@@ -238,7 +238,7 @@ class CartModel:
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""
-        if not self._foreign_forces:
+        if self.is_compiled:
             return self.dynamics.stiction((state, time, parameters))
         situation, memory = self._situation(state, parameters, time), state[..., self.memory_slice]
         found = [e.stiction(situation, memory[..., own], parameters[..., s]) for e, s, own in self.force_effects]
@@ -249,7 +249,7 @@ class CartModel:
         memory = state[..., self.memory_slice]
         if not self.memory_names:
             return memory
-        if not self._foreign_forces:
+        if self.is_compiled:
             return self.dynamics.settled((state, time, parameters))
         situation = self._situation(state, parameters, time)
         settled = [effect.settled_memory(situation, memory[..., own]) for effect, _, own in self.force_effects]
