@@ -1,7 +1,8 @@
 """What an effect is: named parameters, an own memory, and one contribution with analytic partials.
 
 A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `SensorEffect` stands between the true and
-the recorded wrench of an arm. `CartModel` alone decides signs and sums.
+the recorded wrench of an arm. `CartModel` alone decides signs and sums. Those of the library have a kernel
+(`compiled.py`); a class from outside that works out its contributions in numpy has its place beside them.
 """
 
 from __future__ import annotations

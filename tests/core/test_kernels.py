@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from numba import njit
 
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.effects import CasterRealignment, ExternalPush, PayloadChange, RollingResistance, ViscousDrag
@@ -86,6 +87,34 @@ def test_inverse_dynamics_broadcast():
         alone = CART.inverse(states_[i, 0], accelerations[j], time=2.5)
         for name, value in vars(alone).items():
             np.testing.assert_array_equal(getattr(together, name)[i, j], value)
+
+
+def test_another_packages_kernel_may_call_it():
+    """It counts references, as kernels here do not."""
+
+    @njit
+    def wrench_after(floats, ints, given, found):
+        total = np.zeros(2)
+        for _ in range(100):
+            moved = given.copy()
+            moved[0, 3] += 0.1
+            entries.inverses(floats, ints, moved, found)
+            total += found[0, :2] / 100
+        return total
+
+    state, acceleration = CART.state(velocity=[0.5, 0.1]), np.array([0.3, -0.2])
+    n, p, f, k = len(state), len(CART.parameters), 2, len(CART.memory_names)
+    given_ = np.concatenate([state, [2.5], CART.parameters, acceleration])[None]
+    found = np.empty((1, f * (1 + n + f + p) + k * (1 + n + p)))
+    held_ = CART.dynamics.floats, CART.dynamics.ints, given_, found
+    before = [sys.getrefcount(array) for array in held_]
+    total = wrench_after(*held_)
+    assert [sys.getrefcount(array) for array in held_] == before
+    state[3] += 0.1
+    expected = CART.inverse(state, acceleration, time=2.5)
+    np.testing.assert_allclose(total, expected.wrench, rtol=1e-12)
+    parts = np.concatenate([part.ravel() for part in vars(expected).values()])
+    np.testing.assert_array_equal(found[0], parts)
 
 
 @pytest.mark.parametrize(
