@@ -74,11 +74,7 @@ class WheelSet:
     @cached_property
     def load_map(self) -> Array:
         """Shape (n, 4): `loads = load_map @ phi`, N, while every wheel stands on the floor."""
-        from .kernels import wheel_loads
-
-        load_map = np.empty((len(self.wheels), 4))
-        wheel_loads.load_map(self.positions, GRAVITY, np.ones(len(self.wheels)), load_map)
-        return load_map
+        return self.loads_with_map(np.zeros(4))[1]
 
     def loads(self, phi: ArrayLike) -> Array:
         """Static load of each wheel, shape (..., n), N."""
@@ -91,8 +87,7 @@ class WheelSet:
 
         phi, n = np.asarray(phi, dtype=float), len(self.wheels)
         loads, load_map = np.empty((*phi.shape[:-1], n)), np.empty((*phi.shape[:-1], n, 4))
-        phis, found = phi.reshape(-1, 4), (loads.reshape(-1, n), load_map.reshape(-1, n, 4))
-        wheel_loads.stacked_loads(
-            self.positions, GRAVITY, np.ascontiguousarray(phis), (*found, np.empty((len(phis), n)))
-        )
+        phis = np.ascontiguousarray(phi.reshape(-1, 4))
+        found = loads.reshape(-1, n), load_map.reshape(-1, n, 4), np.empty((len(phis), n))
+        wheel_loads.stacked_loads(self.positions, GRAVITY, phis, found)
         return loads, load_map

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import UsageError
 from ..frames import Array
 from ..inertia import PHI_NAMES
 from ..wheels import WheelSet
@@ -54,6 +55,9 @@ class CompiledForce(ForceEffect):
     def _alone(self, situation: Situation, memory: Array, parameters: Array) -> tuple[CompiledDynamics, Any]:
         """A cart on casters with this effect only, and the situation as a point of its."""
         sizes = memory.shape[-1], parameters.shape[-1]
+        wanted = len(self.memory_names(situation.wheels)), len(self.parameters)
+        if sizes != wanted:  # kernels look at no bounds
+            raise UsageError(f"{self.key}: memory and parameters have {sizes} numbers, but {wanted} are needed")
         state = _joined(situation.pose_sb, situation.velocity_b, memory)
         point = state, situation.time, _joined(situation.phi, parameters)
         return _dynamics(self.name, self.constant, situation.wheels, sizes), point
@@ -63,10 +67,11 @@ class CompiledInertia(InertiaEffect):
     """An inertia effect with a kernel under its name."""
 
     def phi_change(self, time: Any, parameters: Array) -> Contribution:
+        if parameters.shape[-1] != len(self.parameters):
+            raise UsageError(f"{self.key}: {parameters.shape[-1]} parameters, but {len(self.parameters)} are needed")
         dynamics = _dynamics(self.name, 0.0, NO_WHEELS, (0, parameters.shape[-1]))
-        value, by_parameters = dynamics.parts(dynamics.sums((np.zeros(6), time, _joined(np.zeros(N_PHI), parameters))))[
-            :2
-        ]
+        point = np.zeros(6), time, _joined(np.zeros(N_PHI), parameters)
+        value, by_parameters, *_ = dynamics.parts(dynamics.sums(point))
         return Contribution(value, by_parameters=by_parameters[..., N_PHI:])
 
 

@@ -1,6 +1,6 @@
-"""What Python calls. Each entry takes a workspace, a stack of rows to be `given` and a stack of rows to be `found`, of
-which it fills every number. A given row begins with the state (n,), the time and the parameters (p,), and may end with
-what effects without a kernel add."""
+"""What Python and kernels of other packages call. Each entry takes a workspace, a stack of rows to be `given` and a
+stack of rows to be `found`, of which it fills every number. A given row begins with the state (n,), the time and the
+parameters (p,), and may end with what effects without a kernel add."""
 
 from __future__ import annotations
 

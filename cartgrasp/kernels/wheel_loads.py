@@ -70,11 +70,6 @@ def carry(wheels: Array, phi: Array, gravity: float, found: tuple[Array, Array, 
 
 
 @entry
-def load_map(wheels: Array, gravity: float, standing: Array, carried: Array) -> None:
-    fill_map(wheels, standing, gravity, carried)
-
-
-@entry
 def stacked_loads(wheels: Array, gravity: float, phis: Array, found: tuple[Array, Array, Array]) -> None:
     """Of each of `phis` (b, 4), into `found`: loads (b, n), their map (b, n, 4), and which wheels stand (b, n)."""
     for i in range(len(phis)):

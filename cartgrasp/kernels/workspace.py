@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .jit import Ints, compiled
@@ -69,6 +70,9 @@ def pack(
     n = 3 + nf + nm
     ints = np.zeros(N_SIZES + 5 * len(effects), np.int64)
     ints[:N_SIZES] = len(effects), len(table), len(pivots), nf, nm, p
+    for effect in effects:
+        if effect.name not in KINDS:
+            raise UsageError(f"effects: {effect.name} has no kernel; an effect in numpy derives from ForceEffect")
     for row, effect in zip(ints[N_SIZES:].reshape(-1, 5), effects, strict=True):
         own, memory = effect.parameters, effect.memory
         row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop

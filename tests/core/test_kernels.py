@@ -18,11 +18,12 @@ from numba import njit
 
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.effects import CasterRealignment, ExternalPush, PayloadChange, RollingResistance, ViscousDrag
-from cartgrasp.effects.effect import Contribution, ForceEffect, InertiaEffect, Parameter
+from cartgrasp.effects.effect import Contribution, ForceEffect, InertiaEffect, Parameter, Situation
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.kernels import entries, jit, rigid_body
 from cartgrasp.kernels.vocabulary import KINDS
+from cartgrasp.kernels.workspace import PackedEffect, pack
 from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import bias_b, mass_matrix_b, regressor_b
 from cartgrasp.simulation.integrate import held, runge_kutta_4
@@ -33,6 +34,7 @@ from .drawn import SHOPPING_CART, inertias, no_wheel_just_lifts, numbers, phis, 
 from .test_model import CART, EFFECTS, every_cart, states
 
 ROOT = Path(__file__).parents[2]
+AT_REST = Situation(0.0, np.zeros(3), np.zeros(3), CART.inertia.phi, CART.wheel_set)
 
 
 @given(phi=phis(), velocity=velocities(), acceleration=vectors(3, -3.0, 3.0))
@@ -125,6 +127,8 @@ def test_another_packages_kernel_may_call_it():
         (lambda: CART.rate(CART.state(), np.zeros(2)), "wrench has 2 numbers"),
         (lambda: CART.rate(CART.state(), np.zeros(3), trust=np.ones(3)), "trust 3, but this cart's have 3 and 2"),
         (lambda: CART.required_wrench(CART.state(), np.zeros(3)), "acceleration has 3 numbers"),
+        (lambda: EFFECTS[3].wrench_b(AT_REST, np.zeros(3), EFFECTS[3].values), r"\(3, 2\) numbers, but \(2, 2\)"),
+        (lambda: EFFECTS[4].phi_change(0.0, np.zeros(3)), "payload_change: 3 parameters, but 4 are needed"),
     ],
 )
 def test_arrays_of_another_cart_are_refused(call, words):
@@ -269,6 +273,14 @@ def test_a_plant_with_a_foreign_effect_moves():
 
 def test_every_kernel_has_its_own_number():
     assert len(set(KINDS.values())) == len(KINDS)
+    with pytest.raises(UsageError, match="glue has no kernel"):
+        pack(
+            [PackedEffect("glue", slice(4, 4), slice(0, 0), 0.0)],
+            (np.eye(3), np.eye(3)),
+            np.eye(3),
+            (0, 4),
+            (9.81, 0.1),
+        )
 
 
 def test_the_cached_kernels_carry_the_digest():
