@@ -15,11 +15,19 @@ from planning import WrenchPlanner
 planner = WrenchPlanner(CartModel(Inertia(24.0, (0.3, 0.0), 2.0)), [Arm("hand", [(-0.25, 0.1, 1.0)])])
 planner.warm_up()
 """
+RATE = """
+import numpy as np
+from cartgrasp import CartModel, Inertia
+from cartgrasp.effects import ViscousDrag
+cart = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), effects=(ViscousDrag(5.0, 2.0),))
+cart.rate(cart.state(), np.zeros(3))
+"""
 COMMANDS = {
     BARE: ("-c", "pass"),
     "import numpy": ("-c", "import numpy"),
     "import cartgrasp": ("-c", "import cartgrasp"),
     "import planning": ("-c", "import planning"),
+    "a model's first rate": ("-c", RATE),
     "a planner after warm_up": ("-c", WARM),
     "cartgrasp --help": ("-m", "cartgrasp", "--help"),
 }

@@ -20,7 +20,6 @@ from .contacts import grasp_map_planar
 from .errors import UsageError
 from .frames import Array
 from .model import N_PHI, CartModel
-from .rigid_body import mass_matrix_b
 
 SINGULAR = 1e-12
 """Share of the largest eigenvalue below which a direction counts as not taught."""
@@ -55,10 +54,7 @@ def reduced_noise(cart: CartModel, points: ArrayLike, noise: WrenchNoise, yaws: 
 
 def parameter_regressor(cart: CartModel, state: Array, acceleration: Array, time: float = 0.0) -> Array:
     """Partials (..., k, p) of `cart.required_wrench` by `cart.parameters`, at states (..., n) and nu' (..., k)."""
-    wrench_b = cart.planar_wrench(cart.required_wrench(state, acceleration, time=time))
-    partials = cart.rate(state, wrench_b, time=time).by_parameters[..., cart.velocity_slice, :]
-    mass = cart.basis_b.T @ mass_matrix_b(cart.phi_at(time)) @ cart.basis_b
-    return np.asarray(-mass @ partials)
+    return cart.inverse(state, acceleration, time=time).by_parameters
 
 
 def fisher_information(regressor: Array, noise: Array) -> Array:

@@ -20,19 +20,31 @@ from numpy.typing import ArrayLike
 
 from .constraints import RollingConstraints
 from .effects import Effect, ForceEffect, InertiaEffect, SensorEffect
-from .effects.effect import Contribution, Situation
+from .effects.compiled import CompiledForce, CompiledInertia
+from .effects.effect import SMOOTHING_SPEED, Situation
 from .errors import UsageError
-from .frames import Array, body_to_world
+from .frames import Array
 from .inertia import PHI_NAMES, Inertia
-from .rigid_body import bias_b, mass_matrix_b, regressor_b
+from .rigid_body import regressor_b
 from .wheels import Wheel, WheelSet
 
 if TYPE_CHECKING:
     import os
     from pathlib import Path
 
+    from .compiled_dynamics import CompiledDynamics, Point
+
 N_PHI = len(PHI_NAMES)
-STRUCTURE = ("wheel_set", "basis_b", "parameter_names", "memory_names", "state_names", "velocity_slice", "memory_slice")
+STRUCTURE = (
+    "wheel_set",
+    "basis_b",
+    "parameter_names",
+    "memory_names",
+    "state_names",
+    "velocity_slice",
+    "memory_slice",
+    "dynamics",
+)
 """Cached properties that do not depend on numbers."""
 N_POSE = 3
 
@@ -45,6 +57,20 @@ class StateRate:
     by_state: Array
     by_wrench: Array
     by_parameters: Array
+
+
+@dataclass(frozen=True)
+class InverseDynamics:
+    """The reduced wrench `Sᵀ wrench_b` (..., f) that an acceleration takes, its partials by state (..., f, n), nu'
+    (..., f, f) and parameters (..., f, p); and the memory's rate (..., k) with its partials."""
+
+    wrench: Array
+    by_state: Array
+    by_acceleration: Array
+    by_parameters: Array
+    memory_rate: Array
+    memory_rate_by_state: Array
+    memory_rate_by_parameters: Array
 
 
 @dataclass(frozen=True)
@@ -178,68 +204,27 @@ class CartModel:
         """Forward dynamics with analytic partials. Where `trust` (..., n_free) of 0 to 1 is given, the accelerations
         in the partials by phi are scaled by it: an estimator learns only from those that a wrench above its noise made.
         """
-        parameters = self.parameters if parameters is None else parameters
-        situation, changes = self._situation(state, parameters, time)
-        basis = self.basis_b
-        wrench = _Wrench(self, situation, state, parameters)
-        bias, bias_by_velocity = bias_b(situation.velocity_b, situation.phi)
-        inverse = np.linalg.inv(basis.T @ mass_matrix_b(situation.phi) @ basis)
-        acceleration = _apply(inverse @ basis.T, wrench_b + wrench.value - bias)
-        reach = inverse @ basis.T
-        seen = acceleration if trust is None else trust * acceleration
-        rigid = regressor_b(situation.velocity_b, seen @ basis.T)
-
-        lead = np.broadcast_shapes(acceleration.shape[:-1], parameters.shape[:-1])
-        n, nv, nm = state.shape[-1], self.velocity_slice, self.memory_slice
-        value = np.zeros((*lead, n))
-        by_state = np.zeros((*lead, n, n))
-        by_wrench = np.zeros((*lead, n, 3))
-        by_parameters = np.zeros((*lead, n, parameters.shape[-1]))
-
-        rotation = body_to_world(situation.pose_sb[..., 2])
-        value[..., :3] = _apply(rotation, situation.velocity_b)
-        by_state[..., 0, 2], by_state[..., 1, 2] = -value[..., 1], value[..., 0]
-        by_state[..., :3, nv] = rotation @ basis
-
-        value[..., nv] = acceleration
-        by_state[..., nv, :3] = reach @ wrench.by_pose
-        by_state[..., nv, nv] = reach @ (wrench.by_velocity - bias_by_velocity) @ basis
-        by_state[..., nv, nm] = reach @ wrench.by_memory
-        by_wrench[..., nv, :] = reach
-        by_phi = reach @ (wrench.by_phi - rigid)
-        by_parameters[..., nv, :] = reach @ wrench.by_parameters
-        by_parameters[..., nv, :N_PHI] += by_phi
-        for where, change in changes:
-            if change.by_parameters is not None:
-                by_parameters[..., nv, where] += by_phi @ change.by_parameters
-        self._memory_rate(situation, state, parameters, (value, by_state, by_parameters))
-        return StateRate(value, by_state, by_wrench, by_parameters)
+        point = self._point(state, parameters, time)
+        push = np.asarray(wrench_b), self._full_trust if trust is None else trust
+        return StateRate(*self.dynamics.rates(point, push, self._foreign(point)))
 
     def state_rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Forward dynamics without partials: the rate of the state, (..., n)."""
-        parameters = self.parameters if parameters is None else parameters
-        situation, _ = self._situation(state, parameters, time)
-        basis, phi = self.basis_b, situation.phi
-        push = wrench_b + self._effects(situation, state, parameters) - bias_b(situation.velocity_b, phi)[0]
-        inverse = np.linalg.inv(basis.T @ mass_matrix_b(phi) @ basis)
-        value = np.zeros((*np.broadcast_shapes(push.shape[:-1], state.shape[:-1]), state.shape[-1]))
-        value[..., :3] = _apply(body_to_world(situation.pose_sb[..., 2]), situation.velocity_b)
-        value[..., self.velocity_slice] = _apply(inverse @ basis.T, push)
-        for effect, where, own in self.force_effects:
-            if own.stop > own.start:
-                rows = slice(self.memory_slice.start + own.start, self.memory_slice.start + own.stop)
-                value[..., rows] = effect.memory_rate(situation, state[..., rows], parameters[..., where]).value
-        return value
+        point = self._point(state, parameters, time)
+        return self.dynamics.rate(point, (np.asarray(wrench_b), self._full_trust), self._foreign(point))
+
+    def inverse(
+        self, state: Array, acceleration: Array, parameters: Array | None = None, time: Any = 0.0
+    ) -> InverseDynamics:
+        """Inverse dynamics at nu' = `acceleration` (..., n_free), with analytic partials."""
+        point = self._point(state, parameters, time)
+        return InverseDynamics(*self.dynamics.inverse(point, np.asarray(acceleration), self._foreign(point)))
 
     def required_wrench(
         self, state: Array, acceleration: Array, parameters: Array | None = None, time: Any = 0.0
     ) -> Array:
         """Inverse dynamics: the reduced wrench `Sᵀ wrench_b`, (..., n_free), that gives nu' = `acceleration`."""
-        parameters = self.parameters if parameters is None else parameters
-        situation, _ = self._situation(state, parameters, time)
-        rigid = regressor_b(situation.velocity_b, acceleration @ self.basis_b.T)
-        effects = self._effects(situation, state, parameters)
-        return (_apply(rigid, situation.phi) - effects) @ self.basis_b
+        return self.inverse(state, acceleration, parameters, time).wrench
 
     def regressor(self, velocity: Array, acceleration: Array) -> Array:
         """Y, (..., n_free, 4), with `Sᵀ (wrench_b + effects) = Y @ phi`, from nu and nu'."""
@@ -247,23 +232,28 @@ class CartModel:
 
     def effect_wrench(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Sum of the force effects on the cart, (..., 3), in {b}."""
-        parameters = self.parameters if parameters is None else parameters
-        situation, _ = self._situation(state, parameters, time)
-        return self._effects(situation, state, parameters)
+        point = self._point(state, parameters, time)
+        dynamics = self.dynamics
+        return dynamics.parts(dynamics.sums(point, self._foreign(point)))[2].value
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
-        """Wrenches (3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""
-        situation, _ = self._situation(state, parameters, time)
-        memory = state[..., self.memory_slice]
+        """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""
+        if self.is_compiled:
+            return self.dynamics.stiction((state, time, parameters))
+        situation, memory = self._situation(state, parameters, time), state[..., self.memory_slice]
         found = [e.stiction(situation, memory[..., own], parameters[..., s]) for e, s, own in self.force_effects]
         return np.concatenate([np.zeros((3, 0)), *(f for f in found if f is not None)], axis=-1)
 
     def settled_memory(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Where the effects' memories (..., k) come to rest when the motion goes on as it is."""
-        situation, _ = self._situation(state, parameters, time)
         memory = state[..., self.memory_slice]
+        if not self.memory_names:
+            return memory
+        if self.is_compiled:
+            return self.dynamics.settled((state, time, parameters))
+        situation = self._situation(state, parameters, time)
         settled = [effect.settled_memory(situation, memory[..., own]) for effect, _, own in self.force_effects]
-        return np.concatenate([memory[..., :0], *settled], axis=-1)
+        return np.concatenate(settled, axis=-1)
 
     def planar_wrench(self, reduced: Array) -> Array:
         """A wrench (..., 3) in {b} without side force whose effective rows `Sᵀ wrench_b` are `reduced`."""
@@ -273,11 +263,8 @@ class CartModel:
 
     def phi_at(self, time: Any, parameters: Array | None = None) -> Array:
         """phi with what inertia effects add at a time, (..., 4)."""
-        parameters = self.parameters if parameters is None else parameters
-        phi = parameters[..., :N_PHI]
-        for effect, where in self.inertia_effects:
-            phi = phi + effect.phi_change(time, parameters[..., where]).value
-        return phi
+        point = self._point(np.zeros(len(self.state_names)), parameters, time)
+        return self.dynamics.sums(point, self._foreign(point))[..., :N_PHI]
 
     # --- sensors ---------------------------------------------------------------------------------------------
 
@@ -305,70 +292,47 @@ class CartModel:
 
     # --- parts -----------------------------------------------------------------------------------------------
 
-    def _situation(
-        self, state: Array, parameters: Array, time: Any
-    ) -> tuple[Situation, list[tuple[slice, Contribution]]]:
-        changes = [(s, e.phi_change(time, parameters[..., s])) for e, s in self.inertia_effects]
-        phi = parameters[..., :N_PHI]
-        for _, change in changes:
-            phi = phi + change.value
+    @cached_property
+    def dynamics(self) -> CompiledDynamics:
+        """The kernels, which need this structure and no numbers."""
+        from .compiled_dynamics import CompiledDynamics
+        from .kernels.workspace import PackedEffect
+
+        forces = [(e, s, own) for e, s, own in self.force_effects if isinstance(e, CompiledForce)]
+        changes = [(e, s) for e, s in self.inertia_effects if isinstance(e, CompiledInertia)]
+        packed = [PackedEffect(e.name, s, own, e.constant) for e, s, own in forces]
+        packed += [PackedEffect(e.name, s, slice(0, 0), 0.0) for e, s in changes]
+        sizes = len(self.memory_names), len(self.parameters)
+        return CompiledDynamics(packed, self.wheel_set, self.basis_b, sizes, SMOOTHING_SPEED)
+
+    @cached_property
+    def is_compiled(self) -> bool:
+        """Whether every effect has a kernel."""
+        return not (self._foreign_forces or self._foreign_changes)
+
+    @cached_property
+    def _foreign_forces(self) -> tuple[tuple[ForceEffect, slice, slice], ...]:
+        return tuple(found for found in self.force_effects if not isinstance(found[0], CompiledForce))
+
+    @cached_property
+    def _foreign_changes(self) -> tuple[tuple[InertiaEffect, slice], ...]:
+        return tuple(found for found in self.inertia_effects if not isinstance(found[0], CompiledInertia))
+
+    @cached_property
+    def _full_trust(self) -> Array:
+        return np.ones(self.constraints.n_free)
+
+    def _point(self, state: Array, parameters: Array | None, time: Any) -> Point:
+        return state, time, self.parameters if parameters is None else parameters
+
+    def _foreign(self, point: Point) -> Array | None:
+        """What effects without a kernel add, as the kernels take it."""
+        if self.is_compiled:
+            return None
+        from .foreign_effects import foreign_sums
+
+        return foreign_sums(self, point, self._foreign_forces, self._foreign_changes)
+
+    def _situation(self, state: Array, parameters: Array, time: Any) -> Situation:
         velocity_b = state[..., self.velocity_slice] @ self.basis_b.T
-        return Situation(time, state[..., :3], velocity_b, phi, self.wheel_set), changes
-
-    def _effects(self, situation: Situation, state: Array, parameters: Array) -> Array:
-        memory = state[..., self.memory_slice]
-        lead = np.broadcast_shapes(state.shape[:-1], parameters.shape[:-1], np.shape(situation.time))
-        total = np.zeros((*lead, 3))
-        for effect, where, own in self.force_effects:
-            total += effect.wrench_b(situation, memory[..., own], parameters[..., where]).value
-        return total
-
-    def _memory_rate(
-        self, situation: Situation, state: Array, parameters: Array, out: tuple[Array, Array, Array]
-    ) -> None:
-        value, by_state, by_parameters = out
-        first = self.memory_slice.start
-        for effect, where, memory in self.force_effects:
-            if memory.stop == memory.start:
-                continue
-            rows = slice(first + memory.start, first + memory.stop)
-            rate = effect.memory_rate(situation, state[..., rows], parameters[..., where])
-            value[..., rows] = rate.value
-            if rate.by_pose is not None:
-                by_state[..., rows, :3] = rate.by_pose
-            if rate.by_velocity is not None:
-                by_state[..., rows, self.velocity_slice] = rate.by_velocity @ self.basis_b
-            if rate.by_memory is not None:
-                by_state[..., rows, rows] = rate.by_memory
-            if rate.by_parameters is not None:
-                by_parameters[..., rows, where] = rate.by_parameters
-
-
-class _Wrench:
-    """Sum of the force effects' wrenches and partials; this is the only place that adds them up."""
-
-    def __init__(self, model: CartModel, situation: Situation, state: Array, parameters: Array) -> None:
-        memory = state[..., model.memory_slice]
-        lead = np.broadcast_shapes(state.shape[:-1], parameters.shape[:-1], np.shape(situation.time))
-        self.value = np.zeros((*lead, 3))
-        self.by_pose = np.zeros((*lead, 3, 3))
-        self.by_velocity = np.zeros((*lead, 3, 3))
-        self.by_phi = np.zeros((*lead, 3, N_PHI))
-        self.by_memory = np.zeros((*lead, 3, memory.shape[-1]))
-        self.by_parameters = np.zeros((*lead, 3, parameters.shape[-1]))
-        for effect, where, own in model.force_effects:
-            part = effect.wrench_b(situation, memory[..., own], parameters[..., where])
-            self.value += part.value
-            for total, partial, columns in (
-                (self.by_pose, part.by_pose, slice(None)),
-                (self.by_velocity, part.by_velocity, slice(None)),
-                (self.by_phi, part.by_phi, slice(None)),
-                (self.by_memory, part.by_memory, own),
-                (self.by_parameters, part.by_parameters, where),
-            ):
-                if partial is not None:
-                    total[..., columns] += partial
-
-
-def _apply(matrix: Array, vector: Array) -> Array:
-    return np.asarray((matrix @ vector[..., None])[..., 0])
+        return Situation(time, state[..., :3], velocity_b, self.phi_at(time, parameters), self.wheel_set)

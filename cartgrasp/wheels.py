@@ -19,6 +19,7 @@ from .frames import Array
 
 GRAVITY = 9.81
 FIXED, CASTER = "fixed", "caster"
+DEFAULT_TRAIL = 0.045
 
 
 @dataclass(frozen=True)
@@ -65,47 +66,28 @@ class WheelSet:
         return np.array([w.kind == CASTER for w in self.wheels])
 
     @cached_property
-    def rolling_map(self) -> Array:
-        """Shape (n, 2, 3): velocity (2,) with which each wheel rolls, from (u, w, r); a fixed one rolls along x only.
-        Its transpose carries a force at the wheel to {b}'s origin."""
-        x, y = self.positions.T
-        rolling = np.zeros((len(x), 2, 3))
-        rolling[:, 0, 0], rolling[:, 0, 2] = 1.0, -y
-        rolling[self.is_caster, 1, 1] = 1.0
-        rolling[self.is_caster, 1, 2] = x[self.is_caster]
-        return rolling
+    def pivots(self) -> Array:
+        """Shape (k, 3): x, y and trail of each caster; one at {b}'s origin where none is listed."""
+        casters = [w for w in self.wheels if w.kind == CASTER] or [Wheel(CASTER, 0.0, 0.0)]
+        return np.array([[w.x, w.y, w.trail or DEFAULT_TRAIL] for w in casters])
 
     @cached_property
     def load_map(self) -> Array:
         """Shape (n, 4): `loads = load_map @ phi`, N, while every wheel stands on the floor."""
-        return self._load_map(np.ones(len(self.wheels), dtype=bool))
+        return self.loads_with_map(np.zeros(4))[1]
 
     def loads(self, phi: ArrayLike) -> Array:
         """Static load of each wheel, shape (..., n), N."""
         return self.loads_with_map(phi)[0]
 
     def loads_with_map(self, phi: ArrayLike) -> tuple[Array, Array]:
-        """Loads (..., n), and their partials by phi, (..., n, 4) or (n, 4). A wheel can't pull on the floor:
-        one that would stands off it, and the others carry all."""
-        phi = np.asarray(phi, dtype=float)
-        load_map, loads = self.load_map, phi @ self.load_map.T
-        standing = np.ones(loads.shape, dtype=bool)
-        while (pulling := standing & (loads < 0)).any():
-            standing &= ~pulling
-            patterns, which = np.unique(standing.reshape(-1, loads.shape[-1]), axis=0, return_inverse=True)
-            load_map = np.stack([self._load_map(pattern) for pattern in patterns])[which.ravel()]
-            load_map = load_map.reshape(*loads.shape, phi.shape[-1])
-            loads = (load_map @ phi[..., None])[..., 0]
-        return loads, load_map
+        """Loads (..., n), and their partials by phi, (..., n, 4). A wheel can't pull on the floor: one that would
+        stands off it, and the others carry all."""
+        from .kernels import wheel_loads
 
-    def _load_map(self, standing: np.ndarray) -> Array:
-        """The load map when only some wheels stand on the floor."""
-        load_map = np.zeros((len(self.wheels), 4))
-        if standing.any():
-            positions = self.positions[standing]
-            centre = positions.mean(axis=0)
-            equilibrium = np.vstack([np.ones(len(positions)), (positions - centre).T])
-            about_centre = np.hstack([np.eye(3), np.zeros((3, 1))])
-            about_centre[1:, 0] = -centre
-            load_map[standing] = GRAVITY * np.linalg.pinv(equilibrium, rcond=1e-9) @ about_centre
-        return load_map
+        phi, n = np.asarray(phi, dtype=float), len(self.wheels)
+        loads, load_map = np.empty((*phi.shape[:-1], n)), np.empty((*phi.shape[:-1], n, 4))
+        phis = np.ascontiguousarray(phi.reshape(-1, 4))
+        found = loads.reshape(-1, n), load_map.reshape(-1, n, 4), np.empty((len(phis), n))
+        wheel_loads.stacked_loads(self.positions, GRAVITY, phis, found)
+        return loads, load_map

@@ -1,4 +1,5 @@
-"""The vocabulary of effects: one file each; a new effect is a new file and one line here."""
+"""The vocabulary of effects: one file each, with its physics in `cartgrasp/kernels/`; a new effect is a new file in
+both, one line here, and its branch in `kernels/vocabulary.py`."""
 
 from .caster_realignment import CasterRealignment
 from .directional_drag import DirectionalDrag

@@ -1,7 +1,8 @@
 """What an effect is: named parameters, an own memory, and one contribution with analytic partials.
 
 A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `SensorEffect` stands between the true and
-the recorded wrench of an arm. `CartModel` alone decides signs and sums.
+the recorded wrench of an arm. `CartModel` alone decides signs and sums. Those of the library have a kernel
+(`compiled.py`); a class from outside that works out its contributions in numpy has its place beside them.
 """
 
 from __future__ import annotations
@@ -166,15 +167,3 @@ class SensorEffect(Effect):
     def corrected(self, wrench_a: Array, parameters: Array) -> Contribution:
         """The true wrench behind a recorded one, with partials by parameters (..., 6, p) and, as `by_memory`,
         by the recorded wrench (..., 6, 6; None: the identity)."""
-
-
-def coulomb(speed: Array) -> tuple[Array, Array]:
-    """A smooth sign of `speed`, and its derivative."""
-    norm = np.sqrt(speed**2 + SMOOTHING_SPEED**2)
-    return speed / norm, SMOOTHING_SPEED**2 / norm**3
-
-
-def smooth_step(distance: Array, width: float) -> tuple[Array, Array]:
-    """A smooth step from 0 to 1 where `distance` passes 0, and its derivative; it rises over `2 width`."""
-    tanh = np.tanh(distance / width)
-    return (1 + tanh) / 2, (1 - tanh**2) / (2 * width)

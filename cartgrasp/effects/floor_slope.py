@@ -12,16 +12,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-import numpy as np
-
-from ..frames import Array
 from ..wheels import GRAVITY
-from .effect import Contribution, ForceEffect, Parameter, Situation
+from .compiled import CompiledForce
+from .effect import Parameter
 
 
 @final
 @dataclass(frozen=True)
-class FloorSlope(ForceEffect):
+class FloorSlope(CompiledForce):
     """Rise over run along the world's x and y."""
 
     grade_x: float = 0.0
@@ -34,29 +32,6 @@ class FloorSlope(ForceEffect):
     )
     signature: ClassVar[str] = "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
 
-    def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
-        theta = situation.pose_sb[..., 2]
-        cosine, sine = np.cos(theta), np.sin(theta)
-        grade_x, grade_y = parameters[..., 0], parameters[..., 1]
-        pull_x = -GRAVITY * (cosine * grade_x + sine * grade_y)
-        pull_y = -GRAVITY * (cosine * grade_y - sine * grade_x)
-        by_phi = _per_phi(pull_x, pull_y)
-        lead = np.broadcast_shapes(by_phi.shape[:-2], situation.phi.shape[:-1])
-        by_pose, by_parameters = np.zeros((*lead, 3, 3)), np.zeros((*lead, 3, 2))
-        by_pose[..., 2] = _wrench(pull_y, -pull_x, situation.phi)
-        by_parameters[..., 0] = _wrench(-GRAVITY * cosine, GRAVITY * sine, situation.phi)
-        by_parameters[..., 1] = _wrench(-GRAVITY * sine, -GRAVITY * cosine, situation.phi)
-        value = _wrench(pull_x, pull_y, situation.phi)
-        return Contribution(value, by_pose=by_pose, by_phi=by_phi, by_parameters=by_parameters)
-
-
-def _per_phi(pull_x: Array, pull_y: Array) -> Array:
-    """Partials by phi (..., 3, 4) of the wrench of a pull per mass, in {b}, at the CoM."""
-    partial = np.zeros((*pull_x.shape, 3, 4))
-    partial[..., 0, 0], partial[..., 1, 0] = pull_x, pull_y
-    partial[..., 2, 1], partial[..., 2, 2] = pull_y, -pull_x
-    return partial
-
-
-def _wrench(pull_x: Array, pull_y: Array, phi: Array) -> Array:
-    return np.asarray((_per_phi(pull_x, pull_y) @ phi[..., None])[..., 0])
+    @property
+    def constant(self) -> float:
+        return GRAVITY

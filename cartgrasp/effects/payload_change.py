@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, final
+from typing import ClassVar, final
 
-import numpy as np
-
-from ..frames import Array
-from .effect import Contribution, InertiaEffect, Parameter
+from .compiled import CompiledInertia
+from .effect import Parameter
 
 
 @final
 @dataclass(frozen=True)
-class PayloadChange(InertiaEffect):
+class PayloadChange(CompiledInertia):
     """A point mass `mass` (kg, negative: taken off) at (x, y) in {b} (m) from `time` (s) on.
 
     The mass joins at the cart's velocity, so velocities do not jump.
@@ -32,15 +30,3 @@ class PayloadChange(InertiaEffect):
         Parameter("y", "m", typical=0.2),
     )
     signature: ClassVar[str] = "mass and CoM differ before and after an instant"
-
-    def phi_change(self, time: Any, parameters: Array) -> Contribution:
-        since, mass, x, y = np.moveaxis(parameters, -1, 0)
-        present = (np.asarray(time) >= since).astype(float)
-        shape = np.stack(np.broadcast_arrays(np.ones_like(x), x, y, x**2 + y**2), axis=-1)
-        value = (present * mass)[..., None] * shape
-        by_parameters = np.zeros((*value.shape, 4))
-        by_parameters[..., 1] = present[..., None] * shape
-        by_parameters[..., 1, 2] = by_parameters[..., 2, 3] = present * mass
-        by_parameters[..., 3, 2] = 2 * present * mass * x
-        by_parameters[..., 3, 3] = 2 * present * mass * y
-        return Contribution(value, by_parameters=by_parameters)

@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-import numpy as np
-
-from ..frames import Array
-from .effect import Contribution, ForceEffect, Parameter, Situation, coulomb
+from .compiled import CompiledForce
+from .effect import Parameter
 
 
 @final
 @dataclass(frozen=True)
-class WheelDragImbalance(ForceEffect):
+class WheelDragImbalance(CompiledForce):
     """Drag `force` (N) and yaw moment `moment` (N·m, positive: to the left when rolling forward)."""
 
     force: float = 0.0
@@ -31,22 +29,3 @@ class WheelDragImbalance(ForceEffect):
         Parameter("moment", "N·m", typical=1.0),
     )
     signature: ClassVar[str] = "a yaw moment, flat in speed, that changes sign with the direction of rolling"
-
-    def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
-        sign, slope = coulomb(situation.velocity_b[..., 0])
-        lead = np.broadcast_shapes(sign.shape, parameters.shape[:-1])
-        by_parameters = np.zeros((*lead, 3, 2))
-        by_parameters[..., 0, 0], by_parameters[..., 2, 1] = -sign, sign
-        by_velocity = np.zeros((*lead, 3, 3))
-        by_velocity[..., 0, 0], by_velocity[..., 2, 0] = (
-            -parameters[..., 0] * slope,
-            parameters[..., 1] * slope,
-        )
-        value = np.asarray((by_parameters @ parameters[..., None])[..., 0])
-        return Contribution(value, by_velocity=by_velocity, by_parameters=by_parameters)
-
-    def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array:
-        sign, _ = coulomb(situation.velocity_b[..., 0])
-        force, moment = parameters[..., 0], parameters[..., 1]
-        pull = np.stack([-force, np.zeros_like(force), moment], axis=-1)
-        return np.asarray(((1.0 - sign**2)[..., None] * pull)[..., None])

@@ -1,10 +1,24 @@
-"""Fixed-step integration of `CartModel.rate` with the wrench held over the step."""
+"""Fixed-step integration of `CartModel.state_rate` with the wrench held over the steps."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from ..frames import Array
+from ..model import CartModel
+
+
+def held(cart: CartModel, state: Array, wrench_b: Array, time: float, steps: tuple[float, int]) -> Array:
+    """The state (n,) after steps of a length (s) and number, each a classical fourth-order one."""
+    step, n_steps = steps
+    if cart.is_compiled:
+        push = wrench_b, np.ones(cart.constraints.n_free)
+        return cart.dynamics.advanced((state, time, cart.parameters), push, step, n_steps)
+    for i in range(n_steps):
+        state = runge_kutta_4(lambda t, y: cart.state_rate(y, wrench_b, time=t), time + i * step, state, step)
+    return state
 
 
 def runge_kutta_4(rate: Callable[[float, Array], Array], time: float, state: Array, step: float) -> Array:

@@ -23,12 +23,12 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from ..effects import Effect, PayloadChange, RollingResistance, SensorEffect, ViscousDrag
-from ..effects.caster_realignment import DEFAULT_TRAIL, CasterRealignment
+from ..effects.caster_realignment import CasterRealignment
 from ..errors import PlantError
 from ..frames import Array
 from ..inertia import Inertia
 from ..model import CartModel
-from ..wheels import CASTER, FIXED, GRAVITY, Wheel, WheelSet
+from ..wheels import CASTER, DEFAULT_TRAIL, FIXED, GRAVITY, Wheel, WheelSet
 
 RADIUS = 0.06
 """m, of every wheel."""

@@ -10,7 +10,7 @@ from ..errors import PlantError
 from ..frames import Array
 from ..model import CartModel
 from ..motion import Motion
-from .integrate import runge_kutta_4
+from .integrate import held
 
 MAX_STEP = 0.005
 STABLE = 1.5
@@ -52,16 +52,9 @@ class ModelPlant:
         return self._state[headings].copy() if headings else None
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
-        wrench_b = wrenches.wrench_b
-        parameters = self.cart.parameters
+        wrench_b, begin = wrenches.wrench_b, self._time
         n = max(1, int(np.ceil(duration / self.timestep - 1e-9)), self._stable_steps(wrench_b, duration))
-
-        def rate(time: float, state: Array) -> Array:
-            return self.cart.state_rate(state, wrench_b, parameters, time)
-
-        begin = self._time
-        for i in range(n):
-            self._state = runge_kutta_4(rate, begin + i * duration / n, self._state, duration / n)
+        self._state = held(self.cart, self._state, wrench_b, begin, (duration / n, n))
         self._time = begin + duration
         if not np.isfinite(self._state).all():
             raise PlantError(f"the simulated cart's state is not finite at t = {self._time:.3f} s")

@@ -1,0 +1,157 @@
+"""`CompiledDynamics`: a cart's kernels behind calls that broadcast over leading axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from .errors import UsageError
+from .frames import Array
+from .kernels import entries
+from .kernels.jit import Ints
+from .kernels.situation import Parts
+from .kernels.workspace import MEMORY, N_PHI, PHI, POSE, VELOCITY, PackedEffect, pack, sums_size
+from .wheels import GRAVITY, WheelSet
+
+STAY = np.zeros(2)
+
+
+class CompiledDynamics:
+    """For one structure: effects, wheels, the basis of free velocities (3, f), `sizes` (how much memory, how many
+    parameters). `floats` and `ints` are the workspace that kernels unpack."""
+
+    floats: Array
+    ints: Ints
+
+    def __init__(
+        self,
+        effects: Sequence[PackedEffect],
+        wheels: WheelSet,
+        basis_b: Array,
+        sizes: tuple[int, int],
+        smoothing_speed: float,
+    ) -> None:
+        (self.n_memory, self.n_parameters), self.n_free = sizes, basis_b.shape[1]
+        self.n_state = 3 + self.n_free + self.n_memory
+        table = np.column_stack([wheels.positions, wheels.is_caster])
+        self.floats, self.ints = pack(effects, (table, wheels.pivots), basis_b, sizes, (GRAVITY, smoothing_speed))
+        self._n_sums = sums_size(self.n_memory, self.n_parameters)
+        self._most_stictions = len(effects) * (2 * len(table) + 2) + self.n_memory
+
+    def rates(self, point: Point, push: Push, foreign: Array | None = None) -> tuple[Array, ...]:
+        """Rate (..., n) and its partials by state, wrench and parameters."""
+        n, p = self.n_state, self.n_parameters
+        found = self._ask(entries.rates, self._given(point, self._pushed(push, STAY), foreign), n * (1 + n + 3 + p))
+        return split(found, ((n,), (n, n), (n, 3), (n, p)))
+
+    def rate(self, point: Point, push: Push, foreign: Array | None = None) -> Array:
+        return self._ask(entries.rates, self._given(point, self._pushed(push, STAY), foreign), self.n_state)
+
+    def advanced(self, point: Point, push: Push, step: float, n_steps: int) -> Array:
+        """The state (..., n) after classical fourth-order steps under a push that is held."""
+        given = self._given(point, self._pushed(push, np.array([step, n_steps])))
+        self._ask(entries.rates, given, 0)
+        return given[..., : self.n_state]
+
+    def inverse(self, point: Point, acceleration: Array, foreign: Array | None = None) -> tuple[Array, ...]:
+        """What `kernels.dynamics.Inverse` holds, with leading axes."""
+        f, k, n, p = self.n_free, self.n_memory, self.n_state, self.n_parameters
+        shapes = ((f,), (f, n), (f, f), (f, p), (k,), (k, n), (k, p))
+        size = f * (1 + n + f + p) + k * (1 + n + p)
+        if acceleration.shape[-1] != f:
+            raise UsageError(f"model: acceleration has {acceleration.shape[-1]} numbers, but this cart's has {f}")
+        return split(self._ask(entries.inverses, self._given(point, (acceleration,), foreign), size), shapes)
+
+    def sums(self, point: Point, foreign: Array | None = None) -> Array:
+        """The sums (..., size) of what effects add; `parts` says what stands where."""
+        found, _ = self._effects(point, foreign)
+        return found[..., : self._n_sums]
+
+    def parts(self, sums: Array) -> tuple[Array, Array, Parts, Parts]:
+        """Views of sums: phi, its partials by the parameters, the wrench, and the rate of the memory."""
+        p, k = self.n_parameters, self.n_memory
+        phi, by_parameters, wrench, rate = split(sums, ((N_PHI,), (N_PHI, p), (3, MEMORY + k + p), (k, MEMORY + k + p)))
+        return phi, by_parameters, _of_rows(wrench, k), _of_rows(rate, k)
+
+    def settled(self, point: Point) -> Array:
+        """The memory (..., k) when it has come to rest."""
+        found, _ = self._effects(point)
+        return found[..., self._n_sums : self._n_sums + self.n_memory]
+
+    def stiction(self, point: Point) -> Array:
+        """Wrenches (..., 3, k)."""
+        found, n = self._effects(point)
+        first = self._n_sums + self.n_memory
+        columns = found[..., first : first + 3 * n].reshape(*found.shape[:-1], n, 3)
+        return np.swapaxes(columns, -1, -2)
+
+    def _pushed(self, push: Push, steps: Array) -> tuple[Array, Array, Array]:
+        wrench_b, trust = push
+        if wrench_b.shape[-1] != 3 or trust.shape[-1] != self.n_free:
+            raise UsageError(
+                f"model: wrench has {wrench_b.shape[-1]} numbers and trust {trust.shape[-1]}, but this cart's have 3 "
+                f"and {self.n_free}"
+            )
+        return wrench_b, trust, steps
+
+    def _effects(self, point: Point, foreign: Array | None = None) -> tuple[Array, int]:
+        given = self._given(point, foreign=foreign)
+        found = np.empty((*given.shape[:-1], self._n_sums + self.n_memory + 3 * self._most_stictions))
+        return found, entries.effects(self.floats, self.ints, _rows(given), _rows(found))
+
+    def _given(self, point: Point, rest: tuple[Array, ...] = (), foreign: Array | None = None) -> Array:
+        """Rows as kernels expect them. They look at no bounds, so this does."""
+        state, time, parameters = point
+        if state.shape[-1] != self.n_state or parameters.shape[-1] != self.n_parameters:
+            raise UsageError(
+                f"model: state has {state.shape[-1]} numbers and parameters {parameters.shape[-1]}, but this cart's "
+                f"have {self.n_state} and {self.n_parameters}"
+            )
+        parts = [state, np.asarray(time, dtype=float)[..., None], parameters, *rest]
+        if foreign is not None:
+            parts.append(foreign)
+        if max(part.ndim for part in parts) == 1:
+            return np.concatenate(parts)
+        lead = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+        given = np.empty((*lead, sum(part.shape[-1] for part in parts)))
+        at = 0
+        for part in parts:
+            given[..., at : at + part.shape[-1]] = part
+            at += part.shape[-1]
+        return given
+
+    def _ask(self, entry: Callable[[Array, Ints, Array, Array], None], given: Array, size: int) -> Array:
+        found = np.empty((*given.shape[:-1], size))
+        entry(self.floats, self.ints, _rows(given), _rows(found))
+        return found
+
+
+Point = tuple[Array, Any, Array]
+"""State (..., n), time (...), parameters (..., p)."""
+Push = tuple[Array, Array]
+"""Wrench (..., 3) in {b}, and the trust (..., f) of `CartModel.rate`."""
+
+
+def split(found: Array, shapes: Sequence[tuple[int, ...]]) -> tuple[Array, ...]:
+    """Parts that stand one after the other on the last axis."""
+    parts, at, lead = [], 0, found.shape[:-1]
+    for shape in shapes:
+        size = shape[0] if len(shape) == 1 else shape[0] * shape[1]
+        parts.append(found[..., at : at + size].reshape(lead + shape))
+        at += size
+    return tuple(parts)
+
+
+def _rows(stack: Array) -> Array:
+    return stack.reshape(math.prod(stack.shape[:-1]), stack.shape[-1])
+
+
+def _of_rows(rows: Array, n_memory: int) -> Parts:
+    """Views of rows (..., n, 11 + k + p) of sums."""
+    ends = POSE, VELOCITY, PHI, MEMORY, MEMORY + n_memory
+    by_pose, by_velocity, by_phi, by_memory = (rows[..., a:b] for a, b in pairwise(ends))
+    return Parts(rows[..., 0], by_pose, by_velocity, by_phi, by_memory, rows[..., ends[-1] :])

@@ -1,0 +1,98 @@
+"""`effects/caster_realignment.py`: parameters swivel_torque, trail; a heading a pivot; the constant is
+`SMOOTHING_RATE`."""
+
+from __future__ import annotations
+
+import math
+
+from cartgrasp.frames import Array
+
+from .jit import compiled
+from .situation import Own, Parts, Situation
+from .smooth import smooth_sign
+
+
+@compiled
+def wrench(at: Situation, own: Own, out: Parts) -> None:
+    torque, has_trail = own.parameters[0], own.parameters[1] > 0.0
+    for k in range(len(own.memory)):
+        trail, sine, cosine = _trail(at, own, k), math.sin(own.memory[k]), math.cos(own.memory[k])
+        rate, by_velocity, by_heading, by_trail = _swivel(at, own, k)
+        slip, slope = smooth_sign(rate, own.constant)
+        strength = -torque / trail * slip
+        by_rate = -torque / trail * slope
+        side, turned = _side(at, k, sine, cosine, trail)
+        for i in range(3):
+            out.value[i] += strength * side[i]
+            for j in range(3):
+                out.by_velocity[i, j] += by_rate * by_velocity[j] * side[i]
+            out.by_memory[i, k] += by_rate * by_heading * side[i] + strength * turned[i]
+            out.by_parameters[i, 0] -= slip / trail * side[i]
+            if has_trail:
+                out.by_parameters[i, 1] += (by_rate * by_trail - strength / trail) * side[i]
+        if has_trail:
+            out.by_parameters[2, 1] -= strength
+
+
+@compiled
+def memory_rate(at: Situation, own: Own, out: Parts) -> None:
+    for k in range(len(own.memory)):
+        rate, by_velocity, by_heading, by_trail = _swivel(at, own, k)
+        out.value[k] += rate
+        for j in range(3):
+            out.by_velocity[k, j] += by_velocity[j]
+        out.by_memory[k, k] += by_heading
+        if own.parameters[1] > 0.0:
+            out.by_parameters[k, 1] += by_trail
+
+
+@compiled
+def stiction(at: Situation, own: Own, columns: Array) -> int:
+    for k in range(len(own.memory)):
+        trail, rate = _trail(at, own, k), _swivel(at, own, k)[0]
+        slip, _ = smooth_sign(rate, own.constant)
+        side, _ = _side(at, k, math.sin(own.memory[k]), math.cos(own.memory[k]), trail)
+        for i in range(3):
+            columns[k, i] = own.parameters[0] / trail * (1.0 - slip * slip) * side[i]
+    return len(own.memory)
+
+
+@compiled
+def settled(at: Situation, own: Own, memory: Array) -> None:
+    """Each caster trails its pivot, at the turn nearest to the heading."""
+    for k in range(len(own.memory)):
+        along, across = _pivot_velocity(at, k)
+        turn = math.atan2(across, along) - own.memory[k]
+        memory[k] = own.memory[k] + turn - 2.0 * math.pi * math.floor((turn + math.pi) / (2.0 * math.pi))
+
+
+@compiled
+def _trail(at: Situation, own: Own, k: int) -> float:
+    return float(own.parameters[1] if own.parameters[1] > 0.0 else at.pivots[k, 2])
+
+
+@compiled
+def _pivot_velocity(at: Situation, k: int) -> tuple[float, float]:
+    u, w, r = at.velocity[0], at.velocity[1], at.velocity[2]
+    return u - at.pivots[k, 1] * r, w + at.pivots[k, 0] * r
+
+
+@compiled
+def _swivel(at: Situation, own: Own, k: int) -> tuple[float, tuple[float, float, float], float, float]:
+    """delta', and its partials by velocity, delta and the trail."""
+    x, y, trail = at.pivots[k, 0], at.pivots[k, 1], _trail(at, own, k)
+    sine, cosine = math.sin(own.memory[k]), math.cos(own.memory[k])
+    along, across = _pivot_velocity(at, k)
+    slip = cosine * across - sine * along
+    by_velocity = (-sine / trail, cosine / trail, (sine * y + cosine * x) / trail - 1.0)
+    return slip / trail - at.velocity[2], by_velocity, -(cosine * along + sine * across) / trail, -slip / trail**2
+
+
+@compiled
+def _side(
+    at: Situation, k: int, sine: float, cosine: float, trail: float
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Wrench of a unit side force at the patch, and its partial by heading. The force is across the trail, so the
+    trail enters the moment whole."""
+    x, y = at.pivots[k, 0], at.pivots[k, 1]
+    return (-sine, cosine, x * cosine + y * sine - trail), (-cosine, -sine, y * cosine - x * sine)

@@ -1,0 +1,232 @@
+"""A cart's dynamics at one state, with all partials.
+
+State (n,) is `(pose | nu | memory)`, parameters (p,) are `(phi | effects' values)`, as `CartModel` orders them.
+Inverse dynamics are what is written down (physics 4); forward dynamics follow by solving for nu':
+
+    Sᵀ wrench_b = Sᵀ (Y(v, S nu') phi - effects).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from cartgrasp.frames import Array
+
+from . import rigid_body
+from .jit import Ints, compiled, inlined
+from .situation import Own, Parts, Situation, Twist
+from .vocabulary import add_memory_rate, add_phi_change, add_wrench
+from .wheel_loads import carry
+from .workspace import MEMORY, PHI, POSE, VELOCITY, Workspace, copy
+
+
+class Point(NamedTuple):
+    """Where dynamics are asked for: state (n,), time (s), parameters (p,); and what effects without a kernel add, as
+    `Workspace.sums` has it, or nothing (0,)."""
+
+    state: Array
+    time: float
+    parameters: Array
+    foreign: Array
+
+
+class Inverse(NamedTuple):
+    """The reduced wrench (f,), its partials by state (f, n), nu' (f, f) and parameters (f, p), and the memory's rate
+    (k,) with partials by state (k, n) and parameters (k, p)."""
+
+    wrench: Array
+    by_state: Array
+    by_acceleration: Array
+    by_parameters: Array
+    memory_rate: Array
+    memory_rate_by_state: Array
+    memory_rate_by_parameters: Array
+
+
+@compiled
+def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> None:
+    """Inverse dynamics at nu' = `acceleration` (f,), into the arrays of `out`."""
+    twist, turn = lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration)
+    sum_effects(m, point, situation(m, point, twist))
+    rigid, mass = rigid_body.regressor(twist, turn), rigid_body.mass_matrix(m.phi)
+    bias = rigid_body.by_velocity(twist, m.phi)
+    basis, wrench, n_free, n_memory = m.basis, m.wrench, m.basis.shape[1], len(m.memory_rate)
+    out.wrench[:], out.by_state[:], out.by_acceleration[:], out.by_parameters[:] = 0.0, 0.0, 0.0, 0.0
+    for a in range(n_free):
+        for i in range(3):
+            along = basis[i, a]
+            if along == 0.0:
+                continue
+            out.wrench[a] -= along * wrench[i, 0]
+            for j in range(3):
+                out.by_state[a, j] -= along * wrench[i, POSE + j]
+                for b in range(n_free):
+                    out.by_state[a, 3 + b] += along * (bias[i][j] - wrench[i, VELOCITY + j]) * basis[j, b]
+                    out.by_acceleration[a, b] += along * mass[i][j] * basis[j, b]
+            for k in range(n_memory):
+                out.by_state[a, 3 + n_free + k] -= along * wrench[i, MEMORY + k]
+            for q in range(len(point.parameters)):
+                out.by_parameters[a, q] -= along * wrench[i, MEMORY + n_memory + q]
+            for c in range(4):
+                out.wrench[a] += along * rigid[i][c] * m.phi[c]
+                by_phi = along * (rigid[i][c] - wrench[i, PHI + c])
+                _add_by_phi(m.phi_by_parameters[c], by_phi, out.by_parameters[a])
+    out.memory_rate_by_state[:] = 0.0
+    for k in range(n_memory):
+        rate = m.memory_rate[k]
+        out.memory_rate[k] = rate[0]
+        for j in range(3):
+            out.memory_rate_by_state[k, j] = rate[POSE + j]
+            for b in range(n_free):
+                out.memory_rate_by_state[k, 3 + b] += rate[VELOCITY + j] * basis[j, b]
+        copy(rate[MEMORY:], out.memory_rate_by_state[k, 3 + n_free :])
+        copy(rate[MEMORY + n_memory :], out.memory_rate_by_parameters[k])
+
+
+@inlined
+def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
+    """Rate of the state (n,), its partials by state (n, n), wrench (n, 3) and parameters (n, p), one after the other
+    into `room`, with f² numbers to spare. `push` (3 + f,): a wrench in {b}, and the trust of `CartModel.rate`."""
+    n, p, n_free = len(point.state), len(point.parameters), m.basis.shape[1]
+    first, last = n + n * n, n + n * n + 3 * n
+    value, by_state, by_wrench = room[:n], room[n:first].reshape((n, n)), room[first:last].reshape((n, 3))
+    by_parameters, end = room[last : last + n * p].reshape((n, p)), last + n * p
+    mass = room[end : end + n_free * n_free].reshape((n_free, n_free))
+    free, rest = 3 + n_free, value[3 : 3 + n_free]
+    rest[:] = 0.0
+    out = Inverse(
+        rest,
+        by_state[3:free],
+        mass,
+        by_parameters[3:free],
+        value[free:],
+        by_state[free:],
+        by_parameters[free:],
+    )
+    inverse(m, point, rest, out)
+    by_wrench[:] = 0.0
+    for a in range(n_free):
+        for i in range(3):
+            rest[a] -= m.basis[i, a] * push[i]
+            by_wrench[3 + a, i] = -m.basis[i, a]
+    _solve(mass, rest.reshape((n_free, 1)))
+    _solve(mass, by_wrench[3:free])
+    x = y = turn = 0.0
+    for a in range(n_free):
+        seen = push[3 + a] * rest[a]
+        x, y, turn = x + m.basis[0, a] * seen, y + m.basis[1, a] * seen, turn + m.basis[2, a] * seen
+    still = rigid_body.regressor((0.0, 0.0, 0.0), (x, y, turn))
+    for a in range(n_free):
+        for i in range(3):
+            for c in range(4):
+                _add_by_phi(m.phi_by_parameters[c], m.basis[i, a] * still[i][c], out.by_parameters[a])
+    _solve(mass, out.by_state)
+    _solve(mass, out.by_parameters)
+    by_parameters[:3] = 0.0
+    by_state[:3] = 0.0
+    _move(m.basis, point.state, value, by_state)
+
+
+@compiled
+def situation(m: Workspace, point: Point, twist: Twist) -> Situation:
+    """What effects look at. Sums begin with what is foreign."""
+    if len(point.foreign) > 0:
+        copy(point.foreign, m.sums)
+    else:
+        m.sums[:] = 0.0
+    for c in range(4):
+        m.phi[c] += point.parameters[c]
+        m.phi_by_parameters[c, c] += 1.0
+    for e in range(len(m.effects)):
+        kind, first, last = m.effects[e, 0], m.effects[e, 1], m.effects[e, 2]
+        own = Own(point.state[:0], point.parameters[first:last], m.constants[e])
+        add_phi_change(kind, point.time, own, m.phi, m.phi_by_parameters[:, first:last])
+    carry(m.wheels, m.phi, m.gravity, (m.loads, m.carried, m.standing))
+    pose = point.state[:3]
+    return Situation(point.time, pose, twist, m.phi, m.wheels, m.loads, m.carried, m.pivots, m.smoothing_speed)
+
+
+@compiled
+def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
+    """Fills the sums of wrenches and of the memory's rate."""
+    for e in range(len(m.effects)):
+        kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
+        own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+        add_wrench(kind, at, own, _parts(m.wrench, m.effects[e], len(m.memory_rate)))
+        if end > begin:
+            add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
+
+
+@compiled
+def own_of(effect: Ints, constant: float, point: Point, n_free: int) -> Own:
+    memory = point.state[3 + n_free + effect[3] : 3 + n_free + effect[4]]
+    return Own(memory, point.parameters[effect[1] : effect[2]], constant)
+
+
+@compiled
+def _parts(rows: Array, effect: Ints, n_memory: int) -> Parts:
+    """Where an effect adds to rows of sums."""
+    first = MEMORY + n_memory
+    return Parts(
+        rows[:, 0],
+        rows[:, POSE:VELOCITY],
+        rows[:, VELOCITY:PHI],
+        rows[:, PHI:MEMORY],
+        rows[:, MEMORY + effect[3] : MEMORY + effect[4]],
+        rows[:, first + effect[1] : first + effect[2]],
+    )
+
+
+@compiled
+def lifted(basis: Array, free: Array) -> Twist:
+    """S nu."""
+    x = y = turn = 0.0
+    for a in range(basis.shape[1]):
+        x, y, turn = x + basis[0, a] * free[a], y + basis[1, a] * free[a], turn + basis[2, a] * free[a]
+    return x, y, turn
+
+
+@compiled
+def _add_by_phi(phi_by_parameters: Array, slope: float, by_parameters: Array) -> None:
+    """Adds a partial by one of phi, which parameters make."""
+    if slope != 0.0:
+        for q in range(len(by_parameters)):
+            by_parameters[q] += slope * phi_by_parameters[q]
+
+
+@compiled
+def _solve(matrix: Array, side: Array) -> None:
+    """Puts `-matrix⁻¹ side` in the place of `side` (f, k); the matrix is symmetric."""
+    if len(matrix) == 1:
+        for k in range(side.shape[1]):
+            side[0, k] = -side[0, k] / matrix[0, 0]
+    elif len(matrix) == 2:
+        a, b, c = matrix[0, 0], matrix[0, 1], matrix[1, 1]
+        scale = -1.0 / (a * c - b * b)
+        for k in range(side.shape[1]):
+            x, y = side[0, k], side[1, k]
+            side[0, k], side[1, k] = scale * (c * x - b * y), scale * (a * y - b * x)
+    else:
+        a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
+        d, e, f = matrix[1, 1], matrix[1, 2], matrix[2, 2]
+        df, cf, cd = d * f - e * e, c * e - b * f, b * e - c * d
+        scale = -1.0 / (a * df + b * cf + c * cd)
+        for k in range(side.shape[1]):
+            x, y, z = side[0, k], side[1, k], side[2, k]
+            side[0, k] = scale * (df * x + cf * y + cd * z)
+            side[1, k] = scale * (cf * x + (a * f - c * c) * y + (b * c - a * e) * z)
+            side[2, k] = scale * (cd * x + (b * c - a * e) * y + (a * d - b * b) * z)
+
+
+@compiled
+def _move(basis: Array, state: Array, value: Array, by_state: Array) -> None:
+    """The rate of the pose, R(theta) S nu, with its partials."""
+    cosine, sine = math.cos(state[2]), math.sin(state[2])
+    u, w, r = lifted(basis, state[3:])
+    value[0], value[1], value[2] = cosine * u - sine * w, sine * u + cosine * w, r
+    by_state[0, 2], by_state[1, 2] = -value[1], value[0]
+    for b in range(basis.shape[1]):
+        by_state[0, 3 + b] = cosine * basis[0, b] - sine * basis[1, b]
+        by_state[1, 3 + b] = sine * basis[0, b] + cosine * basis[1, b]
+        by_state[2, 3 + b] = basis[2, b]

@@ -1,0 +1,96 @@
+"""What Python and kernels of other packages call. Each entry takes a workspace, a stack of rows to be `given` and a
+stack of rows to be `found`, of which it fills every number. A given row begins with the state (n,), the time and the
+parameters (p,), and may end with what effects without a kernel add."""
+
+from __future__ import annotations
+
+from cartgrasp.frames import Array
+
+from .dynamics import Inverse, Point, forward, inverse, lifted, own_of, situation, sum_effects
+from .jit import Ints, compiled, entry
+from .vocabulary import add_stiction, settle
+from .workspace import copy, unpack
+
+
+@entry
+def rates(floats: Array, ints: Ints, given: Array, found: Array) -> None:
+    """Given `push` (3 + f,), a step and a number of steps too. Takes so many classical fourth-order steps, which move
+    the given state and time; then finds what `forward` does, or the first numbers of it."""
+    m, room = unpack(floats, ints)
+    n, p = _sizes(ints)
+    n_push = 3 + m.basis.shape[1]
+    moved, total = room[len(room) - n :], room[len(room) - 2 * n : len(room) - n]
+    for i in range(len(given)):
+        point, rest = _point(given[i], n, p, n_push + 2)
+        state, begin, step = point.state, point.time, rest[n_push]
+        n_stages = 4 * round(rest[n_push + 1])
+        for k in range(n_stages + 1):
+            stage, inside = k % 4, 0.0 if k % 4 == 0 else step if k % 4 == 3 else step / 2.0
+            for j in range(n):
+                moved[j] = state[j] + inside * room[j] if stage > 0 else state[j]
+            time = begin + k // 4 * step + inside
+            forward(m, Point(moved, time, point.parameters, point.foreign), rest[:n_push], room)
+            if k == n_stages:
+                break
+            for j in range(n):
+                weight = step / 6.0 if stage % 3 == 0 else step / 3.0
+                total[j] = (total[j] if stage > 0 else state[j]) + weight * room[j]
+            if stage == 3:
+                copy(total, state)
+        given[i, n] = begin + n_stages // 4 * step
+        copy(room, found[i])
+
+
+@entry
+def inverses(floats: Array, ints: Ints, given: Array, found: Array) -> None:
+    """Given nu' (f,) too: `Inverse`, its parts one after the other."""
+    m, _ = unpack(floats, ints)
+    n, p = _sizes(ints)
+    f, k = m.basis.shape[1], len(m.memory_rate)
+    for i in range(len(given)):
+        point, acceleration = _point(given[i], n, p, f)
+        out, at = found[i], f
+        by_state, at = out[at : at + f * n].reshape((f, n)), at + f * n
+        by_acceleration, at = out[at : at + f * f].reshape((f, f)), at + f * f
+        by_parameters, at = out[at : at + f * p].reshape((f, p)), at + f * p
+        rate, at = out[at : at + k], at + k
+        rate_by_state, at = out[at : at + k * n].reshape((k, n)), at + k * n
+        rate_by_parameters = out[at : at + k * p].reshape((k, p))
+        parts = Inverse(out[:f], by_state, by_acceleration, by_parameters, rate, rate_by_state, rate_by_parameters)
+        inverse(m, point, acceleration, parts)
+
+
+@entry
+def effects(floats: Array, ints: Ints, given: Array, found: Array) -> int:
+    """`Workspace.sums`; the memory (k,) when it has come to rest; stiction: wrenches (3,), as many as are returned."""
+    m, _ = unpack(floats, ints)
+    n, p = _sizes(ints)
+    last = len(m.sums) + len(m.memory_rate)
+    count = 0
+    for i in range(len(given)):
+        point, _ = _point(given[i], n, p, 0)
+        at = situation(m, point, lifted(m.basis, point.state[3:]))
+        sum_effects(m, point, at)
+        copy(m.sums, found[i])
+        settled, columns = found[i, len(m.sums) : last], found[i, last:]
+        copy(point.state[3 + m.basis.shape[1] :], settled)
+        columns[:] = 0.0
+        stuck = columns.reshape((len(columns) // 3, 3))
+        count = 0
+        for e in range(len(m.effects)):
+            own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+            settle(m.effects[e, 0], at, own, settled[m.effects[e, 3] : m.effects[e, 4]])
+            count += add_stiction(m.effects[e, 0], at, own, stuck[count:])
+    return count
+
+
+@compiled
+def _sizes(ints: Ints) -> tuple[int, int]:
+    """Of the state and the parameters."""
+    return 3 + ints[3] + ints[4], ints[5]
+
+
+@compiled
+def _point(row: Array, n: int, p: int, n_push: int) -> tuple[Point, Array]:
+    end = n + 1 + p
+    return Point(row[:n], row[n], row[n + 1 : end], row[end + n_push :]), row[end : end + n_push]

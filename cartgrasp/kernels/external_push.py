@@ -1,0 +1,20 @@
+"""`effects/external_push.py`: parameters start, duration, force, moment; the constant is `RISE`."""
+
+from __future__ import annotations
+
+from .jit import compiled
+from .situation import Own, Parts, Situation
+from .smooth import smooth_step
+
+
+@compiled
+def wrench(at: Situation, own: Own, out: Parts) -> None:
+    since, duration = at.time - own.parameters[0], own.parameters[1]
+    on, on_slope = smooth_step(since, own.constant)
+    off, off_slope = smooth_step(since - duration, own.constant)
+    for i, k in ((0, 2), (2, 3)):
+        strength = own.parameters[k]
+        out.value[i] += (on - off) * strength
+        out.by_parameters[i, 0] += (off_slope - on_slope) * strength
+        out.by_parameters[i, 1] += off_slope * strength
+        out.by_parameters[i, k] += on - off

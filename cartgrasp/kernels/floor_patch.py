@@ -1,0 +1,58 @@
+"""`effects/floor_patch.py`: parameters x_min, x_max, y_min, y_max, coefficient; the constant is `EDGE`."""
+
+from __future__ import annotations
+
+import math
+
+from cartgrasp.frames import Array
+
+from .jit import compiled
+from .rolling import drag, hold
+from .situation import Own, Parts, Situation
+from .smooth import smooth_step
+
+
+@compiled
+def wrench(at: Situation, own: Own, out: Parts) -> None:
+    coefficient = own.parameters[4]
+    for wheel in range(len(at.wheels)):
+        share, by_edge, swing = _inside(at, own, wheel)
+        unit = drag(at, wheel, coefficient * share, out)
+        along = (-(by_edge[0] + by_edge[1]), -(by_edge[2] + by_edge[3]))
+        turned = along[1] * swing[0] - along[0] * swing[1]
+        for i in range(3):
+            pull = -unit[i] * at.loads[wheel]
+            by_share = coefficient * pull
+            for k in range(4):
+                out.by_parameters[i, k] += by_share * by_edge[k]
+            out.by_parameters[i, 4] += share * pull
+            out.by_pose[i, 0] += by_share * along[0]
+            out.by_pose[i, 1] += by_share * along[1]
+            out.by_pose[i, 2] += by_share * turned
+
+
+@compiled
+def stiction(at: Situation, own: Own, columns: Array) -> int:
+    for wheel in range(len(at.wheels)):
+        share, _, _ = _inside(at, own, wheel)
+        hold(at, wheel, own.parameters[4] * share, columns)
+    return 2 * len(at.wheels)
+
+
+@compiled
+def _inside(
+    at: Situation, own: Own, wheel: int
+) -> tuple[float, tuple[float, float, float, float], tuple[float, float]]:
+    """Share of a wheel inside, its partials by the four edges, and where it is from {b}'s origin, in {s}."""
+    cosine, sine = math.cos(at.pose[2]), math.sin(at.pose[2])
+    x = cosine * at.wheels[wheel, 0] - sine * at.wheels[wheel, 1]
+    y = sine * at.wheels[wheel, 0] + cosine * at.wheels[wheel, 1]
+    edges, width = own.parameters, own.constant
+    left, left_slope = smooth_step(at.pose[0] + x - edges[0], width)
+    right, right_slope = smooth_step(edges[1] - at.pose[0] - x, width)
+    low, low_slope = smooth_step(at.pose[1] + y - edges[2], width)
+    high, high_slope = smooth_step(edges[3] - at.pose[1] - y, width)
+    across, along = left * right, low * high
+    by_edge = (-left_slope * right * along, left * right_slope * along)
+    by_side = (-across * low_slope * high, across * low * high_slope)
+    return across * along, (by_edge[0], by_edge[1], by_side[0], by_side[1]), (x, y)

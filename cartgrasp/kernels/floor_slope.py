@@ -1,0 +1,37 @@
+"""`effects/floor_slope.py`: parameters grade_x, grade_y; the constant is gravity."""
+
+from __future__ import annotations
+
+import math
+
+from cartgrasp.frames import Array
+
+from .jit import compiled
+from .situation import Own, Parts, Situation
+
+
+@compiled
+def wrench(at: Situation, own: Own, out: Parts) -> None:
+    grade_x, grade_y, gravity = own.parameters[0], own.parameters[1], own.constant
+    cosine, sine = math.cos(at.pose[2]), math.sin(at.pose[2])
+    pull_x = -gravity * (cosine * grade_x + sine * grade_y)
+    pull_y = -gravity * (cosine * grade_y - sine * grade_x)
+    for i in range(3):
+        out.value[i] += _pulled(i, pull_x, pull_y, at.phi)
+        out.by_pose[i, 2] += _pulled(i, pull_y, -pull_x, at.phi)
+        out.by_parameters[i, 0] += _pulled(i, -gravity * cosine, gravity * sine, at.phi)
+        out.by_parameters[i, 1] += _pulled(i, -gravity * sine, -gravity * cosine, at.phi)
+    out.by_phi[0, 0] += pull_x
+    out.by_phi[1, 0] += pull_y
+    out.by_phi[2, 1] += pull_y
+    out.by_phi[2, 2] -= pull_x
+
+
+@compiled
+def _pulled(i: int, x: float, y: float, phi: Array) -> float:
+    """Part i of the wrench of a pull (x, y) per mass, in {b}, at the CoM."""
+    if i == 0:
+        return float(x * phi[0])
+    if i == 1:
+        return float(y * phi[0])
+    return float(y * phi[1] - x * phi[2])

@@ -1,0 +1,24 @@
+"""`effects/rolling_resistance.py`: parameter coefficient."""
+
+from __future__ import annotations
+
+from cartgrasp.frames import Array
+
+from .jit import compiled
+from .rolling import drag, hold
+from .situation import Own, Parts, Situation
+
+
+@compiled
+def wrench(at: Situation, own: Own, out: Parts) -> None:
+    for wheel in range(len(at.wheels)):
+        unit = drag(at, wheel, own.parameters[0], out)
+        for i in range(3):
+            out.by_parameters[i, 0] -= unit[i] * at.loads[wheel]
+
+
+@compiled
+def stiction(at: Situation, own: Own, columns: Array) -> int:
+    for wheel in range(len(at.wheels)):
+        hold(at, wheel, own.parameters[0], columns)
+    return 2 * len(at.wheels)

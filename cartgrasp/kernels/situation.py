@@ -1,0 +1,53 @@
+"""What the kernel of an effect is given, and where it adds.
+
+An effect's file holds one kernel for each thing that it does; `vocabulary.py` calls them:
+
+    wrench(at, own, out)                   adds the wrench in {b} to `out`, with all partials; `out` has 3 rows
+    memory_rate(at, own, out)              adds the rate of the memory, with partials; a row for each memory
+    stiction(at, own, columns) -> n        writes n wrenches (3,) into the first of columns (m, 3), which are 0
+    settled(at, own, memory)               writes where the memory comes to rest
+    phi_change(time, own, phi, by_own)     adds to phi (4,) and to its partials (4, q)
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cartgrasp.frames import Array
+
+Twist = tuple[float, float, float]
+
+
+class Situation(NamedTuple):
+    """Time (s); pose_sb (3,); velocity (u, w, r) in {b}; phi (4,); of each wheel x, y and 1 for a caster, 0 for a
+    fixed one (n, 3), load (n,) in N and its partials by phi (n, 4); of each pivot of a caster x, y and trail (k, 3);
+    the speed (m/s) below which a Coulomb force fades."""
+
+    time: float
+    pose: Array
+    velocity: Twist
+    phi: Array
+    wheels: Array
+    loads: Array
+    carried: Array
+    pivots: Array
+    smoothing_speed: float
+
+
+class Own(NamedTuple):
+    """Of one effect: memory (k,), parameters (q,), and the number that its class calls `constant`."""
+
+    memory: Array
+    parameters: Array
+    constant: float
+
+
+class Parts(NamedTuple):
+    """Value (n,) and partials: pose and velocity (n, 3), phi (n, 4), memory (n, k), parameters (n, q)."""
+
+    value: Array
+    by_pose: Array
+    by_velocity: Array
+    by_phi: Array
+    by_memory: Array
+    by_parameters: Array

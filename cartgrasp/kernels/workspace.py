@@ -1,0 +1,127 @@
+"""A cart in two blocks of memory: a call then hands over two arrays, not thirty. `pack` writes what does not change
+with state and parameters; the rest is room for what is found on the way. `unpack` says what stands where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from .jit import Ints, compiled
+from .vocabulary import KINDS
+
+N_SIZES = 6
+N_PHI = 4
+POSE, VELOCITY, PHI, MEMORY = 1, 4, 7, 11
+"""Where the partials by each begin in a row of sums, behind the value; those by parameters end it."""
+
+
+class PackedEffect(NamedTuple):
+    """An effect with a kernel: its name, where its parameters and memory begin and end, its constant."""
+
+    name: str
+    parameters: slice
+    memory: slice
+    constant: float
+
+
+class Workspace(NamedTuple):
+    """`effects` (e, 5): kind, first and last + 1 of the parameters, and of the memory; their `constants` (e,); `wheels`
+    (n, 3) and `pivots` (k, 3) as in `Situation`; `basis` (3, f).
+
+    Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (3, 11 + k + p) of the effects'
+    `wrench` and (k, 11 + k + p) of the memory's rate, one after the other in `sums`; and `loads` (n,), `carried` (n, 4)
+    and `standing` (n,) of the wheels."""
+
+    gravity: float
+    smoothing_speed: float
+    effects: Ints
+    constants: Array
+    wheels: Array
+    pivots: Array
+    basis: Array
+    sums: Array
+    phi: Array
+    phi_by_parameters: Array
+    wrench: Array
+    memory_rate: Array
+    loads: Array
+    carried: Array
+    standing: Array
+
+
+def sums_size(n_memory: int, n_parameters: int) -> int:
+    return N_PHI + N_PHI * n_parameters + (3 + n_memory) * (MEMORY + n_memory + n_parameters)
+
+
+def pack(
+    effects: Sequence[PackedEffect],
+    wheels: tuple[Array, Array],
+    basis: Array,
+    sizes: tuple[int, int],
+    common: tuple[float, float],
+) -> tuple[Array, Ints]:
+    """`wheels` and pivots; how much memory and how many parameters; gravity and smoothing speed."""
+    (table, pivots), (nm, p), nf = wheels, sizes, basis.shape[1]
+    n = 3 + nf + nm
+    ints = np.zeros(N_SIZES + 5 * len(effects), np.int64)
+    ints[:N_SIZES] = len(effects), len(table), len(pivots), nf, nm, p
+    for effect in effects:
+        if effect.name not in KINDS:
+            raise UsageError(f"effects: {effect.name} has no kernel; an effect in numpy derives from ForceEffect")
+    for row, effect in zip(ints[N_SIZES:].reshape(-1, 5), effects, strict=True):
+        own, memory = effect.parameters, effect.memory
+        row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop
+    constants = [effect.constant for effect in effects]
+    given = np.concatenate([common, constants, table.ravel(), pivots.ravel(), basis.ravel()])
+    room = sums_size(nm, p) + 6 * len(table) + nf * nf + n * (4 + n + 3 + p)
+    return np.concatenate([given, np.zeros(room)]), ints
+
+
+@compiled
+def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
+    """And room (nf² + n (7 + n + p),) for a rate with all partials, and for steps."""
+    ne, nw, nv, nf, nm, p = ints[0], ints[1], ints[2], ints[3], ints[4], ints[5]
+    width = MEMORY + nm + p
+    constants, at = floats[2 : 2 + ne], 2 + ne
+    wheels, at = floats[at : at + 3 * nw].reshape((nw, 3)), at + 3 * nw
+    pivots, at = floats[at : at + 3 * nv].reshape((nv, 3)), at + 3 * nv
+    basis, at = floats[at : at + 3 * nf].reshape((3, nf)), at + 3 * nf
+    first = at
+    phi, at = floats[at : at + N_PHI], at + N_PHI
+    phi_by_parameters, at = floats[at : at + N_PHI * p].reshape((N_PHI, p)), at + N_PHI * p
+    wrench, at = floats[at : at + 3 * width].reshape((3, width)), at + 3 * width
+    memory_rate, at = floats[at : at + nm * width].reshape((nm, width)), at + nm * width
+    sums = floats[first:at]
+    loads, at = floats[at : at + nw], at + nw
+    carried, at = floats[at : at + 4 * nw].reshape((nw, 4)), at + 4 * nw
+    standing, at = floats[at : at + nw], at + nw
+    effects = ints[N_SIZES:].reshape((ne, 5))
+    w = Workspace(
+        floats[0],
+        floats[1],
+        effects,
+        constants,
+        wheels,
+        pivots,
+        basis,
+        sums,
+        phi,
+        phi_by_parameters,
+        wrench,
+        memory_rate,
+        loads,
+        carried,
+        standing,
+    )
+    return w, floats[at:]
+
+
+@compiled
+def copy(source: Array, into: Array) -> None:
+    for i in range(len(into)):
+        into[i] = source[i]
