@@ -43,7 +43,7 @@ class QuadraticSolver:
 
 
 def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:
-    """Interior point, then a polish on the active set it found, then steps; about 100 times slower than daqp."""
+    """Interior point, then a polish on the active set it found; steps where that fails; about 100 times slower than daqp."""
     from .clarabel_solver import solve
     from .proximal import solve_by_steps
 
@@ -51,4 +51,6 @@ def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:
     if not np.isfinite(solution.residuals.equality):
         return solution
     polished = polish(program, solution)
-    return polished if polished.status == OPTIMAL else solve_by_steps(program, solution)
+    if polished.status == OPTIMAL:
+        return polished
+    return solution if solution.status == OPTIMAL else solve_by_steps(program, solution)
