@@ -43,7 +43,7 @@ class QuadraticSolver:
 
 
 def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:
-    """Interior point, then a polish on the active set it found; steps where that fails; about 100 times slower than daqp."""
+    """Interior point, then a polish on the active set it found, or steps; about 100 times slower than daqp."""
     from .clarabel_solver import solve
     from .proximal import solve_by_steps
 
