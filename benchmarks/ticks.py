@@ -23,8 +23,8 @@ WHEELS = (*(Wheel("fixed", x, y) for x, y in FIXED), *(Wheel("caster", x, y, 0.0
 WHEELED = replace(CART, wheels=WHEELS, com_height=0.45)
 LIMITS = (Skid(0.6), TipOver(5.0))
 NOTE = """Two arms with boxes and friction pyramids, and the cart's skid and tip-over; after `warm_up`. The wrench is
-new at every call, and so is what the row names. An estimate given again is the same object, as of a filter slower than the
-loop."""
+new at every call, and so is what the row names. An estimate given again is the same object, as of a filter slower
+than the loop."""
 
 
 def run(rounds: int) -> Result:
