@@ -7,7 +7,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from . import allocation, contact_choice, dynamics, filter_step, plants, start_up
+from . import allocation, contact_choice, dynamics, filter_step, plants, start_up, ticks
 from .report import document
 
 BENCHMARKS = {
@@ -17,6 +17,7 @@ BENCHMARKS = {
     "filter_step": (filter_step.run, 200),
     "plants": (plants.run, 20),
     "start_up": (start_up.run, 20),
+    "ticks": (ticks.run, 200),
 }
 QUICK = 3
 PEERS = ("quadprog", "piqp", "proxsuite", "filterpy")

@@ -42,7 +42,7 @@ class CompiledChoice:
     @classmethod
     def of(cls, candidates: Candidates, allocation: CompiledAllocation) -> Self | None:
         """None where candidates aren't single points, or too many."""
-        if len(candidates.vertices) != len(candidates.options) or candidates.count > TABLE_SIZE:
+        if candidates.has_segments or candidates.count > TABLE_SIZE:
             return None
         allowed = np.where(candidates.allowed((), range(candidates.n_arms)), -np.inf, np.inf).ravel()
         n, points = 6 * candidates.n_arms, candidates.vertices

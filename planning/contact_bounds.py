@@ -90,6 +90,10 @@ class Candidates:
         """Number of full choices, a segment counted once."""
         return prod(stop - start for start, stop in zip(self.starts, self.starts[1:], strict=False))
 
+    @property
+    def has_segments(self) -> bool:
+        return len(self.vertices) > len(self.options)
+
     @cached_property
     def single(self) -> Array | None:
         """The contacts (n, 3) if there is only one choice, and that of points; else None."""

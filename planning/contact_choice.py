@@ -73,7 +73,7 @@ class SearchLimit:
         """The gap that is good enough for these candidates."""
         if self.gap is not None:
             return self.gap
-        widened = len(candidates.vertices) > len(candidates.options) and bool(template.cart_rows.of_sum.any())
+        widened = candidates.has_segments and bool(template.cart_rows.of_sum.any())
         return WIDENED_GAP if widened else GAP_TOLERANCE
 
 

@@ -277,7 +277,7 @@ class WrenchPlanner:
             return refusal(NUMERICAL if nearest.complete else TIMEOUT, message, start)
         whole = replace(choice, solved=choice.solved + nearest.solved)
         plan = self._planned(nearest.contacts, question.target, whole, start)
-        return at_nearest(plan, candidates.count)
+        return at_nearest(plan, candidates)
 
     def _planned(self, points: Array, target: Array, choice: Choice | None, start: float) -> Plan:
         """The plan at contacts, which were chosen or given."""

@@ -26,11 +26,12 @@ def undecided(choice: Choice, start: float) -> Plan:
     return refusal(TIMEOUT, f"{message}; raise search_limit, or offer fewer contacts", start)
 
 
-def at_nearest(plan: Plan, count: int) -> Plan:
-    """The plan at the nearest of so many choices of contacts, which says so."""
+def at_nearest(plan: Plan, candidates: Candidates) -> Plan:
+    """The plan at the nearest of all choices of contacts, which says so."""
     if plan.certificate is None:
         return plan
-    words = f"{plan.certificate.words} (at the nearest of {count} choices of contacts; none is feasible)"
+    choices = "all" if candidates.has_segments else f"{candidates.count}"
+    words = f"{plan.certificate.words} (at the nearest of {choices} choices of contacts; none is feasible)"
     return replace(plan, certificate=replace(plan.certificate, words=words), message=words)
 
 

@@ -54,6 +54,7 @@ class Terms:
         self._cart = cart
         self._motion: Motion | None = None
         self._covariance: Array | None = None
+        self._estimate: Estimate | None = None
         self._objective, self._cart_limits = objective, cart_limits
         self._distance, self._period = distance_and_period
         self._use(tuple(arms))
@@ -85,8 +86,9 @@ class Terms:
         return [(arm.name, arm.reach) for arm in self.base.arms if arm.name in names and arm.reach is not None]
 
     def take_estimate(self, estimate: Estimate) -> bool:
-        """The cart's limits for the cart and motion as now estimated; False if there are no such limits."""
-        if not self._cart_limits.limits:
+        """The cart's limits for the cart and motion as now estimated; False if there are no such limits, or they
+        are those of this very estimate already."""
+        if not self._cart_limits.limits or estimate is self._estimate:
             return False
         cart = read_cart(estimate, self.base.basis_b)
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
@@ -98,7 +100,7 @@ class Terms:
         if not rows.are_numbers(LARGEST_WRENCH):
             what = f"by it a limit of the cart is not finite, or beyond {LARGEST_WRENCH:g}"
             raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
-        self._cart, self._motion, self._covariance = cart, estimate.motion, covariance
+        self._cart, self._motion, self._covariance, self._estimate = cart, estimate.motion, covariance, estimate
         self.template = self.base = self.base.with_cart_rows(rows)
         return True
 

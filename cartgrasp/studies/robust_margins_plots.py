@@ -59,6 +59,8 @@ def figure_robust_margins(runs: Sequence[Run]) -> Figure:
             panel.axvspan(LAPS[2], LAPS[-1], color="0.94", zorder=0)
             draw(panel, runs)
             panel.label_outer()
+        for start, stop, path in ((0.0, LAPS[2], "straight"), (LAPS[2], LAPS[-1], "curved")):
+            axes[0].text((start + stop) / 2, 0.97, path, transform=axes[0].get_xaxis_transform(), ha="center", va="top")
         figure.legend(*axes[2].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return figure
 

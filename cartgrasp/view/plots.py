@@ -146,13 +146,13 @@ def plain_text(text: str, most: int = 24) -> str:
 
 
 def _draw_arms(axes: Axes, time: Array, columns: Mapping[str, Array], components: Sequence[str]) -> list[Artist]:
-    """Lines of (n, components) for each arm."""
+    """Lines of (n, components) for each arm, each arm's thinner than the last: where arms do the same, all show."""
     artists: list[Artist] = []
     handles = []
     for i, (arm, values) in enumerate(columns.items()):
-        colour = OKABE_ITO[i % len(OKABE_ITO)]
+        colour, width = OKABE_ITO[i % len(OKABE_ITO)], 2.4 / (1 + i)
         for column, line_style in zip(values.T, COMPONENT_STYLES, strict=False):
-            artists += axes.plot(time, column, color=colour, linestyle=line_style)
+            artists += axes.plot(time, column, color=colour, linestyle=line_style, linewidth=width)
         handles.append(Line2D([], [], color=colour, label=plain_text(arm, 14)))
     for component, line_style in zip(components, COMPONENT_STYLES, strict=False):
         handles.append(Line2D([], [], color="#555555", linestyle=line_style, label=component))

@@ -8,7 +8,15 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-TITLES = ("Allocation at given contacts", "Choice of contacts", "Dynamics", "Filter step", "Plants", "Start-up")
+TITLES = (
+    "Allocation at given contacts",
+    "Choice of contacts",
+    "Dynamics",
+    "Filter step",
+    "Plants",
+    "Start-up",
+    "What a tick costs",
+)
 
 
 def test_each_benchmark_runs(tmp_path):

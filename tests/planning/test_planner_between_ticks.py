@@ -51,6 +51,14 @@ def test_only_so_far_as_is_allowed():
         WrenchPlanner(cart(), pair(), relax=-1.0)
 
 
+@pytest.mark.parametrize(
+    ("hand", "choices"), [(bar("hand"), "all"), (arm("hand", [(-0.25, 0.2, 1.0), (-0.25, 0.0, 1.0)]), "2")]
+)
+def test_how_many_choices_were_tried_is_told(hand, choices):
+    plan = WrenchPlanner(cart(), [hand]).plan((500, 0, 0))
+    assert plan.message.endswith(f"(at the nearest of {choices} choices of contacts; none is feasible)")
+
+
 def test_relaxed_over_contacts():
     planner = WrenchPlanner(cart(), [bar("left"), bar("right")], min_hand_distance=0.2, relax=np.inf)
     plan = planner.plan((150, 0, 0))
@@ -235,6 +243,23 @@ def test_the_estimate_says_what_tips():
     assert planner.plan((-110, 0, 0)).effort == pytest.approx(fresh.effort, rel=1e-8)  # it stays
     again = planner.plan((-110, 0, 0), estimate=estimate(1.1, shopping_cart()))
     assert again.effort == pytest.approx(hard.effort, rel=1e-8)
+
+
+def test_an_estimate_given_again_costs_nothing_and_still_holds():
+    """A loop may hand over the filter's last estimate at every tick."""
+    back = shopping_cart().with_inertia(cg.Inertia(24.0, (0.12, 0.02), 2.0))
+    limits, stronger = [Skid(0.5), TipOver(5.0)], pair(force_limit=(80, 60, 40), friction=None)
+    planner, known = WrenchPlanner(shopping_cart(), pair(friction=None), cart_limits=limits, relax=np.inf), []
+    for model in (back, shopping_cart(), back):
+        known.append(estimate(1.0, model))
+        fresh = WrenchPlanner(model, stronger, cart_limits=limits, relax=np.inf).plan((-110, 0, 0))
+        planner.plan((-110, 0, 0), estimate=known[-1])
+        again = planner.plan((-110, 0, 0), estimate=known[-1], arms=stronger)
+        assert again.effort == pytest.approx(fresh.effort, rel=1e-8)
+        rows = planner._terms.base.cart_rows
+        assert planner.plan((-110, 0, 0), estimate=known[-1]).effort == pytest.approx(fresh.effort, rel=1e-8)
+        assert planner._terms.base.cart_rows is rows
+    assert planner.plan((-110, 0, 0), estimate=known[1]).effort != pytest.approx(fresh.effort, rel=1e-3)
 
 
 def test_an_estimate_that_is_no_cart_is_refused():
