@@ -96,6 +96,7 @@ class _Fit:
         self.free = prior.free(cart)
         self.first = cart.parameters.copy()
         self.first_covariance = prior.covariance(cart)[np.ix_(self.free, self.free)]
+        self.source = ", ".join(regression.name for regression in regressions)
         self.excess = np.ones(len(regressions))
 
     def result(self) -> Identification:
@@ -109,11 +110,12 @@ class _Fit:
     def _solve(self) -> tuple[Array, Array, Array]:
         """Parameters (p,), delays (logs,), and the covariance of the free parameters."""
         f = len(self.free)
-        parameters, delays = self.first.copy(), np.full(len(self.regressions), DELAY)
-        limits = PhysicalSet.of(self.cart)
+        parameters = self.first.copy()
+        delays: Array = np.full(len(self.regressions), DELAY)
+        limits = PhysicalSet.of(self.cart, self.source)
         for _ in range(ROUNDS):
             information, pull = self._normal(parameters, delays)
-            covariance = np.linalg.inv(information)
+            covariance = np.asarray(np.linalg.inv(information), dtype=float)
             move = covariance @ pull
             aim = parameters.copy()
             aim[self.free] += move[:f]
@@ -122,10 +124,10 @@ class _Fit:
             parameters = aim
             delays = np.minimum(np.maximum(delays + move[f:], 0.0), 1.0)
             if not np.isfinite(parameters).all():
-                raise DataError("identify: these logs can't be fitted; look for numbers that are not in SI units")
+                raise DataError(f"{self.source}: can't be fitted; look for numbers that are not in SI units")
             if np.abs(moved).max(initial=0.0) < SETTLED:
                 break
-        return parameters, delays, covariance[:f, :f]
+        return parameters, delays, np.asarray(covariance[:f, :f], dtype=float)
 
     def _normal(self, parameters: Array, delays: Array) -> tuple[Array, Array]:
         f, n = len(self.free), len(self.regressions)

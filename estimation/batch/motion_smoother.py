@@ -171,7 +171,7 @@ def _sensors(chain: _Chain, state: Array) -> list[tuple[Array, Array, slice]]:
 
 def _jolted(chain: _Chain, state: Array, time: Array) -> np.ndarray:
     """Steps (n - 1,) in or beside windows in which the residuals are larger than their noise."""
-    window = ((time - time[0]) // WINDOW).astype(int)
+    _, window = np.unique((time - time[0]) // WINDOW, return_inverse=True)
     squares, counts = np.zeros(window[-1] + 3), np.zeros(window[-1] + 3)
     for residual, weights, _ in _sensors(chain, state):
         np.add.at(squares, window + 1, (residual * (weights @ residual[..., None])[..., 0]).sum(axis=1))

@@ -6,6 +6,7 @@ that is `[[m, m dᵀ], [m d, J 1]] > 0`: by Schur's complement, `J m > |m d|²`.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,21 +24,22 @@ EDGE = 1e-6
 @dataclass(frozen=True)
 class PhysicalSet:
     """What a cart like the first guess can have: at least `mass` (kg) and `about_com` (kg m²), and effects within
-    their bounds (p - 4,)."""
+    their bounds (p - 4,). `source` names the data, for errors."""
 
     mass: float
     about_com: float
     lower: Array
     upper: Array
     turns: bool
+    source: str
 
     @classmethod
-    def of(cls, cart: CartModel) -> PhysicalSet:
+    def of(cls, cart: CartModel, source: str) -> PhysicalSet:
         bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
         lower, upper = np.array(bounds).reshape(-1, 2).T
         body = cart.inertia
         least = LEAST_MASS_SHARE * body.mass, LEAST_INERTIA_SHARE * body.about_com
-        return cls(*least, lower, upper, not cart.constraints.no_rotation)
+        return cls(*least, lower, upper, not cart.constraints.no_rotation, source)
 
     def holds(self, parameters: Array) -> bool:
         effects = parameters[N_PHI:]
@@ -67,16 +69,19 @@ class PhysicalSet:
         limits += [found[N_PHI + i] <= self.upper[i] for i in self._bounded(self.upper, free)]
         problem = cp.Problem(cp.Minimize(cp.sum_squares(root @ step)), limits)
         try:
-            problem.solve(solver=cp.CLARABEL)
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "Solution may be inaccurate")  # the next round starts from it
+                problem.solve(solver=cp.CLARABEL)
         except cp.SolverError as error:
-            raise DataError(
-                "no physical cart could be fitted to these logs; look for numbers not in SI units"
-            ) from error
+            raise self._none() from error
         if step.value is None:
-            raise DataError("no physical cart could be fitted to these logs; look for numbers not in SI units")
+            raise self._none()
         nearest = parameters + lift @ step.value
         nearest[N_PHI:] = np.clip(nearest[N_PHI:], self.lower, self.upper)
         return np.asarray(nearest)
+
+    def _none(self) -> DataError:
+        return DataError(f"{self.source}: no physical cart could be fitted; look for numbers that are not in SI units")
 
     def _bounded(self, bounds: Array, free: np.ndarray) -> list[int]:
         return [int(i) for i in np.flatnonzero(np.isfinite(bounds)) if N_PHI + i in free]

@@ -29,6 +29,10 @@ from .wrench_record import WrenchRecord
 BLOCK = 0.5
 """s: what is left of a right model is uncorrelated over longer times."""
 FEWEST_BLOCKS = 12
+FEWEST_ROWS = 50
+"""Of a log that tells its own noise."""
+LONGEST_STEP = 3.0
+"""Times the usual step: over a longer one nobody knows what a wrench did."""
 OUTLYING = 4.0
 """Times its share of the scatter that a stretch may have with full weight."""
 
@@ -76,16 +80,16 @@ class WrenchRegression:
     def __init__(self, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> None:
         thinned = log.thinned()
         self.cart, self.name = cart, log.name
-        noise = noise or noise_of_log(thinned, cart)
+        if noise is None:
+            noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()
         try:
             with np.errstate(over="raise", invalid="raise", divide="raise"):
                 self._record = WrenchRecord.of(thinned, cart, noise)
                 self.motion = smooth_motion(thinned, cart, noise)
         except (FloatingPointError, np.linalg.LinAlgError) as error:
             raise _too_large(log.name) from error
-        steady = self.motion.linked & (
-            np.diff(thinned.time) < 3 * np.median(np.diff(thinned.time)) if len(log) > 1 else []
-        )
+        steps = np.diff(thinned.time)
+        steady = self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
         self._used = np.append(steady, False) & self._record.seen
 
     def evidence(self, parameters: Array, delay: float) -> Evidence:
