@@ -9,6 +9,7 @@ its errors do not bias a regression on it. How much jerk there is, the likelihoo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -47,6 +48,15 @@ class SmoothMotion:
     information: BlockTridiagonal
     linked: np.ndarray
     jerk: Array
+
+    @cached_property
+    def velocity_std(self) -> Array:
+        """Of nu (f,), in the middle of the log."""
+        n, d, _ = self.information.diagonal.shape
+        f = self.velocity.shape[1]
+        one = np.zeros((n, d, f))
+        one[n // 2, 3 : 3 + f] = np.eye(f)
+        return np.sqrt(np.diagonal(self.information.factor().solve(one)[n // 2, 3 : 3 + f]))
 
     @property
     def state(self) -> Array:

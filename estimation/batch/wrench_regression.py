@@ -31,6 +31,8 @@ BLOCK = 0.5
 FEWEST_BLOCKS = 12
 FEWEST_ROWS = 50
 """Of a log that tells its own noise."""
+STILL = 3.0
+"""Standard deviations of the smoothed velocity within which a cart may stand still."""
 LONGEST_STEP = 3.0
 """Times the usual step: over a longer one nobody knows what a wrench did."""
 OUTLYING = 4.0
@@ -164,9 +166,14 @@ class WrenchRegression:
         return memory
 
     def _stuck(self, state: Array, parameters: Array) -> Array:
-        """Covariance (n, f, f) of Coulomb forces near standstill, that take whatever value holds things still."""
-        forces = self.cart.basis_b.T @ self.cart.stiction(state, parameters, self.motion.time)
-        return np.asarray(forces @ np.swapaxes(forces, 1, 2))
+        """Covariance (n, f, f) of Coulomb forces where the cart may stand still, for all that its smoothed velocity
+        tells: they take whatever value holds things, and keep it for a while."""
+        slow = state.copy()
+        nu = state[:, self.cart.velocity_slice]
+        slow[:, self.cart.velocity_slice] = np.sign(nu) * np.maximum(np.abs(nu) - STILL * self.motion.velocity_std, 0.0)
+        forces = self.cart.basis_b.T @ self.cart.stiction(slow, parameters, self.motion.time)
+        samples = max(1.0, BLOCK / float(np.median(np.diff(self.motion.time))))
+        return np.asarray(samples * forces @ np.swapaxes(forces, 1, 2))
 
 
 def _by_block(time: Array, parts: Array) -> Array:
