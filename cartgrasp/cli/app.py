@@ -97,6 +97,19 @@ def estimate(
     raise typer.Exit(command.run(log, cart, method, out, json))
 
 
+@app.command()
+def identify(
+    logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, or the EMPS .mat.", metavar="LOG…")],
+    cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for cart.yaml with the values put in.")] = None,
+    json: Json = False,
+) -> None:
+    """Learn mass, CoM, inertia and effects from whole logs jointly: a batch fit that a physical cart can have."""
+    from . import identify as command
+
+    raise typer.Exit(command.run(logs, cart, out, json))
+
+
 @study.command("table1")
 def table1(
     out: Annotated[Path, typer.Option("--out", help="Folder for the table and plots.")] = Path("out/table1"),

@@ -23,7 +23,7 @@ METHODS: dict[str, type[CartFilter] | type[PaperFilter]] = {"filter": CartFilter
 def run(path: Path, cart_path: Path | None, method: str, out: Path | None, as_json: bool) -> int:
     if method not in METHODS:
         raise UsageError(f"--method {method}: unknown; known are {', '.join(METHODS)}")
-    cart = _cart(path, cart_path)
+    cart = cart_of(path, cart_path)
     if out is not None:
         check_writable(out)
     log = read_log(path)
@@ -38,7 +38,7 @@ def run(path: Path, cart_path: Path | None, method: str, out: Path | None, as_js
     return 0
 
 
-def _cart(path: Path, cart_path: Path | None) -> CartModel:
+def cart_of(path: Path, cart_path: Path | None) -> CartModel:
     if cart_path is not None:
         return load_cart(cart_path)
     if path.suffix.lower() == ".mat":

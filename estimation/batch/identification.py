@@ -1,0 +1,166 @@
+"""Batch identification: the parameters of a cart from whole logs, by generalised least squares with a prior.
+
+Every log is regressed on its own smoothed motion (`wrench_regression.py`); all logs' information and the prior's add
+up. Where the best fit is no body or an effect out of its bounds, the most likely physical one is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from cartgrasp.errors import DataError, UsageError
+from cartgrasp.frames import Array
+from cartgrasp.inertia import Inertia, physical_from_phi, physical_jacobian
+from cartgrasp.logs import RunLog
+from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from ..noise import FilterNoise
+from ..parameter_block import IDENTIFIABLE_SHARE
+from ..prior import Prior, report_names, report_units
+from .physical_fit import PhysicalSet
+from .wrench_regression import WrenchRegression
+
+ROUNDS, SETTLED = 20, 1e-3
+DELAY, DELAY_STD = 0.25, 0.3
+"""Steps: a sampled wrench has 0, a held one 0.5."""
+
+
+@dataclass(frozen=True)
+class LogFit:
+    """How a log fits: by what share of a step its wrenches are late, and how many times as large as believed the noise
+    variance had to be for it."""
+
+    name: str
+    delay: float
+    noise_excess: float
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What logs say of a cart. `model_parameters` (p,) and `covariance` (p, p) are of `(phi | effects' values)`."""
+
+    structure: CartModel
+    model_parameters: Array
+    covariance: Array
+    parameters: dict[str, ParameterEstimate]
+    logs: tuple[LogFit, ...]
+
+    def cart(self) -> CartModel:
+        """The cart with the values put in."""
+        cart = self.structure.with_parameters(self.model_parameters)
+        if not self.structure.constraints.no_rotation:
+            return cart
+        body = self.structure.inertia
+        return cart.with_inertia(Inertia(cart.inertia.mass, body.com, body.about_com))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result as the command line gives it."""
+        parameters = {
+            name: {"value": p.value, "std": p.std, "unit": p.unit, "identifiable": p.identifiable}
+            for name, p in self.parameters.items()
+        }
+        logs = [{"name": log.name, "delay": log.delay, "noise_excess": log.noise_excess} for log in self.logs]
+        return {"parameters": parameters, "logs": logs}
+
+
+def identify(
+    logs: Sequence[RunLog],
+    cart: CartModel,
+    prior: Prior | None = None,
+    noise: FilterNoise | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Identification:
+    """Fits the cart to all logs at once; `cart` is the first guess, and `noise` is read off each log unless given.
+    `progress` is told the share done."""
+    if not logs:
+        raise UsageError("identify: no log is given; at least one is needed")
+    regressions = []
+    for i, log in enumerate(logs):
+        regressions.append(WrenchRegression(log, cart, noise))
+        if progress is not None:
+            progress((i + 1) / (len(logs) + 1))
+    return _Fit(cart, prior or Prior(), regressions).result()
+
+
+class _Fit:
+    """Unknown: the free parameters, then each log's delay."""
+
+    def __init__(self, cart: CartModel, prior: Prior, regressions: Sequence[WrenchRegression]) -> None:
+        self.cart, self.prior, self.regressions = cart, prior, regressions
+        self.free = prior.free(cart)
+        self.first = cart.parameters.copy()
+        self.first_covariance = prior.covariance(cart)[np.ix_(self.free, self.free)]
+        self.source = ", ".join(regression.name for regression in regressions)
+        self.excess = np.ones(len(regressions))
+
+    def result(self) -> Identification:
+        parameters, delays, covariance = self._solve()
+        whole = np.zeros((len(parameters), len(parameters)))
+        whole[np.ix_(self.free, self.free)] = covariance
+        told = zip(self.regressions, delays.tolist(), self.excess.tolist(), strict=True)
+        logs = tuple(LogFit(regression.name, delay, excess) for regression, delay, excess in told)
+        return Identification(self.cart, parameters, whole, self._report(parameters, whole), logs)
+
+    def _solve(self) -> tuple[Array, Array, Array]:
+        """Parameters (p,), delays (logs,), and the covariance of the free parameters."""
+        f = len(self.free)
+        parameters = self.first.copy()
+        delays: Array = np.full(len(self.regressions), DELAY)
+        limits = PhysicalSet.of(self.cart, self.source)
+        for _ in range(ROUNDS):
+            information, pull = self._normal(parameters, delays)
+            covariance = np.asarray(np.linalg.inv(information), dtype=float)
+            move = covariance @ pull
+            aim = parameters.copy()
+            aim[self.free] += move[:f]
+            aim = limits.nearest(aim, self.free, np.linalg.inv(covariance[:f, :f]))
+            moved = (aim - parameters)[self.free] / np.sqrt(np.diagonal(covariance)[:f])
+            parameters = aim
+            delays = np.minimum(np.maximum(delays + move[f:], 0.0), 1.0)
+            if not np.isfinite(parameters).all():
+                raise DataError(f"{self.source}: can't be fitted; look for numbers that are not in SI units")
+            if np.abs(moved).max(initial=0.0) < SETTLED:
+                break
+        return parameters, delays, np.asarray(covariance[:f, :f], dtype=float)
+
+    def _normal(self, parameters: Array, delays: Array) -> tuple[Array, Array]:
+        f, n = len(self.free), len(self.regressions)
+        weight = np.linalg.inv(self.first_covariance)
+        information, pull = np.zeros((f + n, f + n)), np.zeros(f + n)
+        information[:f, :f] = weight
+        background = block_diag(weight, [[DELAY_STD**-2]])
+        pull[:f] = weight @ (self.first - parameters)[self.free]
+        for i, regression in enumerate(self.regressions):
+            found = regression.evidence(parameters, float(delays[i]))
+            own = np.append(np.arange(f), f + i)
+            part = np.append(self.free, len(parameters))
+            taught, drawn, excess = found.part(part).weighed(background)
+            self.excess[i] = excess
+            information[np.ix_(own, own)] += taught / excess
+            pull[own] += drawn / excess
+            information[f + i, f + i] += DELAY_STD**-2
+            pull[f + i] += (DELAY - delays[i]) * DELAY_STD**-2
+        return information, pull
+
+    def _report(self, parameters: Array, covariance: Array) -> dict[str, ParameterEstimate]:
+        to_report = np.eye(len(parameters))
+        to_report[:N_PHI, :N_PHI] = physical_jacobian(parameters[:N_PHI])
+        std = np.sqrt(np.maximum(((to_report @ covariance) * to_report).sum(axis=1), 0.0))
+        before = self.prior.deviations(self.cart)
+        shrunk = np.zeros(len(parameters), dtype=bool)
+        own = np.diagonal(covariance)[self.free] / np.diagonal(self.first_covariance)
+        shrunk[self.free] = own < IDENTIFIABLE_SHARE**2
+        learned = shrunk & (std < IDENTIFIABLE_SHARE * before)
+        values = parameters.copy()
+        values[:N_PHI] = physical_from_phi(parameters[:N_PHI])
+        if self.cart.constraints.no_rotation:
+            body = self.cart.inertia
+            values[1:N_PHI], std[1:N_PHI] = [*body.com, body.about_com], before[1:N_PHI]
+        named = zip(report_names(self.cart), report_units(self.cart), values, std, learned, strict=True)
+        return {name: ParameterEstimate(float(v), float(s), unit, bool(known)) for name, unit, v, s, known in named}

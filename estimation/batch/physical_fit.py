@@ -1,0 +1,87 @@
+"""The most likely parameters that a cart can have: a quadratic cost, bounds, and a linear matrix inequality.
+
+A body is physical when its planar pseudo-inertia is positive definite (physics 18). With the second moments' trace J,
+that is `[[m, m dᵀ], [m d, J 1]] > 0`: by Schur's complement, `J m > |m d|²`.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.frames import Array
+from cartgrasp.inertia import physical_from_phi
+from cartgrasp.model import N_PHI, CartModel
+
+LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
+EDGE = 1e-6
+"""How far inside its bounds a solution is put, as a share of the first guess."""
+
+
+@dataclass(frozen=True)
+class PhysicalSet:
+    """What a cart like the first guess can have: at least `mass` (kg) and `about_com` (kg m²), and effects within
+    their bounds (p - 4,). `source` names the data, for errors."""
+
+    mass: float
+    about_com: float
+    lower: Array
+    upper: Array
+    turns: bool
+    source: str
+
+    @classmethod
+    def of(cls, cart: CartModel, source: str) -> PhysicalSet:
+        bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
+        lower, upper = np.array(bounds).reshape(-1, 2).T
+        body = cart.inertia
+        least = LEAST_MASS_SHARE * body.mass, LEAST_INERTIA_SHARE * body.about_com
+        return cls(*least, lower, upper, not cart.constraints.no_rotation, source)
+
+    def holds(self, parameters: Array) -> bool:
+        effects = parameters[N_PHI:]
+        if parameters[0] < self.mass or (effects < self.lower).any() or (effects > self.upper).any():
+            return False
+        return not self.turns or float(physical_from_phi(parameters[:N_PHI])[3]) >= self.about_com
+
+    def nearest(self, parameters: Array, free: np.ndarray, information: Array) -> Array:
+        """The parameters (p,) in the set with the least `|free ones' distance|²` in the metric of the information
+        (f, f)."""
+        if self.holds(parameters):
+            return parameters
+        import cvxpy as cp
+
+        scale = 1 / np.sqrt(np.diagonal(information))
+        root = np.linalg.cholesky(information * np.outer(scale, scale)).T
+        step = cp.Variable(len(free))
+        lift = np.zeros((len(parameters), len(free)))
+        lift[free, range(len(free))] = scale
+        found = parameters + lift @ step
+        limits = [found[0] >= (1 + EDGE) * self.mass]
+        if self.turns:
+            moments = cp.reshape(found[1:3], (2, 1), order="C")
+            second = (found[3] - (1 + EDGE) * self.about_com) * np.eye(2)
+            limits.append(cp.bmat([[cp.reshape(found[0], (1, 1), order="C"), moments.T], [moments, second]]) >> 0)
+        limits += [found[N_PHI + i] >= self.lower[i] for i in self._bounded(self.lower, free)]
+        limits += [found[N_PHI + i] <= self.upper[i] for i in self._bounded(self.upper, free)]
+        problem = cp.Problem(cp.Minimize(cp.sum_squares(root @ step)), limits)
+        try:
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "Solution may be inaccurate")  # the next round starts from it
+                problem.solve(solver=cp.CLARABEL)
+        except cp.SolverError as error:
+            raise self._none() from error
+        if step.value is None:
+            raise self._none()
+        nearest = parameters + lift @ step.value
+        nearest[N_PHI:] = np.clip(nearest[N_PHI:], self.lower, self.upper)
+        return np.asarray(nearest)
+
+    def _none(self) -> DataError:
+        return DataError(f"{self.source}: no physical cart could be fitted; look for numbers that are not in SI units")
+
+    def _bounded(self, bounds: Array, free: np.ndarray) -> list[int]:
+        return [int(i) for i in np.flatnonzero(np.isfinite(bounds)) if N_PHI + i in free]
