@@ -12,7 +12,7 @@ with rows (b, n + 1 + p + f) of state | time | parameters | nu' `given`, and row
 (b, f (1 + n + f + p) + k (1 + n + p)) to be `found`: reduced wrench (f,) | by state (f, n) | by nu' (f, f) |
 by parameters (f, p) | memory's rate (k,) | by state (k, n) | by parameters (k, p), as in `CartModel.inverse`.
 It is kept for the next process under a name that holds `jit.DIGEST` beside a digest of its own sources
-(`jit.cached_as`).
+(`compiling.cached_as`).
 
 To add an effect: its class in `effects/`, its kernel here, its number and branches in `vocabulary.py`.
 """

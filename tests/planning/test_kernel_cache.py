@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from cartgrasp.compiling import digest
 from planning.kernels import jit
 
 ROOT = Path(__file__).parents[2]
@@ -14,8 +15,8 @@ ROOT = Path(__file__).parents[2]
 
 def test_any_change_of_a_source_changes_the_name():
     sources = [b"a = 1\n", b"b = 2\n"]
-    assert jit.digest(sources) == jit.digest(list(sources))
-    assert jit.digest(sources) != jit.digest([b"a = 1\n", b"b = 3\n"])
+    assert digest(sources) == digest(list(sources))
+    assert digest(sources) != digest([b"a = 1\n", b"b = 3\n"])
 
 
 def test_the_cached_kernels_carry_the_digest():
