@@ -7,14 +7,14 @@ from functools import cached_property
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.inertia import Inertia, physical_from_phi, physical_jacobian
+from cartgrasp.inertia import Inertia
 from cartgrasp.model import N_PHI, CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .mobility import BodyLimits, build_chart
-from .prior import Prior, report_names, report_units
+from .parameter_report import ParameterReport
+from .prior import Prior
 
-IDENTIFIABLE_SHARE = 0.25
 LOAD_SHARE = 0.3
 LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
 LARGEST_MASS_SHARE = 6.0
@@ -33,9 +33,7 @@ class ParameterBlock:
         self._full = cart.parameters.copy()
         self._full[:N_PHI] = self._chart.coordinates(cart.inertia.phi)
         self.first = self._full[self.free]
-        self._prior_std = prior.deviations(cart)
-        self._is_free = np.isin(np.arange(len(self._full)), self.free)
-        self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
+        self._report = ParameterReport(cart, prior)
         self._limits = _limits(cart.inertia, prior)
         self._effect_bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
         places = {int(i): k for k, i in enumerate(self.free)}
@@ -112,30 +110,10 @@ class ParameterBlock:
 
     def report(self, block: Array, covariance: Array) -> dict[str, ParameterEstimate]:
         """The parameters by name, with standard deviations and whether this motion has taught them."""
-        theta = self.theta(block)
-        to_report = np.eye(len(theta))
-        to_report[:N_PHI, :N_PHI] = physical_jacobian(theta[:N_PHI])
-        root = to_report @ self.jacobian(block)
-        std = np.sqrt(np.maximum(((root @ covariance) * root).sum(axis=1), 0.0))
-        learned = self._is_free & (std < IDENTIFIABLE_SHARE * self._prior_std) & self._has_shrunk(covariance)
-        theta[:N_PHI] = physical_from_phi(theta[:N_PHI])
-        if self.cart.constraints.no_rotation:
-            body = self.cart.inertia
-            theta[1:N_PHI], std[1:N_PHI] = [*body.com, body.about_com], self._prior_std[1:N_PHI]
-        return {
-            name: ParameterEstimate(value, deviation, unit, known)
-            for (name, unit), value, deviation, known in zip(
-                self._names, theta.tolist(), std.tolist(), learned.tolist(), strict=True
-            )
-        }
-
-    def _has_shrunk(self, covariance: Array) -> np.ndarray:
-        """Whether the filter's own coordinate behind each parameter (p,) is known better than at first: a standard
-        deviation of a physical value also shrinks where the value runs away."""
         share = np.ones(len(self._full))
         share[self.free] = np.sqrt(np.diagonal(covariance) / np.diagonal(self.first_covariance))
         share[:N_PHI] = share[list(self._chart.order)]
-        return share < IDENTIFIABLE_SHARE
+        return self._report.of(self.theta(block), self.model_covariance(block, covariance), share)
 
     def _to_coordinates(self, covariance: Array, block: Array) -> Array:
         full = self._coordinates(block)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -29,10 +29,7 @@ class Replay:
 
     def as_dict(self) -> dict[str, Any]:
         """The result as the command line gives it."""
-        parameters = {
-            name: {"value": p.value, "std": p.std, "unit": p.unit, "identifiable": p.identifiable}
-            for name, p in self.last.parameters.items()
-        }
+        parameters = {name: asdict(parameter) for name, parameter in self.last.parameters.items()}
         return {"time": self.last.time, "parameters": parameters, "health": str(self.last.health)}
 
     def series_csv(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from ..errors import UsageError
 from ..logs import RunLog, read_log
 from ..logs.emps import rail_cart
 from ..model import CartModel
+from ..motion import ParameterEstimate
 from ..yaml_file import write_atomically
 from .output import check_writable, print_json, print_table, progress
 
@@ -53,9 +55,14 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 
 
 def _print(result: Replay) -> None:
+    title = f"After {result.last.time:.2f} s, health: {result.last.health}"
+    print_parameters(title, result.last.parameters, "taught by this motion")
+
+
+def print_parameters(title: str, parameters: Mapping[str, ParameterEstimate], taught: str) -> None:
+    """A table; `taught` heads its last column."""
     rows = [
         [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, "yes" if p.identifiable else "no"]
-        for name, p in result.last.parameters.items()
+        for name, p in parameters.items()
     ]
-    title = f"After {result.last.time:.2f} s, health: {result.last.health}"
-    print_table(title, ["parameter", "value", "sd", "unit", "taught by this motion"], rows)
+    print_table(title, ["parameter", "value", "sd", "unit", taught], rows)

@@ -10,8 +10,8 @@ from estimation.batch import identify as fit
 
 from ..errors import UsageError
 from ..logs import read_log
-from .estimate import cart_of
-from .output import make_folder, print_json, print_table, progress, say
+from .estimate import cart_of, print_parameters
+from .output import make_folder, print_json, progress, say
 
 
 def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json: bool) -> int:
@@ -41,12 +41,8 @@ def _check_distinct(paths: Sequence[Path]) -> None:
 
 
 def _print(found: Identification) -> None:
-    rows = [
-        [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, "yes" if p.identifiable else "no"]
-        for name, p in found.parameters.items()
-    ]
     title = f"{found.structure.name}, from {len(found.logs)} log{'s' * (len(found.logs) > 1)}"
-    print_table(title, ["parameter", "value", "sd", "unit", "taught by these motions"], rows)
+    print_parameters(title, found.parameters, "taught by these motions")
     for log in found.logs:
         if log.noise_excess > 2:
             say(

@@ -7,7 +7,7 @@ up. Where the best fit is no body or an effect out of its bounds, the most likel
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,14 @@ from scipy.linalg import block_diag
 
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.frames import Array
-from cartgrasp.inertia import Inertia, physical_from_phi, physical_jacobian
+from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
-from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..noise import FilterNoise
-from ..parameter_block import IDENTIFIABLE_SHARE
-from ..prior import Prior, report_names, report_units
+from ..parameter_report import ParameterReport
+from ..prior import Prior
 from .physical_fit import PhysicalSet
 from .wrench_regression import WrenchRegression
 
@@ -61,12 +61,8 @@ class Identification:
 
     def as_dict(self) -> dict[str, Any]:
         """The result as the command line gives it."""
-        parameters = {
-            name: {"value": p.value, "std": p.std, "unit": p.unit, "identifiable": p.identifiable}
-            for name, p in self.parameters.items()
-        }
-        logs = [{"name": log.name, "delay": log.delay, "noise_excess": log.noise_excess} for log in self.logs]
-        return {"parameters": parameters, "logs": logs}
+        parameters = {name: asdict(parameter) for name, parameter in self.parameters.items()}
+        return {"parameters": parameters, "logs": [asdict(log) for log in self.logs]}
 
 
 def identify(
@@ -149,18 +145,6 @@ class _Fit:
         return information, pull
 
     def _report(self, parameters: Array, covariance: Array) -> dict[str, ParameterEstimate]:
-        to_report = np.eye(len(parameters))
-        to_report[:N_PHI, :N_PHI] = physical_jacobian(parameters[:N_PHI])
-        std = np.sqrt(np.maximum(((to_report @ covariance) * to_report).sum(axis=1), 0.0))
-        before = self.prior.deviations(self.cart)
-        shrunk = np.zeros(len(parameters), dtype=bool)
-        own = np.diagonal(covariance)[self.free] / np.diagonal(self.first_covariance)
-        shrunk[self.free] = own < IDENTIFIABLE_SHARE**2
-        learned = shrunk & (std < IDENTIFIABLE_SHARE * before)
-        values = parameters.copy()
-        values[:N_PHI] = physical_from_phi(parameters[:N_PHI])
-        if self.cart.constraints.no_rotation:
-            body = self.cart.inertia
-            values[1:N_PHI], std[1:N_PHI] = [*body.com, body.about_com], before[1:N_PHI]
-        named = zip(report_names(self.cart), report_units(self.cart), values, std, learned, strict=True)
-        return {name: ParameterEstimate(float(v), float(s), unit, bool(known)) for name, unit, v, s, known in named}
+        share = np.ones(len(parameters))
+        share[self.free] = np.sqrt(np.diagonal(covariance)[self.free] / np.diagonal(self.first_covariance))
+        return ParameterReport(self.cart, self.prior).of(parameters, covariance, share)

@@ -1,0 +1,42 @@
+"""What is said of parameters to people: physical values with standard deviations, and whether a motion taught them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.inertia import physical_from_phi, physical_jacobian
+from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from .prior import Prior, report_names, report_units
+
+IDENTIFIABLE_SHARE = 0.25
+"""Of the prior's standard deviation: what is known better than that was taught."""
+
+
+class ParameterReport:
+    """Of a cart's parameters, against what was believed of them at first."""
+
+    def __init__(self, cart: CartModel, prior: Prior) -> None:
+        self.cart = cart
+        self._prior_std = prior.deviations(cart)
+        self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
+
+    def of(self, theta: Array, covariance: Array, share: Array) -> dict[str, ParameterEstimate]:
+        """The model's parameters (p,) and their covariance (p, p) by name. `share` (p,) is what is left of the first
+        standard deviation of the number that was estimated behind each: a deviation of a physical value also shrinks
+        where the value runs away."""
+        to_report = np.eye(len(theta))
+        to_report[:N_PHI, :N_PHI] = physical_jacobian(theta[:N_PHI])
+        std = np.sqrt(np.maximum(((to_report @ covariance) * to_report).sum(axis=1), 0.0))
+        learned = (share < IDENTIFIABLE_SHARE) & (std < IDENTIFIABLE_SHARE * self._prior_std)
+        values = np.array(theta)
+        values[:N_PHI] = physical_from_phi(theta[:N_PHI])
+        if self.cart.constraints.no_rotation:
+            body = self.cart.inertia
+            values[1:N_PHI], std[1:N_PHI] = [*body.com, body.about_com], self._prior_std[1:N_PHI]
+        rows = zip(self._names, values.tolist(), std.tolist(), learned.tolist(), strict=True)
+        return {
+            name: ParameterEstimate(value, deviation, unit, known) for (name, unit), value, deviation, known in rows
+        }
