@@ -255,6 +255,17 @@ class CartModel:
         settled = [effect.settled_memory(situation, memory[..., own]) for effect, _, own in self.force_effects]
         return np.concatenate(settled, axis=-1)
 
+    def memory_along(self, pose_sb: Array, velocity: Array, time: Array, parameters: Array | None = None) -> Array:
+        """The effects' memories (n, k) along a motion: poses (n, 3), free velocities (n, f), times (n,)."""
+        first = np.broadcast_to(self.state()[self.memory_slice], (len(time), len(self.memory_names)))
+        if not self.memory_names:
+            return np.array(first)
+        state = np.hstack([pose_sb, velocity, first])
+        state[0, self.memory_slice] = self.settled_memory(
+            state[0], self._point(state[0], parameters, time[0])[2], time[0]
+        )
+        return self.dynamics.memories(self._point(state, parameters, time))
+
     def planar_wrench(self, reduced: Array) -> Array:
         """A wrench (..., 3) in {b} without side force whose effective rows `Sᵀ wrench_b` are `reduced`."""
         wrench = np.zeros((*reduced.shape[:-1], 3))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields, replace
+from enum import Enum
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -26,7 +27,8 @@ SMOOTHING_SPEED = 0.002
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
-    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly."""
+    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly. A search for an
+    effect that nobody has named begins at the values of `grid`, or at `absent`."""
 
     name: str
     unit: str
@@ -35,6 +37,22 @@ class Parameter:
     upper: float = np.inf
     absent: float = 0.0
     estimated: bool = True
+    grid: tuple[float, ...] = ()
+
+
+class Gate(Enum):
+    """When and where an effect acts, and by which of its parameters: always; from its first on (s); for a while, from
+    its first (s), as long as its second (s); or between its first and second along x, its third and fourth along y
+    (m, of {s})."""
+
+    ALWAYS = "always"
+    FROM = "from"
+    WHILE = "while"
+    INSIDE = "inside"
+
+    @property
+    def n_parameters(self) -> int:
+        return {Gate.ALWAYS: 0, Gate.FROM: 1, Gate.WHILE: 2, Gate.INSIDE: 4}[self]
 
 
 @dataclass(frozen=True)
@@ -71,6 +89,7 @@ class Effect(ABC):
     parameters: ClassVar[tuple[Parameter, ...]]
     signature: ClassVar[str]
     ordered: ClassVar[tuple[tuple[str, str], ...]] = ()
+    gate: ClassVar[Gate] = Gate.ALWAYS
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:

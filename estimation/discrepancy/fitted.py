@@ -1,0 +1,158 @@
+"""A structure fitted to logs: its values, what was believed of them, and how its residuals scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.stats import chi2
+
+from cartgrasp.effects import Effect
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from ..batch.identification import DELAY, DELAY_STD, Identification, fit
+from ..batch.wrench_regression import Linearisation, WrenchRegression
+from ..prior import Prior
+from .dictionary import Dictionary, build_dictionary
+from .evidence import Base
+
+SCATTER_BLOCK = 0.5
+"""s."""
+SETTLED = 0.03
+EFFECTS_SHARE = 1.0
+ADDED_SHARE = 10.0
+"""Of its typical size: the standard deviation of an added effect before data, which tell nearly all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """`prior_cart` is what was believed; `added` the effects that a search has put on it; `start` parameters near the
+    best ones."""
+
+    regressions: tuple[WrenchRegression, ...]
+    prior_cart: CartModel
+    added: tuple[Effect, ...] = ()
+    start: Array | None = None
+
+    @cached_property
+    def prior(self) -> Prior:
+        std = {
+            key: ADDED_SHARE * p.typical
+            for effect in self.added
+            for key, p in zip(effect.keys, effect.parameters, strict=True)
+        }
+        return Prior(effects=EFFECTS_SHARE, std=std)
+
+    @cached_property
+    def structure(self) -> CartModel:
+        return replace(self.prior_cart, effects=(*self.prior_cart.effects, *self.added))
+
+    @cached_property
+    def identification(self) -> Identification:
+        return fit(self.structure, self.prior, self.regressions, self.start, SETTLED)
+
+    @cached_property
+    def cart(self) -> CartModel:
+        return self.identification.cart()
+
+    @property
+    def delays(self) -> tuple[float, ...]:
+        return tuple(log.delay for log in self.identification.logs)
+
+    @cached_property
+    def linearised(self) -> tuple[tuple[WrenchRegression, Linearisation, float], ...]:
+        found = []
+        for regression, delay in zip(self.regressions, self.delays, strict=True):
+            own = regression.with_cart(self.cart)
+            found.append((own, own.linearised(self.cart.parameters, delay), delay))
+        return tuple(found)
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """Slopes that make the base: of the free parameters, and of the delay."""
+        return np.append(self.prior.free(self.structure), len(self.structure.parameters))
+
+    @cached_property
+    def base(self) -> Base:
+        own = self.free[:-1]
+        information = np.zeros((len(own) + 1, len(own) + 1))
+        information[:-1, :-1] = np.linalg.inv(self.prior.covariance(self.structure)[np.ix_(own, own)])
+        information[-1, -1] = DELAY_STD**-2
+        first = np.append(self.structure.parameters[own], DELAY)
+        now = np.append(self.cart.parameters[own], np.mean(self.delays))
+        return Base(information, information @ (first - now))
+
+    def dictionary(self, effects: Sequence[Effect]) -> Dictionary:
+        return build_dictionary(self.linearised, effects, self.free)
+
+    def with_added(self, effect: Effect) -> Fitted:
+        start = np.append(self.cart.parameters, effect.values)
+        return replace(self, added=(*self.added, effect), start=start)
+
+    def on(self, regressions: tuple[WrenchRegression, ...]) -> Fitted:
+        """The same structure, fitted to other rows."""
+        return replace(self, regressions=regressions, start=self.cart.parameters)
+
+    def without(self, key: str) -> Fitted:
+        return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)
+
+    @cached_property
+    def chi_squared(self) -> float:
+        """Of the residuals and of the parameters against what was believed of them."""
+        total = 0.0
+        for _, line, _ in self.linearised:
+            residual = line.residual[..., None]
+            total += float((residual * line.whitened(residual)).sum())
+        own = self.free[:-1]
+        moved = (self.cart.parameters - self.structure.parameters)[own]
+        return total + float(moved @ self.base.information[:-1, :-1] @ moved)
+
+    @cached_property
+    def scatter(self) -> Scatter:
+        return Scatter.of(self.linearised)
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Residual wrenches in weak form: of each stretch the mean (b, f) along the free directions, its information
+    (b, f, f), when it begins, and of which log it is."""
+
+    mean: Array
+    information: Array
+    start: Array
+    log: np.ndarray
+
+    @classmethod
+    def of(
+        cls, linearised: Sequence[tuple[WrenchRegression, Linearisation, float]], duration: float = SCATTER_BLOCK
+    ) -> Scatter:
+        means, informations, starts, logs = [], [], [], []
+        for k, (_, line, _) in enumerate(linearised):
+            m, f = line.residual.shape
+            sides = np.concatenate([np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
+            sums = line.by_block(sides[..., :f], line.whitened(sides), duration)
+            information = (sums[..., :f] + np.swapaxes(sums[..., :f], 1, 2)) / 2
+            means.append(np.linalg.solve(information, sums[..., f:])[..., 0])
+            informations.append(information)
+            starts.append(np.unique((line.time - line.time[0]) // duration) * duration + line.time[0])
+            logs.append(np.full(len(information), k))
+        return cls(np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
+
+    @property
+    def misfit(self) -> Array:
+        """Of each stretch (b,), chi-squared with f degrees of freedom where the model is right."""
+        return np.asarray(np.einsum("bi,bij,bj->b", self.mean, self.information, self.mean))
+
+    @property
+    def excess(self) -> float:
+        """How many times too small the noise variance is believed to be over such stretches; 1 or more. From
+        neighbours' differences: what a model leaves out is much the same in both, coloured noise is not."""
+        beside = (np.diff(self.log) == 0) & (np.diff(self.start) < 1.5 * SCATTER_BLOCK)
+        step = np.diff(self.mean, axis=0)[beside]
+        covariance = np.linalg.inv(self.information)
+        weight = np.linalg.inv((covariance[1:] + covariance[:-1])[beside])
+        squares = np.einsum("bi,bij,bj->b", step, weight, step)
+        return max(1.0, float(np.median(squares)) / float(chi2.median(self.mean.shape[1]))) if len(step) else 1.0
