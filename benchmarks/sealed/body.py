@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
+from .compiling import compiled
 from .wheels import wheel_forces
 from .world import BOB, BOB_RATE, GRAVITY, THETA, R, U, W, X, Y
 
 
-@numba.njit(cache=True)
+@compiled
 def add_mass(mass, x, y, state, matrix, bias):
     """A mass fixed at (x, y) in {b}: matrix @ acceleration + bias is the wrench that it needs."""
     u, w, r = state[U], state[W], state[R]
@@ -28,7 +28,7 @@ def add_mass(mass, x, y, state, matrix, bias):
     bias[2] += mass * (x * ay - y * ax)
 
 
-@numba.njit(cache=True)
+@compiled
 def add_bob(state, matrix, bias, world):
     """A pendulum that hangs over (com_x, 0) and swings along {b}'s x: its angle obeys
     L phi'' = -g sin phi - a cos phi - 2 zeta omega L phi', a that of the place below it."""
@@ -49,7 +49,7 @@ def add_bob(state, matrix, bias, world):
     bias[2] += m * x * across
 
 
-@numba.njit(cache=True)
+@compiled
 def bob_acceleration(state, acceleration, world):
     length, phi, rate = world.bob_length, state[BOB], state[BOB_RATE]
     x, r = world.com_x + length * math.sin(phi), state[R]
@@ -58,12 +58,12 @@ def bob_acceleration(state, acceleration, world):
     return -(GRAVITY * math.sin(phi) + a * math.cos(phi)) / length - damping
 
 
-@numba.njit(cache=True)
+@compiled
 def load_at(time, world):
     return world.load_mass * min(max((time - world.load_time) / world.load_ramp, 0.0), 1.0)
 
 
-@numba.njit(cache=True)
+@compiled
 def field_acceleration(time, state, world):
     """Of gravity and of a shaking floor, in {s}: it pulls at every mass."""
     wave_x = 1.0 + world.bow * math.sin(0.7 * state[X])
@@ -74,7 +74,7 @@ def field_acceleration(time, state, world):
     return ax, ay
 
 
-@numba.njit(cache=True)
+@compiled
 def air_and_hands(time, state, world):
     """Drags of the whole cart, wind and a push, at {b}'s origin."""
     u, w, r = state[U], state[W], state[R]
@@ -98,7 +98,7 @@ def air_and_hands(time, state, world):
     return fx, fy, tau
 
 
-@numba.njit(cache=True)
+@compiled
 def find_rate(time, state, wrench, world, rate):
     """Writes the rate of the state. `wrench` is (fx, fy, tau, fz, pitch): of all arms at {b}'s origin, their
     force upwards, and their moment that presses the front down."""
@@ -137,12 +137,14 @@ def find_rate(time, state, wrench, world, rate):
         rate[BOB_RATE] = bob_acceleration(state, rate[U:], world)
 
 
-@numba.njit(cache=True)
+@compiled
 def accelerate(matrix, force, world):
     """(u', w', r'), along the rolling direction of wheels that don't slip."""
     if world.cornering > 0.0:
-        found = np.linalg.solve(matrix, force)
-        return found[0], found[1], found[2]
+        p, q = matrix[0, 2] / matrix[0, 0], matrix[1, 2] / matrix[1, 1]
+        turning = force[2] - p * force[0] - q * force[1]
+        turn = turning / (matrix[2, 2] - p * matrix[0, 2] - q * matrix[1, 2])
+        return force[0] / matrix[0, 0] - p * turn, force[1] / matrix[1, 1] - q * turn, turn
     ex, ey = math.cos(world.toe), math.sin(world.toe)
     a = ex * ex * matrix[0, 0] + 2.0 * ex * ey * matrix[0, 1] + ey * ey * matrix[1, 1]
     b = ex * matrix[0, 2] + ey * matrix[1, 2]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from .body import find_rate
+from .compiling import compiled
 from .world import SIZE, R, U
 
 STEPS = 10
@@ -44,7 +44,7 @@ class Drive(NamedTuple):
     held: bool
 
 
-@numba.njit(cache=True)
+@compiled
 def wanted(speeds, seen, sums, belief):
     """Planar (fx, tau) about {b}'s origin; `sums` are integrals of the errors."""
     m, u, r = belief.mass, speeds[0], speeds[1]
@@ -55,7 +55,7 @@ def wanted(speeds, seen, sums, belief):
     return min(max(fx, -STRONGEST), STRONGEST), min(max(tau, -60.0), 60.0)
 
 
-@numba.njit(cache=True)
+@compiled
 def spread(fx, tau, contacts, shares, extras, out):
     """Wrenches (k, 6) of the arms: shares of the force, half of the moment by their levers, the rest by twists."""
     k = len(shares)
@@ -76,7 +76,7 @@ def spread(fx, tau, contacts, shares, extras, out):
         out[i, 5] += rest / k
 
 
-@numba.njit(cache=True)
+@compiled
 def total(contacts, wrenches, height):
     """(fx, fy, tau, fz, pitch) at {b}'s origin; a push above the CoM's `height` presses the front down."""
     out = np.zeros(5)
@@ -90,7 +90,7 @@ def total(contacts, wrenches, height):
     return out
 
 
-@numba.njit(cache=True)
+@compiled
 def advance(time, state, step, start, end, decay, world):
     """One step; the wrench goes from `start` to `end` by exp(-decay t) (0: it is `end` all the while)."""
     k1, k2, k3, k4 = np.empty(SIZE), np.empty(SIZE), np.empty(SIZE), np.empty(SIZE)
@@ -105,7 +105,7 @@ def advance(time, state, step, start, end, decay, world):
     return state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4), last
 
 
-@numba.njit(cache=True)
+@compiled
 def drive_cart(first, drive, belief, world):
     """States (n, SIZE), rates (n, SIZE), wrenches (n, k, 6) at the instants, and what they go to until the next."""
     n, k = drive.shares.shape

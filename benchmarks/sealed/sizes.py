@@ -34,7 +34,7 @@ EFFECTS: dict[str, dict[str, tuple[float, float]]] = {
     "directional_drag": {"forward": (0.0, 0.08), "backward": (0.3, 0.6)},
     "floor_slope": {"grade": (0.01, 0.03), "bow": (0.0, 0.1)},
     "floor_patch": {"coefficient": (0.025, 0.05), "size": (1.0, 2.0), "ramp": (0.01, 0.04)},
-    "caster_realignment": {"swivel": (0.004, 0.012), "scrub": (0.1, 0.3)},
+    "caster_realignment": {"swivel": (0.003, 0.008), "scrub": (0.1, 0.3)},
     "wheel_drag_imbalance": {"brake": (0.12, 0.3)},
     "wheel_misalignment": {"angle": (0.015, 0.05)},
     "lateral_slip": {"cornering": (8.0, 25.0), "relaxation": (0.03, 0.08)},

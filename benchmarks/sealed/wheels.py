@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-import numba
-
+from .compiling import compiled
 from .world import BRISTLE, CASTER, SIDE, THETA, WAY, R, U, W, X, Y
 
 BRISTLE_TIME = 0.02
@@ -14,10 +13,10 @@ SWIVEL_RATE = 0.15
 """rad/s, of tanh."""
 GRIP = 0.9
 CARCASS = 60.0
-"""N s/m, damping of a tyre sideways."""
+"""N s/m, damping of the tyres' deflection sideways."""
 
 
-@numba.njit(cache=True)
+@compiled
 def loads(weight, x, y, world):
     """Of four wheels (N): axles by the lever along x, sides of both axles shifted in the same proportion."""
     front = weight * x / world.caster_x
@@ -29,12 +28,12 @@ def loads(weight, x, y, world):
     return rear * left, rear * right, front * left, front * right
 
 
-@numba.njit(cache=True)
+@compiled
 def ramp(depth, half_width):
     return min(max(0.5 + 0.5 * depth / half_width, 0.0), 1.0)
 
 
-@numba.njit(cache=True)
+@compiled
 def on_patch(x, y, world):
     """How much of a wheel at (x, y) in {s} is on the carpet, 0 to 1."""
     w = world.patch_ramp
@@ -42,7 +41,7 @@ def on_patch(x, y, world):
     return along * ramp(y - world.patch_y_min, w) * ramp(world.patch_y_max - y, w)
 
 
-@numba.njit(cache=True)
+@compiled
 def rolling_drag(i, speed, load, weight, place, state, rate, world):
     """Force against rolling of wheel i at `place` in {s}; bristles' rates are written to `rate`."""
     brake = world.brake_left if i == 0 else (world.brake_right if i == 1 else 0.0)
@@ -59,7 +58,7 @@ def rolling_drag(i, speed, load, weight, place, state, rate, world):
     return -level * math.tanh(speed / world.width)
 
 
-@numba.njit(cache=True)
+@compiled
 def wheel_forces(weight, x, y, state, rate, world):
     """Wrench of the floor at {b}'s origin, by wheels under `weight` at (x, y) in {b}."""
     u, w, r = state[U], state[W], state[R]
@@ -85,7 +84,7 @@ def wheel_forces(weight, x, y, state, rate, world):
         stiffness = world.cornering / world.relaxation
         held = most * math.tanh(stiffness * state[SIDE] / most)
         rate[SIDE] = sliding - along / world.relaxation * state[SIDE]
-        push = -held - CARCASS * sliding
+        push = -held - CARCASS * rate[SIDE]
         fx, fy = fx - push * ey, fy + push * ex
     for k in range(2):
         i = 2 + k
@@ -106,7 +105,7 @@ def wheel_forces(weight, x, y, state, rate, world):
     return fx, fy, tau
 
 
-@numba.njit(cache=True)
+@compiled
 def flat_spot(way, world):
     """Against the wheel as it climbs the edge of its flat, with it as it falls: a fifth of a turn."""
     phase = (way / world.flat_period) % 1.0
