@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .cases import CASES
+from .cases import CASES, MUJOCO_CASES
 from .generate import generate
 from .references import DURATIONS
 
@@ -18,7 +18,8 @@ def main() -> None:
     making = commands.add_parser("generate", help="write logs, cart files and truth")
     making.add_argument("--out", type=Path, required=True, metavar="DIR")
     making.add_argument("--seeds", type=seeds, default=range(4), metavar="FROM:TO", help="0:4 by default")
-    making.add_argument("--cases", default="all", help=f"all, or some of {', '.join(CASES)}, with commas between")
+    every = ", ".join((*CASES, *MUJOCO_CASES))
+    making.add_argument("--cases", default="all", help=f"all, mujoco, or some, with commas between, of {every}")
     making.add_argument("--motion", choices=list(DURATIONS), default="rich")
     scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
     scoring.add_argument("folder", type=Path, metavar="DIR")
@@ -28,10 +29,10 @@ def main() -> None:
 
         print(score(options.folder))
         return
-    cases = list(CASES) if options.cases == "all" else options.cases.split(",")
-    unknown = [case for case in cases if case not in CASES]
+    cases = {"all": CASES, "mujoco": MUJOCO_CASES}.get(options.cases) or options.cases.split(",")
+    unknown = [case for case in cases if case not in (*CASES, *MUJOCO_CASES)]
     if unknown:
-        parser.error(f"no case {unknown[0]!r}; there are {', '.join(CASES)}")
+        parser.error(f"no case {unknown[0]!r}; there are all, mujoco, {every}")
     names = generate(options.out, cases, options.seeds, options.motion)
     print(f"{len(names)} logs in {options.out / 'logs'}, truth in {options.out / 'truth'}")
 

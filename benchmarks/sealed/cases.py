@@ -1,4 +1,5 @@
-"""What is generated: nothing, each effect of the vocabulary, what the vocabulary has no name for, and pairs."""
+"""What is generated: nothing, each effect of the vocabulary, what the vocabulary has no name for, pairs, and a few of
+these with a cart that MuJoCo simulates."""
 
 from __future__ import annotations
 
@@ -44,12 +45,21 @@ PAIRS = (
     "payload_change+floor_slope",
 )
 CASES = ("nothing", *VOCABULARY, *OUTSIDE, *PAIRS)
+AT_MUJOCO = "@mujoco"
+MUJOCO_CASES = tuple(
+    f"{case}{AT_MUJOCO}"
+    for case in (
+        *("nothing", "rolling_resistance", "caster_realignment", "force_scale"),
+        "caster_realignment+rolling_resistance",
+    )
+)
 
 
 def draw_case(case: str, seed: int, motion: str) -> Scene:
-    names = () if case == "nothing" else tuple(case.split("+"))
+    effects = case.removesuffix(AT_MUJOCO)
+    names = () if effects == "nothing" else tuple(effects.split("+"))
     random = random_of(case, seed, motion)
-    scene = draw_scene(names, motion, random)
+    scene = replace(draw_scene(names, motion, random), in_mujoco=case != effects)
     if "floor_patch" in names:
         scene = replace(scene, path=scene.run()[0])
     for name in names:

@@ -187,6 +187,8 @@ def force_misalignment(scene: Scene, random: Draw) -> Scene:
 def time_delay(scene: Scene, random: Draw) -> Scene:
     delay = size("time_delay", "delay", random)
     truth = Truth("time_delay", {"delay": delay}, form="a fractional number of samples")
+    if scene.drive.held:
+        truth = Truth("time_delay", {}, {"delay": delay}, form="of held samples: uncertain by one")
     return replace(scene, sensors=replace(scene.sensors, delay=delay), truths=(*scene.truths, truth))
 
 

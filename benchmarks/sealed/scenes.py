@@ -38,12 +38,18 @@ class Scene:
     sensors: Sensors
     truths: tuple[Truth, ...] = ()
     path: np.ndarray | None = None  # (n, SIZE), states without any effect
+    in_mujoco: bool = False
 
     @property
     def arms(self) -> tuple[str, ...]:
         return ("left", "right") if self.drive.shares.shape[1] > 1 else ("arm",)
 
     def run(self) -> tuple[np.ndarray, ...]:
+        """What `driver.drive_cart` gives."""
+        if self.in_mujoco:
+            from .machine import drive_machine
+
+            return drive_machine(first_state(), self.drive, self.belief, self.world)
         return drive_cart(first_state(), self.drive, self.belief, self.world)
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -244,3 +245,23 @@ def test_a_cart_without_effects_needs_no_others(seed):
     assert np.abs(states[:, W]).max() == 0.0
     assert np.ptp(states[:, U]) > 0.8
     assert np.ptp(states[:, R]) > 0.6
+
+
+def test_mujoco_moves_a_cart_alike():
+    """Two roads to one motion: bearings and contacts of wheels, and equations in the plane."""
+    scene = draw_case("rolling_resistance", 0, "rich")
+    drive, n = scene.drive, 600
+    short = drive._replace(
+        **{name: getattr(drive, name)[:n] for name in ("time", "speeds", "contacts", "shares", "extras", "errors")}
+    )
+    ours = replace(scene, drive=short).run()
+    theirs = replace(scene, drive=short, in_mujoco=True).run()
+    np.testing.assert_allclose(theirs[0][:, [U, R]], ours[0][:, [U, R]], atol=0.02)
+    np.testing.assert_allclose(theirs[2][:, 0, 0], ours[2][:, 0, 0], atol=2.0)
+    assert np.ptp(ours[0][:, U]) > 0.3
+
+
+def test_mujoco_refuses_what_it_does_not_know():
+    scene = replace(draw_case("quadratic_drag", 0, "straight"), in_mujoco=True)
+    with pytest.raises(ValueError, match="the machine has no quadratic"):
+        scene.run()
