@@ -115,6 +115,13 @@ class Machine:
         state[CASTER : CASTER + 2] = self.data.qpos[self.swivels]
         return state
 
+    def acceleration(self, state: np.ndarray) -> tuple[float, float, float]:
+        """(u', w', r') at `state`, from which the last step began."""
+        cosine, sine = math.cos(state[THETA]), math.sin(state[THETA])
+        ax, ay = self.data.qacc[:2]
+        turn = state[R]
+        return cosine * ax + sine * ay + turn * state[W], cosine * ay - sine * ax - turn * state[U], self.data.qacc[5]
+
     def step(self, duration: float, force: np.ndarray, torque: np.ndarray) -> None:
         """`force` and `torque` (3,) about {b}'s origin, in {b}."""
         rotation, com = self.data.xmat[1].reshape(3, 3), self.model.body_ipos[1]
@@ -125,10 +132,11 @@ class Machine:
 
 
 def drive_machine(first: np.ndarray, drive: Drive, belief: Belief, world: World) -> tuple[np.ndarray, ...]:
-    """As `driver.drive_cart`; rates are differences of the states."""
+    """As `driver.drive_cart`; rates but those of speeds are differences of the states."""
     machine = Machine(world, first)
     n, k = drive.shares.shape
-    states, wrenches, told = np.empty((n, SIZE)), np.zeros((n, k, 6)), np.zeros((n, k, 6))
+    states, speed_rates = np.empty((n, SIZE)), np.zeros((n, 3))
+    wrenches, told = np.zeros((n, k, 6)), np.zeros((n, k, 6))
     sums, present = np.zeros(2), np.zeros((k, 6))
     steps = np.append(np.diff(drive.time), 0.0)
     for i, step in enumerate(steps):
@@ -141,11 +149,15 @@ def drive_machine(first: np.ndarray, drive: Drive, belief: Belief, world: World)
             present = told[i].copy()
         wrenches[i] = present
         parts = max(round(step / STEP), 1) if step else 0
-        for _ in range(parts):
+        for part in range(parts):
             nearer = 0.0 if drive.held else math.exp(-step / parts / LAG)
             mean = told[i] + (present - told[i]) * math.sqrt(nearer)
             present = told[i] + (present - told[i]) * nearer
             torque = (np.cross(drive.contacts[i], mean[:, :3]) + mean[:, 3:]).sum(axis=0)
             machine.step(step / parts, mean[:, :3].sum(axis=0), torque)
+            if part == 0:
+                speed_rates[i] = machine.acceleration(states[i])
     states[:, THETA] = np.unwrap(states[:, THETA])
-    return states, np.gradient(states, drive.time, axis=0), wrenches, told
+    rates = np.gradient(states, drive.time, axis=0)
+    rates[:, [U, W, R]] = speed_rates
+    return states, rates, wrenches, told
