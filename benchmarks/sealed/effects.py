@@ -56,7 +56,9 @@ def stribeck_friction(scene: Scene, random: Draw) -> Scene:
 
 def quadratic_drag(scene: Scene, random: Draw) -> Scene:
     c = scene.world.mass * size("quadratic_drag", "coefficient", random)
-    return with_effect(scene, Truth("quadratic_drag", {"coefficient": c}, form="at the CoM"), quadratic=c)
+    return with_effect(
+        scene, Truth("quadratic_drag", {}, {"coefficient": c}, form="at the CoM, so it brakes turns too"), quadratic=c
+    )
 
 
 def directional_drag(scene: Scene, random: Draw) -> Scene:

@@ -24,7 +24,8 @@ def score(folder: Path) -> str:
         rates(there),
         gaps(there),
         estimates("Parameters of named effects", [e for j in there for e in j.estimates]),
-        estimates("Refitted cart, where it was wrong", [e for j in there if j.kind != "outside" for e in j.mismatches]),
+        estimates("Refitted cart, nothing beside", refitted(there, ("nothing",))),
+        estimates("Refitted cart, effects beside", refitted(there, ("single", "pair"))),
         confusion(everyone),
         strays(there),
     ]
@@ -35,6 +36,10 @@ def read(folder: Path, path: Path) -> Judgement:
     report = folder / "logs" / path.stem / "out" / "report.json"
     said = json.loads(report.read_text(encoding="utf-8")) if report.is_file() else None
     return Judgement(json.loads(path.read_text(encoding="utf-8")), said)
+
+
+def refitted(judgements: Iterable[Judgement], kinds: Sequence[str]) -> list[Estimate]:
+    return [estimate for j in judgements if j.kind in kinds for estimate in j.mismatches]
 
 
 def rates(judgements: Sequence[Judgement]) -> str:
@@ -78,7 +83,7 @@ def gaps(judgements: Sequence[Judgement]) -> str:
 
 
 def estimates(title: str, found: Iterable[Estimate]) -> str:
-    """Median relative error, its sign kept, median and 90 % of its size, rms of z. ~: meanings differ somewhat."""
+    """Errors in the parameter's unit, and z. ~: what is meant differs somewhat, so z says little."""
     groups: dict[str, list[Estimate]] = defaultdict(list)
     for estimate in found:
         groups[("~ " if estimate.roughly else "  ") + estimate.name].append(estimate)
