@@ -19,12 +19,17 @@ from ..prior import Prior
 from .dictionary import Dictionary, build_dictionary
 from .evidence import Base
 
-SCATTER_BLOCK = 0.5
+SCATTER_BLOCK, EXCESS_BLOCK = 0.5, 0.2
 """s."""
+FEWEST_DIFFERENCES = 10
 SETTLED = 0.03
 EFFECTS_SHARE = 1.0
 ADDED_SHARE = 10.0
 """Of its typical size: the standard deviation of an added effect before data, which tell nearly all."""
+
+
+Linearised = Sequence[tuple[WrenchRegression, Linearisation, float]]
+"""Logs, each around the parameters of one cart, and their delays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,41 +123,49 @@ class Fitted:
 @dataclass(frozen=True)
 class Scatter:
     """Residual wrenches in weak form: of each stretch the mean (b, f) along the free directions, its information
-    (b, f, f), when it begins, and of which log it is."""
+    (b, f, f), when it begins, and of which log it is; how many times too small the noise variance is believed to be."""
 
     mean: Array
     information: Array
     start: Array
     log: np.ndarray
+    excess: float
 
     @classmethod
-    def of(
-        cls, linearised: Sequence[tuple[WrenchRegression, Linearisation, float]], duration: float = SCATTER_BLOCK
-    ) -> Scatter:
-        means, informations, starts, logs = [], [], [], []
-        for k, (_, line, _) in enumerate(linearised):
-            m, f = line.residual.shape
-            sides = np.concatenate([np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
-            sums = line.by_block(sides[..., :f], line.whitened(sides), duration)
-            information = (sums[..., :f] + np.swapaxes(sums[..., :f], 1, 2)) / 2
-            means.append(np.linalg.solve(information, sums[..., f:])[..., 0])
-            informations.append(information)
-            starts.append(np.unique((line.time - line.time[0]) // duration) * duration + line.time[0])
-            logs.append(np.full(len(information), k))
-        return cls(np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
+    def of(cls, linearised: Linearised, duration: float = SCATTER_BLOCK) -> Scatter:
+        mean, information, start, log = _means(linearised, duration)
+        return cls(mean, information, start, log, _excess(*_means(linearised, EXCESS_BLOCK)))
 
     @property
     def misfit(self) -> Array:
         """Of each stretch (b,), chi-squared with f degrees of freedom where the model is right."""
         return np.asarray(np.einsum("bi,bij,bj->b", self.mean, self.information, self.mean))
 
-    @property
-    def excess(self) -> float:
-        """How many times too small the noise variance is believed to be over such stretches; 1 or more. From
-        neighbours' differences: what a model leaves out is much the same in both, coloured noise is not."""
-        beside = (np.diff(self.log) == 0) & (np.diff(self.start) < 1.5 * SCATTER_BLOCK)
-        step = np.diff(self.mean, axis=0)[beside]
-        covariance = np.linalg.inv(self.information)
-        weight = np.linalg.inv((covariance[1:] + covariance[:-1])[beside])
-        squares = np.einsum("bi,bij,bj->b", step, weight, step)
-        return max(1.0, float(np.median(squares)) / float(chi2.median(self.mean.shape[1]))) if len(step) else 1.0
+
+def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array, np.ndarray]:
+    means, informations, starts, logs = [], [], [], []
+    for k, (_, line, _) in enumerate(linearised):
+        m, f = line.residual.shape
+        sides = np.concatenate([np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
+        sums = line.by_block(sides[..., :f], line.whitened(sides), duration)
+        information = (sums[..., :f] + np.swapaxes(sums[..., :f], 1, 2)) / 2
+        means.append(np.linalg.solve(information, sums[..., f:])[..., 0])
+        informations.append(information)
+        starts.append(np.unique((line.time - line.time[0]) // duration) * duration + line.time[0])
+        logs.append(np.full(len(information), k))
+    return (np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
+
+
+def _excess(mean: Array, information: Array, start: Array, log: np.ndarray) -> float:
+    """How many times too small the noise variance is believed to be, 1 or more: from third differences of neighbours.
+    What a model leaves out changes slowly beside them, coloured noise does not."""
+    n = len(mean) - 3
+    if n < FEWEST_DIFFERENCES:
+        return 1.0
+    beside = (log[3:] == log[:n]) & (start[3:] - start[:n] < 3.5 * EXCESS_BLOCK)
+    covariance = np.linalg.inv(information)
+    parts = (covariance[i : n + i] * share**2 for i, share in enumerate((1, 3, 3, 1)))
+    weight = np.linalg.inv(sum(parts, np.zeros_like(covariance[:n])))
+    step = np.diff(mean, 3, axis=0)
+    squares = np.einsum("bi,bij,bj->b", step, weight, step)[beside]
+    return max(1.0, float(np.median(squares)) / float(chi2.median(mean.shape[1]))) if len(squares) else 1.0
