@@ -276,6 +276,10 @@ class CartModel:
                 wrench_a = effect.recorded(wrench_a, parameters[..., where])
         return wrench_a
 
+    def lateness(self, arm: str) -> float:
+        """How long after it was felt the sensor of an arm records a wrench, s."""
+        return sum(effect.lateness for effect, _ in self.sensor_effects if effect.concerns(arm))
+
     def corrected_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> tuple[Array, Array]:
         """The true wrench (..., 6) behind a recorded one, and its partials by the parameters (..., 6, p)."""
         parameters = self.parameters if parameters is None else parameters

@@ -61,7 +61,8 @@ class Layout:
 class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
-    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws.
+    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Wrenches are
+    taken to be of the measurement's time: of those with a `time_delay`, hand over a log by `replay`.
     """
 
     def __init__(

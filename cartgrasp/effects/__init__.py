@@ -14,6 +14,7 @@ from .payload_change import PayloadChange
 from .quadratic_drag import QuadraticDrag
 from .rolling_resistance import RollingResistance
 from .stribeck_friction import StribeckFriction
+from .time_delay import TimeDelay
 from .viscous_drag import ViscousDrag
 from .wheel_drag_imbalance import WheelDragImbalance
 
@@ -33,6 +34,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         ForceBias,
         ForceScale,
         ForceMisalignment,
+        TimeDelay,
         ExternalPush,
     )
 }
@@ -56,6 +58,7 @@ __all__ = [
     "RollingResistance",
     "SensorEffect",
     "StribeckFriction",
+    "TimeDelay",
     "ViscousDrag",
     "WheelDragImbalance",
 ]

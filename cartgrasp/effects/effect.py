@@ -156,6 +156,11 @@ class InertiaEffect(Effect):
 class SensorEffect(Effect):
     """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm."""
 
+    @property
+    def lateness(self) -> float:
+        """How long after it was felt a sample is recorded, s."""
+        return 0.0
+
     def concerns(self, arm: str) -> bool:
         return self.label in ("", arm)
 

@@ -18,6 +18,7 @@ import numpy as np
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
+from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 
 from ..log_noise import noise_of_log
@@ -84,7 +85,7 @@ class WrenchRegression:
     """A log, its motion smoothed once."""
 
     def __init__(self, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> None:
-        thinned = log.thinned()
+        thinned = aligned(log, cart).thinned()
         self.cart, self.name = cart, log.name
         if noise is None:
             noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()

@@ -47,6 +47,7 @@ CONTRACT = {
     "force_bias": {"fx": "N", "fy": "N", "tz": "N·m"},
     "force_scale": {"gain": "-"},
     "force_misalignment": {"angle": "rad"},
+    "time_delay": {"delay": "s"},
     "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
 }
 COULOMB = {
@@ -54,7 +55,7 @@ COULOMB = {
 }
 NOT_ESTIMATED_ONLINE = {
     *("stribeck_friction.speed", "caster_realignment.trail", "payload_change.time"),
-    *("external_push.start", "external_push.duration"),
+    *("external_push.start", "external_push.duration", "time_delay.delay"),
     *(f"floor_patch.{edge}" for edge in ("x_min", "x_max", "y_min", "y_max")),
 }
 PARTIALS = {
