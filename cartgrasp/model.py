@@ -40,6 +40,7 @@ STRUCTURE = (
     "basis_b",
     "parameter_names",
     "memory_names",
+    "memory_spread",
     "state_names",
     "velocity_slice",
     "memory_slice",
@@ -166,6 +167,12 @@ class CartModel:
         return tuple(n for effect, _, _ in self.force_effects for n in effect.memory_names(self.wheel_set))
 
     @cached_property
+    def memory_spread(self) -> Array:
+        """How far (k,) the true memory may be from the first."""
+        spreads = [effect.memory_spread(self.wheel_set) for effect, _, _ in self.force_effects]
+        return np.concatenate([np.zeros(0), *spreads])
+
+    @cached_property
     def state_names(self) -> tuple[str, ...]:
         return ("x", "y", "theta", *self.constraints.velocity_names, *self.memory_names)
 
@@ -187,9 +194,14 @@ class CartModel:
 
     def state(self, pose_sb: ArrayLike = (0.0, 0.0, 0.0), velocity: ArrayLike | None = None) -> Array:
         """A state (n,) at a pose and free velocity (0 unless given), with effects' first memory."""
-        velocity = np.zeros(self.constraints.n_free) if velocity is None else velocity
-        memory: Sequence[Array] = [e.first_memory(self.wheel_set) for e, _, _ in self.force_effects]
-        return np.concatenate([np.asarray(pose_sb, float), np.asarray(velocity, float), *memory])
+        velocity = np.zeros(self.constraints.n_free) if velocity is None else np.asarray(velocity, float)
+        if velocity.shape != (self.constraints.n_free,):
+            raise UsageError(
+                f"model: velocity has shape {velocity.shape}, but this cart's {self.constraints.n_free} numbers"
+            )
+        velocity_b = self.basis_b @ velocity
+        memory: Sequence[Array] = [e.first_memory(self.wheel_set, velocity_b) for e, _, _ in self.force_effects]
+        return np.concatenate([np.asarray(pose_sb, float), velocity, *memory])
 
     # --- motion ----------------------------------------------------------------------------------------------
 

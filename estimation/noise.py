@@ -15,7 +15,8 @@ class FilterNoise:
     """Sensors: standard deviations of one sample. Left out of the model: random walks and disturbances, per √s.
 
     `disturbance` is an unmodelled force (N·√s; moments by `lever`, m); `slip` how far wheels creep sideways and turn
-    (m/√s, rad/√s); `swivel` the same for casters' headings; `parameter_drift` a share of each prior's standard
+    (m/√s, rad/√s); `swivel` the same for casters' headings (other
+    memories in proportion to how far they may be off at first); `parameter_drift` a share of each prior's standard
     deviation (1/√s).
     """
 

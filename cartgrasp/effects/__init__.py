@@ -10,6 +10,7 @@ from .floor_slope import FloorSlope
 from .force_bias import ForceBias
 from .force_misalignment import ForceMisalignment
 from .force_scale import ForceScale
+from .load_slosh import LoadSlosh
 from .payload_change import PayloadChange
 from .quadratic_drag import QuadraticDrag
 from .rolling_resistance import RollingResistance
@@ -31,6 +32,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         CasterRealignment,
         WheelDragImbalance,
         PayloadChange,
+        LoadSlosh,
         ForceBias,
         ForceScale,
         ForceMisalignment,
@@ -52,6 +54,7 @@ __all__ = [
     "ForceMisalignment",
     "ForceScale",
     "InertiaEffect",
+    "LoadSlosh",
     "Parameter",
     "PayloadChange",
     "QuadraticDrag",

@@ -23,6 +23,10 @@ SMOOTHING_SPEED = 0.002
 """m/s: below it a Coulomb force fades to zero, so that dynamics stay smooth."""
 
 
+USUAL_SPREAD = 0.5
+"""Of a memory, in its own unit: an angle in rad."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
@@ -124,8 +128,13 @@ class ForceEffect(Effect):
         """Names of the internal states; none for most."""
         return ()
 
-    def first_memory(self, wheels: WheelSet) -> Array:
+    def first_memory(self, wheels: WheelSet, velocity_b: Array) -> Array:
+        """The memory (k,) of a cart that has just come to be looked at, at a velocity (3,)."""
         return np.zeros(len(self.memory_names(wheels)))
+
+    def memory_spread(self, wheels: WheelSet) -> Array:
+        """How far (k,) the true memory may be from the first; in proportion to it, what is believed of it fades."""
+        return np.full(len(self.memory_names(wheels)), USUAL_SPREAD)
 
     @abstractmethod
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:

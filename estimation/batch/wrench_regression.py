@@ -156,13 +156,14 @@ class WrenchRegression:
         for i, step in enumerate(np.diff(motion.time)):
             memory[i] = state[cart.memory_slice]
             rate = cart.inverse(state, motion.acceleration[i], parameters, motion.time[i])
-            growth = np.diagonal(rate.memory_rate_by_state[:, cart.memory_slice])
-            gain = np.where(
-                np.abs(growth * step) > 1e-9,
-                np.expm1(np.minimum(growth * step, 1.0)) / np.where(growth == 0, 1.0, growth),
-                step,
+            faster = motion.velocity[i + 1] - motion.velocity[i]
+            by_memory = rate.memory_rate_by_state[:, cart.memory_slice]
+            change = rate.memory_rate + rate.memory_rate_by_state[:, cart.velocity_slice] @ faster / 2
+            coupled = (by_memory - np.diag(np.diagonal(by_memory))).any(axis=1)
+            moved = memory[i] + np.where(
+                coupled, _swung(change, by_memory, step), _faded(rate.memory_rate, np.diagonal(by_memory), step)
             )
-            state = np.concatenate([motion.pose[i + 1], motion.velocity[i + 1], memory[i] + gain * rate.memory_rate])
+            state = np.concatenate([motion.pose[i + 1], motion.velocity[i + 1], moved])
         memory[-1] = state[cart.memory_slice]
         return memory
 
@@ -175,6 +176,17 @@ class WrenchRegression:
         forces = self.cart.basis_b.T @ self.cart.stiction(slow, parameters, self.motion.time)
         samples = max(1.0, BLOCK / float(np.median(np.diff(self.motion.time))))
         return np.asarray(samples * forces @ np.swapaxes(forces, 1, 2))
+
+
+def _faded(rate: Array, growth: Array, step: float) -> Array:
+    """What memories (k,) change by in a step, each with its own `growth`: they may be stiff."""
+    gain = np.expm1(np.minimum(growth * step, 1.0)) / np.where(growth == 0, 1.0, growth)
+    return np.asarray(np.where(np.abs(growth * step) > 1e-9, gain, step) * rate)
+
+
+def _swung(rate: Array, by_memory: Array, step: float) -> Array:
+    """The same for those that drive one another, from the rate in the middle of the step: what swings loses nothing."""
+    return np.asarray(step * np.linalg.solve(np.eye(len(rate)) - step / 2 * by_memory, rate))
 
 
 def _by_block(time: Array, parts: Array) -> Array:

@@ -32,6 +32,7 @@ GIVES_ENERGY = {
     "caster_realignment": False,
     "wheel_drag_imbalance": True,  # a moment whose wheel's place is not known
     "external_push": True,
+    "load_slosh": True,  # gives back what it took
 }
 CONTRACT = {
     "viscous_drag": {"linear": "N·s/m", "angular": "N·m·s/rad"},
@@ -47,6 +48,7 @@ CONTRACT = {
     "force_bias": {"fx": "N", "fy": "N", "tz": "N·m"},
     "force_scale": {"gain": "-"},
     "force_misalignment": {"angle": "rad"},
+    "load_slosh": {"mass": "kg", "frequency": "Hz", "damping": "-"},
     "time_delay": {"delay": "s"},
     "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
 }
@@ -56,6 +58,7 @@ COULOMB = {
 NOT_ESTIMATED_ONLINE = {
     *("stribeck_friction.speed", "caster_realignment.trail", "payload_change.time"),
     *("external_push.start", "external_push.duration", "time_delay.delay"),
+    *("load_slosh.frequency", "load_slosh.damping"),
     *(f"floor_patch.{edge}" for edge in ("x_min", "x_max", "y_min", "y_max")),
 }
 PARTIALS = {
