@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .constraints import RollingConstraints
-from .effects import Effect, ForceEffect, InertiaEffect, SensorEffect
+from .effects import ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
 from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
 from .errors import UsageError
@@ -35,18 +35,17 @@ if TYPE_CHECKING:
     from .compiled_dynamics import CompiledDynamics, Point
 
 N_PHI = len(PHI_NAMES)
-STRUCTURE = (
+BODY_STRUCTURE = (
     "wheel_set",
-    "basis_b",
     "parameter_names",
     "memory_names",
     "memory_spread",
     "state_names",
     "velocity_slice",
     "memory_slice",
-    "dynamics",
 )
-"""Cached properties that do not depend on numbers."""
+STRUCTURE = (*BODY_STRUCTURE, "rolling", "basis_b", "dynamics")
+"""Cached properties that do not depend on numbers, but for those of constraint effects."""
 N_POSE = 3
 
 
@@ -91,6 +90,10 @@ class CartModel:
         for key in keys:
             if keys.count(key) > 1:
                 raise UsageError(f"effects: {key} stands twice; give each its own label")
+        if self.constraints.angle:
+            raise UsageError("constraints: wheels at an angle are the effect wheel_misalignment; add it to the effects")
+        for effect in self.constraint_effects:
+            effect.check(self.constraints)
 
     # --- structure -------------------------------------------------------------------------------------------
 
@@ -114,7 +117,8 @@ class CartModel:
         parameters = np.asarray(parameters, dtype=float)
         effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
         other = replace(self, inertia=Inertia.from_phi(parameters[:N_PHI]), effects=effects)
-        structure = {k: v for k, v in self.__dict__.items() if k in STRUCTURE}
+        kept = STRUCTURE if other.constraint_effects == self.constraint_effects else BODY_STRUCTURE
+        structure = {k: v for k, v in self.__dict__.items() if k in kept}
         other.__dict__.update(structure)
         return other
 
@@ -146,12 +150,24 @@ class CartModel:
         return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
 
     @cached_property
+    def constraint_effects(self) -> tuple[ConstraintEffect, ...]:
+        return tuple(e for e in self.effects if isinstance(e, ConstraintEffect))
+
+    @cached_property
+    def rolling(self) -> RollingConstraints:
+        """The constraints as effects leave them."""
+        constraints = self.constraints
+        for effect in self.constraint_effects:
+            constraints = effect.rolling(constraints)
+        return constraints
+
+    @cached_property
     def wheel_set(self) -> WheelSet:
         return WheelSet.of(self.wheels, rolls_along_x=self.constraints.n_rows > 0)
 
     @cached_property
     def basis_b(self) -> Array:
-        return self.constraints.basis_b
+        return self.rolling.basis_b
 
     @cached_property
     def parameters(self) -> Array:
@@ -269,9 +285,7 @@ class CartModel:
 
     def planar_wrench(self, reduced: Array) -> Array:
         """A wrench (..., 3) in {b} without side force whose effective rows `Sᵀ wrench_b` are `reduced`."""
-        wrench = np.zeros((*reduced.shape[:-1], 3))
-        wrench[..., {0: [0, 1, 2], 1: [0, 2], 2: [0]}[self.constraints.n_rows]] = reduced
-        return wrench
+        return np.asarray(reduced @ self.rolling.along_b)
 
     def phi_at(self, time: Any, parameters: Array | None = None) -> Array:
         """phi with what inertia effects add at a time, (..., 4)."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from cartgrasp.effects.effect import USUAL_SPREAD
 from cartgrasp.errors import UsageError
-from cartgrasp.frames import Array, body_to_world, wrap_angle
+from cartgrasp.frames import Array, body_to_world, rotation_planar, wrap_angle
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion
 
@@ -224,7 +224,7 @@ class CartFilter:
         disturbance = np.array([1.0, 1.0, noise.lever]) * noise.disturbance
         roots = np.hstack([reach * disturbance, STICTION_MEMORY**0.5 * (reach @ stiction)])
         density[cart.velocity_slice, cart.velocity_slice] = roots @ roots.T
-        sideways = np.array([-np.sin(heading), np.cos(heading)])
+        sideways = rotation_planar(heading) @ cart.rolling.across_b
         density[:2, :2] = noise.slip**2 * np.outer(sideways, sideways)
         density[2, 2] = noise.slip**2
         memory = range(cart.memory_slice.start, cart.memory_slice.stop)

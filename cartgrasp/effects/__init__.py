@@ -3,7 +3,7 @@ both, one line here, and its branch in `kernels/vocabulary.py`."""
 
 from .caster_realignment import CasterRealignment
 from .directional_drag import DirectionalDrag
-from .effect import Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
+from .effect import ConstraintEffect, Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
 from .external_push import ExternalPush
 from .floor_patch import FloorPatch
 from .floor_slope import FloorSlope
@@ -18,6 +18,7 @@ from .stribeck_friction import StribeckFriction
 from .time_delay import TimeDelay
 from .viscous_drag import ViscousDrag
 from .wheel_drag_imbalance import WheelDragImbalance
+from .wheel_misalignment import WheelMisalignment
 
 KNOWN_EFFECTS: dict[str, type[Effect]] = {
     effect.name: effect
@@ -31,6 +32,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         FloorPatch,
         CasterRealignment,
         WheelDragImbalance,
+        WheelMisalignment,
         PayloadChange,
         LoadSlosh,
         ForceBias,
@@ -44,6 +46,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
 __all__ = [
     "KNOWN_EFFECTS",
     "CasterRealignment",
+    "ConstraintEffect",
     "DirectionalDrag",
     "Effect",
     "ExternalPush",
@@ -64,4 +67,5 @@ __all__ = [
     "TimeDelay",
     "ViscousDrag",
     "WheelDragImbalance",
+    "WheelMisalignment",
 ]

@@ -1,8 +1,9 @@
 """What an effect is: named parameters, an own memory, and one contribution with analytic partials.
 
-A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `SensorEffect` stands between the true and
-the recorded wrench of an arm. `CartModel` alone decides signs and sums. Those of the library have a kernel
-(`compiled.py`); a class from outside that works out its contributions in numpy has its place beside them.
+A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `ConstraintEffect` changes how it rolls, a
+`SensorEffect` stands between the true and the recorded wrench of an arm. `CartModel` alone decides signs and sums.
+Those of the library have a kernel (`compiled.py`); a class from outside that works out its contributions in numpy has
+its place beside them.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..constraints import RollingConstraints
 from ..errors import UsageError
 from ..frames import Array
 from ..wheels import WheelSet
@@ -160,6 +162,20 @@ class InertiaEffect(Effect):
     @abstractmethod
     def phi_change(self, time: Any, parameters: Array) -> Contribution:
         """What is added to phi (..., 4), with partials by parameters."""
+
+
+class ConstraintEffect(Effect):
+    """Changes what the fixed wheels forbid. Its values belong to the structure of a model: another value is another
+    model, partials by it are 0, and it is not looked up in the parameters that a model's functions are given."""
+
+    def check(self, constraints: RollingConstraints) -> None:
+        """Refuses a cart without fixed wheels."""
+        if constraints.axle_x is None:
+            raise UsageError(f"{self.key}: the cart has no fixed wheels; add the constraint no_lateral_slip")
+
+    @abstractmethod
+    def rolling(self, constraints: RollingConstraints) -> RollingConstraints:
+        """What is left of the constraints."""
 
 
 class SensorEffect(Effect):

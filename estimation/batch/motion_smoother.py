@@ -230,7 +230,8 @@ def _step_weights(chain: _Chain, heading: Array, jerk: Array) -> Array:
     d, h = 3 + 2 * n_free, np.where(chain.linked, chain.steps, 1.0)
     weights = np.zeros((len(h), d, d))
     slip = chain.noise.slip**2 * h
-    sideways = np.stack([-np.sin(heading), np.cos(heading)], axis=1)
+    rolling = heading + np.arctan2(chain.basis[1, 0], chain.basis[0, 0])
+    sideways = np.stack([-np.sin(rolling), np.cos(rolling)], axis=1)
     creep = PATH_FLOOR**2 * np.eye(2) + slip[:, None, None] * sideways[:, :, None] * sideways[:, None, :]
     weights[:, :2, :2] = np.linalg.inv(creep)
     weights[:, 2, 2] = 1 / (slip + PATH_FLOOR**2)

@@ -44,6 +44,7 @@ CONTRACT = {
     "floor_patch": {"x_min": "m", "x_max": "m", "y_min": "m", "y_max": "m", "coefficient": "-"},
     "caster_realignment": {"swivel_torque": "N·m", "trail": "m"},
     "wheel_drag_imbalance": {"force": "N", "moment": "N·m"},
+    "wheel_misalignment": {"angle": "rad"},
     "payload_change": {"time": "s", "mass": "kg", "x": "m", "y": "m"},
     "force_bias": {"fx": "N", "fy": "N", "tz": "N·m"},
     "force_scale": {"gain": "-"},
@@ -58,6 +59,7 @@ COULOMB = {
 NOT_ESTIMATED_ONLINE = {
     *("stribeck_friction.speed", "caster_realignment.trail", "payload_change.time"),
     *("external_push.start", "external_push.duration", "time_delay.delay"),
+    "wheel_misalignment.angle",
     *("load_slosh.frequency", "load_slosh.damping"),
     *(f"floor_patch.{edge}" for edge in ("x_min", "x_max", "y_min", "y_max")),
 }
