@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .compiled_dynamics import CompiledDynamics, Point
+    from .kernels.situation import Parts
 
 N_PHI = len(PHI_NAMES)
 BODY_STRUCTURE = (
@@ -44,7 +45,7 @@ BODY_STRUCTURE = (
     "velocity_slice",
     "memory_slice",
 )
-STRUCTURE = (*BODY_STRUCTURE, "rolling", "basis_b", "dynamics")
+STRUCTURE = (*BODY_STRUCTURE, "rolling", "slip_compliance", "basis_b", "dynamics")
 """Cached properties that do not depend on numbers, but for those of constraint effects."""
 N_POSE = 3
 
@@ -162,6 +163,11 @@ class CartModel:
         return constraints
 
     @cached_property
+    def slip_compliance(self) -> float:
+        """Angle, rad, at which the rolling wheels creep sideways under each newton of side force."""
+        return sum(effect.slip_compliance for effect in self.constraint_effects)
+
+    @cached_property
     def wheel_set(self) -> WheelSet:
         return WheelSet.of(self.wheels, rolls_along_x=self.constraints.n_rows > 0)
 
@@ -234,10 +240,17 @@ class CartModel:
         """
         point = self._point(state, parameters, time)
         push = np.asarray(wrench_b), self._full_trust if trust is None else trust
-        return StateRate(*self.dynamics.rates(point, push, self._foreign(point)))
+        rates = self.dynamics.rates(point, push, self._foreign(point))
+        if self.slip_compliance:
+            from .creep import creeping
+
+            rates = creeping(self, point, push[0], rates)
+        return StateRate(*rates)
 
     def state_rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Forward dynamics without partials: the rate of the state, (..., n)."""
+        if self.slip_compliance:
+            return self.rate(state, wrench_b, parameters, time).value
         point = self._point(state, parameters, time)
         return self.dynamics.rate(point, (np.asarray(wrench_b), self._full_trust), self._foreign(point))
 
@@ -260,9 +273,12 @@ class CartModel:
 
     def effect_wrench(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Sum of the force effects on the cart, (..., 3), in {b}."""
-        point = self._point(state, parameters, time)
-        dynamics = self.dynamics
-        return dynamics.parts(dynamics.sums(point, self._foreign(point)))[2].value
+        return self.effect_parts(self._point(state, parameters, time))[2].value
+
+    def effect_parts(self, point: Point) -> tuple[Array, Array, Parts, Parts]:
+        """At (state, time, parameters): phi with what effects add to it, its partials by the parameters, the effects'
+        wrench and their memory's rate, with partials."""
+        return self.dynamics.parts(self.dynamics.sums(point, self._foreign(point)))
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""

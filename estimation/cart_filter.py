@@ -225,7 +225,7 @@ class CartFilter:
         roots = np.hstack([reach * disturbance, STICTION_MEMORY**0.5 * (reach @ stiction)])
         density[cart.velocity_slice, cart.velocity_slice] = roots @ roots.T
         sideways = rotation_planar(heading) @ cart.rolling.across_b
-        density[:2, :2] = noise.slip**2 * np.outer(sideways, sideways)
+        density[:2, :2] = noise.sideways(cart) ** 2 * np.outer(sideways, sideways)
         density[2, 2] = noise.slip**2
         memory = range(cart.memory_slice.start, cart.memory_slice.stop)
         density[memory, memory] = (noise.swivel * cart.memory_spread / USUAL_SPREAD) ** 2

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+SIDE_PUSH = 20.0
+"""N m/√s: 40 N aside for a second at 0.5 m/s."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,10 @@ class FilterNoise:
             value = getattr(self, item.name)
             if not (np.isfinite(value) and value >= 0):
                 raise UsageError(f"noise: {item.name}: {value} is not a finite number >= 0")
+
+    def sideways(self, cart: CartModel) -> float:
+        """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""
+        return math.hypot(self.slip, SIDE_PUSH * cart.slip_compliance)
 
     @property
     def pose_covariance(self) -> Array:

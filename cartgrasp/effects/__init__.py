@@ -10,6 +10,7 @@ from .floor_slope import FloorSlope
 from .force_bias import ForceBias
 from .force_misalignment import ForceMisalignment
 from .force_scale import ForceScale
+from .lateral_slip import LateralSlip
 from .load_slosh import LoadSlosh
 from .payload_change import PayloadChange
 from .quadratic_drag import QuadraticDrag
@@ -33,6 +34,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         CasterRealignment,
         WheelDragImbalance,
         WheelMisalignment,
+        LateralSlip,
         PayloadChange,
         LoadSlosh,
         ForceBias,
@@ -57,6 +59,7 @@ __all__ = [
     "ForceMisalignment",
     "ForceScale",
     "InertiaEffect",
+    "LateralSlip",
     "LoadSlosh",
     "Parameter",
     "PayloadChange",

@@ -173,9 +173,14 @@ class ConstraintEffect(Effect):
         if constraints.axle_x is None:
             raise UsageError(f"{self.key}: the cart has no fixed wheels; add the constraint no_lateral_slip")
 
-    @abstractmethod
+    @property
+    def slip_compliance(self) -> float:
+        """Angle, rad, at which a rolling wheel creeps sideways under each newton of side force."""
+        return 0.0
+
     def rolling(self, constraints: RollingConstraints) -> RollingConstraints:
         """What is left of the constraints."""
+        return constraints
 
 
 class SensorEffect(Effect):
