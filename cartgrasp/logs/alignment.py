@@ -1,4 +1,8 @@
-"""A log's wrenches brought back to when they happened, against the `time_delay` of its sensors."""
+"""A log's wrenches brought back to when they happened, against the `time_delay` of its sensors.
+
+Each row takes the sample that is nearest to the time at which its own was recorded: at most half a step off. Samples
+mixed from two would share their noise with their neighbours, which those who learn from them take for steady force.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +14,14 @@ from ..frames import Array
 from ..model import CartModel
 from .run_log import ArmLog, RunLog
 
-SAME_TIME = 1e-6
-"""Of a step: an instant this near to a row is the row's."""
+EARLIER = 1e-6
+"""Of a step: of two samples that are equally near, the earlier is taken, whatever rounding says."""
+FAR = 0.75
+"""Steps: from here on a sample is another row's."""
 
 
 def aligned(log: RunLog, cart: CartModel) -> RunLog:
-    """The log with each arm's wrenches as the cart's sensors recorded them `delay` later: linear between rows, NaN
-    where the log has ended or a row beside is missing. Samples between rows have less noise than rows."""
+    """The log with each arm's wrenches as the cart's sensors recorded them `delay` later; NaN where there is none."""
     late = {name: cart.lateness(name) for name in log.arms}
     if not any(late.values()):
         return log
@@ -31,9 +36,8 @@ def _moved(time: Array, rows: Array, delay: float) -> Array:
     """Rows (n, k) as they are `delay` later."""
     if len(time) < 2:
         return np.full_like(rows, np.nan)
-    at = time + delay
-    before = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
-    share = ((at - time[before]) / (time[before + 1] - time[before]))[:, None]
-    between = (1.0 - share) * rows[before] + share * rows[before + 1]
-    ends = np.where(np.abs(share) <= SAME_TIME, rows[before], np.where(share > 1.0 + SAME_TIME, np.nan, between))
-    return np.where(np.abs(share - 1.0) <= SAME_TIME, rows[before + 1], ends)
+    step = np.median(np.diff(time))
+    at = time + delay - EARLIER * step
+    after = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
+    nearest = np.where(at - time[after - 1] <= time[after] - at, after - 1, after)
+    return np.where(np.abs(time[nearest] - at)[:, None] < FAR * step, rows[nearest], np.nan)
