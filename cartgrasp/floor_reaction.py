@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, eq=False)
 class FloorReaction:
     """`loads = load_map @ W + load_offset`, (n_wheels,) N, and `lateral = lateral_map @ W + lateral_offset`, N,
-    positive where the floor pushes the cart to its left."""
+    positive where the floor pushes the wheels to their left."""
 
     load_map: Array
     load_offset: Array
@@ -59,8 +59,8 @@ class FloorReaction:
         weight = GRAVITY * phi[:3]
         weight[1:] -= cart.com_height * (inertial @ push + bias)[:2]
         spread = cart.wheel_set.load_map[:, :3] / GRAVITY
-        constraint = inertial - np.eye(3)
-        return cls(spread @ balance, spread @ weight, constraint[1] @ planar, float(constraint[1] @ push))
+        across = cart.rolling.across_b @ (inertial - np.eye(3))[:2]
+        return cls(spread @ balance, spread @ weight, across @ planar, float(across @ push))
 
     def loads(self, wrench_b: Array) -> Array:
         """N of each wheel, (..., n_wheels), under spatial wrenches (..., 6)."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .constraints import RollingConstraints
-from .effects import Effect, ForceEffect, InertiaEffect, SensorEffect
+from .effects import ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
 from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
 from .errors import UsageError
@@ -33,19 +33,20 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .compiled_dynamics import CompiledDynamics, Point
+    from .kernels.situation import Parts
 
 N_PHI = len(PHI_NAMES)
-STRUCTURE = (
+BODY_STRUCTURE = (
     "wheel_set",
-    "basis_b",
     "parameter_names",
     "memory_names",
+    "memory_spread",
     "state_names",
     "velocity_slice",
     "memory_slice",
-    "dynamics",
 )
-"""Cached properties that do not depend on numbers."""
+STRUCTURE = (*BODY_STRUCTURE, "rolling", "slip_compliance", "basis_b", "dynamics")
+"""Cached properties that do not depend on numbers, but for those of constraint effects."""
 N_POSE = 3
 
 
@@ -90,6 +91,10 @@ class CartModel:
         for key in keys:
             if keys.count(key) > 1:
                 raise UsageError(f"effects: {key} stands twice; give each its own label")
+        if self.constraints.angle:
+            raise UsageError("constraints: wheels at an angle are the effect wheel_misalignment; add it to the effects")
+        for effect in self.constraint_effects:
+            effect.check(self.constraints)
 
     # --- structure -------------------------------------------------------------------------------------------
 
@@ -113,7 +118,8 @@ class CartModel:
         parameters = np.asarray(parameters, dtype=float)
         effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
         other = replace(self, inertia=Inertia.from_phi(parameters[:N_PHI]), effects=effects)
-        structure = {k: v for k, v in self.__dict__.items() if k in STRUCTURE}
+        kept = STRUCTURE if other.constraint_effects == self.constraint_effects else BODY_STRUCTURE
+        structure = {k: v for k, v in self.__dict__.items() if k in kept}
         other.__dict__.update(structure)
         return other
 
@@ -145,12 +151,29 @@ class CartModel:
         return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
 
     @cached_property
+    def constraint_effects(self) -> tuple[ConstraintEffect, ...]:
+        return tuple(e for e in self.effects if isinstance(e, ConstraintEffect))
+
+    @cached_property
+    def rolling(self) -> RollingConstraints:
+        """The constraints as effects leave them."""
+        constraints = self.constraints
+        for effect in self.constraint_effects:
+            constraints = effect.rolling(constraints)
+        return constraints
+
+    @cached_property
+    def slip_compliance(self) -> float:
+        """Angle, rad, at which the rolling wheels creep sideways under each newton of side force."""
+        return sum(effect.slip_compliance for effect in self.constraint_effects)
+
+    @cached_property
     def wheel_set(self) -> WheelSet:
         return WheelSet.of(self.wheels, rolls_along_x=self.constraints.n_rows > 0)
 
     @cached_property
     def basis_b(self) -> Array:
-        return self.constraints.basis_b
+        return self.rolling.basis_b
 
     @cached_property
     def parameters(self) -> Array:
@@ -164,6 +187,12 @@ class CartModel:
     @cached_property
     def memory_names(self) -> tuple[str, ...]:
         return tuple(n for effect, _, _ in self.force_effects for n in effect.memory_names(self.wheel_set))
+
+    @cached_property
+    def memory_spread(self) -> Array:
+        """How far (k,) the true memory may be from the first."""
+        spreads = [effect.memory_spread(self.wheel_set) for effect, _, _ in self.force_effects]
+        return np.concatenate([np.zeros(0), *spreads])
 
     @cached_property
     def state_names(self) -> tuple[str, ...]:
@@ -187,9 +216,14 @@ class CartModel:
 
     def state(self, pose_sb: ArrayLike = (0.0, 0.0, 0.0), velocity: ArrayLike | None = None) -> Array:
         """A state (n,) at a pose and free velocity (0 unless given), with effects' first memory."""
-        velocity = np.zeros(self.constraints.n_free) if velocity is None else velocity
-        memory: Sequence[Array] = [e.first_memory(self.wheel_set) for e, _, _ in self.force_effects]
-        return np.concatenate([np.asarray(pose_sb, float), np.asarray(velocity, float), *memory])
+        velocity = np.zeros(self.constraints.n_free) if velocity is None else np.asarray(velocity, float)
+        if velocity.shape != (self.constraints.n_free,):
+            raise UsageError(
+                f"model: velocity has shape {velocity.shape}, but this cart's {self.constraints.n_free} numbers"
+            )
+        velocity_b = self.basis_b @ velocity
+        memory: Sequence[Array] = [e.first_memory(self.wheel_set, velocity_b) for e, _, _ in self.force_effects]
+        return np.concatenate([np.asarray(pose_sb, float), velocity, *memory])
 
     # --- motion ----------------------------------------------------------------------------------------------
 
@@ -206,10 +240,17 @@ class CartModel:
         """
         point = self._point(state, parameters, time)
         push = np.asarray(wrench_b), self._full_trust if trust is None else trust
-        return StateRate(*self.dynamics.rates(point, push, self._foreign(point)))
+        rates = self.dynamics.rates(point, push, self._foreign(point))
+        if self.slip_compliance:
+            from .creep import creeping
+
+            rates = creeping(self, point, push[0], rates)
+        return StateRate(*rates)
 
     def state_rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Forward dynamics without partials: the rate of the state, (..., n)."""
+        if self.slip_compliance:
+            return self.rate(state, wrench_b, parameters, time).value
         point = self._point(state, parameters, time)
         return self.dynamics.rate(point, (np.asarray(wrench_b), self._full_trust), self._foreign(point))
 
@@ -232,9 +273,12 @@ class CartModel:
 
     def effect_wrench(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Sum of the force effects on the cart, (..., 3), in {b}."""
-        point = self._point(state, parameters, time)
-        dynamics = self.dynamics
-        return dynamics.parts(dynamics.sums(point, self._foreign(point)))[2].value
+        return self.effect_parts(self._point(state, parameters, time))[2].value
+
+    def effect_parts(self, point: Point) -> tuple[Array, Array, Parts, Parts]:
+        """At (state, time, parameters): phi with what effects add to it, its partials by the parameters, the effects'
+        wrench and their memory's rate, with partials."""
+        return self.dynamics.parts(self.dynamics.sums(point, self._foreign(point)))
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""
@@ -257,20 +301,21 @@ class CartModel:
 
     def memory_along(self, pose_sb: Array, velocity: Array, time: Array, parameters: Array | None = None) -> Array:
         """The effects' memories (n, k) along a motion: poses (n, 3), free velocities (n, f), times (n,)."""
-        first = np.broadcast_to(self.state()[self.memory_slice], (len(time), len(self.memory_names)))
+        first = self.state(pose_sb[0], velocity[0])[self.memory_slice]
         if not self.memory_names:
-            return np.array(first)
-        state = np.hstack([pose_sb, velocity, first])
-        state[0, self.memory_slice] = self.settled_memory(
-            state[0], self._point(state[0], parameters, time[0])[2], time[0]
-        )
-        return self.dynamics.memories(self._point(state, parameters, time))
+            return np.zeros((len(time), 0))
+        state = np.hstack([pose_sb, velocity, np.tile(first, (len(time), 1))])
+        if self.is_compiled:
+            return self.dynamics.memories(self._point(state, parameters, time))
+        for i, step in enumerate(np.diff(time)):
+            still = np.zeros(self.constraints.n_free)
+            rate = self.inverse(state[i], still, parameters, time[i]).memory_rate
+            state[i + 1, self.memory_slice] = state[i, self.memory_slice] + step * rate
+        return state[:, self.memory_slice]
 
     def planar_wrench(self, reduced: Array) -> Array:
         """A wrench (..., 3) in {b} without side force whose effective rows `Sᵀ wrench_b` are `reduced`."""
-        wrench = np.zeros((*reduced.shape[:-1], 3))
-        wrench[..., {0: [0, 1, 2], 1: [0, 2], 2: [0]}[self.constraints.n_rows]] = reduced
-        return wrench
+        return np.asarray(reduced @ self.rolling.along_b)
 
     def phi_at(self, time: Any, parameters: Array | None = None) -> Array:
         """phi with what inertia effects add at a time, (..., 4)."""
@@ -286,6 +331,10 @@ class CartModel:
             if effect.concerns(arm):
                 wrench_a = effect.recorded(wrench_a, parameters[..., where])
         return wrench_a
+
+    def lateness(self, arm: str) -> float:
+        """How long after it was felt the sensor of an arm records a wrench, s."""
+        return sum(effect.lateness for effect, _ in self.sensor_effects if effect.concerns(arm))
 
     def corrected_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> tuple[Array, Array]:
         """The true wrench (..., 6) behind a recorded one, and its partials by the parameters (..., 6, p)."""

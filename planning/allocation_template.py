@@ -67,7 +67,7 @@ class AllocationTemplate:
         for name in names:
             if names.count(name) > 1:
                 raise UsageError(f"arms: {name} stands twice; names must differ")
-        basis_b = cart.constraints.basis_b
+        basis_b = cart.basis_b
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits = side_by_side(names, [limits_of(arm) for arm in arms])

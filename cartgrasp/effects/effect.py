@@ -1,8 +1,9 @@
 """What an effect is: named parameters, an own memory, and one contribution with analytic partials.
 
-A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `SensorEffect` stands between the true and
-the recorded wrench of an arm. `CartModel` alone decides signs and sums. Those of the library have a kernel
-(`compiled.py`); a class from outside that works out its contributions in numpy has its place beside them.
+A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `ConstraintEffect` changes how it rolls, a
+`SensorEffect` stands between the true and the recorded wrench of an arm. `CartModel` alone decides signs and sums.
+Those of the library have a kernel (`compiled.py`); a class from outside that works out its contributions in numpy has
+its place beside them.
 """
 
 from __future__ import annotations
@@ -16,12 +17,17 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..constraints import RollingConstraints
 from ..errors import UsageError
 from ..frames import Array
 from ..wheels import WheelSet
 
 SMOOTHING_SPEED = 0.002
 """m/s: below it a Coulomb force fades to zero, so that dynamics stay smooth."""
+
+
+USUAL_SPREAD = 0.5
+"""Of a memory, in its own unit: an angle in rad."""
 
 
 @dataclass(frozen=True)
@@ -143,8 +149,13 @@ class ForceEffect(Effect):
         """Names of the internal states; none for most."""
         return ()
 
-    def first_memory(self, wheels: WheelSet) -> Array:
+    def first_memory(self, wheels: WheelSet, velocity_b: Array) -> Array:
+        """The memory (k,) of a cart that has just come to be looked at, at a velocity (3,)."""
         return np.zeros(len(self.memory_names(wheels)))
+
+    def memory_spread(self, wheels: WheelSet) -> Array:
+        """How far (k,) the true memory may be from the first; in proportion to it, what is believed of it fades."""
+        return np.full(len(self.memory_names(wheels)), USUAL_SPREAD)
 
     @abstractmethod
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
@@ -172,8 +183,32 @@ class InertiaEffect(Effect):
         """What is added to phi (..., 4), with partials by parameters."""
 
 
+class ConstraintEffect(Effect):
+    """Changes what the fixed wheels forbid. Its values belong to the structure of a model: another value is another
+    model, partials by it are 0, and it is not looked up in the parameters that a model's functions are given."""
+
+    def check(self, constraints: RollingConstraints) -> None:
+        """Refuses a cart without fixed wheels."""
+        if constraints.axle_x is None:
+            raise UsageError(f"{self.key}: the cart has no fixed wheels; add the constraint no_lateral_slip")
+
+    @property
+    def slip_compliance(self) -> float:
+        """Angle, rad, at which a rolling wheel creeps sideways under each newton of side force."""
+        return 0.0
+
+    def rolling(self, constraints: RollingConstraints) -> RollingConstraints:
+        """What is left of the constraints."""
+        return constraints
+
+
 class SensorEffect(Effect):
     """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm."""
+
+    @property
+    def lateness(self) -> float:
+        """How long after it was felt a sample is recorded, s."""
+        return 0.0
 
     def concerns(self, arm: str) -> bool:
         return self.label in ("", arm)

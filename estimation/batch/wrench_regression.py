@@ -11,6 +11,8 @@ A wrench may hold from its row to the next (its middle is half a step late), or 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,6 +22,7 @@ import numpy as np
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
+from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 
 from ..log_noise import noise_of_log
@@ -118,19 +121,38 @@ class WrenchRegression:
 
     def __init__(self, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> None:
         thinned = log.thinned()
-        self.cart, self.name = cart, log.name
+        self.cart, self.name, self.log = cart, log.name, log
         if noise is None:
             noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()
+        self.noise = noise
+        with self._sized():
+            self.motion = smooth_motion(thinned, cart, noise)
+            self._listen()
+        steps = np.diff(thinned.time)
+        steady = self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
+        self._steady = np.append(steady, False)
+
+    def _listen(self) -> None:
+        """Takes the wrenches as the cart's sensors are late."""
+        thinned = aligned(self.log, self.cart).thinned()
+        steps = np.diff(thinned.time)
+        self._record = WrenchRecord.of(thinned, self.cart, self.noise)
+        self._neighbours = self._record.of_neighbours(float(np.median(steps)) if len(steps) else 1.0)
+
+    @property
+    def _used(self) -> np.ndarray:
+        return self._steady & self._record.seen
+
+    @contextmanager
+    def _sized(self) -> Iterator[None]:
+        """Numbers that are too large for arithmetic become an error of ours."""
         try:
             with np.errstate(over="raise", invalid="raise", divide="raise"):
-                self._record = WrenchRecord.of(thinned, cart, noise)
-                self.motion = smooth_motion(thinned, cart, noise)
+                yield
         except (FloatingPointError, np.linalg.LinAlgError) as error:
-            raise _too_large(log.name) from error
-        steps = np.diff(thinned.time)
-        self._neighbours = self._record.of_neighbours(float(np.median(steps)) if len(steps) else 1.0)
-        steady = self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
-        self._used = np.append(steady, False) & self._record.seen
+            raise DataError(
+                f"{self.name}: can't be identified from; look for numbers that are not in SI units"
+            ) from error
 
     def evidence(self, parameters: Array, delay: float) -> Evidence:
         """What the log says about a step of `(parameters, delay)` from here."""
@@ -138,11 +160,8 @@ class WrenchRegression:
         p = len(parameters) + 1
         if not len(used):
             return Evidence(np.zeros((0, p, p)), np.zeros((0, p)))
-        try:
-            with np.errstate(over="raise", invalid="raise"):
-                return self._evidence(parameters, delay, used)
-        except (FloatingPointError, np.linalg.LinAlgError) as error:
-            raise _too_large(self.name) from error
+        with self._sized():
+            return self._evidence(parameters, delay, used)
 
     def _evidence(self, parameters: Array, delay: float, used: np.ndarray) -> Evidence:
         line = self.linearised(parameters, delay, used)
@@ -202,12 +221,14 @@ class WrenchRegression:
         """The same motion, for a cart with other effects and the same constraints."""
         other = copy(self)
         other.cart = cart
+        if any(cart.lateness(arm) != self.cart.lateness(arm) for arm in self.log.arms):
+            other._listen()
         return other
 
     def within(self, chosen: np.ndarray) -> WrenchRegression:
         """The same motion, with wrenches only where `chosen` (n,)."""
         other = copy(self)
-        other._used = self._used & chosen
+        other._steady = self._steady & chosen
         return other
 
     def force_slopes(self, cart: CartModel, delay: float) -> Array:
@@ -243,7 +264,3 @@ def _runs(where: np.ndarray) -> list[slice]:
     """Rows with the same number, which never falls."""
     ends = [0, *(np.flatnonzero(np.diff(where)) + 1), len(where)]
     return [slice(a, b) for a, b in pairwise(ends)]
-
-
-def _too_large(name: str) -> DataError:
-    return DataError(f"{name}: can't be identified from; look for numbers that are not in SI units")
