@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -72,6 +72,16 @@ class InverseDynamics:
     memory_rate: Array
     memory_rate_by_state: Array
     memory_rate_by_parameters: Array
+
+
+class Acting(NamedTuple):
+    """What stands in the dynamics beside the velocity: phi (..., 4) with what inertia effects add, the sum of the force
+    effects (..., 3) in {b}, and the partials of both by the parameters (..., 4, p) and (..., 3, p)."""
+
+    phi: Array
+    wrench_b: Array
+    phi_by_parameters: Array
+    wrench_by_parameters: Array
 
 
 @dataclass(frozen=True)
@@ -279,6 +289,14 @@ class CartModel:
         """At (state, time, parameters): phi with what effects add to it, its partials by the parameters, the effects'
         wrench and their memory's rate, with partials."""
         return self.dynamics.parts(self.dynamics.sums(point, self._foreign(point)))
+
+    def acting(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Acting:
+        """phi and the effects at a state, with partials by the parameters."""
+        point = self._point(state, parameters, time)
+        sums = self.dynamics.sums(point, self._foreign(point))
+        phi, phi_by_parameters, wrench, _ = self.dynamics.parts(sums)
+        by_parameters = wrench.by_parameters + wrench.by_phi @ phi_by_parameters
+        return Acting(phi, wrench.value, phi_by_parameters, by_parameters)
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""

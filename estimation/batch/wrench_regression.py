@@ -141,7 +141,7 @@ class WrenchRegression:
 
     @property
     def _used(self) -> np.ndarray:
-        return self._steady & self._record.seen
+        return np.asarray(self._steady & self._record.seen)
 
     @contextmanager
     def _sized(self) -> Iterator[None]:
