@@ -192,6 +192,15 @@ class ConstraintEffect(Effect):
         if constraints.axle_x is None:
             raise UsageError(f"{self.key}: the cart has no fixed wheels; add the constraint no_lateral_slip")
 
+    @classmethod
+    @abstractmethod
+    def usual(cls, label: str) -> Self:
+        """One of usual size, with which a search begins."""
+
+    @abstractmethod
+    def scaled(self, share: float) -> Self:
+        """The same with `share` times the velocity across the cart."""
+
     @property
     def slip_compliance(self) -> float:
         """Angle, rad, at which a rolling wheel creeps sideways under each newton of side force."""
@@ -203,7 +212,10 @@ class ConstraintEffect(Effect):
 
 
 class SensorEffect(Effect):
-    """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm."""
+    """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm. What arms have
+    together, such as a clock, is not `by_arm`."""
+
+    by_arm: ClassVar[bool] = True
 
     @property
     def lateness(self) -> float:

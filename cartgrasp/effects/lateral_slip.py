@@ -11,12 +11,14 @@ side force of the hands.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import ClassVar, Self, final
 
 from .effect import ConstraintEffect, Parameter
 
 RIGID = 1e9
 """N/rad: from here on nothing creeps."""
+USUAL = 1000.0
+"""N/rad."""
 
 
 @final
@@ -31,6 +33,13 @@ class LateralSlip(ConstraintEffect):
         Parameter("cornering_stiffness", "N/rad", typical=RIGID, lower=10.0, absent=RIGID, estimated=False),
     )
     signature: ClassVar[str] = "a velocity across the wheels in proportion to speed times side force"
+
+    @classmethod
+    def usual(cls, label: str) -> Self:
+        return cls(USUAL, label=label)
+
+    def scaled(self, share: float) -> Self:
+        return self.with_values([self.cornering_stiffness / max(share, self.cornering_stiffness / RIGID)])
 
     @property
     def slip_compliance(self) -> float:

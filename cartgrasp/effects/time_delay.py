@@ -26,6 +26,7 @@ class TimeDelay(SensorEffect):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("delay", "s", typical=0.02, lower=0.0, upper=1.0, estimated=False),
     )
+    by_arm: ClassVar[bool] = False
     signature: ClassVar[str] = "a force in proportion to the rate at which the recorded force changes"
 
     @property

@@ -8,7 +8,7 @@ is off by `1 - cos(angle)`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import ClassVar, Self, final
 
 from ..constraints import RollingConstraints
 from .effect import ConstraintEffect, Parameter
@@ -26,6 +26,13 @@ class WheelMisalignment(ConstraintEffect):
         Parameter("angle", "rad", typical=0.02, lower=-0.5, upper=0.5, estimated=False),
     )
     signature: ClassVar[str] = "a velocity across the cart in proportion to its forward speed"
+
+    @classmethod
+    def usual(cls, label: str) -> Self:
+        return cls(cls.parameters[0].typical, label=label)
+
+    def scaled(self, share: float) -> Self:
+        return self.with_values([share * self.angle])
 
     def rolling(self, constraints: RollingConstraints) -> RollingConstraints:
         return replace(constraints, angle=constraints.angle + self.angle)

@@ -40,6 +40,8 @@ STILL = 3.0
 """Standard deviations of the smoothed velocity within which a cart may stand still."""
 LONGEST_STEP = 3.0
 """Times the usual step: over a longer one nobody knows what a wrench did."""
+LATENESS_STEP = 1e-4
+"""s."""
 OUTLYING = 4.0
 """Times its share of the scatter that a stretch may have with full weight."""
 
@@ -247,7 +249,8 @@ class WrenchRegression:
         state = np.hstack([motion.pose, motion.velocity, memory])
         expected = self.cart.inverse(state, motion.acceleration, time=motion.time).wrench
         expected[:-1] += delay * np.diff(expected, axis=0)
-        return np.asarray(-self._neighbours.slopes(cart, expected)[self._used])
+        late = np.gradient(expected, motion.time, axis=0)[..., None] * _lateness_slopes(cart, self.log)
+        return np.asarray(-(self._neighbours.slopes(cart, expected) + late)[self._used])
 
     def _stuck(self, state: Array, parameters: Array) -> Array:
         """Covariance (n, f, f) of Coulomb forces where the cart may stand still, for all that its smoothed velocity
@@ -264,3 +267,14 @@ def _runs(where: np.ndarray) -> list[slice]:
     """Rows with the same number, which never falls."""
     ends = [0, *(np.flatnonzero(np.diff(where)) + 1), len(where)]
     return [slice(a, b) for a, b in pairwise(ends)]
+
+
+def _lateness_slopes(cart: CartModel, log: RunLog) -> Array:
+    """Of the mean lateness of a log's arms by the parameters (p,)."""
+    slopes = np.zeros(len(cart.parameters))
+    for effect, where in cart.sensor_effects:
+        share = np.mean([effect.concerns(arm) for arm in log.arms])
+        for i, at in enumerate(range(where.start, where.stop)):
+            more = effect.values + LATENESS_STEP * (np.arange(len(effect.values)) == i)
+            slopes[at] = share * (effect.with_values(more).lateness - effect.lateness) / LATENESS_STEP
+    return slopes

@@ -24,6 +24,8 @@ from .where import DIRECTIONS, Disagreement, where
 if TYPE_CHECKING:
     from .report import Report
 
+SETTING_STD = {"s": 0.02, "m": 0.02, "rad": 0.001}
+"""Of settings that a search found and no linear fit: as fine as it searched."""
 FINE = 0.1
 """s: stretches in which a dependence is looked for."""
 SURE = 12.0
@@ -257,7 +259,11 @@ def _named(selection: Selection, step: Step) -> NamedEffect:
     found = selection.final.identification.parameters
     effect = next(e for e in selection.final.cart.effects if e.key == attempt.key)
     parameters = {
-        p.name: (float(value), found[key].std if p.estimated else attempt.setting_std.get(p.name, p.typical), p.unit)
+        p.name: (
+            float(value),
+            found[key].std if p.estimated else SETTING_STD.get(p.unit, 0.1 * abs(float(value))),
+            p.unit,
+        )
         for p, key, value in zip(effect.parameters, effect.keys, effect.values, strict=True)
     }
     share = float(np.clip(attempt.held_out_gain or 0.0, 0.0, 1.0))

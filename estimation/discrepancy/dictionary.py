@@ -93,7 +93,7 @@ def build_dictionary(
     for i, (effect, cell) in enumerate(opened):
         scale = np.max([np.abs(own[i]).max(axis=(0, 1), initial=0.0) for own in slopes], axis=0)
         typical = np.array([p.typical for p in effect.parameters])
-        seen = np.flatnonzero((scale * typical > TRACE) & np.array([p.estimated for p in effect.parameters]))
+        seen = np.flatnonzero((scale * typical > TRACE) & _may_be_amplitudes(effect))
         if len(seen):
             trials.append(Trial(effect, np.arange(at, at + len(seen)), seen, 2 * typical[seen], cell))
             chosen.append((i, seen))
@@ -110,6 +110,11 @@ def build_dictionary(
     return Dictionary(
         tuple(trials), grid, np.concatenate(grams), np.concatenate(starts), np.concatenate(logs), len(free), f
     )
+
+
+def _may_be_amplitudes(effect: Effect) -> np.ndarray:
+    gated = np.arange(len(effect.parameters)) < effect.gate.n_parameters
+    return np.asarray(~gated & np.array([not p.grid for p in effect.parameters]))
 
 
 def _memory(effect: Effect, cart: CartModel) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.stats import chi2
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import Effect, SensorEffect
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
@@ -100,6 +100,18 @@ class Fitted:
     def on(self, regressions: tuple[WrenchRegression, ...]) -> Fitted:
         """The same structure, fitted to other rows."""
         return replace(self, regressions=regressions, start=self.cart.parameters)
+
+    def listening(self) -> Fitted:
+        """With the delay that the fit found in samples' holding, but for its usual share, moved into an added effect
+        that is late."""
+        late = [effect for effect in self.added if isinstance(effect, SensorEffect) and effect.lateness > 0]
+        if not late:
+            return self
+        step = float(np.median([np.median(np.diff(r.motion.time)) for r in self.regressions]))
+        change = (DELAY - float(np.mean(self.delays))) * step
+        moved = late[0].with_values(late[0].values + change)
+        added = tuple(moved if effect is late[0] else effect for effect in self.added)
+        return replace(self, added=added, start=self.cart.parameters)
 
     def without(self, key: str) -> Fitted:
         return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)

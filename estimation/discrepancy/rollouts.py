@@ -11,6 +11,7 @@ from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
+from .sideways import planar_wrench
 
 STEP = 0.004
 """s: the integrator's longest."""
@@ -54,6 +55,7 @@ def roll_out(
     regression: WrenchRegression, cart: CartModel, delay: float, first: np.ndarray, horizon: float
 ) -> Rollouts:
     """Of a cart; `delay` is by what share of a step its recorded wrenches are late."""
+    regression = regression.with_cart(cart)
     wrench = _pushes(regression, cart, delay)
     return _against_motion(regression, cart, wrench, first, horizon)
 
@@ -63,6 +65,7 @@ def noise_floor(
 ) -> Rollouts:
     """What the noise of wrenches and of the smoothed motion alone would do to a perfect model."""
     cart = fitted.cart
+    regression = regression.with_cart(cart)
     wrench = _pushes(regression, cart, 0.5)
     covariance = fitted.scatter.excess * regression.wrench_covariance
     root = np.linalg.cholesky(covariance + 1e-12 * np.eye(wrench.shape[1]))
@@ -106,14 +109,26 @@ def _ends(
     memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
     state = np.hstack([motion.pose[first], motion.velocity[first] + jolt, memory[first]])
     planar, row = cart.planar_wrench(wrench), first.copy()
+    side = planar_wrench(regression, cart) if cart.slip_compliance else planar
     last = np.searchsorted(motion.time, motion.time[first] + horizon - 1e-9)
     while (active := np.flatnonzero(row < last)).size:
         at = row[active]
         steps = motion.time[at + 1] - motion.time[at]
         point = state[active], motion.time[at], np.broadcast_to(cart.parameters, (len(at), len(cart.parameters)))
-        state[active] = cart.dynamics.advanced(point, (planar[at], np.ones((len(at), f))), *_divided(steps))
+        push = planar[at], np.ones((len(at), f))
+        creep = _creep(cart, point, side[at]) * steps[:, None] if cart.slip_compliance else 0.0
+        state[active] = cart.dynamics.advanced(point, push, *_divided(steps))
+        state[active, :2] += creep
         row[active] += 1
     return state[:, :3]
+
+
+def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) -> Array:
+    """What creeping wheels add to the velocity of the pose, (r, 2)."""
+    state, time, _ = point
+    full = cart.state_rate(state, wrench, time=time)[:, :2]
+    held = cart.dynamics.rate(point, (wrench, np.ones((len(state), cart.constraints.n_free))))[:, :2]
+    return np.asarray(full - held)
 
 
 def _divided(steps: Array) -> tuple[Array, Array]:

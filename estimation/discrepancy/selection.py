@@ -21,6 +21,7 @@ from .fitted import Fitted
 from .held_out import HeldOut
 from .log_check import moving
 from .refinement import Refiner
+from .sideways import sideways_trials
 from .vocabulary import trials
 
 MOST_TRIED = 4
@@ -36,7 +37,7 @@ LEAST_GAIN = 0.05
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
 MOST_EFFECTS = 4
-SETTING_STD = {"s": 0.02, "m": 0.02}
+SIDEWAYS_ROUNDS = 2
 
 
 @dataclass(frozen=True)
@@ -49,12 +50,6 @@ class Attempt:
     log_factor: float
     held_out_gain: float | None
     verdict: str
-    effect: Effect
-
-    @property
-    def setting_std(self) -> dict[str, float]:
-        """Of settings that a search found and no linear fit: as fine as it searched."""
-        return {p.name: SETTING_STD[p.unit] for p in self.effect.parameters if p.unit in SETTING_STD}
 
 
 @dataclass(frozen=True)
@@ -69,6 +64,8 @@ class Step:
 
 @dataclass(frozen=True)
 class Selection:
+    """The structure with none added, that with all, the steps between, and the judge of gaps."""
+
     nominal: Fitted
     final: Fitted
     steps: tuple[Step, ...]
@@ -78,9 +75,13 @@ class Selection:
 def select(
     whole: Sequence[WrenchRegression], cart: CartModel, arms: Sequence[str], tell: Callable[[str], None]
 ) -> Selection:
-    nominal = Fitted(tuple(regression.within(moving(regression)) for regression in whole), cart)
+    """From regressions of every log on the cart's smoothed motion."""
+    tell("looking sideways")
+    whole, across, steps = _sideways(whole, cart)
+    masked = tuple(regression.within(moving(regression)) for regression in whole)
+    nominal = Fitted(masked, cart)
     held_out = HeldOut(nominal, whole)
-    fitted, steps = nominal, list[Step]()
+    fitted = Fitted(masked, cart, across)
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
         step, better = _step(fitted, held_out, arms, tell)
@@ -89,6 +90,34 @@ def select(
             break
         fitted = better
     return Selection(nominal, fitted, tuple(steps), held_out)
+
+
+def _sideways(
+    whole: Sequence[WrenchRegression], cart: CartModel
+) -> tuple[tuple[WrenchRegression, ...], tuple[Effect, ...], list[Step]]:
+    """Constraint effects, which bend the smoothed motion, come first; with each, the motion is smoothed again."""
+    whole, steps = tuple(whole), list[Step]()
+    added: tuple[Effect, ...] = ()
+    while True:
+        fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, added)
+        trials = sideways_trials(whole, fitted.cart)
+        if not trials or trials[0].finding.log_factor < ENOUGH or trials[0].held_out_gain < LEAST_GAIN:
+            return whole, added, steps
+        first = trials[0].finding.effect
+        for _ in range(SIDEWAYS_ROUNDS):
+            bent = replace(cart, effects=(*cart.effects, *added, first))
+            whole = tuple(WrenchRegression(r.log, bent, r.noise) for r in whole)
+            fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, (*added, first))
+            again = sideways_trials(whole, fitted.cart.without_effect(first.key))
+            first = next(t.finding.effect for t in again if type(t.finding.effect) is type(first))
+        added = (*added, first)
+        attempts = [
+            Attempt(t.finding.effect.key, t.finding.effect.name, t.finding.log_factor, t.held_out_gain, "less probable")
+            for t in trials
+        ]
+        attempts[0] = replace(attempts[0], verdict="added")
+        near = tuple(a.name for a in attempts[1:] if attempts[0].log_factor - a.log_factor < NOT_TOLD_APART)
+        steps.append(Step(tuple(attempts), attempts[0], near, 1.0))
 
 
 def _step(
@@ -104,7 +133,7 @@ def _step(
             break
         tell(f"trying {finding.effect.name}")
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
-        tried.append((effect, gain.value, fitted.with_added(effect)))
+        tried.append((effect, gain.value, fitted.with_added(effect).listening().listening()))
     excess = min([fitted.scatter.excess, *(model.scatter.excess for *_, model in tried)])
     again = {f.effect.key: f for f in findings(dictionary, replace(fitted.base, excess=excess))}
     scored = []
@@ -118,14 +147,12 @@ def _step(
         share, verdict = None, "less probable than another"
         if added is None:
             share, verdict = _judged(score, model, effect, fitted, held_out)
-        attempt = Attempt(effect.key, effect.name, score, share, verdict, effect)
+        attempt = Attempt(effect.key, effect.name, score, share, verdict)
         attempts.append(attempt)
         if verdict == "added":
             added, better = attempt, model
     rest = [f for f in again.values() if f.effect.key not in {a.key for a in attempts}]
-    attempts += [
-        Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough", f.effect) for f in rest
-    ]
+    attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
     if added is None:
         return Step(tuple(attempts), None), None
     left = attempts[attempts.index(added) :]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import product
 
-from cartgrasp.effects import KNOWN_EFFECTS, Effect, SensorEffect
+from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, SensorEffect
 from cartgrasp.model import CartModel
 
 
@@ -13,6 +13,8 @@ def trials(cart: CartModel, arms: Sequence[str]) -> list[Effect]:
     """Absent effects, one for each point of a class's grid, and for sensors one for each arm."""
     found: list[Effect] = []
     for kind in KNOWN_EFFECTS.values():
+        if issubclass(kind, ConstraintEffect):  # they show sideways
+            continue
         for label in _labels(kind, cart, arms):
             found.extend(_on_grid(kind, label))
     return found
@@ -24,7 +26,9 @@ def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> list[st
     if issubclass(kind, SensorEffect):
         if "" in taken:
             return []
-        return [arm for arm in arms if arm not in taken] if len(arms) > 1 else [""]
+        if len(arms) > 1 and kind.by_arm:
+            return [arm for arm in arms if arm not in taken]
+        return [] if taken else [""]
     if not taken:
         return [""]
     return [str(len(taken) + 1)] if kind.gate.n_parameters else []
