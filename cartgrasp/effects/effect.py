@@ -125,6 +125,10 @@ class Effect(ABC):
     def values(self) -> Array:
         return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
 
+    def implausible(self, wheels: WheelSet) -> str:
+        """Why nobody would call it by this name at these values; empty where they are such as it has."""
+        return ""
+
     def with_values(self, values: ArrayLike) -> Self:
         """The same effect with other parameter values (n,); they are brought inside their bounds."""
         clipped: dict[str, Any] = {

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import chi2
 
 from cartgrasp.effects import Effect, SensorEffect
 from cartgrasp.frames import Array
@@ -21,7 +20,8 @@ from .evidence import Base
 
 SCATTER_BLOCK, EXCESS_BLOCK = 0.5, 0.2
 """s."""
-FEWEST_DIFFERENCES = 10
+SLOWEST, FASTEST = 0.4, 2.0
+"""Hz: between which noise is looked for."""
 SETTLED = 0.03
 EFFECTS_SHARE = 1.0
 ADDED_SHARE = 10.0
@@ -108,8 +108,9 @@ class Fitted:
         if not late:
             return self
         step = float(np.median([np.median(np.diff(r.motion.time)) for r in self.regressions]))
-        change = (DELAY - float(np.mean(self.delays))) * step
-        moved = late[0].with_values(late[0].values + change)
+        whole = round(late[0].lateness / step) * step  # what aligning by nearest samples took back
+        missing = whole + (DELAY - float(np.mean(self.delays))) * step
+        moved = late[0].with_values(late[0].values + missing - late[0].lateness)
         added = tuple(moved if effect is late[0] else effect for effect in self.added)
         return replace(self, added=added, start=self.cart.parameters)
 
@@ -169,15 +170,18 @@ def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array
 
 
 def _excess(mean: Array, information: Array, start: Array, log: np.ndarray) -> float:
-    """How many times too small the noise variance is believed to be, 1 or more: from third differences of neighbours.
-    What a model leaves out changes slowly beside them, coloured noise does not."""
-    n = len(mean) - 3
-    if n < FEWEST_DIFFERENCES:
-        return 1.0
-    beside = (log[3:] == log[:n]) & (start[3:] - start[:n] < 3.5 * EXCESS_BLOCK)
-    covariance = np.linalg.inv(information)
-    parts = (covariance[i : n + i] * share**2 for i, share in enumerate((1, 3, 3, 1)))
-    weight = np.linalg.inv(sum(parts, np.zeros_like(covariance[:n])))
-    step = np.diff(mean, 3, axis=0)
-    squares = np.einsum("bi,bij,bj->b", step, weight, step)[beside]
-    return max(1.0, float(np.median(squares)) / float(chi2.median(mean.shape[1]))) if len(squares) else 1.0
+    """How many times too small the noise variance is believed to be, 1 or more: the median of a spectrum between slow
+    misfits and single samples. Coloured noise fills it; what swings at one frequency does not."""
+    found = []
+    for k in np.unique(log):
+        own = log == k
+        root = np.linalg.cholesky(information[own])
+        standard = (np.swapaxes(root, 1, 2) @ mean[own][..., None])[..., 0]
+        place = np.round((start[own] - start[own][0]) / EXCESS_BLOCK).astype(int)
+        row = np.zeros((place[-1] + 1, mean.shape[1]))
+        row[place] = standard
+        power = np.abs(np.fft.rfft(row, axis=0)) ** 2 / len(place)
+        frequency = np.fft.rfftfreq(len(row), EXCESS_BLOCK)
+        found.append(power[(frequency > SLOWEST) & (frequency < FASTEST)].ravel())
+    power = np.concatenate(found)
+    return max(1.0, float(np.median(power)) / np.log(2)) if len(power) else 1.0

@@ -163,6 +163,9 @@ def _step(
 
 
 def _judged(score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut) -> tuple[float | None, str]:
+    reason = effect.implausible(fitted.cart.wheel_set)
+    if reason:
+        return None, reason
     if score < ENOUGH:
         return None, f"log of the Bayes factor {score:.1f} is below {ENOUGH:g}"
     share = held_out.gain(fitted, model, effect)

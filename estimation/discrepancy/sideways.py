@@ -130,14 +130,15 @@ def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array
     motion, axle = regression.motion, float(cart.constraints.axle_x or 0.0)
     pose = regression.log.thinned().pose
     seen = np.isfinite(pose[:, :2]).all(axis=1)
-    linked: np.ndarray = np.asarray(motion.linked & seen[:-1] & seen[1:])
+    linked = np.asarray(motion.linked & seen[:-1] & seen[1:])
     middle = (motion.pose[:-1, 2] + motion.pose[1:, 2]) / 2
     step = np.where(linked[:, None], np.diff(pose[:, :2], axis=0), 0.0)
     across = -np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1] + axle * np.diff(motion.pose[:, 2])
     block = ((motion.time - motion.time[0]) // BLOCK).astype(int)
     first = np.flatnonzero(np.diff(block, prepend=-1))
     spans = np.column_stack([first[:-1], first[1:]])
-    whole = np.array([linked[a:b].all() and b - a > 1 for a, b in spans], dtype=bool)
+    broken = np.append(0, np.cumsum(~linked))[spans]
+    whole = np.asarray(broken[:, 0] == broken[:, 1])
     total = np.append(0.0, np.cumsum(across))
     moved = total[spans[:, 1]] - total[spans[:, 0]]
     n = len(spans)
