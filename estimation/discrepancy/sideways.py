@@ -138,7 +138,7 @@ def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array
     first = np.flatnonzero(np.diff(block, prepend=-1))
     spans = np.column_stack([first[:-1], first[1:]])
     broken = np.append(0, np.cumsum(~linked))[spans]
-    whole = np.asarray(broken[:, 0] == broken[:, 1])
+    whole = np.flatnonzero(broken[:, 0] == broken[:, 1])
     total = np.append(0.0, np.cumsum(across))
     moved = total[spans[:, 1]] - total[spans[:, 0]]
     n = len(spans)
