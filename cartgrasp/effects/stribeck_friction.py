@@ -10,9 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
+from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
+FASTEST = 0.3
 SPEEDS = (0.03, 0.06, 0.12, 0.25)
 
 
@@ -30,3 +32,6 @@ class StribeckFriction(CompiledForce):
         Parameter("speed", "m/s", typical=0.05, lower=0.001, upper=10.0, absent=0.05, estimated=False, grid=SPEEDS),
     )
     signature: ClassVar[str] = "a peak of the forward force near standstill, gone at speed"
+
+    def implausible(self, wheels: WheelSet) -> str:
+        return f"it fades only above {self.speed:.2f} m/s, far from standstill" if self.speed > FASTEST else ""

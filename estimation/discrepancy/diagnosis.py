@@ -14,10 +14,11 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
-from .fitted import SCATTER_BLOCK, Fitted, Scatter
-from .generic import Course, Dependence, dependences
-from .held_out import HeldOut, joined
+from .fitted import SURE
+from .generic import Course, Dependence
+from .held_out import BEYOND_NOISE, HeldOut, joined
 from .log_check import LogCheck, check_rows, checked
+from .scatter import SCATTER_BLOCK, Scatter
 from .selection import Selection, Step, select
 from .where import DIRECTIONS, Disagreement, where
 
@@ -26,16 +27,10 @@ if TYPE_CHECKING:
 
 SETTING_STD = {"s": 0.02, "m": 0.02, "rad": 0.001}
 """Of settings that a search found and no linear fit: as fine as it searched."""
-FINE = 0.1
-"""s: stretches in which a dependence is looked for."""
-SURE = 12.0
-"""Log of the Bayes factor of a dependence that is told."""
 LEAST_SHARE = 0.1
 """Of the squares of the residual, for a dependence that is told."""
 CLOSED = 0.25
 """Of the nominal gap above the noise floor: what may be left where the effects explain it."""
-BEYOND_NOISE = 1.35
-"""Times the noise floor: a larger gap is a disagreement."""
 
 
 @dataclass(frozen=True)
@@ -211,9 +206,11 @@ def diagnose(
     selection = select(whole, cart, arms, tell)
     tell("measuring the gap")
     motions = [regression.motion for regression in whole]
-    before, after = (_scattered(fitted, motions, SCATTER_BLOCK) for fitted in (selection.nominal, selection.final))
-    fine = _scattered(selection.final, motions, FINE)
-    remaining = [d for d in dependences(*fine) if d.log_factor > SURE and d.share > LEAST_SHARE]
+    before, after = (
+        (fitted.scatter, Course.of(fitted.scatter, motions, SCATTER_BLOCK))
+        for fitted in (selection.nominal, selection.final)
+    )
+    remaining = [d for d in selection.final.dependences if d.log_factor > SURE and d.share > LEAST_SHARE]
     return Diagnosis(cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection))
 
 
@@ -227,11 +224,6 @@ def _arms(logs: Sequence[RunLog]) -> list[str]:
     if not logs:
         raise UsageError("diagnose: no log is given; at least one is needed")
     return list(dict.fromkeys(arm for log in logs for arm in log.arms))
-
-
-def _scattered(fitted: Fitted, motions: Sequence[Any], duration: float) -> tuple[Scatter, Course]:
-    scatter = fitted.scatter if duration == SCATTER_BLOCK else Scatter.of(fitted.linearised, duration)
-    return scatter, Course.of(scatter, motions, duration)
 
 
 def _gap(cart: CartModel, selection: Selection) -> Gap:

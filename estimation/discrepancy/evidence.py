@@ -22,6 +22,8 @@ from .dictionary import BLOCK, Dictionary, Trial
 
 LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 """Blocks that something may act for."""
+PARTS = 4
+"""Of a log, each of which is left out once."""
 FEWEST_BEFORE = 4
 """Blocks before a change from which on something acts, and after it."""
 
@@ -29,8 +31,9 @@ FEWEST_BEFORE = 4
 @dataclass(frozen=True)
 class Finding:
     """An effect at its most probable setting, with the amplitudes' values; the log of its Bayes factor over all
-    settings; half the chi-squared that the best setting takes away; which parameters the amplitudes are, and their
-    standard deviations before and after data."""
+    settings; half the chi-squared that the best setting takes away; which parameters the amplitudes are, their
+    standard deviations before and after data, and by how much of their size they change, at most, when a part of the
+    log is left out (0 for what acts at a time or a place)."""
 
     effect: Effect
     log_factor: float
@@ -38,6 +41,7 @@ class Finding:
     amplitudes: np.ndarray
     prior_std: Array
     std: Array
+    change: float = 0.0
 
     @property
     def occam(self) -> float:
@@ -87,7 +91,28 @@ def _best(reduce: _Reduction, trials: Sequence[Trial]) -> Finding:
     values[amplitudes] += mean[best]
     total = float(logsumexp(factor) - np.log(len(factor)))
     most = float(np.concatenate(gains)[best])
-    return Finding(effect.with_values(values), total, most, amplitudes, trials[0].std, std[best])
+    change = 0.0
+    if effect.gate is Gate.ALWAYS:
+        chosen = next(trial for trial in trials if trial.effect is effect)
+        change = _change(reduce, chosen, mean[best])
+    return Finding(effect.with_values(values), total, most, amplitudes, trials[0].std, std[best], change)
+
+
+def _change(reduce: _Reduction, trial: Trial, whole: Array) -> float:
+    """The largest, in the metric of the amplitudes' information, over parts of the log that are left out; what noise
+    alone may change is taken off."""
+    own = reduce.gram[:, trial.columns[:, None], reduce.rows(trial.columns)]
+    information = reduce.of(own.sum(axis=0))[0] + np.diag(trial.std**-2.0)
+    size = float(whole @ information @ whole)
+    found = 0.0
+    for part in np.array_split(np.arange(len(own)), PARTS):
+        left, pull = _Reduction(reduce.dictionary, reduce.base, np.delete(np.arange(len(own)), part)).of(
+            np.delete(own, part, axis=0).sum(axis=0)
+        )
+        other = np.linalg.solve(left + np.diag(trial.std**-2.0), pull) - whole
+        noise = float(np.trace(np.linalg.solve(left + np.diag(trial.std**-2.0), information))) - len(whole)
+        found = max(found, float(other @ information @ other) - 9 * max(noise, 0.0))
+    return float(np.sqrt(max(found, 0.0) / max(size, 1e-300)))
 
 
 def _scored(trial: Trial, sums: tuple[Array, Array]) -> tuple[Array, Array, Array, Array]:
@@ -111,13 +136,13 @@ def _scored(trial: Trial, sums: tuple[Array, Array]) -> tuple[Array, Array, Arra
 class _Reduction:
     """Information and pull of amplitudes when the base's parameters are taken out."""
 
-    def __init__(self, dictionary: Dictionary, base: Base) -> None:
-        self.dictionary = dictionary
+    def __init__(self, dictionary: Dictionary, base: Base, blocks: np.ndarray | None = None) -> None:
+        self.dictionary, self.base = dictionary, base
         self.gram = dictionary.gram / base.excess
-        whole = self.gram.sum(axis=0)
         own = dictionary.base
-        self._inverse = np.linalg.inv(whole[own, own] + base.information)
-        self._pull = whole[own, -1] + base.pull
+        whole = (self.gram if blocks is None else self.gram[blocks])[:, own].sum(axis=0)
+        self._inverse = np.linalg.inv(whole[:, own] + base.information)
+        self._pull = whole[:, -1] + base.pull
 
     def of(self, gram: Array) -> tuple[Array, Array]:
         """From sums (..., k, p + k + 1): products with the base, with themselves, with the residual."""

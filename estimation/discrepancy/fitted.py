@@ -11,25 +11,22 @@ import numpy as np
 from cartgrasp.effects import Effect, SensorEffect
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
+from cartgrasp.wheels import FIXED
 
 from ..batch.identification import DELAY, DELAY_STD, Identification, fit
 from ..batch.wrench_regression import Linearisation, WrenchRegression
 from ..prior import Prior
 from .dictionary import Dictionary, build_dictionary
 from .evidence import Base
+from .generic import Course, Dependence, dependences
+from .scatter import FINE_BLOCK, Scatter
 
-SCATTER_BLOCK, EXCESS_BLOCK = 0.5, 0.2
-"""s."""
-SLOWEST, FASTEST = 0.4, 2.0
-"""Hz: between which noise is looked for."""
+SURE = 12.0
+"""Log of the Bayes factor of a dependence that is told."""
 SETTLED = 0.03
 EFFECTS_SHARE = 1.0
 ADDED_SHARE = 10.0
 """Of its typical size: the standard deviation of an added effect before data, which tell nearly all."""
-
-
-Linearised = Sequence[tuple[WrenchRegression, Linearisation, float]]
-"""Logs, each around the parameters of one cart, and their delays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,59 +126,31 @@ class Fitted:
         return total + float(moved @ self.base.information[:-1, :-1] @ moved)
 
     @cached_property
-    def scatter(self) -> Scatter:
-        return Scatter.of(self.linearised)
+    def fine(self) -> Scatter:
+        """Over stretches in which a dependence is looked for."""
+        return Scatter.of(self.linearised, FINE_BLOCK)
 
-
-@dataclass(frozen=True)
-class Scatter:
-    """Residual wrenches in weak form: of each stretch the mean (b, f) along the free directions, its information
-    (b, f, f), when it begins, and of which log it is; how many times too small the noise variance is believed to be."""
-
-    mean: Array
-    information: Array
-    start: Array
-    log: np.ndarray
-    excess: float
-
-    @classmethod
-    def of(cls, linearised: Linearised, duration: float = SCATTER_BLOCK) -> Scatter:
-        mean, information, start, log = _means(linearised, duration)
-        return cls(mean, information, start, log, _excess(*_means(linearised, EXCESS_BLOCK)))
+    @cached_property
+    def dependences(self) -> list[Dependence]:
+        """What the residual follows, the most probable first."""
+        wheels = self.cart.wheels
+        tracks = sorted({0.0, *(wheel.y for wheel in wheels if wheel.kind == FIXED)})
+        course = Course.of(self.fine, [regression.motion for regression in self.regressions], FINE_BLOCK, tracks)
+        return dependences(self.fine, course)
 
     @property
-    def misfit(self) -> Array:
-        """Of each stretch (b,), chi-squared with f degrees of freedom where the model is right."""
-        return np.asarray(np.einsum("bi,bij,bj->b", self.mean, self.information, self.mean))
+    def periodic(self) -> Dependence | None:
+        """The most probable dependence with a period, where it is sure."""
+        return next((d for d in self.dependences if d.is_periodic and d.log_factor > SURE), None)
 
+    def closer(self, other: Fitted, direction: int) -> float:
+        """The share of the squares along a free direction that another structure takes away."""
+        before, after = (
+            float((s.mean[:, direction] ** 2 * s.information[:, direction, direction]).sum())
+            for s in (self.fine, other.fine)
+        )
+        return 1 - after / before
 
-def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array, np.ndarray]:
-    means, informations, starts, logs = [], [], [], []
-    for k, (_, line, _) in enumerate(linearised):
-        m, f = line.residual.shape
-        sides = np.concatenate([np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
-        sums = line.by_block(sides[..., :f], line.whitened(sides), duration)
-        information = (sums[..., :f] + np.swapaxes(sums[..., :f], 1, 2)) / 2
-        means.append(np.linalg.solve(information, sums[..., f:])[..., 0])
-        informations.append(information)
-        starts.append(np.unique((line.time - line.time[0]) // duration) * duration + line.time[0])
-        logs.append(np.full(len(information), k))
-    return (np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
-
-
-def _excess(mean: Array, information: Array, start: Array, log: np.ndarray) -> float:
-    """How many times too small the noise variance is believed to be, 1 or more: the median of a spectrum between slow
-    misfits and single samples. Coloured noise fills it; what swings at one frequency does not."""
-    found = []
-    for k in np.unique(log):
-        own = log == k
-        root = np.linalg.cholesky(information[own])
-        standard = (np.swapaxes(root, 1, 2) @ mean[own][..., None])[..., 0]
-        place = np.round((start[own] - start[own][0]) / EXCESS_BLOCK).astype(int)
-        row = np.zeros((place[-1] + 1, mean.shape[1]))
-        row[place] = standard
-        power = np.abs(np.fft.rfft(row, axis=0)) ** 2 / len(place)
-        frequency = np.fft.rfftfreq(len(row), EXCESS_BLOCK)
-        found.append(power[(frequency > SLOWEST) & (frequency < FASTEST)].ravel())
-    power = np.concatenate(found)
-    return max(1.0, float(np.median(power)) / np.log(2)) if len(power) else 1.0
+    @cached_property
+    def scatter(self) -> Scatter:
+        return Scatter.of(self.linearised)

@@ -8,18 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from cartgrasp.frames import Array
 
 from ..batch.motion_smoother import SmoothMotion
-from .fitted import Scatter
+from .scatter import Scatter
 
-FREQUENCIES = np.geomspace(0.1, 4.0, 90)
+FREQUENCIES = np.geomspace(0.1, 4.0, 300)
 """Hz."""
-WAVELENGTHS = np.geomspace(0.15, 6.0, 90)
+WAVELENGTHS = np.geomspace(0.2, 3.0, 300)
 """m."""
+HARMONICS = 3
+"""Of a wheel's turn: a flat spot bumps."""
 LEVELS = 5
 """Of speed."""
 DRIFT = 4
@@ -40,13 +43,18 @@ class Dependence:
     log_factor: float
     share: float
 
+    @property
+    def is_periodic(self) -> bool:
+        return self.period is not None
+
 
 @dataclass(frozen=True)
 class Course:
-    """Where the middles of stretches are (b,): time, distance rolled, heading, forward speed, yaw rate, pose."""
+    """Where the middles of stretches are (b,): time, heading, forward speed, yaw rate, place, distance since the last
+    reversal; and how far each fixed wheel, or the axle's middle, has rolled, (b, w)."""
 
     time: Array
-    distance: Array
+    rolled: Array
     heading: Array
     speed: Array
     turning: Array
@@ -54,8 +62,13 @@ class Course:
     since_reversal: Array
 
     @classmethod
-    def of(cls, scatter: Scatter, motions: Sequence[SmoothMotion], duration: float) -> Course:
-        parts = [_middles(motion, scatter.start[scatter.log == k] + duration / 2) for k, motion in enumerate(motions)]
+    def of(
+        cls, scatter: Scatter, motions: Sequence[SmoothMotion], duration: float, tracks: Sequence[float] = (0.0,)
+    ) -> Course:
+        """`tracks` says how far to the left of the middle a wheel stands, m."""
+        parts = [
+            _middles(motion, scatter.start[scatter.log == k] + duration / 2, tracks) for k, motion in enumerate(motions)
+        ]
         return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
@@ -78,9 +91,11 @@ def _families(course: Course) -> Iterator[tuple[str, str, float | None, Array, i
     for frequency in FREQUENCIES:
         if frequency * np.ptp(course.time) > LEAST_TURN:
             yield "time, periodic", "s", 1 / frequency, _wave(frequency * course.time), len(FREQUENCIES)
-    for length in WAVELENGTHS:
-        if np.ptp(course.distance) > LEAST_TURN * length:
-            yield "travelled distance, periodic", "m", length, _wave(course.distance / length), len(WAVELENGTHS)
+    n_wheels = course.rolled.shape[1]
+    for wheel, length in product(range(n_wheels), WAVELENGTHS):
+        if np.ptp(course.rolled[:, wheel]) > LEAST_TURN * length:
+            wave = np.column_stack([_wave(k * course.rolled[:, wheel] / length) for k in range(1, HARMONICS + 1)])
+            yield "travelled distance, periodic", "m", length, wave, n_wheels * len(WAVELENGTHS)
     yield "heading", "", None, _wave(course.heading / (2 * np.pi)), 1
     yield "speed", "", None, _levels(course.speed), 1
     yield "yaw rate", "", None, _levels(course.turning), 1
@@ -114,11 +129,12 @@ def _levels(values: Array) -> Array:
     return np.eye(LEVELS)[np.searchsorted(edges, values)][:, 1:]
 
 
-def _middles(motion: SmoothMotion, middle: Array) -> tuple[Array, ...]:
+def _middles(motion: SmoothMotion, middle: Array, tracks: Sequence[float]) -> tuple[Array, ...]:
     time, speed = motion.time, motion.velocity[:, 0]
     steps = np.append(0.0, np.diff(time))
     distance = np.cumsum(np.abs(speed) * steps)
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(time))
+    rolled = np.cumsum((speed[:, None] - np.outer(turning, tracks)) * steps[:, None], axis=0)
     rolling = np.where(np.abs(speed) > 0.02, np.sign(speed), 0.0)
     last, reversed_at, at = 0.0, -np.inf, np.full(len(time), np.inf)
     for i in range(len(time)):
@@ -127,5 +143,5 @@ def _middles(motion: SmoothMotion, middle: Array) -> tuple[Array, ...]:
             last = rolling[i]
         at[i] = distance[i] - reversed_at
     rows = np.clip(np.searchsorted(time, middle), 0, len(time) - 1)
-    columns = (distance, np.unwrap(motion.pose[:, 2]), speed, turning, motion.pose[:, :2], at)
+    columns = (rolled, np.unwrap(motion.pose[:, 2]), speed, turning, motion.pose[:, :2], at)
     return middle, *(column[rows] for column in columns)

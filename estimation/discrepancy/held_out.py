@@ -16,6 +16,11 @@ from .fitted import Fitted
 from .manoeuvres import held_out, manoeuvres
 from .rollouts import Rollouts, noise_floor, roll_out, starts
 
+BEYOND_NOISE = 1.35
+"""Times the noise floor: a larger gap is a disagreement."""
+LEAST_WHOLE = 0.3
+"""Of the squared gap: counted as disagreement even where noise could be all of it."""
+EVERYWHERE = 0.8
 HORIZON, EVERY = 1.0, 0.25
 """s."""
 
@@ -67,12 +72,21 @@ class HeldOut:
             found.append(noise_floor(regression, fitted, first, horizon, generator))
         return tuple(found)
 
-    def gain(self, fitted: Fitted, better: Fitted, effect: Effect) -> float:
-        """By how much the gap shrinks, as a share of what the nominal model's was above the noise floor."""
-        floor = self.floor(better)
-        before = self.gap(fitted)
-        whole = max(self.nominal_gap**2 - floor**2, 1e-12)
-        return (before**2 - self.gap(better) ** 2) / whole
+    def gain(self, fitted: Fitted, better: Fitted) -> tuple[float, float]:
+        """By how much the squared gap shrinks, as a share of what the nominal model's was above the noise floor; and as
+        a share of what is left above it, 0 where that is no more than noise."""
+        floor, before, after = self.floor(better), self.gap(fitted), self.gap(better)
+        closed, left = before**2 - after**2, before**2 - floor**2
+        whole = max(self.nominal_gap**2 - floor**2, LEAST_WHOLE * self.nominal_gap**2)
+        return closed / whole, closed / left if before > BEYOND_NOISE * floor else 0.0
+
+    def covers(self, effect: Effect) -> bool:
+        """Whether a place holds nearly all of the motion."""
+        if effect.gate is not Gate.INSIDE:
+            return False
+        x, y = np.concatenate([regression.motion.pose[:, :2] for regression in self.whole]).T
+        low_x, high_x, low_y, high_y = effect.values[:4]
+        return bool(((x > low_x) & (x < high_x) & (y > low_y) & (y < high_y)).mean() > EVERYWHERE)
 
 
 def joined(rollouts: tuple[Rollouts, ...]) -> Rollouts:

@@ -20,7 +20,7 @@ SHORTEST = 4.0
 """s."""
 LEAST_DISTANCE = 0.3
 """m."""
-ROLLING, STILL_TURNING = 0.03, 0.03
+ROLLING, STILL_TURNING = 0.015, 0.015
 """m/s, rad/s: below both a cart may stand still, and friction takes whatever value holds it."""
 
 

@@ -36,8 +36,17 @@ LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
+LEAST_OF_REST = 0.3
+"""Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
 MOST_EFFECTS = 4
 SIDEWAYS_ROUNDS = 2
+LEAST_CREEP = 0.002
+"""m/s, root mean square: less is in every bearing."""
+MOST_CHANGE = 0.5
+UNSTEADY = "its size is another in another part of the log"
+OUTSIDE = 1.5
+"""Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
+vocabulary."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +110,7 @@ def _sideways(
     while True:
         fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, added)
         trials = sideways_trials(whole, fitted.cart)
-        if not trials or trials[0].finding.log_factor < ENOUGH or trials[0].held_out_gain < LEAST_GAIN:
+        if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, LEAST_CREEP):
             return whole, added, steps
         first = trials[0].finding.effect
         for _ in range(SIDEWAYS_ROUNDS):
@@ -146,7 +155,7 @@ def _step(
     for score, effect, model in scored:
         share, verdict = None, "less probable than another"
         if added is None:
-            share, verdict = _judged(score, model, effect, fitted, held_out)
+            share, verdict = _judged(score, model, effect, fitted, held_out, again[effect.key].change)
         attempt = Attempt(effect.key, effect.name, score, share, verdict)
         attempts.append(attempt)
         if verdict == "added":
@@ -162,13 +171,20 @@ def _step(
     return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
 
 
-def _judged(score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut) -> tuple[float | None, str]:
-    reason = effect.implausible(fitted.cart.wheel_set)
+def _judged(
+    score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut, change: float
+) -> tuple[float | None, str]:
+    reason = effect.implausible(fitted.cart.wheel_set) or (UNSTEADY if change > MOST_CHANGE else "")
     if reason:
         return None, reason
+    outside = fitted.periodic
+    if outside is not None and outside.share > OUTSIDE * fitted.closer(model, outside.direction):
+        return None, f"the residual follows {outside.name} ({outside.period:.3g} {outside.unit}) far better"
     if score < ENOUGH:
         return None, f"log of the Bayes factor {score:.1f} is below {ENOUGH:g}"
-    share = held_out.gain(fitted, model, effect)
-    if share < LEAST_GAIN:
+    if held_out.covers(effect):
+        return None, "it would be nearly everywhere"
+    share, of_rest = held_out.gain(fitted, model)
+    if share < LEAST_GAIN and of_rest < LEAST_OF_REST:
         return share, f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
     return share, "added"

@@ -65,11 +65,16 @@ class Sideways:
 @dataclass(frozen=True)
 class SidewaysTrial:
     """A constraint effect fitted to what is left of the sideways motion: its finding, how many times too small the
-    noise is believed to be with it, and its gain on blocks that the fit did not see (a share of what is left there)."""
+    noise is believed to be with it, its gain on blocks that the fit did not see (a share of what is left there), and
+    the speed (m/s, root mean square) that it explains."""
 
     finding: Finding
     excess: float
     held_out_gain: float
+    speed: float
+
+    def is_worth(self, log_factor: float, gain: float, speed: float) -> bool:
+        return self.finding.log_factor > log_factor and self.held_out_gain > gain and self.speed > speed
 
 
 def sideways_trials(regressions: Sequence[WrenchRegression], cart: CartModel) -> list[SidewaysTrial]:
@@ -93,11 +98,13 @@ def sideways_trials(regressions: Sequence[WrenchRegression], cart: CartModel) ->
     residual = root @ (record.moved - base)
     columns = [root @ column for _, column in found]
     excess = min(_excess(residual - c * (c @ residual) / max(float(c @ c), 1e-12)) for c in columns)
-    trials = [_trial(usual, c, residual, excess) for (usual, _), c in zip(found, columns, strict=True)]
+    usual_speed = [float(np.sqrt((column**2).mean())) / BLOCK for _, column in found]
+    pairs = zip(found, columns, usual_speed, strict=True)
+    trials = [_trial(usual, c, residual, excess, speed) for (usual, _), c, speed in pairs]
     return sorted(trials, key=lambda one: -one.finding.log_factor)
 
 
-def _trial(usual: ConstraintEffect, column: Array, residual: Array, excess: float) -> SidewaysTrial:
+def _trial(usual: ConstraintEffect, column: Array, residual: Array, excess: float, speed: float) -> SidewaysTrial:
     information = float(column @ column) / excess
     pull = float(column @ residual) / excess
     variance = 1 / (information + SHARE_STD**-2)
@@ -109,7 +116,7 @@ def _trial(usual: ConstraintEffect, column: Array, residual: Array, excess: floa
     effect = usual.scaled(share)
     slope = np.abs(usual.scaled(share + std / 2).values - usual.scaled(share - std / 2).values)
     finding = Finding(effect, float(factor), gain, NO_AMPLITUDES, np.zeros(0), slope)
-    return SidewaysTrial(finding, excess, _held_out_gain(column, residual, excess))
+    return SidewaysTrial(finding, excess, _held_out_gain(column, residual, excess), abs(share) * speed)
 
 
 def _held_out_gain(column: Array, residual: Array, excess: float) -> float:
@@ -129,7 +136,7 @@ def _excess(whitened: Array) -> float:
 def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array, np.ndarray]:
     motion, axle = regression.motion, float(cart.constraints.axle_x or 0.0)
     pose = regression.log.thinned().pose
-    seen = np.isfinite(pose[:, :2]).all(axis=1)
+    seen = np.asarray(np.isfinite(pose[:, :2]).all(axis=1))
     linked = np.asarray(motion.linked & seen[:-1] & seen[1:])
     middle = (motion.pose[:-1, 2] + motion.pose[1:, 2]) / 2
     step = np.where(linked[:, None], np.diff(pose[:, :2], axis=0), 0.0)

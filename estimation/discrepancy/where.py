@@ -10,8 +10,8 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .fitted import SCATTER_BLOCK, Scatter
 from .generic import Course
+from .scatter import SCATTER_BLOCK, Scatter
 
 LEAST_SHARE, LEAST_LIFT = 0.25, 1.4
 """Of the disagreement, and how much more of it than of the time, for a condition worth telling."""

@@ -1,0 +1,76 @@
+"""Residual wrenches in weak form: their means over stretches, with what is known of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from ..batch.wrench_regression import Linearisation, WrenchRegression
+
+SCATTER_BLOCK, EXCESS_BLOCK, FINE_BLOCK = 0.5, 0.2, 0.1
+"""s."""
+LONG = 1.0
+SLOWEST, FASTEST = 0.4, 2.0
+"""Hz: between which noise is looked for."""
+
+Linearised = Sequence[tuple[WrenchRegression, Linearisation, float]]
+"""Logs, each around the parameters of one cart, and their delays."""
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Residual wrenches in weak form: of each stretch the mean (b, f) along the free directions, its information
+    (b, f, f), when it begins, and of which log it is; how many times too small the noise variance is believed to be."""
+
+    mean: Array
+    information: Array
+    start: Array
+    log: np.ndarray
+    excess: float
+
+    @classmethod
+    def of(cls, linearised: Linearised, duration: float = SCATTER_BLOCK) -> Scatter:
+        mean, information, start, log = _means(linearised, duration)
+        return cls(mean, information, start, log, _excess(linearised))
+
+    @property
+    def misfit(self) -> Array:
+        """Of each stretch (b,), chi-squared with f degrees of freedom where the model is right."""
+        return np.asarray(np.einsum("bi,bij,bj->b", self.mean, self.information, self.mean))
+
+
+def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array, np.ndarray]:
+    means, informations, starts, logs = [], [], [], []
+    for k, (_, line, _) in enumerate(linearised):
+        m, f = line.residual.shape
+        sides = np.concatenate([np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
+        sums = line.by_block(sides[..., :f], line.whitened(sides), duration)
+        information = (sums[..., :f] + np.swapaxes(sums[..., :f], 1, 2)) / 2
+        means.append(np.linalg.solve(information, sums[..., f:])[..., 0])
+        informations.append(information)
+        starts.append(np.unique((line.time - line.time[0]) // duration) * duration + line.time[0])
+        logs.append(np.full(len(information), k))
+    return (np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
+
+
+def _excess(linearised: Linearised) -> float:
+    """How many times too small the noise variance of long means is believed to be, 1 or more: the median of a spectrum
+    between slow misfits and single samples. Coloured noise fills it; what swings at one frequency does not."""
+    mean, _, start, log = _means(linearised, EXCESS_BLOCK)
+    long = np.median(_means(linearised, LONG)[1], axis=0) * EXCESS_BLOCK / LONG
+    standard = mean @ np.linalg.cholesky(long)
+    found = [np.zeros(0)]
+    for k in np.unique(log):
+        own = log == k
+        place = np.round((start[own] - start[own][0]) / EXCESS_BLOCK).astype(int)
+        row = np.zeros((place[-1] + 1, mean.shape[1]))
+        row[place] = standard[own]
+        power = np.abs(np.fft.rfft(row, axis=0)) ** 2 / len(place)
+        frequency = np.fft.rfftfreq(len(row), EXCESS_BLOCK)
+        found.append(power[(frequency > SLOWEST) & (frequency < FASTEST)].ravel())
+    power = np.concatenate(found)
+    return max(1.0, float(np.median(power)) / np.log(2)) if len(power) else 1.0
