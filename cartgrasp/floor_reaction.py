@@ -11,6 +11,7 @@ For an axle through {b}'s origin, lambda = m (u r + dx r' - dy r²) - fy. With t
     sum N = m g - Wz,   sum x N = m g dx + W_ty - h T_x,   sum y N = m g dy - W_tx - h T_y,
 
 and are spread as `WheelSet` spreads the weight at rest. How the mass is spread over the height is left out.
+`cartgrasp/kernels/floor.py` works it out.
 """
 
 from __future__ import annotations
@@ -20,11 +21,8 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from .contacts import PLANAR_ROWS
 from .errors import UsageError
 from .frames import Array
-from .rigid_body import bias_b, mass_matrix_b
-from .wheels import GRAVITY
 
 if TYPE_CHECKING:
     from .model import CartModel
@@ -47,20 +45,8 @@ class FloorReaction:
         if not cart.wheels or cart.com_height is None:
             raise UsageError(f"{cart.name}: wheels and com_height are needed for wheel loads; add them to the cart")
         state = cart.state() if motion is None else cart.state(motion.pose_sb, motion.velocity)
-        phi, basis = cart.phi_at(time), cart.basis_b
-        mass_matrix = mass_matrix_b(phi)
-        bias = bias_b(basis @ state[cart.velocity_slice], phi)[0]
-        push = cart.effect_wrench(state, time=time) - bias
-        inertial = mass_matrix @ basis @ np.linalg.inv(basis.T @ mass_matrix @ basis) @ basis.T
-        planar = np.eye(6)[list(PLANAR_ROWS)]
-        balance = np.zeros((3, 6))
-        balance[0, 2], balance[1, 4], balance[2, 3] = -1.0, 1.0, -1.0
-        balance[1:] -= cart.com_height * inertial[:2] @ planar
-        weight = GRAVITY * phi[:3]
-        weight[1:] -= cart.com_height * (inertial @ push + bias)[:2]
-        spread = cart.wheel_set.load_map[:, :3] / GRAVITY
-        constraint = inertial - np.eye(3)
-        return cls(spread @ balance, spread @ weight, constraint[1] @ planar, float(constraint[1] @ push))
+        rows = cart.floor_rows(state, time)
+        return cls(rows[:-1, :6], rows[:-1, 6], rows[-1, :6], float(rows[-1, 6]))
 
     def loads(self, wrench_b: Array) -> Array:
         """N of each wheel, (..., n_wheels), under spatial wrenches (..., 6)."""

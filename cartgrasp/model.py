@@ -26,6 +26,7 @@ from .errors import UsageError
 from .frames import Array
 from .inertia import PHI_NAMES, Inertia
 from .rigid_body import regressor_b
+from .shared_property import SharedProperty
 from .wheels import Wheel, WheelSet
 
 if TYPE_CHECKING:
@@ -35,17 +36,6 @@ if TYPE_CHECKING:
     from .compiled_dynamics import CompiledDynamics, Point
 
 N_PHI = len(PHI_NAMES)
-STRUCTURE = (
-    "wheel_set",
-    "basis_b",
-    "parameter_names",
-    "memory_names",
-    "state_names",
-    "velocity_slice",
-    "memory_slice",
-    "dynamics",
-)
-"""Cached properties that do not depend on numbers."""
 N_POSE = 3
 
 
@@ -106,15 +96,18 @@ class CartModel:
         return replace(self, effects=left)
 
     def with_inertia(self, inertia: Inertia) -> CartModel:
-        return replace(self, inertia=inertia)
+        return self._with_numbers(inertia, self.effects)
 
     def with_parameters(self, parameters: ArrayLike) -> CartModel:
         """The same structure with other numbers (p,)."""
         parameters = np.asarray(parameters, dtype=float)
         effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
-        other = replace(self, inertia=Inertia.from_phi(parameters[:N_PHI]), effects=effects)
-        structure = {k: v for k, v in self.__dict__.items() if k in STRUCTURE}
-        other.__dict__.update(structure)
+        return self._with_numbers(Inertia.from_phi(parameters[:N_PHI]), effects)
+
+    def _with_numbers(self, inertia: Inertia, effects: tuple[Effect, ...]) -> CartModel:
+        """The same structure, which both share: what one works out, the other has."""
+        other = replace(self, inertia=inertia, effects=effects)
+        other.__dict__["structure"] = self.structure
         return other
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -122,6 +115,11 @@ class CartModel:
         from .cart_file import save_cart
 
         return save_cart(self, path)
+
+    @cached_property
+    def structure(self) -> dict[str, Any]:
+        """What has been worked out of this cart without its numbers, by name; see `SharedProperty`."""
+        return {}
 
     @cached_property
     def force_effects(self) -> tuple[tuple[ForceEffect, slice, slice], ...]:
@@ -144,11 +142,11 @@ class CartModel:
         pairs = zip(self.effects, self._slices, strict=True)
         return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
 
-    @cached_property
+    @SharedProperty
     def wheel_set(self) -> WheelSet:
         return WheelSet.of(self.wheels, rolls_along_x=self.constraints.n_rows > 0)
 
-    @cached_property
+    @SharedProperty
     def basis_b(self) -> Array:
         return self.constraints.basis_b
 
@@ -157,27 +155,27 @@ class CartModel:
         """(phi | effects' values), shape (p,)."""
         return np.concatenate([self.inertia.phi, *(effect.values for effect in self.effects)])
 
-    @cached_property
+    @SharedProperty
     def parameter_names(self) -> tuple[str, ...]:
         return PHI_NAMES + tuple(key for effect in self.effects for key in effect.keys)
 
-    @cached_property
+    @SharedProperty
     def memory_names(self) -> tuple[str, ...]:
         return tuple(n for effect, _, _ in self.force_effects for n in effect.memory_names(self.wheel_set))
 
-    @cached_property
+    @SharedProperty
     def state_names(self) -> tuple[str, ...]:
         return ("x", "y", "theta", *self.constraints.velocity_names, *self.memory_names)
 
-    @cached_property
+    @SharedProperty
     def velocity_slice(self) -> slice:
         return slice(N_POSE, N_POSE + self.constraints.n_free)
 
-    @cached_property
+    @SharedProperty
     def memory_slice(self) -> slice:
         return slice(self.velocity_slice.stop, len(self.state_names))
 
-    @cached_property
+    @SharedProperty
     def _slices(self) -> tuple[slice, ...]:
         slices, start = [], N_PHI
         for effect in self.effects:
@@ -266,6 +264,12 @@ class CartModel:
         point = self._point(np.zeros(len(self.state_names)), parameters, time)
         return self.dynamics.sums(point, self._foreign(point))[..., :N_PHI]
 
+    def floor_rows(self, state: Array, time: Any = 0.0) -> Array:
+        """What the floor gives, for `FloorReaction`: of each wheel and of all fixed ones a row over the hands' spatial
+        wrench with an offset behind it, (..., n_wheels + 1, 7). `com_height` is needed."""
+        point = self._point(state, None, time)
+        return self.dynamics.floor(point, np.array([self.com_height], dtype=float), self._foreign(point))
+
     # --- sensors ---------------------------------------------------------------------------------------------
 
     def recorded_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> Array:
@@ -292,7 +296,7 @@ class CartModel:
 
     # --- parts -----------------------------------------------------------------------------------------------
 
-    @cached_property
+    @SharedProperty
     def dynamics(self) -> CompiledDynamics:
         """The kernels, which need this structure and no numbers."""
         from .compiled_dynamics import CompiledDynamics
@@ -305,7 +309,7 @@ class CartModel:
         sizes = len(self.memory_names), len(self.parameters)
         return CompiledDynamics(packed, self.wheel_set, self.basis_b, sizes, SMOOTHING_SPEED)
 
-    @cached_property
+    @SharedProperty
     def is_compiled(self) -> bool:
         """Whether every effect has a kernel."""
         return not (self._foreign_forces or self._foreign_changes)
@@ -318,7 +322,7 @@ class CartModel:
     def _foreign_changes(self) -> tuple[tuple[InertiaEffect, slice], ...]:
         return tuple(found for found in self.inertia_effects if not isinstance(found[0], CompiledInertia))
 
-    @cached_property
+    @SharedProperty
     def _full_trust(self) -> Array:
         return np.ones(self.constraints.n_free)
 

@@ -78,3 +78,16 @@ def test_what_it_needs():
         model = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), **({"wheels": TRICYCLE, "com_height": 0.4} | changes))
         with pytest.raises(UsageError, match="wheels and com_height are needed"):
             FloorReaction.of(model)
+
+
+def test_casters_leave_a_push_to_the_mass():
+    """No lateral force; the loads turn with what the hands and the drag together would accelerate."""
+    model = cart(None, effects=(ViscousDrag(3.0, 1.2),))
+    motion = Motion(np.zeros(3), np.array([0.6, -0.4, 0.5]))
+    floor, wrench = FloorReaction.of(model, motion), np.array([20.0, 6.0, 3.0, 1.0, -2.0, 2.0])
+    assert floor.lateral(wrench) == pytest.approx(0.0, abs=1e-12)
+    loads, drag = floor.loads(wrench), model.effect_wrench(model.state(motion.pose_sb, motion.velocity))
+    places, (fx, fy) = np.array([(w.x, w.y) for w in TRICYCLE]), wrench[:2] + drag[:2]
+    weight = 24.0 * 9.81
+    assert loads.sum() == pytest.approx(weight - 3.0)
+    assert loads @ places == pytest.approx([weight * 0.35 - 2.0 - HEIGHT * fx, weight * 0.06 - 1.0 - HEIGHT * fy])
