@@ -159,12 +159,27 @@ class AllocationTemplate:
         """Rows of the cart's limits and then `Sᵀ G`, shape (..., c + k, 6), of contact points (..., n, 3), or of
         points (v, 3) that belong to the arms `owners` (v,)."""
         yaws = self.yaws if owners is None else self.yaws[owners]
-        effective = self.basis_b.T @ grasp_map_planar(points, yaws)
-        rows = self.cart_rows
-        if not len(rows.low):
-            return np.asarray(effective)
-        of_arm = rows.of_arm if owners is None else rows.of_arm[owners]
-        return np.concatenate([rows.of_sum @ grasp_map_spatial(points, yaws) + of_arm, effective], axis=-2)
+        effective = np.asarray(self.basis_b.T @ grasp_map_planar(points, yaws))
+        if not len(self.cart_rows.low):
+            return effective
+        of_arm = self.cart_rows.of_arm if owners is None else self.cart_rows.of_arm[owners]
+        return self._above(effective, grasp_map_spatial(points, yaws), of_arm)
+
+    def affine_rows(self) -> Array:
+        """`contact_rows` with all arms at the origin, and how much they grow along x, y and z: (4, n, c + k, 6)."""
+        rows = self._above(*self._along_axes, self.cart_rows.of_arm)
+        rows[1:] -= rows[0]
+        return rows
+
+    def _above(self, effective: Array, spatial: Array, of_arm: Array) -> Array:
+        """The cart's rows above the effective ones, of grasp maps (..., 6, 6)."""
+        return np.concatenate([self.cart_rows.of_sum @ spatial + of_arm, effective], axis=-2)
+
+    @cached_property
+    def _along_axes(self) -> tuple[Array, Array]:
+        """Effective rows (4, n, k, 6) and grasp maps with all arms at the origin, and at 1 m along x, y and z."""
+        places = np.concatenate([np.zeros((1, 3)), np.eye(3)])[:, None].repeat(len(self.arms), axis=1)
+        return self.basis_b.T @ grasp_map_planar(places, self.yaws), grasp_map_spatial(places, self.yaws)
 
     def contact_limits(self, target: Array) -> tuple[Array, Array]:
         """What `contact_rows` are limited by, low and high (c + k,), for an effective wrench (k,)."""

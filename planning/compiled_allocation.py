@@ -86,10 +86,8 @@ class CompiledAllocation:
 
     def _load_contact_rows(self, template: AllocationTemplate) -> None:
         """The rows that depend on contacts, with all arms at the origin, and their slopes along x, y and z."""
-        affine, n_arms = self._workspace.affine, len(template.arms)
-        places = np.concatenate([np.zeros((1, 3)), np.eye(3)])[:, None].repeat(n_arms, axis=1)
-        rows = template.contact_rows(places).transpose(0, 2, 1, 3).reshape(affine.shape)
-        affine[0], affine[1:] = rows[0], rows[1:] - rows[0]
+        affine = self._workspace.affine
+        affine[:] = template.affine_rows().transpose(0, 2, 1, 3).reshape(affine.shape)
         limits, first = self._workspace.problem.limits, len(affine[0])
         limits[:, limits.shape[1] - first :] = template.contact_limits(np.zeros(template.basis_b.shape[1]))
         self._points = None

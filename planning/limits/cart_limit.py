@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -52,8 +52,23 @@ class CartRows:
     cones: tuple[RowCone, ...] = ()
 
     @classmethod
-    def none(cls, n_arms: int) -> Self:
-        return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
+    def stacked(cls, parts: Sequence[CartRows], n_arms: int) -> Self:
+        """All of them above each other; none are no rows."""
+        if not parts:
+            return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
+        cones, start = [], 0
+        for part in parts:
+            cones += [replace(cone, first=start + cone.first) for cone in part.cones]
+            start += len(part.low)
+        return cls(
+            np.concatenate([part.of_sum for part in parts]),
+            np.concatenate([part.of_arm for part in parts], axis=1),
+            np.concatenate([part.low for part in parts]),
+            np.concatenate([part.high for part in parts]),
+            tuple([name for part in parts for name in part.low_names]),
+            tuple([name for part in parts for name in part.high_names]),
+            tuple(cones),
+        )
 
     def is_like(self, other: CartRows) -> bool:
         """Whether it has the same rows and cones, with other numbers."""
@@ -61,22 +76,13 @@ class CartRows:
 
     def are_numbers(self, largest: float) -> bool:
         """Whether all are finite and none is larger, but for limits that aren't there."""
-        limits = [part[~np.isinf(part)] for part in (self.low, self.high)]
-        is_there = ~((self.low == np.inf) | (self.high == -np.inf)).any()
-        parts = (self.of_sum, self.of_arm, *limits, *(cone.offset for cone in self.cones))
-        return bool(is_there) and all(bool((np.abs(part) <= largest).all()) for part in parts)
+        values = np.concatenate([self.of_sum.ravel(), self.of_arm.ravel(), *(cone.offset for cone in self.cones)])
+        limits = np.concatenate([self.low, -self.high])
+        are_limits = (np.abs(limits) <= largest) | (limits == -np.inf)
+        return bool(np.abs(values).max(initial=0.0) <= largest and are_limits.all())
 
     def __and__(self, other: CartRows) -> CartRows:
-        behind = tuple(replace(cone, first=len(self.low) + cone.first) for cone in other.cones)
-        return CartRows(
-            np.vstack([self.of_sum, other.of_sum]),
-            np.concatenate([self.of_arm, other.of_arm], axis=1),
-            np.concatenate([self.low, other.low]),
-            np.concatenate([self.high, other.high]),
-            self.low_names + other.low_names,
-            self.high_names + other.high_names,
-            self.cones + behind,
-        )
+        return self.stacked((self, other), len(self.of_arm))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +92,12 @@ class Pushed:
     cart: CartModel
     motion: Motion | None
     arms: Sequence[Arm]
+
+    def by(self, arms: Sequence[Arm]) -> Pushed:
+        """By other arms; the floor is the same."""
+        other = replace(self, arms=arms)
+        other.__dict__.update({"floor": self.__dict__["floor"]} if "floor" in self.__dict__ else {})
+        return other
 
     @cached_property
     def floor(self) -> FloorReaction:
@@ -103,4 +115,4 @@ class CartLimit(ABC):
 
 def cart_rows(limits: Sequence[CartLimit], pushed: Pushed) -> CartRows:
     """All of them, above each other."""
-    return reduce(CartRows.__and__, (limit.rows(pushed) for limit in limits), CartRows.none(len(pushed.arms)))
+    return CartRows.stacked([limit.rows(pushed) for limit in limits], len(pushed.arms))
