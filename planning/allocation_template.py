@@ -30,6 +30,7 @@ from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
+from .effective_rows import in_words
 from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Lexicographic, Objective, WeightedWrench
 from .quadratic_program import Cone, QuadraticProgram
@@ -37,7 +38,6 @@ from .quadratic_program import Cone, QuadraticProgram
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
-PLANAR_NAMES = ("fx", "fy", "tau")
 WIDEST = 1e6  # N, of a cone over contacts of hands without limits
 
 
@@ -50,6 +50,11 @@ class AllocationTemplate:
     limits: LimitRows
     objective: Objective
     cart_rows: CartRows
+
+    def __post_init__(self) -> None:
+        _ = self._first_cost  # raises what the objective has against these arms
+        if isinstance(self.objective, Lexicographic):
+            self.objective.second_cost(self.arms, np.zeros(self.n))
 
     @classmethod
     def of(
@@ -64,26 +69,29 @@ class AllocationTemplate:
         names = [arm.name for arm in arms]
         if not arms:
             raise UsageError("arms: none given; at least one arm is needed")
-        for name in names:
-            if names.count(name) > 1:
-                raise UsageError(f"arms: {name} stands twice; names must differ")
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise UsageError(f"arms: {twice[0]} stands twice; names must differ")
         basis_b = cart.constraints.basis_b
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
-        limits = side_by_side(names, [limits_of(arm) for arm in arms])
-        rows = cart_rows(cart_limits, Pushed(cart, None, arms))
-        template = cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
-        template.cost(np.zeros(template.n))  # raises what it has against these arms
-        if isinstance(template.objective, Lexicographic):
-            template.objective.second_cost(arms, np.zeros(template.n))
-        return template
+        limits, rows = side_by_side(names, map(limits_of, arms)), cart_rows(cart_limits, Pushed(cart, None, arms))
+        return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
+
+    def with_arms(self, arms: tuple[Arm, ...], rows: CartRows) -> Self:
+        """The same for other arms of the same names, with rows for the cart's limits."""
+        other = type(self)(arms, self.basis_b, side_by_side(self.names, map(limits_of, arms)), self.objective, rows)
+        same = {"names", "row_names"}
+        if all(one.yaw == before.yaw for one, before in zip(arms, self.arms, strict=True)):
+            same |= {"yaws", "_along_axes"}
+        other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
+        return other
 
     def with_cart_rows(self, rows: CartRows) -> Self:
         """The same with other rows for the cart's limits; where these are like the old, what is cached stays."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, cart_rows=rows)
         if not rows.is_like(self.cart_rows):
-            for blank in ("_at_points", "_over_ranges"):
+            for blank in ("at_points", "_over_ranges"):
                 other.__dict__.pop(blank, None)
         return other
 
@@ -92,7 +100,7 @@ class AllocationTemplate:
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, limits=limits)
         other.__dict__.pop("fixed", None)
-        for blank in other.__dict__.keys() & {"_at_points", "_over_ranges"}:
+        for blank in other.__dict__.keys() & {"at_points", "_over_ranges"}:
             other.__dict__[blank] = other.__dict__[blank].with_bounds(limits)
         return other
 
@@ -127,7 +135,7 @@ class AllocationTemplate:
 
     @cached_property
     def _first_cost(self) -> Cost:
-        return self.cost(np.zeros(self.n))
+        return self.objective.cost(self.arms, np.zeros(self.n))
 
     @cached_property
     def hessian(self) -> Array:
@@ -147,7 +155,7 @@ class AllocationTemplate:
         return wide.followed_by(epigraph)
 
     def cost(self, previous: Array) -> Cost:
-        return self.objective.cost(self.arms, previous)
+        return self.objective.cost(self.arms, previous) if self.objective.looks_back else self._first_cost
 
     def effort(self, wrenches: Array) -> float:
         """`sum weight component²` by the arms' own weights, whatever the objective."""
@@ -162,18 +170,14 @@ class AllocationTemplate:
         effective = np.asarray(self.basis_b.T @ grasp_map_planar(points, yaws))
         if not len(self.cart_rows.low):
             return effective
-        of_arm = self.cart_rows.of_arm if owners is None else self.cart_rows.of_arm[owners]
-        return self._above(effective, grasp_map_spatial(points, yaws), of_arm)
+        return np.concatenate([self.cart_rows.over(grasp_map_spatial(points, yaws), owners), effective], axis=-2)
 
     def affine_rows(self) -> Array:
         """`contact_rows` with all arms at the origin, and how much they grow along x, y and z: (4, n, c + k, 6)."""
-        rows = self._above(*self._along_axes, self.cart_rows.of_arm)
+        effective, grasp_maps = self._along_axes
+        rows = np.concatenate([self.cart_rows.over(grasp_maps), effective], axis=-2)
         rows[1:] -= rows[0]
         return rows
-
-    def _above(self, effective: Array, spatial: Array, of_arm: Array) -> Array:
-        """The cart's rows above the effective ones, of grasp maps (..., 6, 6)."""
-        return np.concatenate([self.cart_rows.of_sum @ spatial + of_arm, effective], axis=-2)
 
     @cached_property
     def _along_axes(self) -> tuple[Array, Array]:
@@ -190,7 +194,7 @@ class AllocationTemplate:
 
     def program(self, rows: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """One contact an arm: `rows` (n, c + k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""
-        return self._filled(self._at_points, self._in_line(rows), self.contact_limits(target), cost)
+        return self._filled(self.at_points, self._in_line(rows), self.contact_limits(target), cost)
 
     def range_program(self, rows: tuple[Array, Array], hull: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """Contacts between two vertices: `rows` at the high and the low one, `hull` (v, n, c + k, 6) at all that
@@ -258,7 +262,8 @@ class AllocationTemplate:
         return cones
 
     @cached_property
-    def _at_points(self) -> QuadraticProgram:
+    def at_points(self) -> QuadraticProgram:
+        """At contact points, but for the rows that depend on them, which come last."""
         return self._blank(self.basis_b.shape[1], self.basis_b.shape[1])
 
     @cached_property
@@ -267,7 +272,6 @@ class AllocationTemplate:
         return self._blank(self.basis_b.shape[1] + split, self.basis_b.shape[1] - split)
 
     def _blank(self, n_effective: int, n_equalities: int) -> QuadraticProgram:
-        """A program but for the rows that depend on contacts, which come last."""
         fixed, cart = self.fixed, self.cart_rows
         effective, last = ("effective row",) * n_effective, np.zeros(len(cart.low) + n_effective)
         return QuadraticProgram(
@@ -294,14 +298,3 @@ class AllocationTemplate:
         if not self.cart_rows.cones:
             return program
         return program.with_cones((*blank.cones, *self._cart_cones(matrix, moved)))
-
-
-def in_words(direction: Array) -> str:
-    """A combination of (fx, fy, tau), as `fx` or `tau - 0.3 fy`."""
-    parts = sorted(zip(direction, PLANAR_NAMES, strict=True), key=lambda part: part[1] != "tau" or part[0] < 0)
-    text = ""
-    for factor, name in parts:
-        if abs(factor) > 1e-9:
-            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
-            text += sign + ("" if abs(abs(factor) - 1) < 1e-9 else f"{abs(factor):.4g} ") + name
-    return text or "0"

@@ -47,7 +47,7 @@ def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
         raise _refused(f"it has no cart ({error})") from error
     if numbers is None or numbers.shape != (size,):
         raise _refused(f"model_parameters: {estimate.model_parameters} are not the {size} numbers of its cart")
-    if not np.array_equal(own_basis, basis_b):
+    if own_basis is not basis_b and not np.array_equal(own_basis, basis_b):
         raise _refused("its cart has other rolling constraints than the planner's; make a new planner")
     shapes = np.shape(estimate.motion.pose_sb), np.shape(estimate.motion.velocity)
     if shapes != ((3,), basis_b.shape[1:]):

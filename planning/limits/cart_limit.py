@@ -70,6 +70,10 @@ class CartRows:
             tuple(cones),
         )
 
+    def over(self, grasp_maps: Array, owners: Array | None = None) -> Array:
+        """Rows (..., k, 6) of each arm, or of the arms `owners`, at contacts with spatial grasp maps (..., 6, 6)."""
+        return np.asarray(self.of_sum @ grasp_maps + (self.of_arm if owners is None else self.of_arm[owners]))
+
     def is_like(self, other: CartRows) -> bool:
         """Whether it has the same rows and cones, with other numbers."""
         return (self.low_names, self.high_names) == (other.low_names, other.high_names)
