@@ -106,8 +106,9 @@ class CartModel:
 
     def _with_numbers(self, inertia: Inertia, effects: tuple[Effect, ...]) -> CartModel:
         """The same structure, which both share: what one works out, the other has."""
-        other = replace(self, inertia=inertia, effects=effects)
-        other.__dict__["structure"] = self.structure
+        other = object.__new__(type(self))
+        own = {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        other.__dict__.update(own, inertia=inertia, effects=effects, structure=self.structure)
         return other
 
     def save(self, path: str | os.PathLike[str]) -> Path:

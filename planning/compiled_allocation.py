@@ -32,6 +32,7 @@ class CompiledAllocation:
     """One workspace, kept warm. After `solve` has returned True, `answer` and `active` are its."""
 
     cost: Cost
+    _points: Array | None
 
     def __init__(self, template: AllocationTemplate, cost: Cost) -> None:
         from .kernels import loading
@@ -46,7 +47,9 @@ class CompiledAllocation:
         self._workspace: Workspace = views(self._floats, self._ints)
         self._answer = self._floats[len(self._floats) - sizes[0] - sizes[1] - len(self._workspace.found) :]
         self._active = self._workspace.active
-        self._pattern = self._coupled = np.zeros((0, 0), dtype=bool)
+        self._template, self._points = template, None
+        self._entries = np.zeros((0, 0), dtype=bool)
+        self._load_contact_rows(template)
         self._load(template, cost)
 
     @classmethod
@@ -75,36 +78,45 @@ class CompiledAllocation:
             self._loading.load_gradient(self._workspace, cost.gradient, cost.constant)
 
     def _load(self, template: AllocationTemplate, cost: Cost) -> None:
-        workspace, program = self._workspace, template.at_points
-        self._loading.load(workspace, program)
+        workspace, program, before = self._workspace, template.at_points, self._template
+        curved = self._loading.load(workspace, program)
         self._loading.load_gradient(workspace, cost.gradient, cost.constant)
-        self._load_contact_rows(template)
         workspace.basis[:], workspace.weights[:] = template.basis_b, template.effort_weights
-        pattern, moving = workspace.problem.rows != 0, workspace.affine.shape[1]
-        pattern[len(pattern) - moving :] = len(template.cart_rows.low) > 0 or workspace.affine.any(axis=0)
-        if not (np.array_equal(pattern, self._pattern) and np.array_equal(workspace.inverse != 0, self._coupled)):
-            self._pattern, self._coupled = pattern, workspace.inverse != 0
+        turned = template.yaws is not before.yaws
+        if turned or template.cart_rows is not before.cart_rows:
+            self._load_contact_rows(template)
+        self._load_contact_limits(template)
+        entries = template.fixed.rows != 0
+        if turned or curved or not np.array_equal(entries, self._entries):
+            pattern, moving = workspace.problem.rows != 0, workspace.affine.shape[1]
+            pattern[len(pattern) - moving :] = len(template.cart_rows.low) > 0 or workspace.affine.any(axis=0)
             self._loading.load_spans(workspace, pattern)
+            self._entries = entries
         self._lower_names, self._upper_names = program.lower_names, program.upper_names
-        self._template, self.cost = template, cost
+        self._template, self.cost, self._points = template, cost, None
 
     def _take_limits(self, template: AllocationTemplate) -> None:
         if template.cart_rows is not self._template.cart_rows:
             self._load_contact_rows(template)
-        problem, bounds = self._workspace.problem, template.limits
-        problem.limits[:, : template.n] = bounds.lower, bounds.upper
+            self._load_contact_limits(template)
+            self._points = None
+        if template.limits is not self._template.limits:
+            bounds = template.limits
+            self._workspace.problem.limits[:, : template.n] = bounds.lower, bounds.upper
+            self._lower_names = bounds.lower_names + self._lower_names[template.n :]
+            self._upper_names = bounds.upper_names + self._upper_names[template.n :]
         self._workspace.held.size[0] = 0
-        self._lower_names = bounds.lower_names + self._lower_names[template.n :]
-        self._upper_names = bounds.upper_names + self._upper_names[template.n :]
         self._template = template
 
     def _load_contact_rows(self, template: AllocationTemplate) -> None:
         """The rows that depend on contacts, with all arms at the origin, and their slopes along x, y and z."""
         affine = self._workspace.affine
         affine[:] = template.affine_rows().transpose(0, 2, 1, 3).reshape(affine.shape)
-        limits, first = self._workspace.problem.limits, len(affine[0])
+
+    def _load_contact_limits(self, template: AllocationTemplate) -> None:
+        """But for the wrench asked for."""
+        limits, first = self._workspace.problem.limits, self._workspace.affine.shape[1]
         limits[:, limits.shape[1] - first :] = template.contact_limits(np.zeros(template.basis_b.shape[1]))
-        self._points: Array | None = None
 
     def solve(self, wrench: Point, points: Array) -> bool:
         """For a planar wrench in {b}, with the arms at `points` (n, 3); True if there is a proven optimum. Points

@@ -54,8 +54,7 @@ def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
         form = f"pose_sb (3,) and velocity {basis_b.shape[1:]}"
         raise _refused(f"motion: shapes {shapes[0]} and {shapes[1]} instead of {form}")
     try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            return structure.with_parameters(numbers)
+        return structure.with_parameters(numbers)
     except UsageError as error:
         raise _refused(str(error)) from error
 

@@ -68,8 +68,10 @@ class Terms:
         if all(one is other for one, other in zip(changed, self.base.arms, strict=True)):
             return False
         try:
-            pushed = self._pushed.by(changed)
-            self._use(self.base.with_arms(changed, self._cart_limits.rows(pushed, self._covariance)))
+            pushed, rows = self._pushed.by(changed), self.base.cart_rows
+            if any(limit.looks_at_arms for limit in self._cart_limits.limits):
+                rows = self._cart_limits.rows(pushed, self._covariance)
+            self._use(self.base.with_arms(changed, rows))
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, str(error)) from error
         self._pushed = pushed

@@ -21,16 +21,18 @@ def is_strictly_convex(hessian: Array) -> bool:
     return bool(curvature[0] > max(LEAST_CURVATURE * curvature[-1], FLAT))
 
 
-def load(workspace: Workspace, program: QuadraticProgram) -> None:
-    """Everything of a program without cones, but for the spans."""
+def load(workspace: Workspace, program: QuadraticProgram) -> bool:
+    """Everything of a program without cones, but for the spans. Says whether the Hessian is new."""
     problem, claim = workspace.problem, workspace.claim
-    if not np.array_equal(claim.hessian, program.hessian):
+    is_new = not np.array_equal(claim.hessian, program.hessian)
+    if is_new:
         claim.hessian[:], workspace.inverse[:] = program.hessian, _inverse(program.hessian)
     problem.rows[:] = program.stacked[program.n :]
     problem.lifted[:] = problem.rows @ workspace.inverse
     workspace.held.size[0] = 0
     load_limits(workspace, program)
     load_gradient(workspace, program.gradient, program.constant)
+    return is_new
 
 
 def load_spans(workspace: Workspace, pattern: NDArray[np.bool_]) -> None:

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
@@ -111,6 +111,9 @@ class Pushed:
 class CartLimit(ABC):
     """Half-spaces of all hands' wrenches. They need not hold the zero wrench: a cart that is driven too fast round
     a bend skids unless the hands hold it."""
+
+    looks_at_arms: ClassVar[bool] = True
+    """Whether the rows depend on more of the arms than how many there are."""
 
     @abstractmethod
     def rows(self, pushed: Pushed) -> CartRows:

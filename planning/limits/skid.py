@@ -8,7 +8,7 @@ where r' follows from the wrench. See `cartgrasp.floor_reaction`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -26,6 +26,8 @@ class Skid(CartLimit):
     """`friction`: of the fixed wheels on the floor."""
 
     friction: float
+
+    looks_at_arms: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.friction) and self.friction >= 0):
