@@ -47,7 +47,7 @@ def assert_alike(plan, expected):
 
 
 @pytest.mark.parametrize("objective", [None, Smoothness(0.5), LeastInternalForce(2.0)])
-@pytest.mark.parametrize("limits", [(), (Skid(0.6), TipOver(5.0)), (InternalForce(15.0), TipOver())])
+@pytest.mark.parametrize("limits", [(), (Skid(0.05), TipOver(30.0)), (InternalForce(3.0), TipOver(30.0))])
 @pytest.mark.parametrize("new", [FIELDS, ("force",), ("yaw", "force"), ("weights",)])
 def test_they_are_those_of_a_new_planner(objective, limits, new):
     rng, cart = np.random.default_rng(len(new)), shopping_cart()
@@ -66,7 +66,7 @@ def test_they_are_those_of_a_new_planner(objective, limits, new):
         plan = planner.plan(wrench, arms=arms, **more)
         assert_alike(plan, fresh.plan(wrench, **{**more, "estimate": estimate}))
         solved += plan.is_usable
-    assert solved > 6
+    assert solved >= 4
 
 
 def test_other_limits_of_the_same_structure_are_filled_in_place():
@@ -83,6 +83,25 @@ def test_other_limits_of_the_same_structure_are_filled_in_place():
     frictional = [cg.Arm(name, points, friction=cg.Friction(0.6)) for name, points in PLACES.items()]
     assert planner.plan((20.0, 0.0, 0.0), given, arms=frictional).status == "optimal"
     assert planner._compiled is not compiled
+
+
+def test_numbers_where_there_were_zeros():
+    """Arms that stand straight and slip, and then neither: rows get numbers in other columns."""
+
+    def pair(yaw, mu, torque):
+        joint = cg.JointTorques(np.outer([0.5, torque, 0, 0, 0, 0], [1.0, 0.0]), np.zeros(2), np.full(2, 12.0))
+        return [
+            cg.Arm(name, points[:1], yaw=yaw, friction=cg.Friction(mu), joints=joint) for name, points in PLACES.items()
+        ]
+
+    planner = WrenchPlanner(shopping_cart(), pair(0.0, 0.0, 0.0))
+    planner.warm_up()
+    compiled = planner._compiled
+    for arms in (pair(0.0, 0.6, 0.0), pair(0.4, 0.6, 0.0), pair(-0.4, 0.0, 0.0), pair(0.3, 0.4, 0.8)):
+        plan = planner.plan((20.0, 0.0, 2.0), arms=arms)
+        assert_alike(plan, WrenchPlanner(shopping_cart(), arms).plan((20.0, 0.0, 2.0)))
+        assert planner._compiled is compiled
+        assert plan.message == ""
 
 
 def test_rows_that_look_at_no_arm_stay():
