@@ -110,13 +110,14 @@ class CompiledAllocation:
 
     def _load_contact_rows(self, template: AllocationTemplate) -> None:
         """The rows that depend on contacts, with all arms at the origin, and their slopes along x, y and z."""
-        affine = self._workspace.affine
-        affine[:] = template.affine_rows().transpose(0, 2, 1, 3).reshape(affine.shape)
+        rows = template.affine_rows().transpose(0, 2, 1, 3)
+        self._workspace.affine.reshape(rows.shape)[:] = rows
 
     def _load_contact_limits(self, template: AllocationTemplate) -> None:
         """But for the wrench asked for."""
-        limits, first = self._workspace.problem.limits, self._workspace.affine.shape[1]
-        limits[:, limits.shape[1] - first :] = template.contact_limits(np.zeros(template.basis_b.shape[1]))
+        limits, rows = self._workspace.problem.limits, template.cart_rows
+        stop = limits.shape[1] - template.basis_b.shape[1]
+        limits[0, stop - len(rows.low) : stop], limits[1, stop - len(rows.low) : stop] = rows.low, rows.high
 
     def solve(self, wrench: Point, points: Array) -> bool:
         """For a planar wrench in {b}, with the arms at `points` (n, 3); True if there is a proven optimum. Points

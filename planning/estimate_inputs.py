@@ -24,8 +24,8 @@ COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
 def check_estimate(estimate: Estimate, newest: float) -> float:
     """The time of the newest estimate so far, s; refused if this one isn't finite or much older."""
     try:
-        motion = np.concatenate((np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity)))
-        numbers = [estimate.time, *motion.tolist(), *(parameter.value for parameter in estimate.parameters.values())]
+        motion = *np.ravel(estimate.motion.pose_sb).tolist(), *np.ravel(estimate.motion.velocity).tolist()
+        numbers = [estimate.time, *motion, *(parameter.value for parameter in estimate.parameters.values())]
         is_finite = all(map(math.isfinite, numbers))
     except (AttributeError, TypeError, ValueError, OverflowError) as error:
         raise _refused(f"its time, motion or parameters are not those of an Estimate ({error})") from error
