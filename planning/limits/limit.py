@@ -64,17 +64,30 @@ class LimitRows:
         if len(parts) == 1:
             return parts[0]
         lower, upper = np.array([part.lower for part in parts]), np.array([part.upper for part in parts])
+        rowed = [part for part in parts if len(part.limits)]
+        rows = rowed[0] if len(rowed) == 1 else cls._above_each_other(rowed or parts[:1])
         return cls(
-            lower.max(axis=0),
-            upper.min(axis=0),
+            np.maximum.reduce(lower),
+            np.minimum.reduce(upper),
             _picked(tuple([part.lower_names for part in parts]), lower.argmax(axis=0).tobytes()),
             _picked(tuple([part.upper_names for part in parts]), upper.argmin(axis=0).tobytes()),
-            np.concatenate([part.rows for part in parts]),
-            np.concatenate([part.limits for part in parts]),
-            tuple([name for part in parts for name in part.names]),
+            rows.rows,
+            rows.limits,
+            rows.names,
             tuple([cone for part in parts for cone in part.cones]),
-            np.concatenate([part.low_limits for part in parts]),
-            tuple([name for part in parts for name in part.low_names]),
+            rows.low_limits,
+            rows.low_names,
+        )
+
+    @classmethod
+    def _above_each_other(cls, parts: Sequence[LimitRows]) -> LimitRows:
+        """Their rows alone."""
+        return cls(
+            rows=np.concatenate([part.rows for part in parts]),
+            limits=np.concatenate([part.limits for part in parts]),
+            names=tuple([name for part in parts for name in part.names]),
+            low_limits=np.concatenate([part.low_limits for part in parts]),
+            low_names=tuple([name for part in parts for name in part.low_names]),
         )
 
 
