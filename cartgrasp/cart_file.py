@@ -12,7 +12,7 @@ from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from .constraints import RollingConstraints
-from .effects import KNOWN_EFFECTS, Effect
+from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect
 from .errors import CartgraspError, FileError
 from .inertia import Inertia
 from .model import CartModel
@@ -79,10 +79,12 @@ def cart_from_document(document: CommentedMap, name: str, prefix: Location = ())
         raise refuse(["com"], why)
     if entry.com_height is not None and entry.com_height < 0:
         raise refuse(["com_height"], f"{entry.com_height:g} m is below the floor")
+    constraints, effects = _constraints(entry.constraints, refuse), _effects(entry.effects, refuse)
+    _check_effects(effects, constraints, refuse)
     return CartModel(
         inertia=Inertia(entry.mass, (entry.com[0], entry.com[1]), entry.inertia),
-        constraints=_constraints(entry.constraints, refuse),
-        effects=_effects(entry.effects, refuse),
+        constraints=constraints,
+        effects=effects,
         wheels=_wheels(entry.wheels, refuse),
         com_height=entry.com_height,
         name=entry.name,
@@ -163,6 +165,15 @@ def _effects(entries: Mapping[str, Any], refuse: Any) -> tuple[Effect, ...]:
                 raise refuse(where, f"{effect.key} stands twice; give each its own label")
             effects.append(effect)
     return tuple(effects)
+
+
+def _check_effects(effects: Sequence[Effect], constraints: RollingConstraints, refuse: Any) -> None:
+    for effect in effects:
+        if isinstance(effect, ConstraintEffect):
+            try:
+                effect.check(constraints)
+            except CartgraspError as error:
+                raise refuse(["effects", effect.name], str(error)) from error
 
 
 def _labels(values: Mapping[Any, Any]) -> list[Any]:

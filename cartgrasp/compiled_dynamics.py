@@ -51,9 +51,9 @@ class CompiledDynamics:
     def rate(self, point: Point, push: Push, foreign: Array | None = None) -> Array:
         return self._ask(entries.rates, self._given(point, self._pushed(push, STAY), foreign), self.n_state)
 
-    def advanced(self, point: Point, push: Push, step: float, n_steps: int) -> Array:
-        """The state (..., n) after classical fourth-order steps under a push that is held."""
-        given = self._given(point, self._pushed(push, np.array([step, n_steps])))
+    def advanced(self, point: Point, push: Push, step: Any, n_steps: Any) -> Array:
+        """The state (..., n) after classical fourth-order steps (...) under a push that is held."""
+        given = self._given(point, self._pushed(push, np.stack([step, n_steps], axis=-1)))
         self._ask(entries.rates, given, 0)
         return given[..., : self.n_state]
 
@@ -65,6 +65,10 @@ class CompiledDynamics:
         if acceleration.shape[-1] != f:
             raise UsageError(f"model: acceleration has {acceleration.shape[-1]} numbers, but this cart's has {f}")
         return split(self._ask(entries.inverses, self._given(point, (acceleration,), foreign), size), shapes)
+
+    def memories(self, point: Point) -> Array:
+        """The memory (n, k) along instants (n,), from the first one's on."""
+        return self._ask(entries.memories, self._given(point), self.n_memory)
 
     def sums(self, point: Point, foreign: Array | None = None) -> Array:
         """The sums (..., size) of what effects add; `parts` says what stands where."""

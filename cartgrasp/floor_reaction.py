@@ -12,6 +12,12 @@ For an axle through {b}'s origin, lambda = m (u r + dx r' - dy r²) - fy. With t
 
 and are spread as `WheelSet` spreads the weight at rest. How the mass is spread over the height is left out.
 `cartgrasp/kernels/floor.py` works it out.
+
+Along a direction of the cart's parameters, with dM, db and de the slopes of M_b, b and e,
+
+    dA = (1 - A) dM G,   G = S (Sᵀ M_b S)⁻¹ Sᵀ,   dT = dA (w + e - b) + A de + (1 - A) db,
+
+and with it the loads and lambda have slopes; M_b and b are linear in phi.
 """
 
 from __future__ import annotations
@@ -21,32 +27,59 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from .contacts import PLANAR_ROWS
 from .errors import UsageError
 from .frames import Array
+from .rigid_body import bias_b, mass_matrix_b
+from .wheels import GRAVITY
 
 if TYPE_CHECKING:
     from .model import CartModel
     from .motion import Motion
 
+PLANAR = np.eye(6)[list(PLANAR_ROWS)]
+
 
 @dataclass(frozen=True, eq=False)
 class FloorReaction:
     """`loads = load_map @ W + load_offset`, (n_wheels,) N, and `lateral = lateral_map @ W + lateral_offset`, N,
-    positive where the floor pushes the cart to its left."""
+    positive where the floor pushes the wheels to their left."""
 
     load_map: Array
     load_offset: Array
     lateral_map: Array
-    lateral_offset: float
+    lateral_offset: Array
 
     @classmethod
     def of(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
         """At a motion; at rest where none is given."""
-        if not cart.wheels or cart.com_height is None:
-            raise UsageError(f"{cart.name}: wheels and com_height are needed for wheel loads; add them to the cart")
-        state = cart.state() if motion is None else cart.state(motion.pose_sb, motion.velocity)
-        rows = cart.floor_rows(state, time)
-        return cls(rows[:-1, :6], rows[:-1, 6], rows[-1, :6], float(rows[-1, 6]))
+        _height(cart)
+        rows = cart.floor_rows(_state(cart, motion), time)
+        return cls(rows[:-1, :6], rows[:-1, 6], rows[-1, :6], rows[-1, 6])
+
+    @classmethod
+    def by_parameters(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
+        """The partials of all four by the cart's parameters (p,), on a leading axis."""
+        height, state, basis = _height(cart), _state(cart, motion), cart.basis_b
+        acting, velocity_b = cart.acting(state, time=time), basis @ state[cart.velocity_slice]
+        phi, by_phi, effects = acting.phi, acting.phi_by_parameters.T, acting.wrench_by_parameters.T
+        mobility = basis @ np.linalg.inv(basis.T @ mass_matrix_b(phi) @ basis) @ basis.T
+        inertial, turned = mass_matrix_b(phi) @ mobility, mass_matrix_b(by_phi) @ mobility
+        push, bias = acting.wrench_b - bias_b(velocity_b, phi)[0], bias_b(velocity_b, by_phi)[0]
+        kept = np.eye(3) - inertial
+        rate = (kept @ turned)[:, :2] @ PLANAR
+        offset = (turned @ push + bias) @ kept.T + effects @ inertial.T
+        weight = GRAVITY * by_phi[:, :3]
+        weight[:, 1:] -= height * offset[:, :2]
+        spread, across = cart.wheel_set.load_map[:, :3] / GRAVITY, cart.rolling.across_b
+        return cls(-height * spread[:, 1:] @ rate, weight @ spread.T, across @ rate, (offset - effects)[:, :2] @ across)
+
+    def along(self, direction: Array) -> Self:
+        """Partials by the parameters, summed along a direction (p,) of these."""
+        p, n_wheels, columns = self.load_map.shape
+        load_map = (direction @ self.load_map.reshape(p, -1)).reshape(n_wheels, columns)
+        rest = (direction @ field for field in (self.load_offset, self.lateral_map, self.lateral_offset))
+        return type(self)(load_map, *rest)
 
     def loads(self, wrench_b: Array) -> Array:
         """N of each wheel, (..., n_wheels), under spatial wrenches (..., 6)."""
@@ -55,3 +88,13 @@ class FloorReaction:
     def lateral(self, wrench_b: Array) -> Array:
         """N, (...), under spatial wrenches (..., 6)."""
         return np.asarray(wrench_b @ self.lateral_map + self.lateral_offset)
+
+
+def _height(cart: CartModel) -> float:
+    if not cart.wheels or cart.com_height is None:
+        raise UsageError(f"{cart.name}: wheels and com_height are needed for wheel loads; add them to the cart")
+    return cart.com_height
+
+
+def _state(cart: CartModel, motion: Motion | None) -> Array:
+    return cart.state() if motion is None else cart.state(motion.pose_sb, motion.velocity)

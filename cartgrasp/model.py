@@ -13,13 +13,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .constraints import RollingConstraints
-from .effects import Effect, ForceEffect, InertiaEffect, SensorEffect
+from .effects import ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
 from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
 from .errors import UsageError
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .compiled_dynamics import CompiledDynamics, Point
+    from .kernels.situation import Parts
 
 N_PHI = len(PHI_NAMES)
 N_POSE = 3
@@ -63,6 +64,16 @@ class InverseDynamics:
     memory_rate_by_parameters: Array
 
 
+class Acting(NamedTuple):
+    """What stands in the dynamics beside the velocity: phi (..., 4) with what inertia effects add, the sum of the force
+    effects (..., 3) in {b}, and the partials of both by the parameters (..., 4, p) and (..., 3, p)."""
+
+    phi: Array
+    wrench_b: Array
+    phi_by_parameters: Array
+    wrench_by_parameters: Array
+
+
 @dataclass(frozen=True)
 class CartModel:
     """A cart: what is pushed, and what acts on it. Frozen; `with_...` returns another."""
@@ -80,6 +91,10 @@ class CartModel:
         for key in keys:
             if keys.count(key) > 1:
                 raise UsageError(f"effects: {key} stands twice; give each its own label")
+        if self.constraints.angle:
+            raise UsageError("constraints: wheels at an angle are the effect wheel_misalignment; add it to the effects")
+        for effect in self.constraint_effects:
+            effect.check(self.constraints)
 
     # --- structure -------------------------------------------------------------------------------------------
 
@@ -105,10 +120,12 @@ class CartModel:
         return self._with_numbers(Inertia.from_phi(parameters[:N_PHI]), effects)
 
     def _with_numbers(self, inertia: Inertia, effects: tuple[Effect, ...]) -> CartModel:
-        """The same structure, which both share: what one works out, the other has."""
+        """The same structure, which both share: what one works out, the other has. Unless constraint effects change."""
         other = object.__new__(type(self))
         own = {name: self.__dict__[name] for name in self.__dataclass_fields__}
-        other.__dict__.update(own, inertia=inertia, effects=effects, structure=self.structure)
+        other.__dict__.update(own, inertia=inertia, effects=effects)
+        if other.constraint_effects == self.constraint_effects:
+            other.__dict__["structure"] = self.structure
         return other
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -143,13 +160,30 @@ class CartModel:
         pairs = zip(self.effects, self._slices, strict=True)
         return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
 
+    @cached_property
+    def constraint_effects(self) -> tuple[ConstraintEffect, ...]:
+        return tuple(e for e in self.effects if isinstance(e, ConstraintEffect))
+
+    @SharedProperty
+    def rolling(self) -> RollingConstraints:
+        """The constraints as effects leave them."""
+        constraints = self.constraints
+        for effect in self.constraint_effects:
+            constraints = effect.rolling(constraints)
+        return constraints
+
+    @SharedProperty
+    def slip_compliance(self) -> float:
+        """Angle, rad, at which the rolling wheels creep sideways under each newton of side force."""
+        return sum(effect.slip_compliance for effect in self.constraint_effects)
+
     @SharedProperty
     def wheel_set(self) -> WheelSet:
         return WheelSet.of(self.wheels, rolls_along_x=self.constraints.n_rows > 0)
 
     @SharedProperty
     def basis_b(self) -> Array:
-        return self.constraints.basis_b
+        return self.rolling.basis_b
 
     @cached_property
     def parameters(self) -> Array:
@@ -163,6 +197,12 @@ class CartModel:
     @SharedProperty
     def memory_names(self) -> tuple[str, ...]:
         return tuple(n for effect, _, _ in self.force_effects for n in effect.memory_names(self.wheel_set))
+
+    @SharedProperty
+    def memory_spread(self) -> Array:
+        """How far (k,) the true memory may be from the first."""
+        spreads = [effect.memory_spread(self.wheel_set) for effect, _, _ in self.force_effects]
+        return np.concatenate([np.zeros(0), *spreads])
 
     @SharedProperty
     def state_names(self) -> tuple[str, ...]:
@@ -186,9 +226,14 @@ class CartModel:
 
     def state(self, pose_sb: ArrayLike = (0.0, 0.0, 0.0), velocity: ArrayLike | None = None) -> Array:
         """A state (n,) at a pose and free velocity (0 unless given), with effects' first memory."""
-        velocity = np.zeros(self.constraints.n_free) if velocity is None else velocity
-        memory: Sequence[Array] = [e.first_memory(self.wheel_set) for e, _, _ in self.force_effects]
-        return np.concatenate([np.asarray(pose_sb, float), np.asarray(velocity, float), *memory])
+        velocity = np.zeros(self.constraints.n_free) if velocity is None else np.asarray(velocity, float)
+        if velocity.shape != (self.constraints.n_free,):
+            raise UsageError(
+                f"model: velocity has shape {velocity.shape}, but this cart's {self.constraints.n_free} numbers"
+            )
+        velocity_b = self.basis_b @ velocity
+        memory: Sequence[Array] = [e.first_memory(self.wheel_set, velocity_b) for e, _, _ in self.force_effects]
+        return np.concatenate([np.asarray(pose_sb, float), velocity, *memory])
 
     # --- motion ----------------------------------------------------------------------------------------------
 
@@ -205,10 +250,17 @@ class CartModel:
         """
         point = self._point(state, parameters, time)
         push = np.asarray(wrench_b), self._full_trust if trust is None else trust
-        return StateRate(*self.dynamics.rates(point, push, self._foreign(point)))
+        rates = self.dynamics.rates(point, push, self._foreign(point))
+        if self.slip_compliance:
+            from .creep import creeping
+
+            rates = creeping(self, point, push[0], rates)
+        return StateRate(*rates)
 
     def state_rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Forward dynamics without partials: the rate of the state, (..., n)."""
+        if self.slip_compliance:
+            return self.rate(state, wrench_b, parameters, time).value
         point = self._point(state, parameters, time)
         return self.dynamics.rate(point, (np.asarray(wrench_b), self._full_trust), self._foreign(point))
 
@@ -231,9 +283,20 @@ class CartModel:
 
     def effect_wrench(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Sum of the force effects on the cart, (..., 3), in {b}."""
+        return self.effect_parts(self._point(state, parameters, time))[2].value
+
+    def effect_parts(self, point: Point) -> tuple[Array, Array, Parts, Parts]:
+        """At (state, time, parameters): phi with what effects add to it, its partials by the parameters, the effects'
+        wrench and their memory's rate, with partials."""
+        return self.dynamics.parts(self.dynamics.sums(point, self._foreign(point)))
+
+    def acting(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Acting:
+        """phi and the effects at a state, with partials by the parameters."""
         point = self._point(state, parameters, time)
-        dynamics = self.dynamics
-        return dynamics.parts(dynamics.sums(point, self._foreign(point)))[2].value
+        sums = self.dynamics.sums(point, self._foreign(point))
+        phi, phi_by_parameters, wrench, _ = self.dynamics.parts(sums)
+        by_parameters = wrench.by_parameters + wrench.by_phi @ phi_by_parameters
+        return Acting(phi, wrench.value, phi_by_parameters, by_parameters)
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""
@@ -254,11 +317,23 @@ class CartModel:
         settled = [effect.settled_memory(situation, memory[..., own]) for effect, _, own in self.force_effects]
         return np.concatenate(settled, axis=-1)
 
+    def memory_along(self, pose_sb: Array, velocity: Array, time: Array, parameters: Array | None = None) -> Array:
+        """The effects' memories (n, k) along a motion: poses (n, 3), free velocities (n, f), times (n,)."""
+        first = self.state(pose_sb[0], velocity[0])[self.memory_slice]
+        if not self.memory_names:
+            return np.zeros((len(time), 0))
+        state = np.hstack([pose_sb, velocity, np.tile(first, (len(time), 1))])
+        if self.is_compiled:
+            return self.dynamics.memories(self._point(state, parameters, time))
+        for i, step in enumerate(np.diff(time)):
+            still = np.zeros(self.constraints.n_free)
+            rate = self.inverse(state[i], still, parameters, time[i]).memory_rate
+            state[i + 1, self.memory_slice] = state[i, self.memory_slice] + step * rate
+        return state[:, self.memory_slice]
+
     def planar_wrench(self, reduced: Array) -> Array:
         """A wrench (..., 3) in {b} without side force whose effective rows `Sᵀ wrench_b` are `reduced`."""
-        wrench = np.zeros((*reduced.shape[:-1], 3))
-        wrench[..., {0: [0, 1, 2], 1: [0, 2], 2: [0]}[self.constraints.n_rows]] = reduced
-        return wrench
+        return np.asarray(reduced @ self.rolling.along_b)
 
     def phi_at(self, time: Any, parameters: Array | None = None) -> Array:
         """phi with what inertia effects add at a time, (..., 4)."""
@@ -280,6 +355,10 @@ class CartModel:
             if effect.concerns(arm):
                 wrench_a = effect.recorded(wrench_a, parameters[..., where])
         return wrench_a
+
+    def lateness(self, arm: str) -> float:
+        """How long after it was felt the sensor of an arm records a wrench, s."""
+        return sum(effect.lateness for effect, _ in self.sensor_effects if effect.concerns(arm))
 
     def corrected_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> tuple[Array, Array]:
         """The true wrench (..., 6) behind a recorded one, and its partials by the parameters (..., 6, p)."""

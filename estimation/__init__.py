@@ -1,8 +1,9 @@
 """Learning a cart's load, drag and sensor offsets from how it moves when it is pushed."""
 
 from .cart_filter import CartFilter
+from .discrepancy import Diagnosis, diagnose
 from .noise import FilterNoise
 from .paper_filter import PaperFilter
 from .prior import Prior
 
-__all__ = ["CartFilter", "FilterNoise", "PaperFilter", "Prior"]
+__all__ = ["CartFilter", "Diagnosis", "FilterNoise", "PaperFilter", "Prior", "diagnose"]

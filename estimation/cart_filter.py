@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cartgrasp.effects.effect import USUAL_SPREAD
 from cartgrasp.errors import UsageError
-from cartgrasp.frames import Array, body_to_world, wrap_angle
+from cartgrasp.frames import Array, body_to_world, rotation_planar, wrap_angle
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion
 
@@ -36,7 +37,6 @@ JUMP = 14.0
 STANDS_OUT = 1.0
 UNKNOWN_FORCE = 100.0
 MEASUREMENT_FLOOR = 1e-10
-UNKNOWN_MEMORY = 0.5
 POISED = 12.0
 """e-foldings of an instability after which nothing is poised there any more."""
 STICTION_MEMORY = 0.1
@@ -61,7 +61,8 @@ class Layout:
 class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
-    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws.
+    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Wrenches are
+    taken to be of the measurement's time: of those with a `time_delay`, hand over a log by `replay`.
     """
 
     def __init__(
@@ -149,7 +150,7 @@ class CartFilter:
         variances = np.zeros(len(mean))
         variances[:3] = np.where(known, np.diag(self.noise.pose_covariance), 100.0)
         variances[cart.velocity_slice] = 1.0
-        variances[cart.memory_slice] = UNKNOWN_MEMORY**2
+        variances[cart.memory_slice] = cart.memory_spread**2
         variances[layout.wrench] = self._wrench_variance(UNKNOWN_FORCE)
         covariance = np.diag(variances)
         covariance[layout.parameters, layout.parameters] = self._block.first_covariance
@@ -205,7 +206,7 @@ class CartFilter:
             k = self.cart.memory_slice.start + i
             mean[k] = settled[i]
             covariance[k, :] = covariance[:, k] = 0.0
-            covariance[k, k] = UNKNOWN_MEMORY**2
+            covariance[k, k] = self.cart.memory_spread[i] ** 2
             self._poise[i] = 0.0
         self._belief = Gaussian(mean, covariance)
 
@@ -223,11 +224,11 @@ class CartFilter:
         disturbance = np.array([1.0, 1.0, noise.lever]) * noise.disturbance
         roots = np.hstack([reach * disturbance, STICTION_MEMORY**0.5 * (reach @ stiction)])
         density[cart.velocity_slice, cart.velocity_slice] = roots @ roots.T
-        sideways = np.array([-np.sin(heading), np.cos(heading)])
-        density[:2, :2] = noise.slip**2 * np.outer(sideways, sideways)
+        sideways = rotation_planar(heading) @ cart.rolling.across_b
+        density[:2, :2] = noise.sideways(cart) ** 2 * np.outer(sideways, sideways)
         density[2, 2] = noise.slip**2
         memory = range(cart.memory_slice.start, cart.memory_slice.stop)
-        density[memory, memory] = noise.swivel**2
+        density[memory, memory] = (noise.swivel * cart.memory_spread / USUAL_SPREAD) ** 2
         return density
 
     def _walked(self, of_wrench: Array, step: float) -> Array:

@@ -4,7 +4,8 @@ Accelerations are linear in the inverse of the reduced mass matrix, not in phi. 
 anew at every noisy guess and counts information twice where the guess is low: over noise of 0.05-0.2 m it settles
 two to four of its own standard deviations below the mass. In these coordinates it does not (see `tests/estimation`).
 
-With one rolling constraint, and (mass, first moments, J) taken about the axle, `Mr = [[m, -m dy], [-m dy, J]]` and
+With one rolling constraint, and (mass, first moments, J) taken about the axle with x along the wheels' rolling,
+`Mr = [[m, -m dy], [-m dy, J]]` and
 
     (a, b, c, g) = (Mr⁻¹[0,0], Mr⁻¹[0,1], Mr⁻¹[1,1], c m dx),
     m = c/D,  m dx = g/c,  m dy = b/D,  J = a/D,   D = a c - b².
@@ -20,7 +21,7 @@ from typing import Protocol, final
 import numpy as np
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, rotation_planar
 
 MOST_COUPLING = 0.9
 """Of b² / (a c): m dy² is at most this share of J."""
@@ -66,21 +67,22 @@ def build_chart(constraints: RollingConstraints) -> Chart:
     """The chart that suits the constraints."""
     if constraints.n_rows == 0:
         return FreeChart()
-    return RailChart() if constraints.no_rotation else AxleChart(constraints.axle_x or 0.0)
+    return RailChart() if constraints.no_rotation else AxleChart(constraints.axle_x or 0.0, constraints.angle)
 
 
 @final
 class AxleChart:
-    """One rolling constraint, with the axle at x = `axle_x`."""
+    """One rolling constraint: axle at x = `axle_x`, wheels at `angle` to {b}'s x. The CoM's range turns with them."""
 
     order = (0, 3, 1, 2)
     clamped: tuple[int, ...] = (2, 1, 0, 3)
 
-    def __init__(self, axle_x: float) -> None:
-        self._axle_x = axle_x
+    def __init__(self, axle_x: float, angle: float = 0.0) -> None:
+        self._axle_x, self._turn = axle_x, rotation_planar(-angle)
         # phi about the axle: m dx - m a, and J - 2 a m dx + a² m
         self._to_axle = np.eye(4)
         self._to_axle[1, 0], self._to_axle[3, 0], self._to_axle[3, 1] = -axle_x, axle_x**2, -2 * axle_x
+        self._to_axle[1:3] = self._turn @ self._to_axle[1:3]
         self._from_axle = np.linalg.inv(self._to_axle)
 
     def coordinates(self, phi: Array) -> Array:
@@ -101,16 +103,21 @@ class AxleChart:
             return 1 / limits.widest_inertia, 1 / least
         if i == 1:
             most = (MOST_COUPLING * max(a, 0.0) * c) ** 0.5
-            return max(limits.com_y[0] * c, -most), min(limits.com_y[1] * c, most)
+            low, high = self._com_range(limits)[1]
+            return max(low * c, -most), min(high * c, most)
         if i == 0:
             return 1 / limits.mass[1] + b**2 / c, 1 / limits.mass[0] + b**2 / c
         determinant = max(a * c - b**2, c / limits.mass[1])  # mass is c/D
         to_g = c**2 / determinant
         most = c * (max(1 - least * c, 0.0) / determinant) ** 0.5  # I = 1/c - g² D / c³
-        return (
-            max((limits.com_x[0] - self._axle_x) * to_g, -most),
-            min((limits.com_x[1] - self._axle_x) * to_g, most),
-        )
+        low, high = self._com_range(limits)[0]
+        return max(low * to_g, -most), min(high * to_g, most)
+
+    def _com_range(self, limits: BodyLimits) -> Array:
+        """Low and high of the CoM along and across the wheels, from the axle."""
+        ranges = np.array([limits.com_x, limits.com_y]) - [[self._axle_x], [0.0]]
+        middle = ranges.mean(axis=1)
+        return np.asarray(ranges + (self._turn @ middle - middle)[:, None])
 
     def jacobian(self, coordinates: Array) -> Array:
         a, b, c, g = coordinates

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+SIDE_PUSH = 20.0
+"""N m/√s: 40 N aside for a second at 0.5 m/s."""
 
 
 @dataclass(frozen=True)
@@ -15,7 +20,8 @@ class FilterNoise:
     """Sensors: standard deviations of one sample. Left out of the model: random walks and disturbances, per √s.
 
     `disturbance` is an unmodelled force (N·√s; moments by `lever`, m); `slip` how far wheels creep sideways and turn
-    (m/√s, rad/√s); `swivel` the same for casters' headings; `parameter_drift` a share of each prior's standard
+    (m/√s, rad/√s); `swivel` the same for casters' headings (other
+    memories in proportion to how far they may be off at first); `parameter_drift` a share of each prior's standard
     deviation (1/√s).
     """
 
@@ -36,6 +42,10 @@ class FilterNoise:
             value = getattr(self, item.name)
             if not (np.isfinite(value) and value >= 0):
                 raise UsageError(f"noise: {item.name}: {value} is not a finite number >= 0")
+
+    def sideways(self, cart: CartModel) -> float:
+        """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""
+        return math.hypot(self.slip, SIDE_PUSH * cart.slip_compliance)
 
     @property
     def pose_covariance(self) -> Array:

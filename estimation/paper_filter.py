@@ -85,7 +85,7 @@ class PaperFilter:
     @property
     def _motion(self) -> Motion:
         velocity_b = body_to_world(self._mean[2]).T @ self._mean[3:6]
-        return Motion(self._mean[:3].copy(), self.cart.constraints.free_velocity(velocity_b))
+        return Motion(self._mean[:3].copy(), self.cart.rolling.free_velocity(velocity_b))
 
     @property
     def _model_parameters(self) -> Array:

@@ -29,7 +29,7 @@ class ParameterBlock:
     def __init__(self, cart: CartModel, prior: Prior) -> None:
         self.cart, self.prior = cart, prior
         self.free = prior.free(cart)
-        self._chart = build_chart(cart.constraints)
+        self._chart = build_chart(cart.rolling)
         self._full = cart.parameters.copy()
         self._full[:N_PHI] = self._chart.coordinates(cart.inertia.phi)
         self.first = self._full[self.free]

@@ -11,10 +11,11 @@ import numpy as np
 
 from cartgrasp.errors import DataError
 from cartgrasp.logs import RunLog
+from cartgrasp.logs.alignment import aligned
 from cartgrasp.motion import Estimate, Measurement
-from cartgrasp.roles import Estimator
 
-from .paper_filter import DIVERGED
+from .cart_filter import CartFilter
+from .paper_filter import DIVERGED, PaperFilter
 
 
 @dataclass(frozen=True)
@@ -48,13 +49,14 @@ class Replay:
 
 def replay(
     log: RunLog,
-    estimator: Estimator,
+    estimator: CartFilter | PaperFilter,
     progress: Callable[[float], None] | None = None,
     until: float | None = None,
 ) -> Replay:
-    """Every row of the log in turn, then on to `until` (s); `progress` is told the share done."""
+    """Every row of the log in turn, its wrenches at the time when they happened, then on to `until` (s); `progress` is
+    told the share done."""
     estimates = []
-    for i, measurement in enumerate(log.measurements()):
+    for i, measurement in enumerate(aligned(log, estimator.cart).measurements()):
         estimates.append(_updated(estimator, measurement, log.name))
         if progress is not None and i % 100 == 0:
             progress(i / len(log))
@@ -63,7 +65,7 @@ def replay(
     return Replay(tuple(estimates))
 
 
-def _updated(estimator: Estimator, measurement: Measurement, name: str) -> Estimate:
+def _updated(estimator: CartFilter | PaperFilter, measurement: Measurement, name: str) -> Estimate:
     """The next estimate; numbers that no estimator can work with are the log's fault."""
     try:
         with np.errstate(all="ignore"):

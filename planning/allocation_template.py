@@ -71,7 +71,7 @@ class AllocationTemplate:
             raise UsageError("arms: none given; at least one arm is needed")
         if twice := [name for name in names if names.count(name) > 1]:
             raise UsageError(f"arms: {twice[0]} stands twice; names must differ")
-        basis_b = cart.constraints.basis_b
+        basis_b = cart.basis_b
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
         limits, rows = side_by_side(names, map(limits_of, arms)), cart_rows(cart_limits, Pushed(cart, None, arms))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import combinations
 from typing import Self
 
@@ -21,6 +22,7 @@ from .compiled_choice import CompiledChoice
 from .contact_bounds import Candidates
 from .contact_choice import Choice, SearchLimit
 from .contact_regions import DISTANCE_TOLERANCE
+from .duality import least_cost
 from .given_contacts import REACH_TOLERANCE
 from .objectives import Cost
 from .plan import ChoiceProof, Plan
@@ -79,7 +81,10 @@ class CompiledPlanning:
         if self._choice is None:
             return None
         self._allocation.take(self._terms.template, cost)
-        return self._choice.run(wrench, cost, limit, switching)
+        choice = self._choice.run(wrench, cost, limit, switching)
+        if choice is None or choice.bound > -math.inf:
+            return choice
+        return replace(choice, bound=min(choice.value, least_cost(self._terms.template, cost)))
 
     def chosen(self, choice: Choice, wrench: Point, start: float) -> Plan:
         assert choice.contacts is not None

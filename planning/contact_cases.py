@@ -15,7 +15,7 @@ from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
 from .contradiction import contradiction
-from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by, of_cart
+from .duality import Cut, distance_cut, effort_cut, farkas_cut, infeasible_by, least_cost, of_cart
 from .objectives import Cost
 from .projection import Projection, project
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
@@ -55,6 +55,10 @@ class Question:
     def charge(self, low: Array, high: Array) -> float:
         """Beside the effort, of contacts between two corners (n, 3)."""
         return 0.0 if self.switching is None or self.distance else self.switching.at(low, high)
+
+    def least(self, template: AllocationTemplate) -> float:
+        """What no contacts are below, before any are tried."""
+        return 0.0 if self.distance else least_cost(template, self.cost)
 
     def tolerance(self, value: float, gap: float) -> float:
         """How near to a value a bound has to come: a relative gap, of at least 1 for an effort."""

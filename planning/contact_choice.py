@@ -108,11 +108,13 @@ class ContactSearch:
             else:
                 self._visit(node)
         left = self._heap[0][0] if self._heap else np.inf
-        found = self._contacts if np.isfinite(self._best) else None
+        found, bound = self._contacts if np.isfinite(self._best) else None, min(left, self._best, self._floor)
+        if bound == -np.inf:
+            bound = min(self._best, self._question.least(self._solver.template))
         return Choice(
             contacts=found,
             value=self._best,
-            bound=float(min(left, self._best, self._floor)),
+            bound=float(bound),
             solved=self._solver.solved - self._before,
             complete=not self._spent() or left >= self._cutoff,
             switching=0.0 if found is None else self._question.charge(found, found),

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.motion import Reference
@@ -67,11 +68,11 @@ class Deviation:
 
 @dataclass(frozen=True)
 class DeviatedReference:
-    """A reference with deviations, for a cart with one rolling constraint, its axle at `axle_x` (m, in {b})."""
+    """A reference with deviations, for a cart with one rolling constraint."""
 
     base: ReferencePath
     deviations: tuple[Deviation, ...]
-    axle_x: float = 0.0
+    constraints: RollingConstraints = RollingConstraints()
 
     def __post_init__(self) -> None:
         spans = sorted((d.start, d.start + d.duration) for d in self.deviations)
@@ -89,9 +90,10 @@ class DeviatedReference:
             return reference
         offsets = found[0].offsets(np.array(time))
         turned, velocity, acceleration = deviated(reference.velocity, reference.acceleration, offsets)
-        to_axle = np.array([self.axle_x, 0.0])
+        to_axle = np.array([self.constraints.axle_x or 0.0, 0.0])
+        turned_offset = rotation_planar(self.constraints.angle) @ offsets[:, 0]
         heading = reference.pose_sb[2]
-        axle = reference.pose_sb[:2] + rotation_planar(heading) @ (to_axle + offsets[:, 0])
+        axle = reference.pose_sb[:2] + rotation_planar(heading) @ (to_axle + turned_offset)
         heading = heading + float(turned)
         origin = axle - rotation_planar(heading) @ to_axle
         return Reference(time, np.array([*origin, heading]), velocity, acceleration)

@@ -64,11 +64,18 @@ def effort_cut(
     """From a solved allocation and its multipliers of the contact rows; a coupling of arms enters by its tangent
     at the solution, which is below it."""
     linear, sigma = _relaxed_limits(template, solution)
-    linear, constant = linear + cost.gradient, cost.constant - sigma
-    if cost.coupling is not None:
-        slope = cost.coupling @ solution.x
-        linear, constant = linear + 2.0 * slope, constant - float(solution.x @ slope)
-    return _cut(template, (cost.weights, linear), multipliers, constant, target)
+    tangent, constant = _by_tangent(cost, solution.x)
+    return _cut(template, (cost.weights, linear + tangent), multipliers, constant - sigma, target)
+
+
+def least_cost(template: AllocationTemplate, cost: Cost) -> float:
+    """What nothing within the box costs less than, whatever is asked and wherever hands hold: a cut without multipliers
+    and with its tangent at the cost's own least. That of a sum of squares is zero at least, but for rounding."""
+    curved = np.diag(cost.weights) if cost.coupling is None else np.diag(cost.weights) + cost.coupling
+    least = -0.5 * np.asarray(np.linalg.lstsq(curved, cost.gradient)[0], dtype=float)
+    linear, constant = _by_tangent(cost, least)
+    lower, upper = np.maximum(template.fixed.lower, -UNLIMITED), np.minimum(template.fixed.upper, UNLIMITED)
+    return constant + float(_least(cost.weights, linear, lower, upper))
 
 
 def distance_cut(template: AllocationTemplate, solution: QPSolution, slack: Array, target: Array) -> Cut:
@@ -115,6 +122,14 @@ def _cut(
     own = float(_least(weights[n:], linear[n:], lower[n:], upper[n:]))
     weights, linear, lower, upper = (part[:n].reshape(-1, 6) for part in (weights, linear, lower, upper))
     return Cut(weights, linear, lower, upper, multipliers, constant - limit + own)
+
+
+def _by_tangent(cost: Cost, x: Array) -> tuple[Array, float]:
+    """Linear part and constant of a cost whose coupling is replaced by its tangent at x, which is below it."""
+    if cost.coupling is None:
+        return cost.gradient, cost.constant
+    slope = cost.coupling @ x
+    return cost.gradient + 2.0 * slope, cost.constant - float(x @ slope)
 
 
 def _relaxed_limits(template: AllocationTemplate, solution: QPSolution) -> tuple[Array, float]:

@@ -42,7 +42,7 @@ def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
     """The cart as now estimated; refused unless its free velocities are the planner's, `basis_b` (3, k)."""
     try:
         structure, numbers = estimate.structure, real_numbers(estimate.model_parameters)
-        size, own_basis = len(structure.parameters), structure.constraints.basis_b
+        size, own_basis = len(structure.parameters), structure.basis_b
     except AttributeError as error:
         raise _refused(f"it has no cart ({error})") from error
     if numbers is None or numbers.shape != (size,):

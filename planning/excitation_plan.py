@@ -51,5 +51,4 @@ def plan_excitation(
         windows.append(found)
         information = found.information
     deviations = tuple(window.deviation for window in windows if window.deviation is not None)
-    axle = chooser.cart.constraints.axle_x or 0.0
-    return ExcitationPlan(DeviatedReference(reference, deviations, axle), tuple(windows))
+    return ExcitationPlan(DeviatedReference(reference, deviations, chooser.cart.rolling), tuple(windows))

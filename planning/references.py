@@ -2,7 +2,7 @@
 
 A `Stretch` holds constant accelerations of u and r, so u and r are piecewise linear and theta is piecewise
 quadratic; x and y are its integrals by Gauss-Legendre quadrature. A cart's {b} origin that is not on the axle moves
-sideways by the constraint, `(u, w, r) = S_b nu`.
+sideways by the constraint, `(u, w, r) = S_b nu`; u is the speed along the wheels' rolling.
 """
 
 from __future__ import annotations
@@ -61,13 +61,13 @@ class PathReference:
         stretch, elapsed = self.stretches[i], clamped - self._times[i]
         rates = np.array([stretch.acceleration, 0.0, stretch.yaw_acceleration])
         u, r = self._starts[i]
-        velocity_b = np.array([u, 0.0, r]) + rates * elapsed
+        velocity = np.array([u, 0.0, r]) + rates * elapsed
         if not 0.0 <= time < self.duration:
             rates = np.zeros(3)
-            velocity_b = np.zeros(3) if time >= self.duration else velocity_b
+            velocity = np.zeros(3) if time >= self.duration else velocity
         pose[:2] += np.array(self.start_pose[:2])
-        free = self.constraints.free_velocity
-        return Reference(time, pose, free(velocity_b), free(rates))
+        free = [0, 1, 2] if self.constraints.axle_x is None else [0, 2][: self.constraints.n_free]
+        return Reference(time, pose, velocity[free], rates[free])
 
     @cached_property
     def _times(self) -> Array:
@@ -117,7 +117,9 @@ class PathReference:
         heading = self._headings[i] + r * elapsed + dr * elapsed**2 / 2
         velocity_b = np.stack([u + du * elapsed, np.zeros_like(u), r + dr * elapsed], axis=-1)
         if self.constraints.axle_x is not None:
-            velocity_b[:, 1] = -self.constraints.axle_x * velocity_b[:, 2]
+            across = np.sin(self.constraints.angle) * velocity_b[:, 0]
+            velocity_b[:, 1] = across - self.constraints.axle_x * velocity_b[:, 2]
+            velocity_b[:, 0] *= np.cos(self.constraints.angle)
         return heading, velocity_b
 
 

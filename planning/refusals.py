@@ -19,11 +19,13 @@ def refusal(status: str, message: str, start: float) -> Plan:
 
 
 def undecided(choice: Choice, start: float) -> Plan:
-    """A search found no feasible contacts, and no proof that there are none."""
+    """A search found no feasible contacts, and no proof that there are none; what it has proven is `choice`."""
     if choice.complete:
-        return refusal(NUMERICAL, "at some contacts no solver gave a verified answer", start)
-    message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
-    return refusal(TIMEOUT, f"{message}; raise search_limit, or offer fewer contacts", start)
+        status, message = NUMERICAL, "at some contacts no solver gave a verified answer"
+    else:
+        message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
+        status, message = TIMEOUT, f"{message}; raise search_limit, or offer fewer contacts"
+    return replace(refusal(status, message, start), choice=choice.proof)
 
 
 def at_nearest(plan: Plan, candidates: Candidates) -> Plan:

@@ -8,8 +8,9 @@ a and b along the columns of L. So (chance constraint, exact where a and b are a
 
 The k sides that depend on theta hold together with the `confidence` c for p = 1 - (1 - c) / k, whatever their
 correlation (Bonferroni). What is asked of the cart, and the arms' own limits, are free of theta and stay as they are.
-Slopes are central differences of the limits' own rows, so a limit states nothing but its rows; an effect at a bound of
-its value moves to one side only.
+Rows are affine in the floor's reaction, whose slopes are analytic (`FloorReaction.slope`): what a limit's own rows give
+for these, less what they give for none, are the slopes of the rows. So a limit states nothing but its rows, and neither
+a step nor how wide the covariance is matters to them.
 """
 
 from __future__ import annotations
@@ -26,7 +27,6 @@ from cartgrasp.frames import Array
 
 from .limits import CartLimit, CartRows, Pushed, RowCone, cart_rows
 
-STEP = 1e-4  # of a standard deviation, to either side
 RANK = 1e-12  # of the largest eigenvalue of the correlation: what counts as uncertain
 NO_SLOPE = 1e-9  # N: a standard deviation that is rounding
 
@@ -49,7 +49,7 @@ class RobustLimits:
         nominal = cart_rows(self.limits, pushed)
         if self.confidence is None or covariance is None:
             return nominal
-        slopes = [_slope(self.limits, pushed, column) for column in root(covariance).T]
+        slopes = _slopes(self.limits, pushed, root(covariance).T)
         uncertain = [side for side in _sides(nominal) if any(_depends(slope, side) for slope in slopes)]
         if not uncertain:
             return nominal
@@ -69,27 +69,18 @@ def root(covariance: Array) -> Array:
     return np.asarray(units[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
 
 
-def _slope(limits: Sequence[CartLimit], pushed: Pushed, column: Array) -> CartRows:
-    """The rows' derivative along a direction (p,) of the parameters; 0 for a limit that isn't there."""
-    here = pushed.cart.parameters
-    try:
-        there = [pushed.cart.with_parameters(here + step * column) for step in (STEP, -STEP)]
-    except UsageError as error:
-        wide = f"covariance: so wide that {STEP:g} of a standard deviation makes it no cart ({error})"
-        raise UsageError(f"{wide}; wait until more is known, or plan without confidence") from error
-    up, down = (cart_rows(limits, replace(pushed, cart=cart)) for cart in there)
+def _slopes(limits: Sequence[CartLimit], pushed: Pushed, columns: Array) -> list[CartRows]:
+    """The rows' derivatives along directions (r, p) of the parameters; 0 for a limit that isn't there."""
+    none = cart_rows(limits, pushed.along(np.zeros(columns.shape[1])))
+    return [_less(cart_rows(limits, pushed.along(column)), none) for column in columns]
 
-    def derivative(one: Array, other: Array) -> Array:
-        zero = np.zeros(one.shape)
-        return np.asarray(np.subtract(one, other, out=zero, where=np.isfinite(one)) / (2 * STEP))
 
-    return replace(
-        up,
-        of_sum=derivative(up.of_sum, down.of_sum),
-        of_arm=derivative(up.of_arm, down.of_arm),
-        low=derivative(up.low, down.low),
-        high=derivative(up.high, down.high),
-    )
+def _less(one: CartRows, other: CartRows) -> CartRows:
+    def less(name: str) -> Array:
+        ours, others = getattr(one, name), getattr(other, name)
+        return np.asarray(np.subtract(ours, others, out=np.zeros(ours.shape), where=np.isfinite(others)))
+
+    return replace(one, of_sum=less("of_sum"), of_arm=less("of_arm"), low=less("low"), high=less("high"))
 
 
 def _sides(rows: CartRows) -> list[Side]:
@@ -101,7 +92,7 @@ def _sides(rows: CartRows) -> list[Side]:
 def _depends(slope: CartRows, side: Side) -> bool:
     i, which = side
     parts = (slope.of_sum[i], slope.of_arm[:, i], getattr(slope, which)[i])
-    return any(float(np.abs(part).max(initial=0.0)) > NO_SLOPE for part in parts)
+    return not all(float(np.abs(part).max(initial=0.0)) <= NO_SLOPE for part in parts)  # nor is NaN none
 
 
 def _without(rows: CartRows, sides: Sequence[Side]) -> CartRows:

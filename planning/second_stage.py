@@ -14,7 +14,7 @@ from cartgrasp.frames import Array
 
 from .objectives import Cost
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
-from .solvers import QuadraticSolver
+from .solvers import QuadraticSolver, solve_with_clarabel
 
 HELD = 1e-9  # how near to the first's solution its rows are held, of their largest
 RANK = 1e-9  # of the largest eigenvalue: what counts as curved
@@ -23,7 +23,10 @@ RANK = 1e-9  # of the largest eigenvalue: what counts as curved
 def second_stage(
     solver: QuadraticSolver, program: QuadraticProgram, solution: QPSolution, cost: Cost
 ) -> tuple[QuadraticProgram, QPSolution]:
-    """The program of the second cost and its solution; the first's where no solver finds a better one."""
+    """The program of the second cost and its solution; the first's where no solver finds a better one, or where that
+    is not proven best itself: its values would hold the second to nothing."""
+    if solution.status != OPTIMAL:
+        return program, solution
     rows = _best_by(program)
     values = rows @ solution.x
     room = HELD * np.maximum(1.0, np.abs(values))
@@ -44,6 +47,8 @@ def second_stage(
         upper_names=program.upper_names[: n + k] + names + program.upper_names[n + k :],
     )
     found = solver.solve(second)
+    if found.status != OPTIMAL:  # the first's solution is feasible, whatever daqp says of rows so near to each other
+        found = solve_with_clarabel(second)
     return (second, found) if found.status == OPTIMAL else (program, solution)
 
 

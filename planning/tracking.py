@@ -5,7 +5,7 @@ A cart with one rolling constraint has two inputs for three coordinates, so the 
 
     u_c = u_d cos e_h + k_x e_x,    r_c = r_d + u_d k_y e_y sinc(e_h) + k_h e_h,
 
-with e = (e_x, e_y) the position error in {b} and e_h the heading error, then
+with e = (e_x, e_y) the position error along and across the wheels and e_h the heading error, then
 `nu' = d/dt nu_c + k_v (nu_c - nu)` through reduced inverse dynamics. Lyapunov function
 `(e_x² + e_y²)/2 + e_h²/(2 k_y)`: its rate is `-k_x e_x² - (k_h/k_y) e_h²`.
 With no constraint all three coordinates are held, on a rail one: the same second-order error dynamics.
@@ -42,12 +42,13 @@ class SteeringTracker:
     gains: Gains = Gains()
 
     def wrench_b(self, reference: Reference, motion: Motion, model: CartModel) -> Array:
-        axle = model.constraints.axle_x or 0.0
+        rolling = model.rolling
         k = self.gains
         u, r = motion.velocity
         u_d, r_d = reference.velocity
         du_d, dr_d = reference.acceleration
-        e_x, e_y, e_h = _error_b(reference, motion, axle)
+        *position, e_h = _error_b(reference, motion, rolling.axle_x or 0.0)
+        e_x, e_y = rotation_planar(rolling.angle).T @ position
         cosine, sine = np.cos(e_h), np.sin(e_h)
         e_x_rate = r * e_y - u + u_d * cosine
         e_y_rate = -r * e_x + u_d * sine
@@ -72,7 +73,7 @@ class DirectTracker:
     def wrench_b(self, reference: Reference, motion: Motion, model: CartModel) -> Array:
         k = self.gains
         error = _error_b(reference, motion, 0.0)
-        position = model.constraints.free_velocity(error)
+        position = model.rolling.free_velocity(error)
         rate = reference.velocity - motion.velocity
         acceleration = reference.acceleration + (k.along + k.velocity) * rate + k.along * k.velocity * position
         return _wrench(model, reference, motion, acceleration)

@@ -110,6 +110,19 @@ def identify(
     raise typer.Exit(command.run(logs, cart, out, json))
 
 
+@app.command()
+def discrepancy(
+    logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, or the EMPS .mat.", metavar="LOG…")],
+    cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: the model to be judged.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for the report, figures and cart.yaml.")] = None,
+    json: Json = False,
+) -> None:
+    """Find where logs and the model disagree, name the missing effect, add it, and show the gap shrink."""
+    from . import discrepancy as command
+
+    raise typer.Exit(command.run(logs, cart, out, json))
+
+
 @study.command("table1")
 def table1(
     out: Annotated[Path, typer.Option("--out", help="Folder for the table and plots.")] = Path("out/table1"),

@@ -16,7 +16,7 @@ from .output import make_folder, print_json, progress, say
 
 def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json: bool) -> int:
     cart = cart_of(paths[0], cart_path)
-    _check_distinct(paths)
+    check_distinct(paths)
     if out is not None:
         make_folder(out)
     logs = [read_log(path) for path in paths]
@@ -31,7 +31,7 @@ def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json
     return 0
 
 
-def _check_distinct(paths: Sequence[Path]) -> None:
+def check_distinct(paths: Sequence[Path]) -> None:
     """The same run twice would count as twice the evidence."""
     seen = set()
     for path in paths:

@@ -52,6 +52,20 @@ def progress(what: str) -> Iterator[Callable[[float], None]]:
         yield lambda share: bar.update(task, completed=share)
 
 
+@contextmanager
+def stages(what: str) -> Iterator[Callable[[str], None]]:
+    """A spinner on stderr, where that is a terminal; the caller tells what is being done."""
+    from rich.console import Console
+    from rich.markup import escape
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status(escape(what)) as status:
+        yield lambda stage: status.update(escape(f"{what}: {stage}"))
+
+
 def make_folder(path: Path) -> Path:
     try:
         path.mkdir(parents=True, exist_ok=True)

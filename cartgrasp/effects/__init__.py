@@ -3,19 +3,23 @@ both, one line here, and its branch in `kernels/vocabulary.py`."""
 
 from .caster_realignment import CasterRealignment
 from .directional_drag import DirectionalDrag
-from .effect import Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
+from .effect import ConstraintEffect, Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
 from .external_push import ExternalPush
 from .floor_patch import FloorPatch
 from .floor_slope import FloorSlope
 from .force_bias import ForceBias
 from .force_misalignment import ForceMisalignment
 from .force_scale import ForceScale
+from .lateral_slip import LateralSlip
+from .load_slosh import LoadSlosh
 from .payload_change import PayloadChange
 from .quadratic_drag import QuadraticDrag
 from .rolling_resistance import RollingResistance
 from .stribeck_friction import StribeckFriction
+from .time_delay import TimeDelay
 from .viscous_drag import ViscousDrag
 from .wheel_drag_imbalance import WheelDragImbalance
+from .wheel_misalignment import WheelMisalignment
 
 KNOWN_EFFECTS: dict[str, type[Effect]] = {
     effect.name: effect
@@ -29,10 +33,14 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         FloorPatch,
         CasterRealignment,
         WheelDragImbalance,
+        WheelMisalignment,
+        LateralSlip,
         PayloadChange,
+        LoadSlosh,
         ForceBias,
         ForceScale,
         ForceMisalignment,
+        TimeDelay,
         ExternalPush,
     )
 }
@@ -40,6 +48,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
 __all__ = [
     "KNOWN_EFFECTS",
     "CasterRealignment",
+    "ConstraintEffect",
     "DirectionalDrag",
     "Effect",
     "ExternalPush",
@@ -50,12 +59,16 @@ __all__ = [
     "ForceMisalignment",
     "ForceScale",
     "InertiaEffect",
+    "LateralSlip",
+    "LoadSlosh",
     "Parameter",
     "PayloadChange",
     "QuadraticDrag",
     "RollingResistance",
     "SensorEffect",
     "StribeckFriction",
+    "TimeDelay",
     "ViscousDrag",
     "WheelDragImbalance",
+    "WheelMisalignment",
 ]

@@ -1,8 +1,9 @@
 """What an effect is: named parameters, an own memory, and one contribution with analytic partials.
 
-A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `SensorEffect` stands between the true and
-the recorded wrench of an arm. `CartModel` alone decides signs and sums. Those of the library have a kernel
-(`compiled.py`); a class from outside that works out its contributions in numpy has its place beside them.
+A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `ConstraintEffect` changes how it rolls, a
+`SensorEffect` stands between the true and the recorded wrench of an arm. `CartModel` alone decides signs and sums.
+Those of the library have a kernel (`compiled.py`); a class from outside that works out its contributions in numpy has
+its place beside them.
 """
 
 from __future__ import annotations
@@ -10,12 +11,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields, replace
+from enum import Enum
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..constraints import RollingConstraints
 from ..errors import UsageError
 from ..frames import Array
 from ..wheels import WheelSet
@@ -24,10 +27,15 @@ SMOOTHING_SPEED = 0.002
 """m/s: below it a Coulomb force fades to zero, so that dynamics stay smooth."""
 
 
+USUAL_SPREAD = 0.5
+"""Of a memory, in its own unit: an angle in rad."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
-    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly."""
+    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly. A search for an
+    effect that nobody has named begins at the values of `grid`, or at `absent`."""
 
     name: str
     unit: str
@@ -36,6 +44,22 @@ class Parameter:
     upper: float = np.inf
     absent: float = 0.0
     estimated: bool = True
+    grid: tuple[float, ...] = ()
+
+
+class Gate(Enum):
+    """When and where an effect acts, and by which of its parameters: always; from its first on (s); for a while, from
+    its first (s), as long as its second (s); or between its first and second along x, its third and fourth along y
+    (m, of {s})."""
+
+    ALWAYS = "always"
+    FROM = "from"
+    WHILE = "while"
+    INSIDE = "inside"
+
+    @property
+    def n_parameters(self) -> int:
+        return {Gate.ALWAYS: 0, Gate.FROM: 1, Gate.WHILE: 2, Gate.INSIDE: 4}[self]
 
 
 @dataclass(frozen=True)
@@ -72,6 +96,7 @@ class Effect(ABC):
     parameters: ClassVar[tuple[Parameter, ...]]
     signature: ClassVar[str]
     ordered: ClassVar[tuple[tuple[str, str], ...]] = ()
+    gate: ClassVar[Gate] = Gate.ALWAYS
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:
@@ -101,6 +126,10 @@ class Effect(ABC):
     def values(self) -> Array:
         return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
 
+    def implausible(self, wheels: WheelSet) -> str:
+        """Why nobody would call it by this name at these values; empty where they are such as it has."""
+        return ""
+
     def with_values(self, values: ArrayLike) -> Self:
         """The same effect with other parameter values (n,); they are brought inside their bounds."""
         clipped: dict[str, Any] = {
@@ -125,8 +154,13 @@ class ForceEffect(Effect):
         """Names of the internal states; none for most."""
         return ()
 
-    def first_memory(self, wheels: WheelSet) -> Array:
+    def first_memory(self, wheels: WheelSet, velocity_b: Array) -> Array:
+        """The memory (k,) of a cart that has just come to be looked at, at a velocity (3,)."""
         return np.zeros(len(self.memory_names(wheels)))
+
+    def memory_spread(self, wheels: WheelSet) -> Array:
+        """How far (k,) the true memory may be from the first; in proportion to it, what is believed of it fades."""
+        return np.full(len(self.memory_names(wheels)), USUAL_SPREAD)
 
     @abstractmethod
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
@@ -154,8 +188,44 @@ class InertiaEffect(Effect):
         """What is added to phi (..., 4), with partials by parameters."""
 
 
+class ConstraintEffect(Effect):
+    """Changes what the fixed wheels forbid. Its values belong to the structure of a model: another value is another
+    model, partials by it are 0, and it is not looked up in the parameters that a model's functions are given."""
+
+    def check(self, constraints: RollingConstraints) -> None:
+        """Refuses a cart without fixed wheels."""
+        if constraints.axle_x is None:
+            raise UsageError(f"{self.key}: the cart has no fixed wheels; add the constraint no_lateral_slip")
+
+    @classmethod
+    @abstractmethod
+    def usual(cls, label: str) -> Self:
+        """One of usual size, with which a search begins."""
+
+    @abstractmethod
+    def scaled(self, share: float) -> Self:
+        """The same with `share` times the velocity across the cart."""
+
+    @property
+    def slip_compliance(self) -> float:
+        """Angle, rad, at which a rolling wheel creeps sideways under each newton of side force."""
+        return 0.0
+
+    def rolling(self, constraints: RollingConstraints) -> RollingConstraints:
+        """What is left of the constraints."""
+        return constraints
+
+
 class SensorEffect(Effect):
-    """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm."""
+    """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm. What arms have
+    together, such as a clock, is not `by_arm`."""
+
+    by_arm: ClassVar[bool] = True
+
+    @property
+    def lateness(self) -> float:
+        """How long after it was felt a sample is recorded, s."""
+        return 0.0
 
     def concerns(self, arm: str) -> bool:
         return self.label in ("", arm)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from .compiled import CompiledForce
-from .effect import Parameter
+from .effect import Gate, Parameter
 
 RISE = 0.005
 """s: the push goes from 12 % to 88 % within twice this."""
@@ -34,6 +34,7 @@ class ExternalPush(CompiledForce):
         Parameter("force", "N", typical=20.0),
         Parameter("moment", "N·m", typical=5.0),
     )
+    gate: ClassVar[Gate] = Gate.WHILE
     signature: ClassVar[str] = "a force and moment within one short time, whatever the motion"
 
     @property

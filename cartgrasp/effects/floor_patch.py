@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from .compiled import CompiledForce
-from .effect import Parameter
+from .effect import Gate, Parameter
 
 EDGE = 0.005
 """m: a wheel's share inside goes from 12 % to 88 % within twice this."""
@@ -35,6 +35,7 @@ class FloorPatch(CompiledForce):
         Parameter("y_max", "m", typical=1.0, estimated=False),
         Parameter("coefficient", "-", typical=0.03, lower=0.0, upper=1.0),
     )
+    gate: ClassVar[Gate] = Gate.INSIDE
     signature: ClassVar[str] = "drag that comes and goes at places of the floor, whatever the direction"
     ordered: ClassVar[tuple[tuple[str, str], ...]] = (("x_min", "x_max"), ("y_min", "y_max"))
 

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from .compiled import CompiledInertia
-from .effect import Parameter
+from .effect import Gate, Parameter
+
+PLACES = (-0.3, 0.0, 0.3)
 
 
 @final
@@ -26,7 +28,8 @@ class PayloadChange(CompiledInertia):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("time", "s", typical=10.0, estimated=False),
         Parameter("mass", "kg", typical=5.0),
-        Parameter("x", "m", typical=0.2),
-        Parameter("y", "m", typical=0.2),
+        Parameter("x", "m", typical=0.2, grid=PLACES),
+        Parameter("y", "m", typical=0.2, grid=PLACES),
     )
+    gate: ClassVar[Gate] = Gate.FROM
     signature: ClassVar[str] = "mass and CoM differ before and after an instant"

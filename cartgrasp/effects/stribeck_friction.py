@@ -13,6 +13,8 @@ from typing import ClassVar, final
 from .compiled import CompiledForce
 from .effect import Parameter
 
+SPEEDS = (0.03, 0.06, 0.12, 0.25)
+
 
 @final
 @dataclass(frozen=True)
@@ -25,6 +27,6 @@ class StribeckFriction(CompiledForce):
     name: ClassVar[str] = "stribeck_friction"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("breakaway", "N", typical=5.0, lower=0.0),
-        Parameter("speed", "m/s", typical=0.05, lower=0.001, upper=10.0, absent=0.05, estimated=False),
+        Parameter("speed", "m/s", typical=0.05, lower=0.001, upper=10.0, absent=0.05, estimated=False, grid=SPEEDS),
     )
     signature: ClassVar[str] = "a peak of the forward force near standstill, gone at speed"

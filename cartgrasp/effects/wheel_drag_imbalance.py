@@ -11,8 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
+import numpy as np
+
+from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
+
+LEAST_LEVER = 0.4
+"""Of half the track: with a shorter one, both wheels drag."""
 
 
 @final
@@ -29,3 +35,11 @@ class WheelDragImbalance(CompiledForce):
         Parameter("moment", "N·m", typical=1.0),
     )
     signature: ClassVar[str] = "a yaw moment, flat in speed, that changes sign with the direction of rolling"
+
+    def implausible(self, wheels: WheelSet) -> str:
+        fixed = wheels.positions[~wheels.is_caster]
+        half = float(np.ptp(fixed[:, 1])) / 2 if len(fixed) > 1 else 0.0
+        lever = abs(self.moment) / max(self.force, 1e-9)
+        if lever < LEAST_LEVER * half:
+            return f"its moment is that of a lever of {lever:.2f} m, but the wheels stand {half:.2f} m from the middle"
+        return ""

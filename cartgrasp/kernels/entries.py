@@ -4,6 +4,8 @@ parameters (p,), and may end with what effects without a kernel add."""
 
 from __future__ import annotations
 
+import math
+
 from cartgrasp.frames import Array
 
 from .dynamics import Inverse, Point, forward, inverse, lifted, own_of, situation, sum_effects
@@ -11,6 +13,9 @@ from .floor import react
 from .jit import Ints, compiled, entry
 from .vocabulary import add_stiction, settle
 from .workspace import copy, unpack
+
+MEMORY_STEP = 0.01
+"""s."""
 
 
 @entry
@@ -59,6 +64,40 @@ def inverses(floats: Array, ints: Ints, given: Array, found: Array) -> None:
         rate_by_parameters = out[at : at + k * p].reshape((k, p))
         parts = Inverse(out[:f], by_state, by_acceleration, by_parameters, rate, rate_by_state, rate_by_parameters)
         inverse(m, point, acceleration, parts)
+
+
+@entry
+def memories(floats: Array, ints: Ints, given: Array, found: Array) -> None:
+    """The memory (k,) along a motion: rows are instants one after the other, of which only the first one's memory
+    counts. Between them pose and velocity go straight; classical fourth-order steps of at most `MEMORY_STEP`."""
+    m, room = unpack(floats, ints)
+    n, p = _sizes(ints)
+    k, first = len(m.memory_rate), 3 + m.basis.shape[1]
+    moved, total, memory = room[:n], room[n : n + k], room[2 * n : 2 * n + k]
+    copy(given[0, first:n], memory)
+    for i in range(len(given)):
+        copy(memory, found[i])
+        if i + 1 == len(given):
+            break
+        point, _ = _point(given[i], n, p, 0)
+        after, _ = _point(given[i + 1], n, p, 0)
+        duration = after.time - point.time
+        count = max(1, math.ceil(duration / MEMORY_STEP - 1e-9))
+        step = duration / count
+        for stage in range(4 * count):
+            inside = (stage // 4 + (0.0 if stage % 4 == 0 else 1.0 if stage % 4 == 3 else 0.5)) / count
+            for j in range(first):
+                moved[j] = point.state[j] + inside * (after.state[j] - point.state[j])
+            ahead = 0.0 if stage % 4 == 0 else step if stage % 4 == 3 else step / 2.0
+            for j in range(k):
+                moved[first + j] = memory[j] + (ahead * m.memory_rate[j, 0] if stage % 4 > 0 else 0.0)
+            here = Point(moved, point.time + inside * duration, point.parameters, point.foreign)
+            sum_effects(m, here, situation(m, here, lifted(m.basis, moved[3:])))
+            weight = step / 6.0 if stage % 4 in (0, 3) else step / 3.0
+            for j in range(k):
+                total[j] = (memory[j] if stage % 4 == 0 else total[j]) + weight * m.memory_rate[j, 0]
+            if stage % 4 == 3:
+                copy(total, memory)
 
 
 @entry

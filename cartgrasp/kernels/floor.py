@@ -27,6 +27,7 @@ def react(m: Workspace, point: Point, height: float, into: tuple[Array, Array]) 
     fill_map(m.wheels, m.standing, m.gravity, m.carried)
     mass, rigid, rows[:] = rigid_body.mass_matrix(m.phi), rigid_body.regressor(twist, STILL), 0.0
     wheels, lateral = rows[: len(m.wheels)], rows[len(m.wheels)]
+    across = -m.basis[1, 0], m.basis[0, 0]  # the first free velocity is along the wheels
     for k in range(len(wheels)):
         share = m.carried[k]
         wheels[k, 2], wheels[k, 3], wheels[k, 4] = -share[0] / m.gravity, -share[2] / m.gravity, share[1] / m.gravity
@@ -43,10 +44,9 @@ def react(m: Workspace, point: Point, height: float, into: tuple[Array, Array]) 
                 lever = height * m.carried[k, 1 + i] / m.gravity
                 wheels[k, PLANAR[j]] -= lever * inertial
                 wheels[k, 6] -= lever * inertial * push
-            if i == 1:
-                constraint = inertial - 1.0 if j == 1 else inertial
-                lateral[PLANAR[j]] += constraint
-                lateral[6] += constraint * push
+            constraint = across[i] * (inertial - 1.0 if i == j else inertial)
+            lateral[PLANAR[j]] += constraint
+            lateral[6] += constraint * push
         for k in range(len(wheels)):
             wheels[k, 6] -= height * m.carried[k, 1 + i] / m.gravity * bias
 

@@ -10,6 +10,7 @@ from . import (
     external_push,
     floor_patch,
     floor_slope,
+    load_slosh,
     payload_change,
     quadratic_drag,
     rolling_resistance,
@@ -31,6 +32,7 @@ CASTER_REALIGNMENT = 7
 WHEEL_DRAG_IMBALANCE = 8
 EXTERNAL_PUSH = 9
 PAYLOAD_CHANGE = 10
+LOAD_SLOSH = 11
 
 KINDS = {
     "viscous_drag": VISCOUS_DRAG,
@@ -44,6 +46,7 @@ KINDS = {
     "wheel_drag_imbalance": WHEEL_DRAG_IMBALANCE,
     "external_push": EXTERNAL_PUSH,
     "payload_change": PAYLOAD_CHANGE,
+    "load_slosh": LOAD_SLOSH,
 }
 
 
@@ -75,12 +78,16 @@ def add_wrench(kind: int, at: Situation, own: Own, out: Parts) -> None:
         wheel_drag_imbalance.wrench(at, own, out)
     elif kind == EXTERNAL_PUSH:
         external_push.wrench(at, own, out)
+    elif kind == LOAD_SLOSH:
+        load_slosh.wrench(at, own, out)
 
 
 @compiled
 def add_memory_rate(kind: int, at: Situation, own: Own, out: Parts) -> None:
     if kind == CASTER_REALIGNMENT:
         caster_realignment.memory_rate(at, own, out)
+    elif kind == LOAD_SLOSH:
+        load_slosh.memory_rate(at, own, out)
 
 
 @compiled
@@ -102,3 +109,5 @@ def add_stiction(kind: int, at: Situation, own: Own, columns: Array) -> int:
 def settle(kind: int, at: Situation, own: Own, memory: Array) -> None:
     if kind == CASTER_REALIGNMENT:
         caster_realignment.settled(at, own, memory)
+    elif kind == LOAD_SLOSH:
+        load_slosh.settled(at, own, memory)

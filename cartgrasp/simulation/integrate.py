@@ -13,7 +13,7 @@ from ..model import CartModel
 def held(cart: CartModel, state: Array, wrench_b: Array, time: float, steps: tuple[float, int]) -> Array:
     """The state (n,) after steps of a length (s) and number, each a classical fourth-order one."""
     step, n_steps = steps
-    if cart.is_compiled:
+    if cart.is_compiled and not cart.slip_compliance:
         push = wrench_b, np.ones(cart.constraints.n_free)
         return cart.dynamics.advanced((state, time, cart.parameters), push, step, n_steps)
     for i in range(n_steps):

@@ -31,8 +31,9 @@ class ModelPlant:
         self.cart, self.timestep = cart, timestep
         self._state = cart.state(pose_sb, velocity)
         self._time = 0.0
-        if caster_headings is not None and cart.memory_names:
-            self._state[cart.memory_slice] = caster_headings
+        self._headings = [i for i, name in enumerate(cart.state_names) if "heading" in name]
+        if caster_headings is not None and self._headings:
+            self._state[self._headings] = caster_headings
 
     @property
     def time(self) -> float:
@@ -48,8 +49,7 @@ class ModelPlant:
 
     @property
     def caster_headings(self) -> Array | None:
-        headings = [i for i, name in enumerate(self.cart.state_names) if "heading" in name]
-        return self._state[headings].copy() if headings else None
+        return self._state[self._headings].copy() if self._headings else None
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
         wrench_b, begin = wrenches.wrench_b, self._time

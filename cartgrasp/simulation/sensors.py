@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..contacts import ContactWrenches
-from ..frames import body_to_world
+from ..frames import Array, body_to_world
 from ..model import CartModel
 from ..motion import Measurement, Motion
 
@@ -38,6 +39,8 @@ class Sensors:
         self.cart, self.noise = cart, noise
         self._random = np.random.default_rng(seed)
         self._due = {"pose": 0.0, "velocity": 0.0, "wrench": 0.0}
+        self._latest = sum(effect.lateness for effect, _ in cart.sensor_effects)
+        self._felt: list[tuple[float, Mapping[str, Array]]] = []
 
     def motion(self, time: float, motion: Motion) -> Measurement:
         """Pose and velocity, where they are due."""
@@ -54,11 +57,24 @@ class Sensors:
     def wrenches(self, time: float, wrenches: ContactWrenches) -> Measurement:
         """Wrenches as recorded, where they are due, and where the arms hold."""
         recorded = {}
+        self._felt.append((time, wrenches.wrenches))
         if self._is_due("wrench", time, self.noise.wrench_period):
             scale = np.repeat([self.noise.force, self.noise.moment], 3)
-            for arm, wrench_a in wrenches.wrenches.items():
+            for arm in wrenches.wrenches:
+                wrench_a = self._felt_at(time - self.cart.lateness(arm), arm)
                 recorded[arm] = self.cart.recorded_wrench(arm, wrench_a) + self._random.standard_normal(6) * scale
+        self._forget(time - self._latest)
         return Measurement(time, wrenches=recorded, contacts=dict(wrenches.contacts))
+
+    def _felt_at(self, time: float, arm: str) -> Array:
+        """The wrench (6,) that an arm gave, held from sample to sample; 0 before it held the cart."""
+        given = [wrenches for begin, wrenches in self._felt if begin <= time + 1e-9]
+        return given[-1].get(arm, np.zeros(6)) if given else np.zeros(6)
+
+    def _forget(self, time: float) -> None:
+        """What is older than the sample that held at a time."""
+        while len(self._felt) > 1 and self._felt[1][0] <= time + 1e-9:
+            self._felt.pop(0)
 
     def _is_due(self, what: str, time: float, period: float | None) -> bool:
         if period is None or time < self._due[what] - 1e-9:

@@ -82,7 +82,7 @@ def excitation(way: str) -> ExcitationPlan:
     """Planned from the first guess and what the filter believes of it."""
     base = scenario(way, 0)
     chooser = ExcitationChooser(base.guess, base.arms, NOISE, ALLOWANCES[way])
-    reference = PathReference(base.stretches, base.guess.constraints)
+    reference = PathReference(base.stretches, base.guess.rolling)
     return plan_excitation(chooser, reference, first_information(base.guess), DWELL)
 
 
@@ -149,7 +149,7 @@ def taught(way: str) -> Array:
     """Information (p, p) at the end, the prior's included, of a drive along the way's own reference."""
     base = scenario(way, 0)
     cart, source = base.truth, base.build().contacts
-    reference: ReferencePath = PathReference(base.stretches, cart.constraints)
+    reference: ReferencePath = PathReference(base.stretches, cart.rolling)
     if way in ALLOWANCES:
         source = plan = excitation(way)
         reference = plan.reference

@@ -132,7 +132,7 @@ class Drive:
         self.truth, guess = drawn(seed), believed()
         self._plant, self._sensors = ModelPlant(self.truth), Sensors(self.truth, SENSORS, seed)
         self._filter = CartFilter(guess, [arm.name for arm in arms()], noise=NOISE, prior=PRIOR)
-        self._reference = PathReference(PATH, guess.constraints)
+        self._reference = PathReference(PATH, guess.rolling)
         self._tracker = build_tracker(guess.constraints)
         limits = (TipOver(LEAST_LOAD), Skid(FRICTION))
         self._planners = [

@@ -58,7 +58,7 @@ class Scenario:
     def build(self) -> Loop:
         """The loop, ready to run."""
         planner = WrenchPlanner(self.guess, list(self.arms), period=self.period, relax=np.inf)
-        reference = PathReference(self.stretches, self.truth.constraints)
+        reference = PathReference(self.stretches, self.guess.rolling)
         return Loop(
             reference=reference,
             tracker=build_tracker(self.truth.constraints, self.gains),

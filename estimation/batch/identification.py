@@ -81,7 +81,20 @@ def identify(
         regressions.append(WrenchRegression(log, cart, noise))
         if progress is not None:
             progress((i + 1) / (len(logs) + 1))
-    return _Fit(cart, prior or Prior(), regressions).result()
+    return fit(cart, prior or Prior(), regressions)
+
+
+def fit(
+    cart: CartModel,
+    prior: Prior,
+    regressions: Sequence[WrenchRegression],
+    start: Array | None = None,
+    settled: float = SETTLED,
+) -> Identification:
+    """As `identify`, of logs whose motion is smoothed already; from parameters (p,) at which to begin, until a round
+    moves none by more than a share `settled` of its standard deviation."""
+    found = _Fit(cart, prior, [regression.with_cart(cart) for regression in regressions])
+    return found.result(cart.parameters if start is None else start, settled)
 
 
 class _Fit:
@@ -95,18 +108,18 @@ class _Fit:
         self.source = ", ".join(regression.name for regression in regressions)
         self.excess = np.ones(len(regressions))
 
-    def result(self) -> Identification:
-        parameters, delays, covariance = self._solve()
+    def result(self, start: Array, settled: float) -> Identification:
+        parameters, delays, covariance = self._solve(start, settled)
         whole = np.zeros((len(parameters), len(parameters)))
         whole[np.ix_(self.free, self.free)] = covariance
         told = zip(self.regressions, delays.tolist(), self.excess.tolist(), strict=True)
         logs = tuple(LogFit(regression.name, delay, excess) for regression, delay, excess in told)
         return Identification(self.cart, parameters, whole, self._report(parameters, whole), logs)
 
-    def _solve(self) -> tuple[Array, Array, Array]:
+    def _solve(self, start: Array, settled: float) -> tuple[Array, Array, Array]:
         """Parameters (p,), delays (logs,), and the covariance of the free parameters."""
         f = len(self.free)
-        parameters = self.first.copy()
+        parameters = start.copy()
         delays: Array = np.full(len(self.regressions), DELAY)
         limits = PhysicalSet.of(self.cart, self.source)
         for _ in range(ROUNDS):
@@ -121,7 +134,7 @@ class _Fit:
             delays = np.minimum(np.maximum(delays + move[f:], 0.0), 1.0)
             if not np.isfinite(parameters).all():
                 raise DataError(f"{self.source}: can't be fitted; look for numbers that are not in SI units")
-            if np.abs(moved).max(initial=0.0) < SETTLED:
+            if np.abs(moved).max(initial=0.0) < settled:
                 break
         return parameters, delays, np.asarray(covariance[:f, :f], dtype=float)
 

@@ -74,6 +74,7 @@ class _Chain:
     velocity: Array | None
     noise: FilterNoise
     first: Array
+    sideways: float
 
 
 def smooth_motion(log: RunLog, cart: CartModel, noise: FilterNoise) -> SmoothMotion:
@@ -104,7 +105,8 @@ def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
         if seen.any():
             first[:, i] = np.interp(log.time, log.time[seen], pose[seen, i])
     steps = np.diff(log.time)
-    return _Chain(cart.basis_b, steps, steps < LONG_GAP, pose, log.velocity, noise, first)
+    sideways = noise.sideways(cart)
+    return _Chain(cart.basis_b, steps, steps < LONG_GAP, pose, log.velocity, noise, first, sideways)
 
 
 def _settle(chain: _Chain, state: Array, jerk: Array) -> tuple[Array, BlockTridiagonal]:
@@ -230,8 +232,10 @@ def _step_weights(chain: _Chain, heading: Array, jerk: Array) -> Array:
     d, h = 3 + 2 * n_free, np.where(chain.linked, chain.steps, 1.0)
     weights = np.zeros((len(h), d, d))
     slip = chain.noise.slip**2 * h
-    sideways = np.stack([-np.sin(heading), np.cos(heading)], axis=1)
-    creep = PATH_FLOOR**2 * np.eye(2) + slip[:, None, None] * sideways[:, :, None] * sideways[:, None, :]
+    rolling = heading + np.arctan2(chain.basis[1, 0], chain.basis[0, 0])
+    sideways = np.stack([-np.sin(rolling), np.cos(rolling)], axis=1)
+    side = chain.sideways**2 * h
+    creep = PATH_FLOOR**2 * np.eye(2) + side[:, None, None] * sideways[:, :, None] * sideways[:, None, :]
     weights[:, :2, :2] = np.linalg.inv(creep)
     weights[:, 2, 2] = 1 / (slip + PATH_FLOOR**2)
     for i in range(n_free):

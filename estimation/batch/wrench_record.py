@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from ..noise import FilterNoise
 FLOOR_SHARE = 0.002
 """Of the forces at work: what a model leaves out at every sample."""
 FORCE_FLOOR = 1e-3
+NEIGHBOURS, OWN = 0.15, 0.03
+"""s: how far around a row neighbours count, and how near they share its noise."""
 
 
 @dataclass(frozen=True)
@@ -46,15 +48,37 @@ class WrenchRecord:
         covariance[:] += (FLOOR_SHARE * size) ** 2 * np.eye(total.shape[1])
         return cls(tuple(log.arms), seen, maps, wrenches, covariance)
 
-    def reduced(self, cart: CartModel, parameters: Array) -> tuple[Array, Array]:
-        """The true wrench behind what is recorded, (n, f), and its partials (n, f, p)."""
-        _, n, f, _ = self.grasps.shape
-        value, by_parameters = np.zeros((n, f)), np.zeros((n, f, len(parameters)))
+    def of_neighbours(self, step: float) -> WrenchRecord:
+        """What the rows around each row say of its wrenches, without its own noise."""
+        reach, near = max(2, round(NEIGHBOURS / step)), max(1, round(OWN / step))
+        kernel = np.ones(2 * reach + 1)
+        kernel[reach - near : reach + near + 1] = 0.0
+        count = np.maximum(np.convolve(self.seen.astype(float), kernel, "same"), 1.0)
+        recorded = np.apply_along_axis(np.convolve, 1, self.recorded, kernel, "same") / count[:, None]
+        return replace(self, recorded=recorded)
+
+    def reduced(self, cart: CartModel) -> Array:
+        """The true wrench behind what is recorded, (n, f)."""
+        value = np.zeros(self.covariance.shape[:2])
         for arm, grasp, recorded in zip(self.arms, self.grasps, self.recorded, strict=True):
-            true, true_by_parameters = cart.corrected_wrench(arm, recorded, parameters)
-            value += (grasp @ true[..., None])[..., 0]
-            by_parameters += grasp @ true_by_parameters
-        return value, by_parameters
+            value += (grasp @ cart.corrected_wrench(arm, recorded)[0][..., None])[..., 0]
+        return value
+
+    def slopes(self, cart: CartModel, total: Array) -> Array:
+        """Slopes (n, f, p) of `reduced` by the parameters, at the wrenches nearest to those recorded that add up to a
+        model's `total` (n, f). By a gain or an angle they are in proportion to wrenches: to recorded ones, they would
+        have their noise, and all that the model leaves out, on both sides (errors in variables)."""
+        n, f = self.covariance.shape[:2]
+        found = np.zeros((n, f, len(cart.parameters)))
+        if not cart.sensor_effects:
+            return found
+        missing = np.where(self.seen[:, None], total - self.reduced(cart), 0.0)
+        spread = np.einsum("anfi,angi->nfg", self.grasps, self.grasps) + np.eye(f) * ~self.seen[:, None, None]
+        share = np.linalg.solve(spread, missing[..., None])
+        for arm, grasp, recorded in zip(self.arms, self.grasps, self.recorded, strict=True):
+            nearest = recorded + (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
+            found += grasp @ cart.corrected_wrench(arm, nearest)[1]
+        return found
 
 
 def _held(contact: Array) -> Array:

@@ -11,18 +11,23 @@ A wrench may hold from its row to the next (its middle is half a step late), or 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
+from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
-from .block_tridiagonal import BlockTridiagonal
+from .block_tridiagonal import BlockTridiagonal, Factor
 from .motion_smoother import smooth_motion
 from .wrench_record import WrenchRecord
 
@@ -35,6 +40,8 @@ STILL = 3.0
 """Standard deviations of the smoothed velocity within which a cart may stand still."""
 LONGEST_STEP = 3.0
 """Times the usual step: over a longer one nobody knows what a wrench did."""
+LATENESS_STEP = 1e-4
+"""s."""
 OUTLYING = 4.0
 """Times its share of the scatter that a stretch may have with full weight."""
 
@@ -80,23 +87,74 @@ class Evidence:
         return expected, np.einsum("bi,ij,bj->b", self.pulls, metric, self.pulls)
 
 
+@dataclass(frozen=True)
+class Linearisation:
+    """Rows `used` (m,) of a log around some parameters: time (m,), residual (m, f), its slopes `by` (m, f, p + 1) as
+    they are in Evidence, weights (m, f, f) of a wrench's own noise, slopes `by_motion` (m, f, d) by the states before
+    and after, and the factor of what wrenches and smoother know of the motion."""
+
+    time: Array
+    used: np.ndarray
+    residual: Array
+    by: Array
+    weights: Array
+    by_motion: tuple[Array, Array]
+    factor: Factor
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns (m, f, k) times the inverse of the residual's covariance."""
+        (first, second), after = self.by_motion, self.used + 1
+        weighted = self.weights @ columns
+        n = self.factor.bands.shape[1] // first.shape[2]
+        through = np.zeros((n, first.shape[2], columns.shape[2]))
+        np.add.at(through, self.used, np.swapaxes(first, 1, 2) @ weighted)
+        np.add.at(through, after, np.swapaxes(second, 1, 2) @ weighted)
+        missed = self.factor.solve(through)
+        return np.asarray(weighted - self.weights @ (first @ missed[self.used] + second @ missed[after]))
+
+    def by_block(self, left: Array, right: Array, duration: float) -> Array:
+        """`leftᵀ right` (b, k, l), summed over stretches of `duration` (s)."""
+        _, where = np.unique((self.time - self.time[0]) // duration, return_inverse=True)
+        return np.array([np.tensordot(left[rows], right[rows], ((0, 1), (0, 1))) for rows in _runs(where)])
+
+
 class WrenchRegression:
     """A log, its motion smoothed once."""
 
     def __init__(self, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> None:
         thinned = log.thinned()
-        self.cart, self.name = cart, log.name
+        self.cart, self.name, self.log = cart, log.name, log
         if noise is None:
             noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()
-        try:
-            with np.errstate(over="raise", invalid="raise", divide="raise"):
-                self._record = WrenchRecord.of(thinned, cart, noise)
-                self.motion = smooth_motion(thinned, cart, noise)
-        except (FloatingPointError, np.linalg.LinAlgError) as error:
-            raise _too_large(log.name) from error
+        self.noise = noise
+        with self._sized():
+            self.motion = smooth_motion(thinned, cart, noise)
+            self._listen()
         steps = np.diff(thinned.time)
         steady = self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
-        self._used = np.append(steady, False) & self._record.seen
+        self._steady = np.append(steady, False)
+
+    def _listen(self) -> None:
+        """Takes the wrenches as the cart's sensors are late."""
+        thinned = aligned(self.log, self.cart).thinned()
+        steps = np.diff(thinned.time)
+        self._record = WrenchRecord.of(thinned, self.cart, self.noise)
+        self._neighbours = self._record.of_neighbours(float(np.median(steps)) if len(steps) else 1.0)
+
+    @property
+    def _used(self) -> np.ndarray:
+        return np.asarray(self._steady & self._record.seen)
+
+    @contextmanager
+    def _sized(self) -> Iterator[None]:
+        """Numbers that are too large for arithmetic become an error of ours."""
+        try:
+            with np.errstate(over="raise", invalid="raise", divide="raise"):
+                yield
+        except (FloatingPointError, np.linalg.LinAlgError) as error:
+            raise DataError(
+                f"{self.name}: can't be identified from; look for numbers that are not in SI units"
+            ) from error
 
     def evidence(self, parameters: Array, delay: float) -> Evidence:
         """What the log says about a step of `(parameters, delay)` from here."""
@@ -104,23 +162,34 @@ class WrenchRegression:
         p = len(parameters) + 1
         if not len(used):
             return Evidence(np.zeros((0, p, p)), np.zeros((0, p)))
-        try:
-            with np.errstate(over="raise", invalid="raise"):
-                return self._evidence(parameters, delay, used)
-        except (FloatingPointError, np.linalg.LinAlgError) as error:
-            raise _too_large(self.name) from error
+        with self._sized():
+            return self._evidence(parameters, delay, used)
 
     def _evidence(self, parameters: Array, delay: float, used: np.ndarray) -> Evidence:
+        line = self.linearised(parameters, delay, used)
+        found = line.by_block(
+            line.by, line.whitened(np.concatenate([line.by, line.residual[..., None]], axis=2)), BLOCK
+        )
+        information = (found[..., :-1] + np.swapaxes(found[..., :-1], 1, 2)) / 2
+        return Evidence(information, found[..., -1])
+
+    def linearised(self, parameters: Array, delay: float, used: np.ndarray | None = None) -> Linearisation:
+        """Around parameters (p,) and a delay, on rows `used` (all that can be, unless given)."""
         motion, cart = self.motion, self.cart
+        used = np.flatnonzero(self._used) if used is None else used
         n, d = motion.state.shape
-        state = np.hstack([motion.pose, motion.velocity, self._memory(parameters)])
+        memory = cart.memory_along(motion.pose, motion.velocity, motion.time, parameters)
+        state = np.hstack([motion.pose, motion.velocity, memory])
         inverse = cart.inverse(state, motion.acceleration, parameters, motion.time)
         by_node = np.concatenate(
             [inverse.by_state[..., : 3 + motion.velocity.shape[1]], inverse.by_acceleration], axis=2
         )
-        recorded, recorded_by = self._record.reduced(cart, parameters)
-        after = used + 1
-        residual = recorded[used] - (1 - delay) * inverse.wrench[used] - delay * inverse.wrench[after]
+        believed = cart.with_parameters(parameters)
+        recorded, after = self._record.reduced(believed), used + 1
+        expected = inverse.wrench.copy()
+        expected[:-1] += delay * np.diff(inverse.wrench, axis=0)
+        recorded_by = self._neighbours.slopes(believed, expected)
+        residual = recorded[used] - expected[used]
         late = inverse.wrench[after] - inverse.wrench[used]
         by = (1 - delay) * inverse.by_parameters[used] + delay * inverse.by_parameters[after] - recorded_by[used]
         by = np.concatenate([by, late[..., None]], axis=2)
@@ -132,38 +201,56 @@ class WrenchRegression:
         all_weights = np.zeros((n - 1, f, f))
         all_weights[used] = weights
         joint = motion.information + BlockTridiagonal.of_pairs(first, second, all_weights)
-        factor = joint.factor()
+        return Linearisation(
+            motion.time[used], used, residual, by, weights, (first[used], second[used]), joint.factor()
+        )
 
-        sides = np.concatenate([by, residual[..., None]], axis=2)
-        weighted = weights @ sides
-        through = np.zeros((n, d, sides.shape[2]))
-        np.add.at(through, used, np.swapaxes(first[used], 1, 2) @ weighted)
-        np.add.at(through, after, np.swapaxes(second[used], 1, 2) @ weighted)
-        missed = factor.solve(through)
-        weighted = weighted - weights @ (first[used] @ missed[used] + second[used] @ missed[after])
-        found = _by_block(motion.time[used], np.swapaxes(by, 1, 2) @ weighted)
-        information = (found[..., :-1] + np.swapaxes(found[..., :-1], 1, 2)) / 2
-        return Evidence(information, found[..., -1])
+    @property
+    def usable(self) -> np.ndarray:
+        """Rows (n - 1,) whose wrench holds until the next."""
+        return np.asarray(self._used[:-1])
 
-    def _memory(self, parameters: Array) -> Array:
-        """Of the effects, run along the smoothed motion."""
-        cart, motion = self.cart, self.motion
-        memory = np.tile(cart.state()[cart.memory_slice], (len(motion.time), 1))
-        if not memory.shape[1]:
-            return memory
-        state = cart.state(motion.pose[0], motion.velocity[0])
-        for i, step in enumerate(np.diff(motion.time)):
-            memory[i] = state[cart.memory_slice]
-            rate = cart.inverse(state, motion.acceleration[i], parameters, motion.time[i])
-            growth = np.diagonal(rate.memory_rate_by_state[:, cart.memory_slice])
-            gain = np.where(
-                np.abs(growth * step) > 1e-9,
-                np.expm1(np.minimum(growth * step, 1.0)) / np.where(growth == 0, 1.0, growth),
-                step,
-            )
-            state = np.concatenate([motion.pose[i + 1], motion.velocity[i + 1], memory[i] + gain * rate.memory_rate])
-        memory[-1] = state[cart.memory_slice]
-        return memory
+    @property
+    def wrench_covariance(self) -> Array:
+        """Of the reduced wrench's noise, (n, f, f)."""
+        return self._record.covariance
+
+    def reduced(self, cart: CartModel) -> Array:
+        """The recorded wrench, corrected, along the free directions (n, f)."""
+        return self._record.reduced(cart)
+
+    def with_cart(self, cart: CartModel) -> WrenchRegression:
+        """The same motion, for a cart with other effects and the same constraints."""
+        other = copy(self)
+        other.cart = cart
+        if any(cart.lateness(arm) != self.cart.lateness(arm) for arm in self.log.arms):
+            other._listen()
+        return other
+
+    def within(self, chosen: np.ndarray) -> WrenchRegression:
+        """The same motion, with wrenches only where `chosen` (n,)."""
+        other = copy(self)
+        other._steady = self._steady & chosen
+        return other
+
+    def force_slopes(self, cart: CartModel, delay: float) -> Array:
+        """Slopes (m, f, p) as in `linearised`, by the parameters of a cart that adds to this one, but for what they
+        change at the sensors."""
+        motion, used = self.motion, np.flatnonzero(self._used)
+        memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
+        state = np.hstack([motion.pose, motion.velocity, memory])
+        by = cart.inverse(state, motion.acceleration, time=motion.time).by_parameters
+        return np.asarray((1 - delay) * by[used] + delay * by[used + 1])
+
+    def sensor_slopes(self, cart: CartModel, delay: float) -> Array:
+        """What `force_slopes` leaves out."""
+        motion = self.motion
+        memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time)
+        state = np.hstack([motion.pose, motion.velocity, memory])
+        expected = self.cart.inverse(state, motion.acceleration, time=motion.time).wrench
+        expected[:-1] += delay * np.diff(expected, axis=0)
+        late = np.gradient(expected, motion.time, axis=0)[..., None] * _lateness_slopes(cart, self.log)
+        return np.asarray(-(self._neighbours.slopes(cart, expected) + late)[self._used])
 
     def _stuck(self, state: Array, parameters: Array) -> Array:
         """Covariance (n, f, f) of Coulomb forces where the cart may stand still, for all that its smoothed velocity
@@ -176,13 +263,18 @@ class WrenchRegression:
         return np.asarray(samples * forces @ np.swapaxes(forces, 1, 2))
 
 
-def _by_block(time: Array, parts: Array) -> Array:
-    """Sums over stretches of `BLOCK` seconds."""
-    _, where = np.unique((time - time[0]) // BLOCK, return_inverse=True)
-    sums = np.zeros((where.max() + 1, *parts.shape[1:]))
-    np.add.at(sums, where, parts)
-    return sums
+def _runs(where: np.ndarray) -> list[slice]:
+    """Rows with the same number, which never falls."""
+    ends = [0, *(np.flatnonzero(np.diff(where)) + 1), len(where)]
+    return [slice(a, b) for a, b in pairwise(ends)]
 
 
-def _too_large(name: str) -> DataError:
-    return DataError(f"{name}: can't be identified from; look for numbers that are not in SI units")
+def _lateness_slopes(cart: CartModel, log: RunLog) -> Array:
+    """Of the mean lateness of a log's arms by the parameters (p,)."""
+    slopes = np.zeros(len(cart.parameters))
+    for effect, where in cart.sensor_effects:
+        share = np.mean([effect.concerns(arm) for arm in log.arms])
+        for i, at in enumerate(range(where.start, where.stop)):
+            more = effect.values + LATENESS_STEP * (np.arange(len(effect.values)) == i)
+            slopes[at] = share * (effect.with_values(more).lateness - effect.lateness) / LATENESS_STEP
+    return slopes

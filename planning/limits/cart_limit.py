@@ -91,11 +91,16 @@ class CartRows:
 
 @dataclass(frozen=True, eq=False)
 class Pushed:
-    """What is pushed and by whom: a cart, its motion (at rest if None), and the arms."""
+    """What is pushed and by whom: a cart, its motion (at rest if None), and the arms. With `slope_of`, another and a
+    direction (p,) of the cart's parameters, `floor` is the slope of that one's."""
 
     cart: CartModel
     motion: Motion | None
     arms: Sequence[Arm]
+    slope_of: tuple[Pushed, Array] | None = None
+
+    def along(self, direction: Array) -> Pushed:
+        return replace(self, slope_of=(self, direction))
 
     def by(self, arms: Sequence[Arm]) -> Pushed:
         """By other arms; the floor is the same."""
@@ -105,12 +110,20 @@ class Pushed:
 
     @cached_property
     def floor(self) -> FloorReaction:
-        return FloorReaction.of(self.cart, self.motion)
+        if self.slope_of is None:
+            return FloorReaction.of(self.cart, self.motion)
+        pushed, direction = self.slope_of
+        return pushed.floor_by_parameters.along(direction)
+
+    @cached_property
+    def floor_by_parameters(self) -> FloorReaction:
+        return FloorReaction.by_parameters(self.cart, self.motion)
 
 
 class CartLimit(ABC):
     """Half-spaces of all hands' wrenches. They need not hold the zero wrench: a cart that is driven too fast round
-    a bend skids unless the hands hold it."""
+    a bend skids unless the hands hold it. The cart's parameters enter through `pushed.floor` alone, in whose numbers
+    rows are affine: margins (robust.py) rest on that."""
 
     looks_at_arms: ClassVar[bool] = True
     """Whether the rows depend on more of the arms than how many there are."""

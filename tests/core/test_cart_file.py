@@ -175,6 +175,10 @@ MISTAKES = [
     (SHORT + "wheels:\n  - {kind: fixed, x: 0, y: 0, z: 1}\n", 5, 31, "wheels.0.z", "unknown key"),
     (SHORT + "wheels:\n  - {kind: steered, x: 0, y: 0}\n", 5, 6, "wheels.0.kind", "neither fixed nor caster"),
     (SHORT + "wheels:\n  - {kind: caster, x: 0, y: 0, trail: -1}\n", 5, 32, "wheels.0.trail", "is negative"),
+    (
+        SHORT + "constraints: []\neffects:\n  wheel_misalignment: {angle: 0.02}\n",
+        *(6, 3, "effects.wheel_misalignment", "the cart has no fixed wheels; add the constraint no_lateral_slip"),
+    ),
     (SHORT + "effects:\n  vicous_drag: {}\n", 5, 3, "effects.vicous_drag", "did you mean viscous_drag?"),
     (
         SHORT + "effects:\n  viscous_drag: 3\n",

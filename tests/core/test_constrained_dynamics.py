@@ -22,12 +22,13 @@ from cartgrasp.effects import (
     RollingResistance,
     StribeckFriction,
     ViscousDrag,
+    WheelMisalignment,
 )
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import bias_b, mass_matrix_b
 
-from .drawn import CONSTRAINTS, SHOPPING_CART, inertias, poses, vectors, wrenches
+from .drawn import CONSTRAINTS, SHOPPING_CART, inertias, numbers, poses, vectors, wrenches
 
 every_cart = pytest.mark.parametrize("constraints", CONSTRAINTS.values(), ids=CONSTRAINTS.keys())
 
@@ -66,12 +67,12 @@ def bias(inertia, theta, qd):
 
 
 def rows(constraints, theta):
-    """Sideways velocity of the axle's middle, at (a, 0) of {b}; and the yaw rate on a rail."""
+    """Velocity of the axle's middle, at (a, 0) of {b}, across the wheels; and the yaw rate on a rail."""
     found = []
     if constraints.axle_x is not None:
         s, c = np.sin(theta), np.cos(theta)
         point = np.array([[1, 0, -constraints.axle_x * s], [0, 1, constraints.axle_x * c]])
-        found.append(np.array([-s, c]) @ point)
+        found.append(np.array([-np.sin(theta + constraints.angle), np.cos(theta + constraints.angle)]) @ point)
     if constraints.no_rotation:
         found.append(np.array([0, 0, 1], dtype=np.result_type(theta, float)))
     return np.array(found).reshape(-1, 3)
@@ -94,19 +95,37 @@ def to_world(theta, planar):
 
 
 def body_velocity(constraints, nu):
-    """(u, w, r) with w = -a r at the origin when the axle, at x = a, does not slip."""
+    """(u, w, r), with w = -a r at the origin when the axle, at x = a, does not slip; turned with the wheels."""
     if constraints.axle_x is None:
         return np.array(nu)
     r = 0.0 if constraints.no_rotation else nu[1]
-    return np.array([nu[0], -constraints.axle_x * r, r])
+    along, across = nu[0] * np.cos(constraints.angle), nu[0] * np.sin(constraints.angle)
+    return np.array([along, across - constraints.axle_x * r, r])
 
 
 @every_cart
 @given(inertia=inertias(), pose=poses(), velocity=vectors(3, -2, 2), wrench_b=wrenches())
 def test_acceleration_is_that_of_the_constrained_equations(constraints, inertia, pose, velocity, wrench_b):
     """qdd = d/dt (R v_b) = R (v_b' + r ẑ x v_b); tolerance: rounding through a solve of condition 1e3."""
-    cart = CartModel(inertia, constraints)
-    nu = velocity[: constraints.n_free]
+    check_acceleration(CartModel(inertia, constraints), pose, velocity[: constraints.n_free], wrench_b)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CONSTRAINTS if kind != "casters only"])
+@given(
+    inertia=inertias(),
+    pose=poses(),
+    velocity=vectors(3, -2, 2),
+    wrench_b=wrenches(),
+    angle=numbers(-0.5, 0.5),
+)
+def test_acceleration_with_wheels_at_an_angle(kind, inertia, pose, velocity, wrench_b, angle):
+    constraints = CONSTRAINTS[kind]
+    cart = CartModel(inertia, constraints, (WheelMisalignment(angle),))
+    check_acceleration(cart, pose, velocity[: constraints.n_free], wrench_b)
+
+
+def check_acceleration(cart, pose, nu, wrench_b):
+    inertia, constraints = cart.inertia, cart.rolling
     velocity_b = body_velocity(constraints, nu)
     theta, qd = pose[2], to_world(pose[2], velocity_b)
     rate = cart.rate(cart.state(pose, nu), wrench_b).value

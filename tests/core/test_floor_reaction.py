@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_spatial
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.motion import Motion
@@ -71,6 +73,48 @@ def test_at_rest_and_pushed():
     carried_forward = 48.0 * (1.0 - HEIGHT) / (0.8 - 0.1)  # 24 kg take 2 m/s²: force at 1 m, inertia at the CoM
     assert pushed[2] - idle[2] == pytest.approx(carried_forward, rel=1e-9)
     assert pushed.sum() == pytest.approx(24 * 9.81)
+
+
+CARTS = {
+    "axle ahead": (cg.RollingConstraints(0.1), ()),
+    "axle": (cg.RollingConstraints(0.0), ()),
+    "casters": (cg.RollingConstraints(None), ()),
+    "rail": (cg.RollingConstraints(0.1, no_rotation=True), ()),
+    "wheels at an angle": (cg.RollingConstraints(0.1), (WheelMisalignment(0.3),)),
+}
+
+
+@pytest.mark.parametrize("name", CARTS)
+def test_partials_by_the_parameters(name):
+    """Against differences of the kernel's, extrapolated to no step; effects that depend on phi, and change it."""
+    constraints, turned = CARTS[name]
+    rng = np.random.default_rng(constraints.n_free)
+    effects = (ViscousDrag(3.0, 1.2), RollingResistance(0.02), PayloadChange(0.5, 4.0, 0.2, 0.1), *turned)
+    model = replace(cart(effects=effects), constraints=constraints)
+    motion = Motion(rng.uniform(-2, 2, 3), rng.uniform(0.3, 1.5, constraints.n_free))
+    partials, p = FloorReaction.by_parameters(model, motion, 1.0), len(model.parameters)
+    changing = np.arange(p) < p - len(turned)  # another angle is another model
+    for direction in (*np.eye(p)[changing], rng.normal(size=p) * changing):
+        slope = partials.along(direction)
+        for field in ("load_map", "load_offset", "lateral_map", "lateral_offset"):
+            wide, near = (difference(model, motion, step * direction, field) / step for step in (2e-3, 1e-3))
+            assert getattr(slope, field) == pytest.approx((4 * near - wide) / 3, rel=1e-6, abs=1e-6), field
+
+
+def difference(model, motion, change, name):
+    there = (model.with_parameters(model.parameters + sign * change) for sign in (0.5, -0.5))
+    up, down = (getattr(FloorReaction.of(one, motion, 1.0), name) for one in there)
+    return up - down
+
+
+def test_partials_at_the_bound_of_an_effect_are_whole():
+    """A drag may not be negative: what it adds counts, not half of it."""
+    motion = Motion(np.zeros(3), np.array([0.8, 0.5]))
+    still, dragged = (cart(effects=(ViscousDrag(drag, 0.0),)) for drag in (0.0, 1e-3))
+    slope = FloorReaction.by_parameters(still, motion).along(np.eye(len(still.parameters))[-2])
+    grown = FloorReaction.of(dragged, motion).load_offset - FloorReaction.of(still, motion).load_offset
+    assert np.abs(grown).max() > 1e-5
+    assert slope.load_offset == pytest.approx(grown / 1e-3, rel=1e-6)
 
 
 def test_what_it_needs():

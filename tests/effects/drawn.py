@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from cartgrasp.effects import KNOWN_EFFECTS, Effect, ForceEffect, InertiaEffect, SensorEffect
+from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
 from cartgrasp.effects.effect import Situation
 from cartgrasp.frames import rotation_planar
 from cartgrasp.wheels import WheelSet
@@ -16,6 +16,7 @@ from tests.core.drawn import WHEELS, no_wheel_just_lifts, numbers, phis, poses, 
 
 FORCE_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, ForceEffect)]
 INERTIA_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, InertiaEffect)]
+CONSTRAINT_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, ConstraintEffect)]
 SENSOR_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, SensorEffect)]
 
 
@@ -52,6 +53,8 @@ def effects(draw: st.DrawFn, kind: type[Effect], at_least: float = -np.inf) -> E
         values[low], values[high] = sorted((values[low], values[high]))
     if kind.name == "caster_realignment":  # 0 stands for the listed trail; one of a millimetre does not exist
         values["trail"] = draw(st.one_of(st.just(0.0), numbers(0.02, 0.2)))
+    if kind.name == "lateral_slip":  # none is a billion N/rad
+        values["cornering_stiffness"] = draw(numbers(100.0, 20000.0))
     return kind(**values, label=draw(st.sampled_from(["", "left"])))
 
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from cartgrasp.cart_file import cart_from_text, cart_text
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import KNOWN_EFFECTS, SensorEffect
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
@@ -19,7 +20,7 @@ from cartgrasp.model import CartModel
 from tests.core.differences import assert_partials
 from tests.core.drawn import numbers, vectors
 
-from .drawn import FORCE_EFFECTS, INERTIA_EFFECTS, SENSOR_EFFECTS, effects, trials
+from .drawn import CONSTRAINT_EFFECTS, FORCE_EFFECTS, INERTIA_EFFECTS, SENSOR_EFFECTS, effects, trials
 
 GIVES_ENERGY = {
     "viscous_drag": False,
@@ -32,6 +33,7 @@ GIVES_ENERGY = {
     "caster_realignment": False,
     "wheel_drag_imbalance": True,  # a moment whose wheel's place is not known
     "external_push": True,
+    "load_slosh": True,  # gives back what it took
 }
 CONTRACT = {
     "viscous_drag": {"linear": "N·s/m", "angular": "N·m·s/rad"},
@@ -43,10 +45,14 @@ CONTRACT = {
     "floor_patch": {"x_min": "m", "x_max": "m", "y_min": "m", "y_max": "m", "coefficient": "-"},
     "caster_realignment": {"swivel_torque": "N·m", "trail": "m"},
     "wheel_drag_imbalance": {"force": "N", "moment": "N·m"},
+    "wheel_misalignment": {"angle": "rad"},
+    "lateral_slip": {"cornering_stiffness": "N/rad"},
     "payload_change": {"time": "s", "mass": "kg", "x": "m", "y": "m"},
     "force_bias": {"fx": "N", "fy": "N", "tz": "N·m"},
     "force_scale": {"gain": "-"},
     "force_misalignment": {"angle": "rad"},
+    "load_slosh": {"mass": "kg", "frequency": "Hz", "damping": "-"},
+    "time_delay": {"delay": "s"},
     "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
 }
 COULOMB = {
@@ -54,7 +60,9 @@ COULOMB = {
 }
 NOT_ESTIMATED_ONLINE = {
     *("stribeck_friction.speed", "caster_realignment.trail", "payload_change.time"),
-    *("external_push.start", "external_push.duration"),
+    *("external_push.start", "external_push.duration", "time_delay.delay"),
+    *("wheel_misalignment.angle", "lateral_slip.cornering_stiffness"),
+    *("load_slosh.frequency", "load_slosh.damping"),
     *(f"floor_patch.{edge}" for edge in ("x_min", "x_max", "y_min", "y_max")),
 }
 PARTIALS = {
@@ -68,6 +76,7 @@ PARTIALS = {
 every_effect = pytest.mark.parametrize("kind", KNOWN_EFFECTS.values(), ids=lambda kind: kind.name)
 every_force = pytest.mark.parametrize("kind", FORCE_EFFECTS, ids=lambda kind: kind.name)
 every_change = pytest.mark.parametrize("kind", INERTIA_EFFECTS, ids=lambda kind: kind.name)
+every_constraint = pytest.mark.parametrize("kind", CONSTRAINT_EFFECTS, ids=lambda kind: kind.name)
 every_sensor = pytest.mark.parametrize("kind", SENSOR_EFFECTS, ids=lambda kind: kind.name)
 spatial_wrenches = vectors(6, -80.0, 80.0)
 fewer = settings(max_examples=settings.default.max_examples // 5)
@@ -87,6 +96,37 @@ def test_speaks_the_contracts_language(kind):
 def test_where_and_when_are_not_estimated_online():
     fixed = {f"{k.name}.{p.name}" for k in KNOWN_EFFECTS.values() for p in k.parameters if not p.estimated}
     assert fixed == NOT_ESTIMATED_ONLINE
+
+
+@every_constraint
+@given(data=st.data(), state=vectors(5, -2.0, 2.0), wrench=vectors(3, -80.0, 80.0))
+def test_a_constraint_is_as_it_was_where_its_effect_is_absent(kind, data, state, wrench):
+    effect = data.draw(effects(kind))
+    cart = CartModel(Inertia(20.0, (0.3, 0.1), 2.0))
+    expected = cart.state_rate(state, wrench)
+    np.testing.assert_array_equal(cart.with_effect(effect.without()).state_rate(state, wrench), expected)
+
+
+@every_constraint
+@given(data=st.data(), nu=vectors(2, -2.0, 2.0), wrench=vectors(3, -80.0, 80.0))
+def test_partials_of_the_rate_under_a_constraint(kind, data, nu, wrench):
+    assume(np.abs(nu[0]) > 1e-3)  # creep bends there
+    effect = data.draw(effects(kind))
+    cart = CartModel(Inertia(20.0, (0.3, 0.1), 2.0), effects=(effect,))
+    state = cart.state((0.1, 0.2, 0.3), nu)
+    rate = cart.rate(state, wrench)
+    assert_partials(rate.by_state, lambda s: cart.state_rate(s, wrench), state)
+    assert_partials(rate.by_wrench, lambda w: cart.state_rate(state, w), wrench)
+    assert_partials(rate.by_parameters, lambda p: cart.state_rate(state, wrench, p), cart.parameters)
+
+
+@every_constraint
+@given(data=st.data())
+def test_a_constraint_effect_needs_fixed_wheels(kind, data):
+    with pytest.raises(UsageError, match=f"^{kind.name}.*no fixed wheels; add the constraint no_lateral_slip"):
+        CartModel(Inertia(20.0, (0.3, 0.1), 2.0), RollingConstraints(None), (data.draw(effects(kind)),))
+    rail = CartModel(Inertia(20.0, (0.3, 0.1), 2.0), RollingConstraints(0.2, no_rotation=True), (kind(),))
+    np.testing.assert_array_equal(rail.rolling.rows_b @ rail.basis_b, np.zeros((2, 1)))
 
 
 @every_force

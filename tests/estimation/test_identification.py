@@ -194,7 +194,9 @@ def test_the_evidence_is_that_of_dense_least_squares():
     def residual(parameters, state, late=delay):
         nodes = state.reshape(n, d)
         wrench = cart.required_wrench(nodes[:, :5], nodes[:, 5:], parameters, motion.time)
-        return (record.reduced(cart, parameters)[0][:-1] - (1 - late) * wrench[:-1] - late * wrench[1:]).ravel()
+        return (
+            record.reduced(cart.with_parameters(parameters))[:-1] - (1 - late) * wrench[:-1] - late * wrench[1:]
+        ).ravel()
 
     def differences(function, at, step):
         moves = step * np.eye(len(at))

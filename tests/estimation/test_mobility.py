@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import WheelMisalignment
 from cartgrasp.inertia import phi_from_physical, physical_from_phi
 from cartgrasp.model import CartModel, Inertia
 from estimation.mobility import BodyLimits, build_chart
@@ -14,6 +15,7 @@ CONSTRAINTS = {
     "casters": RollingConstraints(axle_x=None),
     "axle": RollingConstraints(0.0),
     "axle off the origin": RollingConstraints(0.4),
+    "wheels at an angle": RollingConstraints(0.4, angle=-0.3),
     "rail": RollingConstraints(0.0, no_rotation=True),
 }
 finite = {"allow_nan": False, "allow_infinity": False}
@@ -71,13 +73,19 @@ def test_bounds_hold_the_first_guess(kind):
         assert low <= at[i] <= high
 
 
-@given(values=inertias, push=st.tuples(st.floats(-40, 40, **finite), st.floats(-20, 20, **finite)))
-def test_acceleration_is_linear_in_the_coordinates(values, push):
-    """From rest, u' = a tau_u + b tau_r and r' = b tau_u + c tau_r; with a yaw rate, r' also has -g u r."""
+@given(
+    values=inertias,
+    push=st.tuples(st.floats(-40, 40, **finite), st.floats(-20, 20, **finite)),
+    angle=st.sampled_from([0.0, 0.3, -0.2]),
+)
+def test_acceleration_is_linear_in_the_coordinates(values, push, angle):
+    """From rest, u' = a tau_u + b tau_r and r' = b tau_u + c tau_r; with a yaw rate, r' also has -g u r. The push is
+    along the wheels."""
     mass, x, y, about = values
-    cart = CartModel(Inertia(mass, (x, y), about))
-    a, b, c, g = build_chart(cart.constraints).coordinates(cart.inertia.phi)
-    wrench = np.array([push[0], 0.0, push[1]])
+    cart = CartModel(Inertia(mass, (x, y), about), effects=(WheelMisalignment(angle),))
+    x, y = x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
+    a, b, c, g = build_chart(cart.rolling).coordinates(cart.inertia.phi)
+    wrench = np.array([push[0] * np.cos(angle), push[0] * np.sin(angle), push[1]])
     rate = cart.state_rate(cart.state(), wrench)[3:5]
     np.testing.assert_allclose(rate, [a * push[0] + b * push[1], b * push[0] + c * push[1]], rtol=1e-9, atol=1e-9)
     turning = cart.state_rate(cart.state(velocity=[0.7, 0.01]), np.zeros(3))[4]

@@ -18,7 +18,7 @@ FORCE, MOMENT = (60.0, 60.0, 40.0), (8.0, 8.0, 6.0)
 def cart(rows=1, axle_x=0.0):
     """A stand-in for CartModel with 0, 1 or 2 constraint rows."""
     constraints = RollingConstraints(None if rows == 0 else axle_x, no_rotation=rows == 2)
-    return SimpleNamespace(constraints=constraints)
+    return SimpleNamespace(constraints=constraints, rolling=constraints, basis_b=constraints.basis_b)
 
 
 def arm(name="left", contacts=((-0.25, 0.2, 1.0),), **changes):

@@ -25,7 +25,7 @@ from planning import (
 
 from .drawn import linear_limits
 
-STEP = 1e-3  # of a standard deviation
+STEP = 1e-20  # of a standard deviation, along the imaginary axis
 
 
 class Holds(NamedTuple):
@@ -126,7 +126,7 @@ class Mirror:
         rows, limits, cones = np.vstack([rows, sides]), np.concatenate([limits, most]), []
         of_floor, room = self._floor_sides(self.phi, maps)
         directions = self._believed()
-        slopes = [_difference(*(self._floor_sides(self.phi + s * STEP * d, maps) for s in (1, -1))) for d in directions]
+        slopes = [self._floor_slopes(d, maps) for d in directions]
         uncertain = [i for i in range(len(room)) if any(max(np.abs(a[i]).max(), abs(b[i])) > 1e-9 for a, b in slopes)]
         if uncertain:
             q = NormalDist().inv_cdf(1 - (1 - self.confidence) / len(uncertain))
@@ -174,6 +174,12 @@ class Mirror:
                     rows.append(sign * lateral - limit.friction * loads[fixed].sum(axis=0))
                     limits.append(limit.friction * loads0[fixed].sum() - sign * lateral0)
         return np.array(rows), np.array(limits)
+
+    def _floor_slopes(self, direction, maps):
+        """Of rows and limits along a direction of phi, by a complex step: nothing is subtracted, so the step may be so
+        small that its square is lost. A central difference over 1e-3 of a deviation is 0.8 % off where that deviation
+        is eighty times the mass."""
+        return tuple(part.imag / STEP for part in self._floor_sides(self.phi + 1j * STEP * direction, maps))
 
     def _floor(self, phi, wrench):
         """Wheel loads and the floor's lateral push: Newton and Euler in {b}, solved with the constraints' forces."""
@@ -252,10 +258,6 @@ def _parts(objective):
 
 def _there(rows, limits):
     return rows[np.isfinite(limits)], limits[np.isfinite(limits)]
-
-
-def _difference(up, down):
-    return tuple((one - other) / (2 * STEP) for one, other in zip(up, down, strict=True))
 
 
 def _turned(yaw):

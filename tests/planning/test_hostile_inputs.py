@@ -246,8 +246,8 @@ WRONG_COVARIANCES = [
     ([[1], [2, 3]], "not a matrix"),
     ("abc", "not a matrix"),
     (COVARIANCE + 1j, "not a matrix"),
-    (1e16 * COVARIANCE, "so wide that"),
-    (1e300 * COVARIANCE, "so wide that"),
+    (1e16 * COVARIANCE, "can't be true"),
+    (1e300 * COVARIANCE, "can't be true"),
 ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import cvxpy
@@ -15,6 +16,8 @@ from cartgrasp.joint_torques import JointTorques
 from planning import LoadShare, Smoothness, WeightedWrench, WrenchPlanner, allocate
 from planning.allocation_template import AllocationTemplate
 from planning.objectives import LeastInternalForce, LeastJointTorque, Lexicographic, Nothing, WorstArm
+from planning.second_stage import second_stage
+from planning.solvers import QuadraticSolver
 
 from .drawn import arm, cart, effective_matrix, first_contacts
 
@@ -182,6 +185,21 @@ def test_an_order_of_two(wrench):
     assert plan.effort == pytest.approx(best, rel=1e-6)
     again = allocate(cart(), arms, first_contacts(arms), wrench, order)
     assert again.effort == pytest.approx(plan.effort, rel=1e-9)
+
+
+def test_a_second_is_found_for_a_first_that_is_proven_and_for_no_other():
+    """A share of 68 from no solver's optimum would let the second exceed any."""
+    template = AllocationTemplate.of(cart(), ARMS, WorstArm(1.0, Nothing()))
+    points = np.array([ARMS[0].contacts.first, ARMS[1].contacts.first])
+    program = template.program(template.contact_rows(points), np.array([40.0, 3.0]), template.cost(np.zeros(12)))
+    proven = QuadraticSolver().solve(program)
+    unproven = replace(proven, status="numerical", x=np.append(proven.x[:-1], 68.0))
+    cost = WeightedWrench().cost(ARMS, np.zeros(12))
+    found = second_stage(QuadraticSolver(), program, proven, cost)[1]  # daqp calls it infeasible
+    assert found.status == "optimal"
+    assert effort(found.x[:-1], None) < 0.999 * effort(proven.x[:-1], None)
+    assert np.abs(found.x[:-1] / np.tile([60, 60, 40, 8, 8, 6], 2)).max() == pytest.approx(proven.x[-1], rel=1e-8)
+    assert second_stage(QuadraticSolver(), program, unproven, cost) == (program, unproven)
 
 
 @pytest.mark.parametrize("objective", [LeastJointTorque(0.3), LeastInternalForce(4.0), WorstArm(900.0)])

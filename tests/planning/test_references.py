@@ -11,6 +11,7 @@ from cartgrasp.errors import UsageError
 from planning.references import PathReference, Stretch, chain, pause, speed_change, straight, turn
 
 AXLES = {"axle": RollingConstraints(0.0), "axle ahead": RollingConstraints(0.5), "casters": RollingConstraints(None)}
+AXLES["wheels at an angle"] = RollingConstraints(-0.3, angle=0.2)
 CURVES = chain(speed_change(0.7), turn(1.2, 0.4), pause(0.7), turn(-0.8, 0.3), speed_change(-0.7))
 
 

@@ -1,0 +1,46 @@
+"""`python -m benchmarks.sealed generate --out DIR` and `python -m benchmarks.sealed score DIR`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .cases import CASES, MUJOCO_CASES
+from .generate import generate
+from .references import DURATIONS
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        "python -m benchmarks.sealed", description="Logs with hidden effects, and a score."
+    )
+    commands = parser.add_subparsers(dest="command", required=True)
+    making = commands.add_parser("generate", help="write logs, cart files and truth")
+    making.add_argument("--out", type=Path, required=True, metavar="DIR")
+    making.add_argument("--seeds", type=seeds, default=range(4), metavar="FROM:TO", help="0:4 by default")
+    every = ", ".join((*CASES, *MUJOCO_CASES))
+    making.add_argument("--cases", default="all", help=f"all, mujoco, or some, with commas between, of {every}")
+    making.add_argument("--motion", choices=list(DURATIONS), default="rich")
+    scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
+    scoring.add_argument("folder", type=Path, metavar="DIR")
+    options = parser.parse_args()
+    if options.command == "score":
+        from .score import score
+
+        print(score(options.folder))
+        return
+    cases = {"all": CASES, "mujoco": MUJOCO_CASES}.get(options.cases) or options.cases.split(",")
+    unknown = [case for case in cases if case not in (*CASES, *MUJOCO_CASES)]
+    if unknown:
+        parser.error(f"no case {unknown[0]!r}; there are all, mujoco, {every}")
+    names = generate(options.out, cases, options.seeds, options.motion)
+    print(f"{len(names)} logs in {options.out / 'logs'}, truth in {options.out / 'truth'}")
+
+
+def seeds(text: str) -> range:
+    first, _, end = text.partition(":")
+    return range(int(first), int(end)) if end else range(int(first), int(first) + 1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""What is generated: nothing, each effect of the vocabulary, what the vocabulary has no name for, pairs, and a few of
+these with a cart that MuJoCo simulates."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .effects import VOCABULARY, sign, size, with_effect
+from .scenes import Scene, Truth, draw_scene, random_of
+
+
+def flat_spot(scene: Scene, random: np.random.Generator) -> Scene:
+    force = scene.world.mass * size("flat_spot", "force", random)
+    period = size("flat_spot", "period", random)
+    truth = Truth("flat_spot", {"force": force, "period": period}, form="by way rolled, at one wheel", outside=True)
+    return with_effect(scene, truth, flat_force=force, flat_period=period)
+
+
+def wind(scene: Scene, random: np.random.Generator) -> Scene:
+    """It grows from nothing with gusts: a constant one would be a slope in disguise."""
+    force, heading = scene.world.mass * size("wind", "force", random), random.uniform(-np.pi, np.pi)
+    changes = {"wind_x": force * np.cos(heading), "wind_y": force * np.sin(heading)}
+    truth = Truth("wind", {"force": force, "heading": heading}, form="grows with time, in gusts", outside=True)
+    return with_effect(scene, truth, wind_time=float(scene.drive.time[-1]), **changes)
+
+
+def oscillating_floor(scene: Scene, random: np.random.Generator) -> Scene:
+    quake = sign(random) * size("oscillating_floor", "acceleration", random)
+    frequency = size("oscillating_floor", "frequency", random)
+    truth = Truth("oscillating_floor", {"period": 1 / frequency}, form="a sine in time, one way in {s}", outside=True)
+    return with_effect(scene, truth, quake=quake, quake_frequency=frequency, quake_heading=random.uniform(-1, 1))
+
+
+OUTSIDE = {f.__name__: f for f in (flat_spot, wind, oscillating_floor)}
+PAIRS = (
+    "rolling_resistance+floor_slope",
+    "floor_patch+force_bias",
+    "caster_realignment+rolling_resistance",
+    "payload_change+quadratic_drag",
+    "time_delay+wheel_drag_imbalance",
+    "wheel_misalignment+external_push",
+    "load_slosh+rolling_resistance",
+    "payload_change+floor_slope",
+)
+CASES = ("nothing", *VOCABULARY, *OUTSIDE, *PAIRS)
+AT_MUJOCO = "@mujoco"
+MUJOCO_CASES = tuple(
+    f"{case}{AT_MUJOCO}"
+    for case in (
+        *("nothing", "rolling_resistance", "caster_realignment", "force_scale"),
+        "caster_realignment+rolling_resistance",
+    )
+)
+
+
+def draw_case(case: str, seed: int, motion: str) -> Scene:
+    effects = case.removesuffix(AT_MUJOCO)
+    names = () if effects == "nothing" else tuple(effects.split("+"))
+    random = random_of(case, seed, motion)
+    scene = replace(draw_scene(names, motion, random), in_mujoco=case != effects)
+    if "floor_patch" in names:
+        scene = replace(scene, path=scene.run()[0])
+    for name in names:
+        scene = {**VOCABULARY, **OUTSIDE}[name](scene, random)
+    return scene

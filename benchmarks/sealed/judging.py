@@ -1,0 +1,190 @@
+"""One report beside its truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+PARAMETERS = ("mass", "com_x", "com_y", "inertia")
+CLOSE_DRAG = 0.25
+"""A drag that the cart file lacks counts as found when it is refitted this near, as a share."""
+CLOSE_PERIOD = 0.1
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What was said of a number, beside what it is. `roughly`: the two differ somewhat in meaning."""
+
+    name: str
+    truth: float
+    value: float
+    std: float
+    roughly: bool = False
+
+    @property
+    def z(self) -> float:
+        return (self.value - self.truth) / self.std if self.std > 0 else np.nan
+
+    @property
+    def error(self) -> float:
+        return self.value - self.truth
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """A truth file's and a report's contents (None: there is no report)."""
+
+    truth: Mapping[str, Any]
+    report: Mapping[str, Any] | None
+
+    @property
+    def case(self) -> str:
+        return str(self.truth["case"])
+
+    @property
+    def kind(self) -> str:
+        """nothing, single, outside or pair."""
+        effects = self.truth["effects"]
+        if not effects:
+            return "nothing"
+        if any(e["outside"] for e in effects):
+            return "outside"
+        return "single" if len(effects) == 1 else "pair"
+
+    @property
+    def true_names(self) -> set[str]:
+        return {e["name"] for e in self.truth["effects"] if not e["outside"]}
+
+    @cached_property
+    def sets(self) -> tuple[frozenset[str], ...]:
+        """Of each reported effect: its name and those that it may be confused with."""
+        found = []
+        for effect in self._effects:
+            names = [effect["name"], *effect.get("confusable_with", [])]
+            found.append(frozenset(bare(name) for name in names))
+        if not found and self.drag_refitted:
+            return (frozenset({"viscous_drag"}),)
+        return tuple(found)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Reported names in the order of addition."""
+        found = tuple(dict.fromkeys(bare(effect["name"]) for effect in self._effects))
+        return ("viscous_drag",) if not found and self.drag_refitted else found
+
+    @property
+    def drag_refitted(self) -> bool:
+        """Whether a drag that is not in the cart file came with the refit."""
+        if self.true_names != {"viscous_drag"}:
+            return False
+        found = [e for e in self.mismatches if e.name == "linear"]
+        return any(abs(e.error) < CLOSE_DRAG * e.truth for e in found)
+
+    @property
+    def exact(self) -> bool:
+        return set(self.names) == self.true_names
+
+    @property
+    def within(self) -> bool:
+        """Each true effect is in the set of an entry of its own."""
+        return matched(sorted(self.true_names), list(self.sets))
+
+    @property
+    def called_nothing(self) -> bool:
+        return self.report is not None and not self._effects and self.report["verdict"] == "no_discrepancy"
+
+    @property
+    def called_unexplained(self) -> bool:
+        return self.report is not None and not self._effects and self.report["verdict"] == "unexplained"
+
+    @property
+    def partly(self) -> bool:
+        """Something is left unexplained, whatever was named beside it."""
+        return self.report is not None and self.report["verdict"] in ("unexplained", "partly_explained")
+
+    @property
+    def period_right(self) -> bool | None:
+        """None where truth has no period."""
+        wanted = next((e["parameters"]["period"] for e in self.truth["effects"] if "period" in e["parameters"]), None)
+        if wanted is None or self.report is None:
+            return None
+        said = self.report.get("unexplained", {}).get("period")
+        return any(abs(v - wanted) < CLOSE_PERIOD * wanted for v in numbers(said))
+
+    @property
+    def gap(self) -> tuple[float, float] | None:
+        """Held-out gap after over that of the refitted nominal model, and over the noise floor."""
+        gap = (self.report or {}).get("gap")
+        if not gap or not gap["refitted"] or not gap["noise_floor"]:
+            return None
+        return gap["after"] / gap["refitted"], gap["after"] / gap["noise_floor"]
+
+    @cached_property
+    def estimates(self) -> tuple[Estimate, ...]:
+        """Of the parameters of effects that are there and were named."""
+        found = []
+        for true in self.truth["effects"]:
+            for effect in self._effects:
+                if bare(effect["name"]) == true["name"]:
+                    found += list(compared(true, effect))
+        return tuple(found)
+
+    @cached_property
+    def mismatches(self) -> tuple[Estimate, ...]:
+        """Of mass, CoM, inertia and drag."""
+        entries, cart, found = (self.report or {}).get("parameter_mismatch", {}), self.truth["cart"], []
+        for name in PARAMETERS:
+            if name in entries and "load_slosh" not in self.true_names:  # what swings may count or not
+                found.append(Estimate(name, cart[name], entries[name]["refitted"], entries[name]["std"] or np.nan))
+        drag = entries.get("viscous_drag", {})
+        parts = {"linear": drag} if "refitted" in drag else drag
+        for name, part in parts.items():
+            if bare(name, last=True) in cart["viscous_drag"]:
+                truth = cart["viscous_drag"][bare(name, last=True)]
+                found.append(Estimate(bare(name, last=True), truth, part["refitted"], part["std"] or np.nan))
+        return tuple(found)
+
+    @property
+    def _effects(self) -> list[Mapping[str, Any]]:
+        return list((self.report or {}).get("effects", []))
+
+
+def bare(name: str, last: bool = False) -> str:
+    """`force_bias.left` is force_bias (or `left`, the last part)."""
+    return name.split(".")[-1 if last else 0]
+
+
+def matched(wanted: list[str], sets: list[frozenset[str]]) -> bool:
+    if not wanted:
+        return True
+    return any(wanted[0] in names and matched(wanted[1:], sets[:i] + sets[i + 1 :]) for i, names in enumerate(sets))
+
+
+def compared(true: Mapping[str, Any], effect: Mapping[str, Any]) -> Iterator[Estimate]:
+    """Parameters of one true and one reported effect; of the arm that is concerned, where arms are told apart."""
+    arm = true["arm"]
+    label = str(effect.get("label") or (effect["name"].split(".")[1] if "." in effect["name"] else ""))
+    if arm and label and label != arm:
+        return
+    for roughly, group in ((False, "parameters"), (True, "roughly")):
+        for name, value in true[group].items():
+            keys = [k for k in effect["parameters"] if bare(k, last=True) == name]
+            own = [k for k in keys if arm and arm in k.split(".")] or keys
+            for key in own[:1]:
+                said = effect["parameters"][key]
+                std = said.get("std")
+                yield Estimate(f"{true['name']}.{name}", value, said["value"], np.nan if std is None else std, roughly)
+
+
+def numbers(value: Any) -> list[float]:
+    """All numbers in a value, in lists and mappings too."""
+    if isinstance(value, bool) or value is None or isinstance(value, str):
+        return []
+    if isinstance(value, int | float):
+        return [float(value)]
+    inner = value.values() if isinstance(value, Mapping) else value
+    return [n for part in inner for n in numbers(part)]

@@ -1,0 +1,133 @@
+"""Reports of the workflow beside the truth: DIR/logs/NAME/out/report.json and DIR/truth/NAME.json."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .judging import Estimate, Judgement
+
+NONE = "(none)"
+MISSING = "(no report)"
+UNEXPLAINED = "(unexplained)"
+
+
+def score(folder: Path) -> str:
+    everyone = [read(folder, path) for path in sorted((folder / "truth").glob("*.json"))]
+    there = [j for j in everyone if j.report is not None]
+    parts = [
+        f"{len(there)} reports of {len(everyone)} logs; {len(everyone) - len(there)} missing",
+        rates(there),
+        gaps(there),
+        estimates("Parameters of named effects", [e for j in there for e in j.estimates]),
+        estimates("Refitted cart, nothing beside", refitted(there, ("nothing",))),
+        estimates("Refitted cart, effects beside", refitted(there, ("single", "pair"))),
+        confusion(everyone),
+        strays(there),
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def read(folder: Path, path: Path) -> Judgement:
+    report = folder / "logs" / path.stem / "out" / "report.json"
+    said = json.loads(report.read_text(encoding="utf-8")) if report.is_file() else None
+    return Judgement(json.loads(path.read_text(encoding="utf-8")), said)
+
+
+def refitted(judgements: Iterable[Judgement], kinds: Sequence[str]) -> list[Estimate]:
+    return [estimate for j in judgements if j.kind in kinds for estimate in j.mismatches]
+
+
+def rates(judgements: Sequence[Judgement]) -> str:
+    def of(kind: str) -> list[Judgement]:
+        return [j for j in judgements if j.kind == kind]
+
+    def rate(what: str, kind: str, holds: Callable[[Judgement], object]) -> str:
+        group = of(kind)
+        right = sum(bool(holds(j)) for j in group)
+        return f"{what:<52} {right:>3} of {len(group):<3} {percent(right, len(group))}"
+
+    sized = [len(frozenset().union(*j.sets)) for j in of("single") if j.sets]
+    periods = [right for j in of("outside") if (right := j.period_right) is not None]
+    return "\n".join(
+        [
+            rate("single effect: its name and no other", "single", lambda j: j.exact),
+            rate("single effect: named first", "single", lambda j: j.names[:1] == tuple(j.true_names)),
+            rate("single effect: in the reported set", "single", lambda j: j.within),
+            f"{'single effect: mean size of the reported set':<52} {mean(sized)}",
+            rate("pair: both named and no other", "pair", lambda j: j.exact),
+            rate("pair: both named", "pair", lambda j: j.true_names <= set(j.names)),
+            rate("pair: both in the reported sets", "pair", lambda j: j.within),
+            rate("pair: one named at least", "pair", lambda j: j.true_names & set(j.names)),
+            rate("nothing: false alarms", "nothing", lambda j: not j.called_nothing),
+            rate("outside: unexplained and no name", "outside", lambda j: j.called_unexplained),
+            rate("outside: something left unexplained", "outside", lambda j: j.partly),
+            f"{'outside: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
+        ]
+    )
+
+
+def gaps(judgements: Sequence[Judgement]) -> str:
+    lines = ["Held-out gap (median; 90 %)      after / refitted    after / noise floor"]
+    for kind in ("single", "pair", "outside", "nothing"):
+        found = np.array([j.gap for j in judgements if j.kind == kind and j.gap is not None])
+        if len(found):
+            middle, high = np.median(found, axis=0), np.quantile(found, 0.9, axis=0)
+            cells = (f"{m:.3f}; {h:.3f}" for m, h in zip(middle, high, strict=True))
+            lines.append(f"{kind:<32} " + "        ".join(cells))
+    return "\n".join(lines) if len(lines) > 1 else ""
+
+
+def estimates(title: str, found: Iterable[Estimate]) -> str:
+    """Errors in the parameter's unit, and z. ~: what is meant differs somewhat, so z says little."""
+    groups: dict[str, list[Estimate]] = defaultdict(list)
+    for estimate in found:
+        groups[("~ " if estimate.roughly else "  ") + estimate.name].append(estimate)
+    if not groups:
+        return ""
+    lines = [f"{title:<44} {'n':>3} {'median error':>13} {'median |error|':>15} {'90 %':>9} {'rms z':>7} {'|z|>3':>6}"]
+    for name, group in sorted(groups.items(), key=lambda item: item[0][2:]):
+        errors = np.array([e.error for e in group])
+        z = np.array([e.z for e in group])
+        z = z[np.isfinite(z)]
+        rms = f"{np.sqrt(np.mean(z**2)):7.1f}" if len(z) else f"{'-':>7}"
+        sizes = f"{np.median(errors):13.3g} {np.median(abs(errors)):15.3g} {np.quantile(abs(errors), 0.9):9.2g}"
+        lines.append(f"{name:<44} {len(group):>3} {sizes} {rms} {int((abs(z) > 3).sum()):>6}")
+    return "\n".join(lines)
+
+
+def confusion(judgements: Sequence[Judgement]) -> str:
+    """What was reported of each case, names in order of addition, most frequent first."""
+    told: dict[str, Counter[str]] = defaultdict(Counter)
+    for j in judgements:
+        told[j.case][said(j)] += 1
+    lines = ["Case: what was reported, how often"]
+    for case, counts in told.items():
+        lines.append(f"{case:<38} " + "; ".join(f"{n} {what}" for what, n in counts.most_common()))
+    return "\n".join([lines[0], *sorted(lines[1:])])
+
+
+def strays(judgements: Sequence[Judgement]) -> str:
+    """Names that were given where they are not true."""
+    wrong = Counter(name for j in judgements for name in j.names if name not in j.true_names)
+    return "Names given in vain: " + (", ".join(f"{name} {n}" for name, n in wrong.most_common()) or "none")
+
+
+def said(j: Judgement) -> str:
+    if j.report is None:
+        return MISSING
+    if not j.names:
+        return NONE if j.called_nothing else UNEXPLAINED
+    return "+".join(j.names) + (" and more" if j.partly else "")
+
+
+def percent(part: int, whole: int) -> str:
+    return f"{100 * part / whole:5.1f} %" if whole else ""
+
+
+def mean(values: Sequence[int]) -> str:
+    return f"{np.mean(values):.2f}" if values else "-"

@@ -1,0 +1,89 @@
+"""From what happened to what is recorded: late, turned, scaled and offset wrenches, then noise on everything."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .driver import LAG, Drive
+from .world import THETA, R, U, W, X
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Of one arm's sensor."""
+
+    angle: float = 0.0  # rad, of its axes about z
+    gain: float = 1.0
+    offset: tuple[float, ...] = (0.0,) * 6
+
+
+@dataclass(frozen=True)
+class Sensors:
+    faults: dict[int, Fault] = field(default_factory=dict)
+    delay: float = 0.0  # s
+    force_noise: float = 3.0
+    moment_noise: float = 0.2
+    pose_noise: float = 5e-4
+    speed_noise: float | None = 5e-3  # none: speeds are not recorded
+    colour: float = 0.0  # s, correlation time of force noise
+
+
+def wrenches_at(asked: np.ndarray, drive: Drive, present: np.ndarray, told: np.ndarray) -> np.ndarray:
+    """True wrenches (n, k, 6) at other instants (n,); before the first they are those of the first."""
+    i = np.clip(np.searchsorted(drive.time, asked, side="right") - 1, 0, None)
+    if drive.held:
+        return told[i]
+    since = np.maximum(asked - drive.time[i], 0.0)
+    return told[i] + (present[i] - told[i]) * np.exp(-since / LAG)[:, None, None]
+
+
+def noiseless(sensors: Sensors, drive: Drive, present: np.ndarray, told: np.ndarray) -> np.ndarray:
+    """What faulty sensors without noise record, (n, k, 6)."""
+    recorded = wrenches_at(drive.time - sensors.delay, drive, present, told).copy()
+    for arm, fault in sensors.faults.items():
+        cosine, sine = np.cos(fault.angle), np.sin(fault.angle)
+        for x, y in ((0, 1), (3, 4)):
+            fx, fy = recorded[:, arm, x].copy(), recorded[:, arm, y].copy()
+            recorded[:, arm, x], recorded[:, arm, y] = cosine * fx + sine * fy, cosine * fy - sine * fx
+        recorded[:, arm] = fault.gain * recorded[:, arm] + np.asarray(fault.offset)
+    return recorded
+
+
+def noise(shape: tuple[int, ...], time: np.ndarray, colour: float, random: np.random.Generator) -> np.ndarray:
+    """Of unit variance along the first axis: white, or first-order autoregressive."""
+    white = random.standard_normal(shape)
+    if not colour:
+        return white
+    keep = np.exp(-np.diff(time) / colour)
+    for i, share in enumerate(keep):
+        white[i + 1] = share * white[i] + np.sqrt(1 - share**2) * white[i + 1]
+    return white
+
+
+def record(
+    sensors: Sensors, drive: Drive, states: np.ndarray, wrenches: np.ndarray, random: np.random.Generator
+) -> tuple[list[str], np.ndarray]:
+    """Header and table of a run log; `wrenches` are those of `noiseless`."""
+    n, k = drive.shares.shape
+    pose = states[:, X : THETA + 1] + sensors.pose_noise * random.standard_normal((n, 3))
+    header, columns = ["t", "x", "y", "theta"], [drive.time[:, None], pose]
+    if sensors.speed_noise is not None:
+        cosine, sine = np.cos(states[:, THETA]), np.sin(states[:, THETA])
+        u, w, r = states[:, U], states[:, W], states[:, R]
+        velocity = np.column_stack([cosine * u - sine * w, sine * u + cosine * w, r])
+        header += ["vx", "vy", "omega"]
+        columns.append(velocity + sensors.speed_noise * random.standard_normal((n, 3)))
+    size = np.repeat([sensors.force_noise, sensors.moment_noise], 3)
+    noisy = wrenches + size * noise(wrenches.shape, drive.time, sensors.colour, random)
+    for arm in range(k):
+        name = ("left", "right")[arm] if k > 1 else "arm"
+        header += [f"{name}.{part}" for part in ("px", "py", "pz", "fx", "fy", "fz", "tx", "ty", "tz")]
+        columns += [drive.contacts[:, arm], noisy[:, arm]]
+    return header, np.column_stack(columns)
+
+
+def csv_text(header: list[str], table: np.ndarray) -> str:
+    rows = (",".join(format(v, ".7g") for v in row) for row in table.tolist())
+    return "\n".join([",".join(header), *rows]) + "\n"

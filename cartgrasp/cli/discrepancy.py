@@ -1,0 +1,50 @@
+"""`cartgrasp discrepancy LOG [LOG …] --cart cart.yaml --out DIR`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from estimation.discrepancy import Diagnosis, diagnose
+from estimation.discrepancy.report import finite
+
+from ..logs import read_log
+from .estimate import cart_of
+from .identify import check_distinct
+from .output import make_folder, print_json, print_table, say, stages
+
+
+def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json: bool) -> int:
+    cart = cart_of(paths[0], cart_path)
+    check_distinct(paths)
+    if out is not None:
+        make_folder(out)
+    logs = [read_log(path) for path in paths]
+    with stages(f"comparing {cart.name}") as tell:
+        found = diagnose(logs, cart, tell)
+    if as_json:
+        print_json(finite(found.report.as_dict()))
+    else:
+        _print(found)
+    if out is not None:
+        found.report.save(out)
+        say(f"the report is {out / 'report.html'}, the extended cart {out / 'cart.yaml'}")
+    return 0
+
+
+def _print(found: Diagnosis) -> None:
+    print(found.sentence)
+    for one in found.where[:3]:
+        print(f"  {one.condition}")
+    rows = [
+        [f"after {horizon}", *(f"{1e3 * values[k]:.1f}" for k in ("before", "refitted", "after", "noise_floor"))]
+        for horizon, values in found.gap.per_horizon.items()
+    ]
+    print_table("Rollout error on held-out stretches, mm", ["", "nominal", "refitted", "extended", "noise alone"], rows)
+    rows = [
+        [f"{e.name} {e.label}".strip(), name, f"{value:.4g}", f"{std:.2g}", unit, ", ".join(e.confusable_with)]
+        for e in found.effects
+        for name, (value, std, unit) in e.parameters.items()
+    ]
+    if rows:
+        print_table("Added", ["effect", "parameter", "value", "sd", "unit", "not told apart from"], rows, left=2)

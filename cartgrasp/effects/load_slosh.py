@@ -1,0 +1,57 @@
+"""Part of the load that swings along x on the cart: liquid in a tank, a crate on soft ground, a hanging bag.
+
+A mass m on a spring and damper, with its displacement s against the cart and its own forward speed v along {b}'s x as
+memory, and omega = 2 pi frequency, zeta = damping:
+
+    s' = v - u,    v' = -omega² s - 2 zeta omega (v - u),    F_x = m (omega² s + 2 zeta omega (v - u))
+
+is the force on the cart, at {b}'s origin. `mass` swings beside the rigid mass of phi. Turning is left out: along y, and
+against rotation, the swinging mass resists nothing. It presses on no wheel; give its weight at rest to phi where wheels
+drag.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ..frames import Array
+from ..wheels import WheelSet
+from .compiled import CompiledForce
+from .effect import Parameter
+
+FREQUENCIES, DAMPINGS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4), (0.05, 0.2)
+
+
+@final
+@dataclass(frozen=True)
+class LoadSlosh(CompiledForce):
+    """`mass` (kg) that swings at `frequency` (Hz, with the cart held) and the share `damping` of critical damping.
+
+    It begins at rest on the cart: s = 0, v = u.
+    """
+
+    mass: float = 0.0
+    frequency: float = 1.0
+    damping: float = 0.05
+
+    name: ClassVar[str] = "load_slosh"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("mass", "kg", typical=3.0, lower=0.0),
+        Parameter(
+            "frequency", "Hz", typical=0.5, lower=0.05, upper=20.0, absent=1.0, estimated=False, grid=FREQUENCIES
+        ),
+        Parameter("damping", "-", typical=0.05, lower=0.0, upper=2.0, absent=0.05, estimated=False, grid=DAMPINGS),
+    )
+    signature: ClassVar[str] = "a forward force that swings on at one frequency after each change of speed"
+
+    def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
+        return (f"{self.key}.displacement", f"{self.key}.speed")
+
+    def first_memory(self, wheels: WheelSet, velocity_b: Array) -> Array:
+        return np.array([0.0, velocity_b[0]])
+
+    def memory_spread(self, wheels: WheelSet) -> Array:
+        return np.array([0.01, 0.05])

@@ -1,0 +1,41 @@
+"""A wrench that is recorded late against the motion: filtered in the sensor, or stamped when it arrived.
+
+Values are not changed, so there is nothing to correct in a sample. Simulated sensors record the wrench of `delay` ago;
+`logs.alignment` brings a log's wrenches back to when they happened.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ..frames import Array
+from .effect import Contribution, Parameter, SensorEffect
+
+
+@final
+@dataclass(frozen=True)
+class TimeDelay(SensorEffect):
+    """What is recorded at t was felt at `t - delay` (s)."""
+
+    delay: float = 0.0
+
+    name: ClassVar[str] = "time_delay"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("delay", "s", typical=0.02, lower=0.0, upper=1.0, estimated=False),
+    )
+    by_arm: ClassVar[bool] = False
+    signature: ClassVar[str] = "a force in proportion to the rate at which the recorded force changes"
+
+    @property
+    def lateness(self) -> float:
+        return self.delay
+
+    def recorded(self, wrench_a: Array, parameters: Array) -> Array:
+        return wrench_a
+
+    def corrected(self, wrench_a: Array, parameters: Array) -> Contribution:
+        lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])
+        return Contribution(np.broadcast_to(wrench_a, (*lead, 6)), by_parameters=np.zeros((*lead, 6, 1)))

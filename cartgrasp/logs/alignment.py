@@ -1,0 +1,43 @@
+"""A log's wrenches brought back to when they happened, against the `time_delay` of its sensors.
+
+Each row takes the sample that is nearest to the time at which its own was recorded: at most half a step off. Samples
+mixed from two would share their noise with their neighbours, which those who learn from them take for steady force.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..frames import Array
+from ..model import CartModel
+from .run_log import ArmLog, RunLog
+
+EARLIER = 1e-6
+"""Of a step: of two samples that are equally near, the earlier is taken, whatever rounding says."""
+FAR = 0.75
+"""Steps: from here on a sample is another row's."""
+
+
+def aligned(log: RunLog, cart: CartModel) -> RunLog:
+    """The log with each arm's wrenches as the cart's sensors recorded them `delay` later; NaN where there is none."""
+    late = {name: cart.lateness(name) for name in log.arms}
+    if not any(late.values()):
+        return log
+    arms = {
+        name: ArmLog(arm.contact, _moved(log.time, arm.wrench, late[name])) if late[name] else arm
+        for name, arm in log.arms.items()
+    }
+    return replace(log, arms=arms)
+
+
+def _moved(time: Array, rows: Array, delay: float) -> Array:
+    """Rows (n, k) as they are `delay` later."""
+    if len(time) < 2:
+        return np.full_like(rows, np.nan)
+    step = np.median(np.diff(time))
+    at = time + delay - EARLIER * step
+    after = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
+    nearest = np.where(at - time[after - 1] <= time[after] - at, after - 1, after)
+    return np.where(np.abs(time[nearest] - at)[:, None] < FAR * step, rows[nearest], np.nan)

@@ -1,0 +1,276 @@
+"""The discrepancy workflow: logs and a cart in; what the cart's model lacks, with its proof, out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from ..batch.wrench_regression import WrenchRegression
+from .fitted import SCATTER_BLOCK, Fitted, Scatter
+from .generic import Course, Dependence, dependences
+from .held_out import HeldOut, joined
+from .log_check import LogCheck, check_rows, checked
+from .selection import Selection, Step, select
+from .where import DIRECTIONS, Disagreement, where
+
+if TYPE_CHECKING:
+    from .report import Report
+
+SETTING_STD = {"s": 0.02, "m": 0.02, "rad": 0.001}
+"""Of settings that a search found and no linear fit: as fine as it searched."""
+FINE = 0.1
+"""s: stretches in which a dependence is looked for."""
+SURE = 12.0
+"""Log of the Bayes factor of a dependence that is told."""
+LEAST_SHARE = 0.1
+"""Of the squares of the residual, for a dependence that is told."""
+CLOSED = 0.25
+"""Of the nominal gap above the noise floor: what may be left where the effects explain it."""
+BEYOND_NOISE = 1.35
+"""Times the noise floor: a larger gap is a disagreement."""
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """An effect that was added: how sure that it is this one; parameters' values, standard deviations and units; what
+    the log can't tell it apart from; the share of the held-out gap above the noise floor that it closed."""
+
+    name: str
+    label: str
+    probability: float
+    parameters: dict[str, tuple[float, float, str]]
+    confusable_with: tuple[str, ...]
+    gap_share: float
+
+    def as_dict(self) -> dict[str, Any]:
+        parameters = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
+        return {
+            "name": self.name,
+            "label": self.label,
+            "probability": self.probability,
+            "parameters": parameters,
+            "confusable_with": list(self.confusable_with),
+            "gap_share": self.gap_share,
+        }
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Root mean square error (m) of 1 s rollouts on held-out stretches: of the nominal model, of the same refitted,
+    with the effects added, and what noise alone would do; the same by coordinate (m, m, rad) and by horizon."""
+
+    before: float
+    refitted: float
+    after: float
+    noise_floor: float
+    per_coordinate: dict[str, dict[str, float]]
+    per_horizon: dict[str, dict[str, float]]
+
+    def as_dict(self) -> dict[str, Any]:
+        return {
+            "metric": "root mean square distance after a 1 s rollout on held-out stretches, m",
+            "before": self.before,
+            "refitted": self.refitted,
+            "after": self.after,
+            "noise_floor": self.noise_floor,
+            "per_coordinate": self.per_coordinate,
+            "per_horizon": self.per_horizon,
+        }
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What came out. `cart` is the extended model."""
+
+    nominal_cart: CartModel
+    selection: Selection
+    checks: tuple[LogCheck, ...]
+    before: tuple[Scatter, Course]
+    after: tuple[Scatter, Course]
+    remaining: tuple[Dependence, ...]
+    gap: Gap
+
+    @cached_property
+    def cart(self) -> CartModel:
+        return self.selection.final.cart
+
+    @cached_property
+    def effects(self) -> tuple[NamedEffect, ...]:
+        return tuple(_named(self.selection, step) for step in self.selection.steps if step.added is not None)
+
+    @cached_property
+    def where(self) -> tuple[Disagreement, ...]:
+        return tuple(where(*self.before))
+
+    @property
+    def disagrees(self) -> bool:
+        """Whether the refitted nominal model is farther from the logs than noise."""
+        return bool(self.effects or self.remaining or self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor)
+
+    @property
+    def verdict(self) -> str:
+        if not self.disagrees:
+            return "no_discrepancy"
+        if not self.effects:
+            return "unexplained"
+        floor = self.gap.noise_floor**2
+        left = self.gap.after**2 - BEYOND_NOISE**2 * floor
+        whole = max(self.gap.refitted**2 - floor, 1e-12)
+        return "partly_explained" if left > CLOSED * whole or self.remaining else "explained"
+
+    @cached_property
+    def parameter_mismatch(self) -> dict[str, dict[str, float]]:
+        found = self.selection.final.identification.parameters
+        body, told = self.nominal_cart.inertia, {}
+        nominal = {"mass": body.mass, "com_x": body.com[0], "com_y": body.com[1], "inertia": body.about_com}
+        for effect in self.nominal_cart.effects:
+            nominal |= dict(zip(effect.keys, effect.values.tolist(), strict=True))
+        for name, value in nominal.items():
+            if name in found:
+                told[name] = {"nominal": float(value), "refitted": found[name].value, "std": found[name].std}
+        if "viscous_drag.linear" in told:
+            told["viscous_drag"] = told["viscous_drag.linear"]
+        return told
+
+    @property
+    def unexplained(self) -> dict[str, Any]:
+        """What the final model leaves: root mean square size beyond noise by coordinate, and what it depends on."""
+        scatter = self.after[0]
+        f = scatter.mean.shape[1]
+        variance = np.array(
+            [np.mean(scatter.mean[:, i] ** 2 - scatter.excess / scatter.information[:, i, i]) for i in range(f)]
+        )
+        sizes = dict(zip(DIRECTIONS[f], np.sqrt(np.maximum(variance, 0.0)).tolist(), strict=True))
+        told: dict[str, Any] = {"size": sizes, "depends_on": [_phrase(d, f) for d in self.remaining]}
+        periods = [(d.period, d.unit) for d in self.remaining if d.period is not None]
+        if periods:
+            told["period"], told["period_unit"] = periods[0]
+        return told
+
+    @property
+    def sentence(self) -> str:
+        """The verdict, for people."""
+        gap, names = self.gap, ", ".join(effect.name for effect in self.effects)
+        shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
+        floor = f"noise alone makes {1e3 * gap.noise_floor:.1f} mm"
+        if self.verdict == "no_discrepancy":
+            return f"Simulation and measurement agree: {1e3 * gap.refitted:.1f} mm after 1 s, refitted, and {floor}."
+        if self.verdict == "unexplained":
+            return (
+                f"They disagree, and no known effect explains it: {1e3 * gap.refitted:.1f} mm after 1 s, while {floor}."
+            )
+        if self.verdict == "explained":
+            return f"The model lacks {names}: with it {shrinks}; {floor}."
+        return f"The model lacks {names}, which explains a part: with it {shrinks}; {floor}."
+
+    @property
+    def next_experiments(self) -> tuple[str, ...]:
+        """What to record next."""
+        told = []
+        if any(effect.confusable_with for effect in self.effects):
+            told.append(MORE_MOTION)
+        if self.remaining:
+            cause = self.remaining[0].name.split(",")[0]
+            told.append(f"repeat the motion with another {cause}, to see whether the rest follows it")
+        elif self.verdict in ("unexplained", "partly_explained"):
+            told.append("record the same motion twice: what comes back is the cart's, what does not is noise")
+        return tuple(told)
+
+    @property
+    def report(self) -> Report:
+        from .report import Report
+
+        return Report(self)
+
+
+def diagnose(
+    logs: RunLog | Sequence[RunLog], cart: CartModel, progress: Callable[[str], None] | None = None
+) -> Diagnosis:
+    """Finds where logs and the cart's model disagree, names what is missing, and adds it.
+
+    Raises DataError for a log that can't be used.
+    """
+    logs = [logs] if isinstance(logs, RunLog) else list(logs)
+    tell = progress or (lambda _: None)
+    arms = _arms(logs)
+    whole, checks = [], []
+    for log in logs:
+        tell(f"smoothing {log.name}")
+        check_rows(log, cart)
+        regression = WrenchRegression(log, cart, None)
+        checks.append(checked(log, cart, regression))
+        whole.append(regression)
+    selection = select(whole, cart, arms, tell)
+    tell("measuring the gap")
+    motions = [regression.motion for regression in whole]
+    before, after = (_scattered(fitted, motions, SCATTER_BLOCK) for fitted in (selection.nominal, selection.final))
+    fine = _scattered(selection.final, motions, FINE)
+    remaining = [d for d in dependences(*fine) if d.log_factor > SURE and d.share > LEAST_SHARE]
+    return Diagnosis(cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection))
+
+
+MORE_MOTION = (
+    "push forward and backward, at a slow and a fast steady speed, along two headings and through turns both ways: "
+    "effects that this log shows alike differ there"
+)
+
+
+def _arms(logs: Sequence[RunLog]) -> list[str]:
+    if not logs:
+        raise UsageError("diagnose: no log is given; at least one is needed")
+    return list(dict.fromkeys(arm for log in logs for arm in log.arms))
+
+
+def _scattered(fitted: Fitted, motions: Sequence[Any], duration: float) -> tuple[Scatter, Course]:
+    scatter = fitted.scatter if duration == SCATTER_BLOCK else Scatter.of(fitted.linearised, duration)
+    return scatter, Course.of(scatter, motions, duration)
+
+
+def _gap(cart: CartModel, selection: Selection) -> Gap:
+    held_out: HeldOut = selection.held_out
+    nominal, final = held_out.trained(selection.nominal), held_out.trained(selection.final)
+    horizons: dict[str, dict[str, float]] = {}
+    for horizon in (0.5, 1.0, 2.0):
+        rolled = {
+            "before": joined(held_out.rollouts(cart, nominal.delays, horizon)),
+            "refitted": joined(held_out.rollouts(nominal.cart, nominal.delays, horizon)),
+            "after": joined(held_out.rollouts(final.cart, final.delays, horizon)),
+            "noise_floor": joined(held_out.floor_rollouts(selection.final, horizon)),
+        }
+        horizons[f"{horizon:g} s"] = {name: r.gap for name, r in rolled.items()}
+        if horizon == 1.0:
+            per_coordinate = {
+                c: {name: r.by_coordinate[c] for name, r in rolled.items()} for c in rolled["after"].by_coordinate
+            }
+    return Gap(**horizons["1 s"], per_coordinate=per_coordinate, per_horizon=horizons)
+
+
+def _named(selection: Selection, step: Step) -> NamedEffect:
+    attempt = step.added
+    assert attempt is not None
+    found = selection.final.identification.parameters
+    effect = next(e for e in selection.final.cart.effects if e.key == attempt.key)
+    parameters = {
+        p.name: (
+            float(value),
+            found[key].std if p.estimated else SETTING_STD.get(p.unit, 0.1 * abs(float(value))),
+            p.unit,
+        )
+        for p, key, value in zip(effect.parameters, effect.keys, effect.values, strict=True)
+    }
+    share = float(np.clip(attempt.held_out_gain or 0.0, 0.0, 1.0))
+    return NamedEffect(effect.name, effect.label, step.probability, parameters, step.confusable, share)
+
+
+def _phrase(dependence: Dependence, f: int) -> str:
+    coordinate = DIRECTIONS[f][dependence.direction].replace("_", " ")
+    period = f" with a period of {dependence.period:.3g} {dependence.unit}" if dependence.period else ""
+    return f"{coordinate}: {dependence.name}{period} ({100 * dependence.share:.0f} % of what is left)"

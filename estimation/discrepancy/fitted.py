@@ -1,0 +1,187 @@
+"""A structure fitted to logs: its values, what was believed of them, and how its residuals scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from ..batch.identification import DELAY, DELAY_STD, Identification, fit
+from ..batch.wrench_regression import Linearisation, WrenchRegression
+from ..prior import Prior
+from .dictionary import Dictionary, build_dictionary
+from .evidence import Base
+
+SCATTER_BLOCK, EXCESS_BLOCK = 0.5, 0.2
+"""s."""
+SLOWEST, FASTEST = 0.4, 2.0
+"""Hz: between which noise is looked for."""
+SETTLED = 0.03
+EFFECTS_SHARE = 1.0
+ADDED_SHARE = 10.0
+"""Of its typical size: the standard deviation of an added effect before data, which tell nearly all."""
+
+
+Linearised = Sequence[tuple[WrenchRegression, Linearisation, float]]
+"""Logs, each around the parameters of one cart, and their delays."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """`prior_cart` is what was believed; `added` the effects that a search has put on it; `start` parameters near the
+    best ones."""
+
+    regressions: tuple[WrenchRegression, ...]
+    prior_cart: CartModel
+    added: tuple[Effect, ...] = ()
+    start: Array | None = None
+
+    @cached_property
+    def prior(self) -> Prior:
+        std = {
+            key: ADDED_SHARE * p.typical
+            for effect in self.added
+            for key, p in zip(effect.keys, effect.parameters, strict=True)
+        }
+        return Prior(effects=EFFECTS_SHARE, std=std)
+
+    @cached_property
+    def structure(self) -> CartModel:
+        return replace(self.prior_cart, effects=(*self.prior_cart.effects, *self.added))
+
+    @cached_property
+    def identification(self) -> Identification:
+        return fit(self.structure, self.prior, self.regressions, self.start, SETTLED)
+
+    @cached_property
+    def cart(self) -> CartModel:
+        return self.identification.cart()
+
+    @property
+    def delays(self) -> tuple[float, ...]:
+        return tuple(log.delay for log in self.identification.logs)
+
+    @cached_property
+    def linearised(self) -> tuple[tuple[WrenchRegression, Linearisation, float], ...]:
+        found = []
+        for regression, delay in zip(self.regressions, self.delays, strict=True):
+            own = regression.with_cart(self.cart)
+            found.append((own, own.linearised(self.cart.parameters, delay), delay))
+        return tuple(found)
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """Slopes that make the base: of the free parameters, and of the delay."""
+        return np.append(self.prior.free(self.structure), len(self.structure.parameters))
+
+    @cached_property
+    def base(self) -> Base:
+        own = self.free[:-1]
+        information = np.zeros((len(own) + 1, len(own) + 1))
+        information[:-1, :-1] = np.linalg.inv(self.prior.covariance(self.structure)[np.ix_(own, own)])
+        information[-1, -1] = DELAY_STD**-2
+        first = np.append(self.structure.parameters[own], DELAY)
+        now = np.append(self.cart.parameters[own], np.mean(self.delays))
+        return Base(information, information @ (first - now))
+
+    def dictionary(self, effects: Sequence[Effect]) -> Dictionary:
+        return build_dictionary(self.linearised, effects, self.free)
+
+    def with_added(self, effect: Effect) -> Fitted:
+        start = np.append(self.cart.parameters, effect.values)
+        return replace(self, added=(*self.added, effect), start=start)
+
+    def on(self, regressions: tuple[WrenchRegression, ...]) -> Fitted:
+        """The same structure, fitted to other rows."""
+        return replace(self, regressions=regressions, start=self.cart.parameters)
+
+    def listening(self) -> Fitted:
+        """With the delay that the fit found in samples' holding, but for its usual share, moved into an added effect
+        that is late."""
+        late = [effect for effect in self.added if isinstance(effect, SensorEffect) and effect.lateness > 0]
+        if not late:
+            return self
+        step = float(np.median([np.median(np.diff(r.motion.time)) for r in self.regressions]))
+        whole = round(late[0].lateness / step) * step  # what aligning by nearest samples took back
+        missing = whole + (DELAY - float(np.mean(self.delays))) * step
+        moved = late[0].with_values(late[0].values + missing - late[0].lateness)
+        added = tuple(moved if effect is late[0] else effect for effect in self.added)
+        return replace(self, added=added, start=self.cart.parameters)
+
+    def without(self, key: str) -> Fitted:
+        return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)
+
+    @cached_property
+    def chi_squared(self) -> float:
+        """Of the residuals and of the parameters against what was believed of them."""
+        total = 0.0
+        for _, line, _ in self.linearised:
+            residual = line.residual[..., None]
+            total += float((residual * line.whitened(residual)).sum())
+        own = self.free[:-1]
+        moved = (self.cart.parameters - self.structure.parameters)[own]
+        return total + float(moved @ self.base.information[:-1, :-1] @ moved)
+
+    @cached_property
+    def scatter(self) -> Scatter:
+        return Scatter.of(self.linearised)
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Residual wrenches in weak form: of each stretch the mean (b, f) along the free directions, its information
+    (b, f, f), when it begins, and of which log it is; how many times too small the noise variance is believed to be."""
+
+    mean: Array
+    information: Array
+    start: Array
+    log: np.ndarray
+    excess: float
+
+    @classmethod
+    def of(cls, linearised: Linearised, duration: float = SCATTER_BLOCK) -> Scatter:
+        mean, information, start, log = _means(linearised, duration)
+        return cls(mean, information, start, log, _excess(*_means(linearised, EXCESS_BLOCK)))
+
+    @property
+    def misfit(self) -> Array:
+        """Of each stretch (b,), chi-squared with f degrees of freedom where the model is right."""
+        return np.asarray(np.einsum("bi,bij,bj->b", self.mean, self.information, self.mean))
+
+
+def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array, np.ndarray]:
+    means, informations, starts, logs = [], [], [], []
+    for k, (_, line, _) in enumerate(linearised):
+        m, f = line.residual.shape
+        sides = np.concatenate([np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
+        sums = line.by_block(sides[..., :f], line.whitened(sides), duration)
+        information = (sums[..., :f] + np.swapaxes(sums[..., :f], 1, 2)) / 2
+        means.append(np.linalg.solve(information, sums[..., f:])[..., 0])
+        informations.append(information)
+        starts.append(np.unique((line.time - line.time[0]) // duration) * duration + line.time[0])
+        logs.append(np.full(len(information), k))
+    return (np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
+
+
+def _excess(mean: Array, information: Array, start: Array, log: np.ndarray) -> float:
+    """How many times too small the noise variance is believed to be, 1 or more: the median of a spectrum between slow
+    misfits and single samples. Coloured noise fills it; what swings at one frequency does not."""
+    found = []
+    for k in np.unique(log):
+        own = log == k
+        root = np.linalg.cholesky(information[own])
+        standard = (np.swapaxes(root, 1, 2) @ mean[own][..., None])[..., 0]
+        place = np.round((start[own] - start[own][0]) / EXCESS_BLOCK).astype(int)
+        row = np.zeros((place[-1] + 1, mean.shape[1]))
+        row[place] = standard
+        power = np.abs(np.fft.rfft(row, axis=0)) ** 2 / len(place)
+        frequency = np.fft.rfftfreq(len(row), EXCESS_BLOCK)
+        found.append(power[(frequency > SLOWEST) & (frequency < FASTEST)].ravel())
+    power = np.concatenate(found)
+    return max(1.0, float(np.median(power)) / np.log(2)) if len(power) else 1.0

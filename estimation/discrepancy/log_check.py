@@ -1,0 +1,101 @@
+"""What a log can show at all: rates, gaps, noise, how much it moves; and a refusal where it can show nothing."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from ..batch.wrench_regression import WrenchRegression
+from ..log_noise import noise_of_log
+from ..noise import FilterNoise
+
+FEWEST_ROWS = 100
+SHORTEST = 4.0
+"""s."""
+LEAST_DISTANCE = 0.3
+"""m."""
+ROLLING, STILL_TURNING = 0.03, 0.03
+"""m/s, rad/s: below both a cart may stand still, and friction takes whatever value holds it."""
+
+
+@dataclass(frozen=True)
+class LogCheck:
+    """Rows, duration (s), rate (Hz), longest gap (s), rows with every wrench; noise floors; motion: distance (m),
+    turning (rad), reversals, the fastest speed (m/s) and the share of the time that it moves."""
+
+    name: str
+    rows: int
+    duration: float
+    rate: float
+    longest_gap: float
+    rows_with_wrenches: int
+    noise: FilterNoise
+    distance: float
+    turned: float
+    reversals: int
+    fastest: float
+    moving: float
+
+    def as_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def check_rows(log: RunLog, cart: CartModel) -> None:
+    """Refuses a log that is too short, or misses what is needed."""
+    if len(log) < FEWEST_ROWS or log.duration < SHORTEST:
+        raise DataError(
+            f"{log.name}: {len(log)} rows over {log.duration:.2f} s are too few to compare with a simulation; "
+            f"record at least {FEWEST_ROWS} rows and {SHORTEST:g} s"
+        )
+    seen = np.isfinite(log.pose).all(axis=1)
+    if seen.sum() < FEWEST_ROWS:
+        raise DataError(
+            f"{log.name}: only {int(seen.sum())} rows have a whole pose (x, y, theta); {FEWEST_ROWS} are needed"
+        )
+    for name, arm in log.arms.items():
+        whole = np.isfinite(arm.wrench).all(axis=1)
+        if whole.sum() < FEWEST_ROWS:
+            raise DataError(f"{log.name}: only {int(whole.sum())} rows have a whole wrench of arm {name}")
+
+
+def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCheck:
+    """After the motion has been smoothed; refuses one that goes nowhere."""
+    motion, steps = regression.motion, np.diff(log.time)
+    speed, h = motion.velocity[:, 0], np.diff(motion.time)
+    distance = float((np.abs(speed[:-1]) * h).sum())
+    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
+    if distance < LEAST_DISTANCE and float((np.abs(turning[:-1]) * h).sum()) < LEAST_DISTANCE:
+        raise DataError(
+            f"{log.name}: the cart moves {distance:.3f} m in all, too little to compare with a simulation; "
+            "record a push with starts, stops and turns"
+        )
+    sign = np.sign(speed[np.abs(speed) > ROLLING])
+    return LogCheck(
+        name=log.name,
+        rows=len(log),
+        duration=log.duration,
+        rate=float(1 / np.median(steps)),
+        longest_gap=float(steps.max()),
+        rows_with_wrenches=int(regression.usable.sum()),
+        noise=noise_of_log(log, cart),
+        distance=distance,
+        turned=float((np.abs(turning[:-1]) * h).sum()),
+        reversals=int((np.diff(sign) != 0).sum()),
+        fastest=float(np.abs(speed).max()),
+        moving=float(moving(regression).mean()),
+    )
+
+
+def moving(regression: WrenchRegression) -> np.ndarray:
+    """Rows (n,) on which the cart surely moves."""
+    velocity = regression.motion.velocity
+    fast = np.abs(velocity[:, 0]) > ROLLING
+    if velocity.shape[1] > 1:
+        fast |= np.abs(velocity[:, -1]) > STILL_TURNING
+    return np.asarray(fast)

@@ -1,0 +1,37 @@
+"""A log cut into manoeuvres: stretches of one direction and one sense of turning."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..batch.motion_smoother import SmoothMotion
+
+SHORTEST, LONGEST = 1.5, 6.0
+"""s: shorter stretches belong to the one before, longer ones are cut."""
+MOVING = 0.03
+"""m/s."""
+TURNING = 0.05
+"""rad/s."""
+HELD_OUT = 3
+"""One manoeuvre of so many is kept out of fits."""
+
+
+def manoeuvres(motion: SmoothMotion, turns: bool) -> np.ndarray:
+    """The number of its manoeuvre for each row (n,)."""
+    speed, time = motion.velocity[:, 0], motion.time
+    kind = np.where(np.abs(speed) < MOVING, 0.0, np.sign(speed))
+    if turns:
+        rate = motion.velocity[:, -1]
+        kind = 3 * kind + np.where(np.abs(rate) < TURNING, 0.0, np.sign(rate))
+    number, count, began = np.zeros(len(time), dtype=int), 0, time[0]
+    for i in range(1, len(time)):
+        lasted = time[i] - began
+        if (kind[i] != kind[i - 1] and lasted >= SHORTEST) or lasted >= LONGEST:
+            count, began = count + 1, time[i]
+        number[i] = count
+    return number
+
+
+def held_out(number: np.ndarray) -> np.ndarray:
+    """Rows (n,) that fits on training stretches do not see."""
+    return np.asarray(number % HELD_OUT == HELD_OUT - 1)

@@ -1,0 +1,135 @@
+"""Where, when and how fast exactly: the settings of an effect that no linear fit gives, by pattern search.
+
+Each setting is judged by the most that the effect's amplitudes gain there, with the base's parameters free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.frames import Array
+
+from .dictionary import BLOCK, CELL, slopes_of
+from .fitted import Fitted
+
+HALVINGS = 5
+EVALUATIONS = 60
+FACTOR = 1.6
+"""By which a speed or a frequency is first moved."""
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Half the chi-squared that the amplitudes take away, and their values."""
+
+    value: float
+    amplitudes: Array
+
+
+class Refiner:
+    """Around one fit."""
+
+    def __init__(self, fitted: Fitted) -> None:
+        self._fitted = fitted
+        self._base: list[tuple[Array, Array]] = []
+        information = fitted.base.information.copy()
+        for _, line, _ in fitted.linearised:
+            sides = np.concatenate([line.by[..., fitted.free], line.residual[..., None]], axis=2)
+            weighted = line.whitened(sides)
+            self._base.append((sides, weighted))
+            information += _product(sides[..., :-1], weighted[..., :-1])
+        self._covariance = np.linalg.inv(information)
+        self._pull = fitted.base.pull + sum(_product(s[..., :-1], w[..., -1:])[:, 0] for s, w in self._base)
+
+    def gain(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> Gain:
+        """Of amplitudes with prior standard deviations, added to the absent effect at a setting."""
+        information, pull = np.diag(std**-2.0), np.zeros(len(std))
+        to_base = np.zeros((len(std), len(self._pull)))
+        for (regression, line, delay), (_, weighted) in zip(self._fitted.linearised, self._base, strict=True):
+            columns = slopes_of(regression, [effect], delay)[0][..., amplitudes]
+            information = information + _product(columns, line.whitened(columns))
+            both = _product(columns, weighted)
+            to_base, pull = to_base + both[:, :-1], pull + both[:, -1]
+        through = to_base @ self._covariance
+        information, pull = information - through @ to_base.T, pull - through @ self._pull
+        best = np.linalg.solve(information, pull)
+        return Gain(0.5 * float(pull @ best), np.asarray(best))
+
+    def refined(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> tuple[Effect, Gain]:
+        """From an effect whose amplitudes have values."""
+        absent = effect.values.copy()
+        absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
+        moves = _moves(effect, amplitudes)
+        values, best = absent, self.gain(effect.with_values(absent), amplitudes, std)
+        left = EVALUATIONS
+        for halving in range(HALVINGS if moves else 0):
+            improved = True
+            while improved and left > 0:
+                improved = False
+                for move in moves:
+                    for sign in (1.0, -1.0):
+                        tried = move.applied(values, sign / 2**halving)
+                        if tried is None or not _is_open(effect, tried):
+                            continue
+                        left -= 1
+                        found = self.gain(effect.with_values(tried), amplitudes, std)
+                        if found.value > best.value:
+                            values, best, improved = effect.with_values(tried).values.copy(), found, True
+                            break
+        values = values.copy()
+        values[amplitudes] += best.amplitudes
+        return effect.with_values(values), best
+
+
+@dataclass(frozen=True)
+class _Move:
+    """Of one parameter: by a step, or by a power of `FACTOR`; with another that moves the other way, to keep an end."""
+
+    which: int
+    step: float
+    against: int | None = None
+
+    def applied(self, values: Array, share: float) -> Array | None:
+        moved = values.copy()
+        if self.step == 0.0:
+            moved[self.which] *= FACTOR**share
+        else:
+            moved[self.which] += share * self.step
+        if self.against is not None:
+            moved[self.against] -= share * self.step
+            if moved[self.against] <= 0:
+                return None
+        return moved
+
+
+def _moves(effect: Effect, amplitudes: np.ndarray) -> list[_Move]:
+    if effect.gate is Gate.FROM:
+        gate = [_Move(0, BLOCK)]
+    elif effect.gate is Gate.WHILE:
+        gate = [_Move(0, BLOCK, against=1), _Move(1, BLOCK)]
+    elif effect.gate is Gate.INSIDE:
+        gate = [_Move(i, CELL / 2) for i in range(4)]
+    else:
+        gate = []
+    rest = [
+        _Move(i, 0.0 if effect.values[i] > 0 else parameter.typical)
+        for i, parameter in enumerate(effect.parameters)
+        if i >= len(gate) and i not in amplitudes and parameter.grid and not parameter.estimated
+    ]
+    return gate + rest
+
+
+def _is_open(effect: Effect, values: Array) -> bool:
+    if effect.gate is Gate.WHILE:
+        return bool(values[1] > 0)
+    if effect.gate is Gate.INSIDE:
+        return bool(values[1] > values[0] and values[3] > values[2])
+    return True
+
+
+def _product(left: Array, right: Array) -> Array:
+    return np.asarray(np.tensordot(left, right, ((0, 1), (0, 1))))

@@ -1,0 +1,78 @@
+"""What a diagnosis leaves behind: report.json, cart.yaml, report.html and figures."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cartgrasp.yaml_file import write_atomically
+
+if TYPE_CHECKING:
+    from .diagnosis import Diagnosis
+
+
+class Report:
+    """Of one diagnosis."""
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self.diagnosis = diagnosis
+
+    def as_dict(self) -> dict[str, Any]:
+        found = self.diagnosis
+        steps = [
+            {
+                "added": step.added.key if step.added else None,
+                "candidates": [
+                    {
+                        "name": a.name,
+                        "key": a.key,
+                        "score": a.log_factor,
+                        "held_out_gain": a.held_out_gain,
+                        "verdict": a.verdict,
+                    }
+                    for a in step.attempts
+                ],
+            }
+            for step in found.selection.steps
+        ]
+        return {
+            "verdict": found.verdict,
+            "sentence": found.sentence,
+            "where": [one.as_dict() for one in found.where],
+            "effects": [effect.as_dict() for effect in found.effects],
+            "parameter_mismatch": found.parameter_mismatch,
+            "unexplained": found.unexplained,
+            "gap": found.gap.as_dict(),
+            "steps": steps,
+            "logs": [asdict(check) for check in found.checks],
+            "next_experiment": list(found.next_experiments),
+        }
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """Writes all into a folder, which is made; each file is whole or not there."""
+        from .page import figures, page
+
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        drawn = figures(self.diagnosis)
+        for name, svg in drawn.items():
+            write_atomically(folder / f"{name}.svg", svg)
+        self.diagnosis.cart.save(folder / "cart.yaml")
+        write_atomically(folder / "report.html", page(self, drawn))
+        write_atomically(folder / "report.json", json.dumps(finite(self.as_dict()), indent=1, allow_nan=False) + "\n")
+        return folder
+
+
+def finite(value: Any) -> Any:
+    """The same with null for what is not finite."""
+    if isinstance(value, dict):
+        return {str(k): finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(v) for v in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

@@ -1,0 +1,136 @@
+"""How far simulation goes astray: rollouts that start on the smoothed motion, pushed by the recorded wrenches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.frames import Array, wrap_angle
+from cartgrasp.model import CartModel
+
+from ..batch.wrench_regression import WrenchRegression
+from .fitted import Fitted
+from .sideways import planar_wrench
+
+STEP = 0.004
+"""s: the integrator's longest."""
+COORDINATES = ("forward", "sideways", "heading")
+"""m, m, rad."""
+
+
+@dataclass(frozen=True)
+class Rollouts:
+    """Errors (r, 3) at the end of rollouts that start at rows `first` (r,) and last `horizon` (s): along the cart,
+    across it, and of its heading."""
+
+    first: np.ndarray
+    horizon: float
+    error: Array
+
+    @property
+    def gap(self) -> float:
+        """Root mean square of the distance, m."""
+        return float(np.sqrt((self.error[:, :2] ** 2).sum(axis=1).mean()))
+
+    @property
+    def by_coordinate(self) -> dict[str, float]:
+        return dict(zip(COORDINATES, np.sqrt((self.error**2).mean(axis=0)).tolist(), strict=True))
+
+
+def starts(regression: WrenchRegression, chosen: np.ndarray, horizon: float, every: float) -> np.ndarray:
+    """Rows from which a rollout of `horizon` (s) stays on linked rows that have wrenches, within `chosen` (n,)."""
+    time, usable = regression.motion.time, np.append(regression.usable, False)
+    broken = np.append(0, np.cumsum(~usable))
+    last = np.searchsorted(time, time + horizon - 1e-9)
+    inside = last < len(time)
+    last = np.minimum(last, len(time) - 1)
+    outside = np.append(0, np.cumsum(~chosen))
+    whole = inside & (broken[last] == broken[: len(time)]) & (outside[last] == outside[: len(time)])
+    _, first = np.unique(np.where(whole, (time - time[0]) // every, -1), return_index=True)
+    return np.asarray(first[whole[first]])
+
+
+def roll_out(
+    regression: WrenchRegression, cart: CartModel, delay: float, first: np.ndarray, horizon: float
+) -> Rollouts:
+    """Of a cart; `delay` is by what share of a step its recorded wrenches are late."""
+    regression = regression.with_cart(cart)
+    wrench = _pushes(regression, cart, delay)
+    return _against_motion(regression, cart, wrench, first, horizon)
+
+
+def noise_floor(
+    regression: WrenchRegression, fitted: Fitted, first: np.ndarray, horizon: float, generator: np.random.Generator
+) -> Rollouts:
+    """What the noise of wrenches and of the smoothed motion alone would do to a perfect model."""
+    cart = fitted.cart
+    regression = regression.with_cart(cart)
+    wrench = _pushes(regression, cart, 0.5)
+    covariance = fitted.scatter.excess * regression.wrench_covariance
+    root = np.linalg.cholesky(covariance + 1e-12 * np.eye(wrench.shape[1]))
+    noise = (root @ generator.standard_normal((*wrench.shape, 1)))[..., 0]
+    true = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
+    jolt = generator.standard_normal((len(first), wrench.shape[1])) * regression.motion.velocity_std
+    found = _ends(regression, cart, wrench + noise, first, horizon, jolt)
+    return Rollouts(first, horizon, _in_body(true, found))
+
+
+def _against_motion(
+    regression: WrenchRegression, cart: CartModel, wrench: Array, first: np.ndarray, horizon: float
+) -> Rollouts:
+    found = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
+    motion = regression.motion
+    last = np.searchsorted(motion.time, motion.time[first] + horizon - 1e-9)
+    return Rollouts(first, horizon, _in_body(motion.pose[last], found))
+
+
+def _in_body(true: Array, found: Array) -> Array:
+    error = found - true
+    cosine, sine = np.cos(true[:, 2]), np.sin(true[:, 2])
+    along = cosine * error[:, 0] + sine * error[:, 1]
+    across = -sine * error[:, 0] + cosine * error[:, 1]
+    return np.stack([along, across, wrap_angle(error[:, 2])], axis=1)
+
+
+def _pushes(regression: WrenchRegression, cart: CartModel, delay: float) -> Array:
+    """Reduced wrenches (n, f) that act from a row to the next."""
+    reduced = regression.reduced(cart)
+    shift = 0.5 - delay
+    neighbour = np.roll(reduced, -1 if shift >= 0 else 1, axis=0)
+    return (1 - abs(shift)) * reduced + abs(shift) * neighbour
+
+
+def _ends(
+    regression: WrenchRegression, cart: CartModel, wrench: Array, first: np.ndarray, horizon: float, jolt: Array
+) -> Array:
+    """Poses (r, 3) after the horizon."""
+    motion, f = regression.motion, wrench.shape[1]
+    memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
+    state = np.hstack([motion.pose[first], motion.velocity[first] + jolt, memory[first]])
+    planar, row = cart.planar_wrench(wrench), first.copy()
+    side = planar_wrench(regression, cart) if cart.slip_compliance else planar
+    last = np.searchsorted(motion.time, motion.time[first] + horizon - 1e-9)
+    while (active := np.flatnonzero(row < last)).size:
+        at = row[active]
+        steps = motion.time[at + 1] - motion.time[at]
+        point = state[active], motion.time[at], np.broadcast_to(cart.parameters, (len(at), len(cart.parameters)))
+        push = planar[at], np.ones((len(at), f))
+        creep = _creep(cart, point, side[at]) * steps[:, None] if cart.slip_compliance else 0.0
+        state[active] = cart.dynamics.advanced(point, push, *_divided(steps))
+        state[active, :2] += creep
+        row[active] += 1
+    return state[:, :3]
+
+
+def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) -> Array:
+    """What creeping wheels add to the velocity of the pose, (r, 2)."""
+    state, time, _ = point
+    full = cart.state_rate(state, wrench, time=time)[:, :2]
+    held = cart.dynamics.rate(point, (wrench, np.ones((len(state), cart.constraints.n_free))))[:, :2]
+    return np.asarray(full - held)
+
+
+def _divided(steps: Array) -> tuple[Array, Array]:
+    count = np.ceil(steps / STEP - 1e-9)
+    return steps / count, count

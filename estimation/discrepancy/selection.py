@@ -1,0 +1,174 @@
+"""Which effects a model lacks: one added at a time, the most probable, for as long as one is worth it.
+
+An effect is named with evidence, and a gain on stretches that no fit saw, and amplitudes of a sign and size that it can
+have. After each addition the earlier ones are tested for removal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import logsumexp
+
+from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.model import CartModel
+
+from ..batch.wrench_regression import WrenchRegression
+from .evidence import findings
+from .fitted import Fitted
+from .held_out import HeldOut
+from .log_check import moving
+from .refinement import Refiner
+from .sideways import sideways_trials
+from .vocabulary import trials
+
+MOST_TRIED = 4
+"""Effects that are fitted at every step."""
+WORTH_TRYING = 3.0
+"""Log of a Bayes factor: below it nobody looks closer."""
+HOPELESS = 0.4
+"""Of the best one's: what screens below it does not win by refinement."""
+ENOUGH = 7.0
+"""Log of the Bayes factor of an effect that is named."""
+LEAST_GAIN = 0.05
+"""Of the gap above the noise floor, on stretches that no fit saw."""
+NOT_TOLD_APART = 4.6
+"""Difference of logs of Bayes factors: a hundredth."""
+MOST_EFFECTS = 4
+SIDEWAYS_ROUNDS = 2
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """An effect tried at a step: the log of its Bayes factor, and what it gains on held-out stretches, as a share of
+    the gap above the noise floor that the refitted nominal model had. `verdict` says why it won or lost."""
+
+    key: str
+    name: str
+    log_factor: float
+    held_out_gain: float | None
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Step:
+    """One round: what was tried, and which was added, if any."""
+
+    attempts: tuple[Attempt, ...]
+    added: Attempt | None
+    confusable: tuple[str, ...] = ()
+    probability: float = 1.0
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The structure with none added, that with all, the steps between, and the judge of gaps."""
+
+    nominal: Fitted
+    final: Fitted
+    steps: tuple[Step, ...]
+    held_out: HeldOut
+
+
+def select(
+    whole: Sequence[WrenchRegression], cart: CartModel, arms: Sequence[str], tell: Callable[[str], None]
+) -> Selection:
+    """From regressions of every log on the cart's smoothed motion."""
+    tell("looking sideways")
+    whole, across, steps = _sideways(whole, cart)
+    masked = tuple(regression.within(moving(regression)) for regression in whole)
+    nominal = Fitted(masked, cart)
+    held_out = HeldOut(nominal, whole)
+    fitted = Fitted(masked, cart, across)
+    while len(steps) < MOST_EFFECTS:
+        tell(f"step {len(steps) + 1}: screening")
+        step, better = _step(fitted, held_out, arms, tell)
+        steps.append(step)
+        if better is None:
+            break
+        fitted = better
+    return Selection(nominal, fitted, tuple(steps), held_out)
+
+
+def _sideways(
+    whole: Sequence[WrenchRegression], cart: CartModel
+) -> tuple[tuple[WrenchRegression, ...], tuple[Effect, ...], list[Step]]:
+    """Constraint effects, which bend the smoothed motion, come first; with each, the motion is smoothed again."""
+    whole, steps = tuple(whole), list[Step]()
+    added: tuple[Effect, ...] = ()
+    while True:
+        fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, added)
+        trials = sideways_trials(whole, fitted.cart)
+        if not trials or trials[0].finding.log_factor < ENOUGH or trials[0].held_out_gain < LEAST_GAIN:
+            return whole, added, steps
+        first = trials[0].finding.effect
+        for _ in range(SIDEWAYS_ROUNDS):
+            bent = replace(cart, effects=(*cart.effects, *added, first))
+            whole = tuple(WrenchRegression(r.log, bent, r.noise) for r in whole)
+            fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, (*added, first))
+            again = sideways_trials(whole, fitted.cart.without_effect(first.key))
+            first = next(t.finding.effect for t in again if type(t.finding.effect) is type(first))
+        added = (*added, first)
+        attempts = [
+            Attempt(t.finding.effect.key, t.finding.effect.name, t.finding.log_factor, t.held_out_gain, "less probable")
+            for t in trials
+        ]
+        attempts[0] = replace(attempts[0], verdict="added")
+        near = tuple(a.name for a in attempts[1:] if attempts[0].log_factor - a.log_factor < NOT_TOLD_APART)
+        steps.append(Step(tuple(attempts), attempts[0], near, 1.0))
+
+
+def _step(
+    fitted: Fitted, held_out: HeldOut, arms: Sequence[str], tell: Callable[[str], None]
+) -> tuple[Step, Fitted | None]:
+    effects = trials(fitted.cart, arms)
+    dictionary = fitted.dictionary(effects)
+    screened = findings(dictionary, fitted.base)
+    refiner = Refiner(fitted)
+    tried = []
+    for finding in screened[:MOST_TRIED]:
+        if finding.log_factor < max(WORTH_TRYING, HOPELESS * screened[0].log_factor):
+            break
+        tell(f"trying {finding.effect.name}")
+        effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
+        tried.append((effect, gain.value, fitted.with_added(effect).listening().listening()))
+    excess = min([fitted.scatter.excess, *(model.scatter.excess for *_, model in tried)])
+    again = {f.effect.key: f for f in findings(dictionary, replace(fitted.base, excess=excess))}
+    scored = []
+    for effect, most, model in tried:
+        if not isinstance(effect, SensorEffect):  # one that divides wrenches would divide their noise too
+            most = max(most, 0.5 * (fitted.chi_squared - model.chi_squared))
+        scored.append((most / excess + again[effect.key].occam, effect, model))
+    scored.sort(key=lambda one: -one[0])
+    attempts, added, better = [], None, None
+    for score, effect, model in scored:
+        share, verdict = None, "less probable than another"
+        if added is None:
+            share, verdict = _judged(score, model, effect, fitted, held_out)
+        attempt = Attempt(effect.key, effect.name, score, share, verdict)
+        attempts.append(attempt)
+        if verdict == "added":
+            added, better = attempt, model
+    rest = [f for f in again.values() if f.effect.key not in {a.key for a in attempts}]
+    attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
+    if added is None:
+        return Step(tuple(attempts), None), None
+    left = attempts[attempts.index(added) :]
+    logs = np.array([a.log_factor for a in left])
+    probability = float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
+    near = [a.name for a in left if a.name != added.name and added.log_factor - a.log_factor < NOT_TOLD_APART]
+    return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
+
+
+def _judged(score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut) -> tuple[float | None, str]:
+    reason = effect.implausible(fitted.cart.wheel_set)
+    if reason:
+        return None, reason
+    if score < ENOUGH:
+        return None, f"log of the Bayes factor {score:.1f} is below {ENOUGH:g}"
+    share = held_out.gain(fitted, model, effect)
+    if share < LEAST_GAIN:
+        return share, f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
+    return share, "added"

@@ -1,0 +1,184 @@
+"""What the wrenches can't show: how the axle moves across its wheels, read from the poses alone.
+
+Between rows the axle goes sideways by `n · (p1 - p0)`, n at the mean heading. Summed over blocks, that is noise of the
+poses at the blocks' ends, which neighbours share, and what constraint effects add to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.special import log_ndtr
+from scipy.stats import chi2
+
+from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from ..batch.wrench_regression import WrenchRegression
+from .evidence import Finding
+
+BLOCK = 0.5
+"""s."""
+SMOOTHED = 0.1
+"""s: over which wrenches are averaged before they say what force the wheels take."""
+SHARE_STD = 3.0
+"""Of the usual size: the standard deviation of an effect's before data."""
+NO_AMPLITUDES = np.zeros(0, dtype=int)
+
+
+@dataclass(frozen=True)
+class Sideways:
+    """Of blocks (b,): metres to the left, their covariance, and the rows of `log` in which each begins and ends."""
+
+    moved: Array
+    covariance: Array
+    log: np.ndarray
+    rows: np.ndarray
+
+    @classmethod
+    def of(cls, regressions: Sequence[WrenchRegression], cart: CartModel) -> Sideways:
+        moved, covariances, logs, rows = [], [], [], []
+        for k, regression in enumerate(regressions):
+            own, covariance, spans = _of_log(regression, cart)
+            moved.append(own)
+            covariances.append(covariance)
+            logs.append(np.full(len(own), k))
+            rows.append(spans)
+        return cls(np.concatenate(moved), block_diag(*covariances), np.concatenate(logs), np.concatenate(rows))
+
+    def expected(self, regressions: Sequence[WrenchRegression], cart: CartModel) -> Array:
+        """What a cart's constraint effects make of it (b,)."""
+        found = np.zeros(len(self.moved))
+        for k, regression in enumerate(regressions):
+            steps = np.append(np.diff(regression.motion.time), 0.0)
+            travelled = np.append(0.0, np.cumsum(_velocity(regression, cart) * steps))
+            own = self.log == k
+            found[own] = travelled[self.rows[own, 1]] - travelled[self.rows[own, 0]]
+        return found
+
+
+@dataclass(frozen=True)
+class SidewaysTrial:
+    """A constraint effect fitted to what is left of the sideways motion: its finding, how many times too small the
+    noise is believed to be with it, and its gain on blocks that the fit did not see (a share of what is left there)."""
+
+    finding: Finding
+    excess: float
+    held_out_gain: float
+
+
+def sideways_trials(regressions: Sequence[WrenchRegression], cart: CartModel) -> list[SidewaysTrial]:
+    """One for each constraint effect that the cart does not have, the most probable first."""
+    if cart.constraints.axle_x is None:
+        return []
+    record = Sideways.of(regressions, cart)
+    if len(record.moved) < 8:
+        return []
+    base = record.expected(regressions, cart)
+    taken = {type(effect) for effect in cart.effects}
+    found = []
+    for kind in KNOWN_EFFECTS.values():
+        if issubclass(kind, ConstraintEffect) and kind not in taken:
+            usual = kind.usual("")
+            column = record.expected(regressions, cart.with_effect(usual)) - base
+            found.append((usual, column))
+    if not found:
+        return []
+    root = np.linalg.cholesky(np.linalg.inv(record.covariance)).T
+    residual = root @ (record.moved - base)
+    columns = [root @ column for _, column in found]
+    excess = min(_excess(residual - c * (c @ residual) / max(float(c @ c), 1e-12)) for c in columns)
+    trials = [_trial(usual, c, residual, excess) for (usual, _), c in zip(found, columns, strict=True)]
+    return sorted(trials, key=lambda one: -one.finding.log_factor)
+
+
+def _trial(usual: ConstraintEffect, column: Array, residual: Array, excess: float) -> SidewaysTrial:
+    information = float(column @ column) / excess
+    pull = float(column @ residual) / excess
+    variance = 1 / (information + SHARE_STD**-2)
+    share, std = pull * variance, variance**0.5
+    gain = 0.5 * pull * share
+    factor = gain + 0.5 * np.log(variance / SHARE_STD**2)
+    if usual.scaled(-1.0).values[0] == usual.parameters[0].absent or usual.slip_compliance > 0:
+        factor += np.log(2) + float(log_ndtr(share / std))
+    effect = usual.scaled(share)
+    slope = np.abs(usual.scaled(share + std / 2).values - usual.scaled(share - std / 2).values)
+    finding = Finding(effect, float(factor), gain, NO_AMPLITUDES, np.zeros(0), slope)
+    return SidewaysTrial(finding, excess, _held_out_gain(column, residual, excess))
+
+
+def _held_out_gain(column: Array, residual: Array, excess: float) -> float:
+    """Every third block is left out of the fit."""
+    kept = np.arange(len(residual)) % 3 == 2
+    size = float(column[~kept] @ column[~kept])
+    share = float(column[~kept] @ residual[~kept]) / size if size > 0 else 0.0
+    before = float((residual[kept] ** 2).sum()) - excess * kept.sum()
+    after = float(((residual - share * column)[kept] ** 2).sum()) - excess * kept.sum()
+    return (before - after) / before if before > 0 else 0.0
+
+
+def _excess(whitened: Array) -> float:
+    return max(1.0, float(np.median(whitened**2)) / float(chi2.median(1)))
+
+
+def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array, np.ndarray]:
+    motion, axle = regression.motion, float(cart.constraints.axle_x or 0.0)
+    pose = regression.log.thinned().pose
+    seen = np.asarray(np.isfinite(pose[:, :2]).all(axis=1))
+    linked = np.asarray(motion.linked & seen[:-1] & seen[1:])
+    middle = (motion.pose[:-1, 2] + motion.pose[1:, 2]) / 2
+    step = np.where(linked[:, None], np.diff(pose[:, :2], axis=0), 0.0)
+    across = -np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1] + axle * np.diff(motion.pose[:, 2])
+    block = ((motion.time - motion.time[0]) // BLOCK).astype(int)
+    first = np.flatnonzero(np.diff(block, prepend=-1))
+    spans = np.column_stack([first[:-1], first[1:]])
+    broken = np.append(0, np.cumsum(~linked))[spans]
+    whole = np.flatnonzero(broken[:, 0] == broken[:, 1])
+    total = np.append(0.0, np.cumsum(across))
+    moved = total[spans[:, 1]] - total[spans[:, 0]]
+    n = len(spans)
+    duration = motion.time[spans[:, 1]] - motion.time[spans[:, 0]]
+    noise = regression.noise
+    covariance = noise.position**2 * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
+    turned = noise.heading * np.abs(motion.velocity[spans[:, 0], 0]) * duration
+    covariance += np.diag(noise.slip**2 * duration + turned**2 * (motion.time[1] - motion.time[0]) / duration)
+    return moved[whole], covariance[np.ix_(whole, whole)], spans[whole]
+
+
+def _velocity(regression: WrenchRegression, cart: CartModel) -> Array:
+    """Of the axle to the left (n,), m/s."""
+    motion, axle = regression.motion, float(cart.constraints.axle_x or 0.0)
+    memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
+    state = np.hstack([motion.pose, motion.velocity, memory])
+    rate = cart.state_rate(state, planar_wrench(regression, cart), time=motion.time)
+    heading = motion.pose[:, 2]
+    return np.asarray(-np.sin(heading) * rate[:, 0] + np.cos(heading) * rate[:, 1] + axle * rate[:, 2])
+
+
+def planar_wrench(regression: WrenchRegression, cart: CartModel) -> Array:
+    """Of all arms in {b} (n, 3), averaged."""
+    log = regression.log.thinned()
+    total = np.zeros((len(log), 3))
+    for name, arm in log.arms.items():
+        wrench = cart.corrected_wrench(name, _filled(arm.wrench))[0]
+        total += (grasp_map_planar(_filled(arm.contact)) @ wrench[..., None])[..., 0]
+    reach = max(1, round(SMOOTHED / float(np.median(np.diff(log.time)))))
+    kernel = np.ones(2 * reach + 1)
+    count = np.convolve(np.ones(len(log)), kernel, "same")
+    return np.column_stack([np.convolve(total[:, i], kernel, "same") / count for i in range(3)])
+
+
+def _filled(rows: Array) -> Array:
+    """Rows (n, k) with the last known number where one is missing."""
+    found = rows.copy()
+    for i in range(rows.shape[1]):
+        known = np.flatnonzero(np.isfinite(rows[:, i]))
+        found[:, i] = (
+            rows[known[np.searchsorted(known, np.arange(len(rows)), "right").clip(1) - 1], i] if len(known) else 0.0
+        )
+    return found

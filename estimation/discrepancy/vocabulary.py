@@ -1,0 +1,43 @@
+"""Which effects a search tries on a cart: every one that is known, at the values where it begins to act."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, SensorEffect
+from cartgrasp.model import CartModel
+
+
+def trials(cart: CartModel, arms: Sequence[str]) -> list[Effect]:
+    """Absent effects, one for each point of a class's grid, and for sensors one for each arm."""
+    found: list[Effect] = []
+    for kind in KNOWN_EFFECTS.values():
+        if issubclass(kind, ConstraintEffect):  # they show sideways
+            continue
+        for label in _labels(kind, cart, arms):
+            found.extend(_on_grid(kind, label))
+    return found
+
+
+def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> list[str]:
+    """Of what this cart does not have yet. Effects that act at a time or a place may come again."""
+    taken = {effect.label for effect in cart.effects if isinstance(effect, kind)}
+    if issubclass(kind, SensorEffect):
+        if "" in taken:
+            return []
+        if len(arms) > 1 and kind.by_arm:
+            return [arm for arm in arms if arm not in taken]
+        return [] if taken else [""]
+    if not taken:
+        return [""]
+    return [str(len(taken) + 1)] if kind.gate.n_parameters else []
+
+
+def _on_grid(kind: type[Effect], label: str) -> list[Effect]:
+    absent = [p.absent for p in kind.parameters]
+    grids = [p.grid or (value,) for p, value in zip(kind.parameters, absent, strict=True)]
+    return [
+        kind(**dict(zip((p.name for p in kind.parameters), values, strict=True)), label=label)
+        for values in product(*grids)
+    ]

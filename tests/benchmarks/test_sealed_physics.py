@@ -1,0 +1,267 @@
+"""The sealed generator's physics against closed forms, and its vocabulary against the library's where both mean one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cartgrasp.effects as known
+from benchmarks.sealed.body import find_rate
+from benchmarks.sealed.cases import draw_case
+from benchmarks.sealed.driver import advance
+from benchmarks.sealed.sensors import Sensors, noiseless
+from benchmarks.sealed.strength import strength
+from benchmarks.sealed.world import BOB, BRISTLE, CASTER, GRAVITY, SIZE, THETA, R, U, W, World, X
+from cartgrasp import CartModel, Inertia
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.wheels import Wheel
+
+BARE = World(24.0, 0.3, 0.04, 2.0, 0.5, 0.27, 0.72, 0.2, 0.045)
+STILL = np.zeros(5)
+speeds = st.tuples(st.floats(-0.8, 0.8), st.floats(-0.6, 0.6))
+wrenches = st.tuples(st.floats(-40, 40), st.floats(-20, 20), st.floats(-8, 8))
+
+
+def moving(u=0.0, r=0.0, toe=0.0, heading=0.0):
+    state = np.zeros(SIZE)
+    state[THETA], state[U], state[W], state[R] = heading, u, u * math.tan(toe), r
+    return state
+
+
+def rate_of(state, world, wrench=(0.0, 0.0, 0.0), time=0.0):
+    rate = np.empty(SIZE)
+    find_rate(time, state, np.array([*wrench, 0.0, 0.0]), world, rate)
+    return rate
+
+
+def roll(state, world, duration, wrench=(0.0, 0.0, 0.0), step=1e-3):
+    push = np.array([*wrench, 0.0, 0.0])
+    for i in range(round(duration / step)):
+        state, _ = advance(i * step, state, step, push, push, 0.0, world)
+    return state
+
+
+def kinetic_energy(state, world):
+    u, w, r = state[U], state[W], state[R]
+    vx, vy = u - world.com_y * r, w + world.com_x * r
+    return 0.5 * world.mass * (vx**2 + vy**2) + 0.5 * world.inertia * r**2
+
+
+@given(speeds, wrenches, st.floats(-0.1, 0.1))
+def test_power_of_wrench_and_drag_is_all_that_changes_the_energy(speed, wrench, toe):
+    """To first order, so M and C are right together, whatever the axle's angle."""
+    world = BARE._replace(linear=5.0, angular=2.0, toe=toe)
+    state = moving(*speed, toe)
+    rate, h = rate_of(state, world, wrench), 1e-4
+    change = (kinetic_energy(state + h * rate, world) - kinetic_energy(state - h * rate, world)) / (2 * h)
+    u, w, r = state[U], state[W], state[R]
+    power = wrench[0] * u + wrench[1] * w + wrench[2] * r - 5.0 * (u * u + w * w) - 2.0 * r * r
+    assert change == pytest.approx(power, abs=1e-8)
+
+
+def test_a_free_cart_keeps_its_energy_and_its_constraint():
+    world = BARE._replace(toe=0.05)
+    start = moving(0.6, 0.9, 0.05)
+    end = roll(start, world, 5.0)
+    assert kinetic_energy(end, world) == pytest.approx(kinetic_energy(start, world), rel=1e-9)
+    assert abs(end[U] - start[U]) > 0.05
+    assert end[W] == pytest.approx(end[U] * math.tan(0.05), abs=1e-14)
+
+
+@given(st.floats(0.1, 0.8), st.floats(-60, 60), st.floats(0.0, 0.05), st.floats(0.0, 0.05))
+def test_forces_balance_on_a_straight_line(u, force, rolling, spare):
+    """Straight casters, CoM in the middle: dry friction of all wheels is that of the whole weight."""
+    world = BARE._replace(com_y=0.0, linear=4.0, rolling=rolling, stiction=8.0, stiction_speed=0.2, quadratic=10.0)
+    world = world._replace(forward=3.0, backward=50.0, patch_rolling=spare, patch_x_min=-9.0, patch_x_max=9.0)
+    world = world._replace(patch_y_min=-9.0, patch_y_max=9.0)
+    weight = world.mass * GRAVITY
+    drag = 7.0 * u + 10.0 * u * u
+    dry = (rolling + spare) * weight + 8.0 * math.exp(-u / 0.2)
+    rate = rate_of(moving(u), world, (force, 0.0, 0.0))
+    assert world.mass * rate[U] == pytest.approx(force - drag - dry * math.tanh(u / world.width), abs=1e-9)
+    assert rate[R] == pytest.approx(0.0, abs=1e-12)
+
+
+@given(st.floats(-3, 3), st.floats(-0.1, 0.1), st.floats(-0.1, 0.1))
+def test_a_cart_on_a_slope_falls_by_the_sine_of_its_angle(heading, grade_x, grade_y):
+    world = BARE._replace(com_y=0.0, grade_x=grade_x, grade_y=grade_y)
+    pull = math.sin(math.atan(grade_x)) * math.cos(heading) + math.sin(math.atan(grade_y)) * math.sin(heading)
+    assert rate_of(moving(heading=heading), world)[U] == pytest.approx(-GRAVITY * pull, abs=1e-12)
+
+
+def test_a_free_caster_swings_round_within_its_trail():
+    """tan(psi/2) falls by exp(-way / trail) (physics of a trailing wheel, Kane and Scher)."""
+    state = moving(0.5)
+    state[CASTER] = 2.9
+    end = roll(state, BARE._replace(com_y=0.0), 0.4)
+    way = end[X]
+    assert way == pytest.approx(0.2, rel=1e-6)
+    assert math.tan(end[CASTER] / 2) == pytest.approx(math.tan(1.45) * math.exp(-way / BARE.trail), rel=1e-5)
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-3.1, 3.1), speeds)
+def test_casters_only_take_energy(left, right, speed):
+    state, world = moving(*speed), BARE._replace(swivel=0.4, scrub=0.1, rolling=0.02)
+    state[CASTER : CASTER + 2] = left, right
+    rate, h = rate_of(state, world), 1e-5
+    change = kinetic_energy(state + h * rate, world) - kinetic_energy(state - h * rate, world)
+    assert change / (2 * h) <= 1e-9
+
+
+def test_bristles_hold_until_they_slide():
+    world = BARE._replace(com_y=0.0, rolling=0.03, bristle=1e-3)
+    level = 0.03 * world.mass * GRAVITY
+    held = roll(moving(), world, 5.0, (0.5 * level, 0.0, 0.0))
+    assert held[X] < 2e-3
+    assert abs(held[U]) < 1e-7
+    np.testing.assert_allclose(held[BRISTLE : BRISTLE + 4], 0.5e-3, rtol=1e-3)
+    let_go = roll(moving(), world, 2.0, (1.5 * level, 0.0, 0.0))
+    later = roll(let_go, world, 1.0, (1.5 * level, 0.0, 0.0))
+    assert later[U] - let_go[U] == pytest.approx(0.5 * level / world.mass, rel=1e-3)
+
+
+@given(st.floats(0.4, 0.8), st.floats(-40, 40))
+@settings(max_examples=10)
+def test_tyres_creep_in_proportion_to_their_side_load(u, side):
+    """At constant speed, a force at the axle: w = -u F / C, whatever the relaxation length."""
+    world = BARE._replace(com_x=0.0001, com_y=0.0, cornering=400.0, relaxation=0.05)
+    state = moving(u)
+    for _ in range(2000):
+        state, _ = advance(0.0, state, 2e-3, *[np.array([0.0, side, 0.0, 0.0, 0.0])] * 2, 0.0, world)
+        state[U], state[R] = u, 0.0
+    most = 0.9 * world.mass * GRAVITY
+    deflected = most / 400.0 * math.atanh(side / most)
+    assert state[W] == pytest.approx(u * deflected, rel=1e-3, abs=1e-9)
+
+
+def test_the_bob_swings_at_its_frequency_and_keeps_energy():
+    world = BARE._replace(com_y=0.0, bob_mass=8.0, bob_length=0.25)
+    state = moving()
+    state[BOB] = 0.2
+
+    def energy(s):
+        x_rate = world.bob_length * s[BOB + 1] * math.cos(s[BOB])
+        z_rate = world.bob_length * s[BOB + 1] * math.sin(s[BOB])
+        bob = 0.5 * 8.0 * ((s[U] + x_rate) ** 2 + z_rate**2) + 8.0 * GRAVITY * 0.25 * (1 - math.cos(s[BOB]))
+        return 0.5 * 16.0 * s[U] ** 2 + bob
+
+    end = roll(state, world, 3.0)
+    assert energy(end) == pytest.approx(energy(state), rel=1e-8)
+    free = math.sqrt(GRAVITY / 0.25 * 24.0 / 16.0)
+    angles = []
+    for _ in range(2000):
+        angles.append(state[BOB])
+        state, _ = advance(0.0, state, 1e-3, STILL, STILL, 0.0, world)
+    crossing = np.flatnonzero(np.diff(np.sign(angles)))[:2]
+    assert np.diff(crossing)[0] * 1e-3 == pytest.approx(math.pi / free, rel=0.02)
+
+
+# --- the same words, the same meaning -----------------------------------------------------------------------
+
+WHEELS = tuple(
+    Wheel(kind, x, y, trail)
+    for kind, x, y, trail in (
+        ("fixed", 0.0, 0.27, 0.0),
+        ("fixed", 0.0, -0.27, 0.0),
+        ("caster", 0.72, 0.2, 0.045),
+        ("caster", 0.72, -0.2, 0.045),
+    )
+)
+ALIKE = {
+    "viscous_drag": ({"linear": 5.0, "angular": 2.0}, {"linear": 5.0, "angular": 2.0}),
+    "rolling_resistance": ({"coefficient": 0.03}, {"rolling": 0.03}),
+    "directional_drag": ({"forward": 2.0, "backward": 9.0}, {"forward": 2.0, "backward": 9.0}),
+    "floor_slope": ({"grade_x": 0.003, "grade_y": -0.002}, {"grade_x": 0.003, "grade_y": -0.002}),
+    "floor_patch": (
+        {"coefficient": 0.04, "x_min": -1.0, "x_max": 2.0, "y_min": 0.0, "y_max": 3.0},
+        {
+            "patch_rolling": 0.04,
+            **{f"patch_{k}": v for k, v in {"x_min": -1.0, "x_max": 2.0, "y_min": 0.0, "y_max": 3.0}.items()},
+        },
+    ),
+    "wheel_drag_imbalance": ({"force": 6.0, "moment": -6.0 * 0.27}, {"brake_right": 6.0}),
+    "payload_change": (
+        {"time": 1.0, "mass": 7.0, "x": 0.5, "y": -0.1},
+        {"load_time": 1.0, "load_mass": 7.0, "load_x": 0.5, "load_y": -0.1},
+    ),
+    "external_push": (
+        {"start": 1.0, "duration": 2.0, "force": 20.0, "moment": 4.0},
+        {"push_start": 1.0, "push_duration": 2.0, "push_force": 20.0, "push_moment": 4.0},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ALIKE)
+@pytest.mark.parametrize("u", [0.5, -0.5])
+def test_an_effect_means_what_the_vocabulary_says(name, u):
+    """At speed, where widths don't matter, casters trail straight and both share loads alike."""
+    parameters, changes = ALIKE[name]
+    effect = known.KNOWN_EFFECTS[name](**parameters)
+    world = BARE._replace(com_y=0.0, **changes)
+    cart = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), RollingConstraints(0.0), (effect,), WHEELS)
+    state = moving(u, heading=0.8)
+    state[CASTER : CASTER + 2] = 0.0 if u > 0 else math.pi
+    theirs = cart.state_rate(cart.state((0.0, 0.0, 0.8), (u, 0.0)), np.array([20.0, 3.0, 1.0]), time=2.0)
+    ours = rate_of(state, world, (20.0, 3.0, 1.0), 2.0)
+    without = rate_of(state, BARE._replace(com_y=0.0), (20.0, 3.0, 1.0), 2.0)
+    np.testing.assert_allclose(ours[[U, R]], theirs[cart.velocity_slice], atol=2e-4)
+    assert np.abs(ours - without)[[U, R]].max() > 0.01
+
+
+@pytest.mark.parametrize("name", ["force_bias", "force_scale", "force_misalignment"])
+def test_a_faulty_sensor_means_what_the_vocabulary_says(name):
+    scene = draw_case(name, 0, "straight")
+    (truth,) = scene.truths
+    effect = known.KNOWN_EFFECTS[name](**truth.parameters)
+    present = np.random.default_rng(0).normal(size=(len(scene.drive.time), len(scene.arms), 6))
+    seen = noiseless(scene.sensors, scene.drive, present, present)
+    arm = scene.arms.index(truth.arm)
+    np.testing.assert_allclose(seen[:, arm], effect.recorded(present[:, arm], effect.values), atol=1e-12)
+    others = [i for i in range(len(scene.arms)) if i != arm]
+    np.testing.assert_array_equal(seen[:, others], present[:, others])
+
+
+def test_a_late_wrench_is_that_of_a_delay_ago():
+    scene = draw_case("time_delay", 0, "straight")
+    *_, present, told = scene.run()
+    late = noiseless(Sensors(delay=0.03), scene.drive, present, told)
+    at = np.interp(scene.drive.time - 0.03, scene.drive.time, present[:, 0, 0])
+    assert np.abs(late[10:, 0, 0] - at[10:]).max() < np.abs(np.diff(present[:, 0, 0])).max() + 1e-9
+    assert np.abs(late[:, 0, 0] - present[:, 0, 0]).max() > 1.0
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_cart_without_effects_needs_no_others(seed):
+    """All of what the arms give is inertia and viscous drag, by regressors of another file."""
+    scene = draw_case("nothing", seed, "rich")
+    states, rates, present, told = scene.run()
+    found = strength(scene, states, rates, noiseless(scene.sensors, scene.drive, present, told))
+    assert found["z"] < 1e-6
+    assert np.abs(states[:, W]).max() == 0.0
+    assert np.ptp(states[:, U]) > 0.8
+    assert np.ptp(states[:, R]) > 0.6
+
+
+def test_mujoco_moves_a_cart_alike():
+    """Two roads to one motion: bearings and contacts of wheels, and equations in the plane."""
+    scene = draw_case("rolling_resistance", 0, "rich")
+    drive, n = scene.drive, 600
+    short = drive._replace(
+        **{name: getattr(drive, name)[:n] for name in ("time", "speeds", "contacts", "shares", "extras", "errors")}
+    )
+    ours = replace(scene, drive=short).run()
+    theirs = replace(scene, drive=short, in_mujoco=True).run()
+    np.testing.assert_allclose(theirs[0][:, [U, R]], ours[0][:, [U, R]], atol=0.02)
+    np.testing.assert_allclose(theirs[2][:, 0, 0], ours[2][:, 0, 0], atol=2.0)
+    assert np.ptp(ours[0][:, U]) > 0.3
+
+
+def test_mujoco_refuses_what_it_does_not_know():
+    scene = replace(draw_case("quadratic_drag", 0, "straight"), in_mujoco=True)
+    with pytest.raises(ValueError, match="the machine has no quadratic"):
+        scene.run()

@@ -1,0 +1,55 @@
+"""Closed loops on carts whose file names effects of the wheels, the load and the sensors, as the command runs them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cartgrasp.cli.simulate import Choice, build_scenario
+from cartgrasp.errors import PlantError
+
+CART = """
+mass: 24
+com: [0.3, 0.05]
+inertia: 2.0
+constraints:
+  - no_lateral_slip: {x: 0.0}
+effects:
+  viscous_drag: {linear: 3.0, angular: 1.0}
+"""
+EFFECTS = {
+    "wheel_misalignment": "{angle: 0.03}",
+    "lateral_slip": "{cornering_stiffness: 2000}",
+    "load_slosh": "{mass: 5, frequency: 0.9, damping: 0.08}",
+    "time_delay": "{delay: 0.03}",
+}
+
+
+def scenario(folder, *names, **changes):
+    path = folder / "cart.yaml"
+    path.write_text(CART + "".join(f"  {name}: {EFFECTS[name]}\n" for name in names))
+    choice = Choice(path, None, "curves", "model", 2, 0.6, 0.0, False, 0)
+    return replace(build_scenario(replace(choice, **changes)), duration=4.0)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_cart_with_each_is_tracked_when_it_is_known(name, tmp_path):
+    record = scenario(tmp_path, name).run()
+    assert record.pose[-1, 0] > 1.0
+    assert record.tracking_error.max() < 0.02
+    assert set(record.statuses) == {"optimal"}
+    if name == "time_delay":
+        for arm, given in record.wrenches.items():
+            np.testing.assert_allclose(record.log.arms[arm].wrench[3:], given[:-3], atol=1e-12)
+    if name == "wheel_misalignment":
+        along = np.diff(record.pose[-50:, :2], axis=0)
+        heading = (record.pose[-50:-1, 2] + record.pose[-49:, 2]) / 2
+        np.testing.assert_allclose(np.arctan2(along[:, 1], along[:, 0]) - heading, 0.03, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", [name for name in EFFECTS if name != "time_delay"])
+def test_mujoco_refuses_by_name_what_it_has_no_counterpart_of(name, tmp_path):
+    with pytest.raises(PlantError, match=f"MuJoCo plant: {name}: no counterpart in MuJoCo"):
+        scenario(tmp_path, name, plant="mujoco").build()
