@@ -42,21 +42,22 @@ def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
     """The cart as now estimated; refused unless its free velocities are the planner's, `basis_b` (3, k)."""
     try:
         structure, numbers = estimate.structure, real_numbers(estimate.model_parameters)
-        size, own_basis = len(structure.parameters), structure.basis_b
+        size, changed_to = len(structure.parameters), structure.with_parameters
     except AttributeError as error:
         raise _refused(f"it has no cart ({error})") from error
     if numbers is None or numbers.shape != (size,):
         raise _refused(f"model_parameters: {estimate.model_parameters} are not the {size} numbers of its cart")
-    if own_basis is not basis_b and not np.array_equal(own_basis, basis_b):
+    try:
+        cart = changed_to(numbers)
+    except UsageError as error:
+        raise _refused(str(error)) from error
+    if cart.basis_b is not basis_b and not np.array_equal(cart.basis_b, basis_b):
         raise _refused("its cart has other rolling constraints than the planner's; make a new planner")
     shapes = np.shape(estimate.motion.pose_sb), np.shape(estimate.motion.velocity)
     if shapes != ((3,), basis_b.shape[1:]):
         form = f"pose_sb (3,) and velocity {basis_b.shape[1:]}"
         raise _refused(f"motion: shapes {shapes[0]} and {shapes[1]} instead of {form}")
-    try:
-        return structure.with_parameters(numbers)
-    except UsageError as error:
-        raise _refused(str(error)) from error
+    return cart
 
 
 def read_covariance(estimate: Estimate) -> Array:
