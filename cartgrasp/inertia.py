@@ -17,6 +17,7 @@ from .errors import UsageError
 from .frames import Array, components
 
 PHI_NAMES = ("m", "m_dx", "m_dy", "J")
+N_PHI = len(PHI_NAMES)
 Number = TypeVar("Number", float, Array)
 
 
