@@ -33,12 +33,10 @@ from cartgrasp.frames import Array
 from .effective_rows import in_words
 from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Lexicographic, Objective, WeightedWrench
-from .quadratic_program import Cone, QuadraticProgram
+from .quadratic_program import QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-
-WIDEST = 1e6  # N, of a cone over contacts of hands without limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,19 +246,6 @@ class AllocationTemplate:
         apart = np.abs(each - middle).max(axis=0)
         return middle, np.where(apart > 0, apart * np.where(apart > 0, largest, 0.0), 0.0).sum(axis=1)
 
-    def _cart_cones(self, matrix: Array, moved: tuple[Array, Array] | None) -> list[Cone]:
-        """The cart's cones over contact rows `matrix`. Over a range these have a fixed part (c,), and a cone is wider
-        by the most that their spread (c,) makes of it: of its axis, and of the length of the rest."""
-        cones, start = [], len(self.fixed.rows)
-        for cone in self.cart_rows.cones:
-            offset = cone.offset
-            if moved is not None:
-                fixed_part, spread = (part[cone.own] for part in moved)
-                offset = offset + fixed_part
-                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), WIDEST)
-            cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
-        return cones
-
     @cached_property
     def at_points(self) -> QuadraticProgram:
         """At contact points, but for the rows that depend on them, which come last."""
@@ -297,4 +282,4 @@ class AllocationTemplate:
         program = blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
         if not self.cart_rows.cones:
             return program
-        return program.with_cones((*blank.cones, *self._cart_cones(matrix, moved)))
+        return program.with_cones((*blank.cones, *self.cart_rows.cones_over(matrix, len(self.fixed.rows), moved)))

@@ -18,10 +18,13 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.frames import Array
+from planning.quadratic_program import Cone
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Motion
+
+WIDEST = 1e6  # N, of a cone over contacts of hands without limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +76,20 @@ class CartRows:
     def over(self, grasp_maps: Array, owners: Array | None = None) -> Array:
         """Rows (..., k, 6) of each arm, or of the arms `owners`, at contacts with spatial grasp maps (..., 6, 6)."""
         return np.asarray(self.of_sum @ grasp_maps + (self.of_arm if owners is None else self.of_arm[owners]))
+
+    def cones_over(self, matrix: Array, start: int, moved: tuple[Array, Array] | None = None) -> list[Cone]:
+        """The cones over rows (k, unknowns), which stand at `start` in a program. Over a range these have a fixed part
+        (k,), and a cone is wider by the most that their spread (k,) makes of it: of its axis, and of the length of the
+        rest."""
+        cones = []
+        for cone in self.cones:
+            offset = cone.offset
+            if moved is not None:
+                fixed_part, spread = (part[cone.own] for part in moved)
+                offset = offset + fixed_part
+                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), WIDEST)
+            cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
+        return cones
 
     def is_like(self, other: CartRows) -> bool:
         """Whether it has the same rows and cones, with other numbers."""
