@@ -29,6 +29,7 @@ from ..log_noise import noise_of_log
 from ..noise import FilterNoise
 from .block_tridiagonal import BlockTridiagonal, Factor
 from .motion_smoother import smooth_motion
+from .noise_colour import NoiseColour, with_noise_states
 from .wrench_record import WrenchRecord
 
 BLOCK = 0.5
@@ -127,6 +128,7 @@ class WrenchRegression:
         if noise is None:
             noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()
         self.noise = noise
+        self.colour: NoiseColour | None = None
         with self._sized():
             self.motion = smooth_motion(thinned, cart, noise)
             self._listen()
@@ -193,14 +195,21 @@ class WrenchRegression:
         late = inverse.wrench[after] - inverse.wrench[used]
         by = (1 - delay) * inverse.by_parameters[used] + delay * inverse.by_parameters[after] - recorded_by[used]
         by = np.concatenate([by, late[..., None]], axis=2)
-        weights = np.linalg.inv(self._record.covariance[used] + self._stuck(state, parameters)[used])
+        white = 1.0 if self.colour is None else self.colour.white
+        weights = np.linalg.inv(white * self._record.covariance[used] + self._stuck(state, parameters)[used])
 
         f = recorded.shape[1]
-        first, second = np.zeros((n - 1, f, d)), np.zeros((n - 1, f, d))
-        first[used], second[used] = (1 - delay) * by_node[used], delay * by_node[after]
+        known, wide = motion.information, d
+        if self.colour is not None:
+            usual = np.median(self._record.covariance[used], axis=0)
+            known = with_noise_states(known, motion.linked, np.diff(motion.time), usual, self.colour)
+            wide = d + f
+        first, second = np.zeros((n - 1, f, wide)), np.zeros((n - 1, f, wide))
+        first[used, :, :d], second[used, :, :d] = (1 - delay) * by_node[used], delay * by_node[after]
+        first[:, :, d:] = np.eye(f)[:, : wide - d]
         all_weights = np.zeros((n - 1, f, f))
         all_weights[used] = weights
-        joint = motion.information + BlockTridiagonal.of_pairs(first, second, all_weights)
+        joint = known + BlockTridiagonal.of_pairs(first, second, all_weights)
         return Linearisation(
             motion.time[used], used, residual, by, weights, (first[used], second[used]), joint.factor()
         )
@@ -225,6 +234,12 @@ class WrenchRegression:
         other.cart = cart
         if any(cart.lateness(arm) != self.cart.lateness(arm) for arm in self.log.arms):
             other._listen()
+        return other
+
+    def coloured(self, colour: NoiseColour | None) -> WrenchRegression:
+        """The same, with wrench noise of another colour."""
+        other = copy(self)
+        other.colour = colour
         return other
 
     def within(self, chosen: np.ndarray) -> WrenchRegression:

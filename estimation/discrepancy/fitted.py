@@ -14,6 +14,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
 from ..batch.identification import DELAY, DELAY_STD, Identification, fit
+from ..batch.noise_colour import colour_of
 from ..batch.wrench_regression import Linearisation, WrenchRegression
 from ..prior import Prior
 from .dictionary import Dictionary, build_dictionary
@@ -97,6 +98,14 @@ class Fitted:
     def on(self, regressions: tuple[WrenchRegression, ...]) -> Fitted:
         """The same structure, fitted to other rows."""
         return replace(self, regressions=regressions, start=self.cart.parameters)
+
+    def coloured(self) -> Fitted:
+        """With the colour of the wrenches' noise read off the residuals."""
+        found = []
+        for regression, line, _ in self.linearised:
+            standard = (np.swapaxes(np.linalg.cholesky(line.weights), 1, 2) @ line.residual[..., None])[..., 0]
+            found.append(regression.coloured(colour_of(line.time, standard)))
+        return replace(self, regressions=tuple(found), start=self.cart.parameters)
 
     def listening(self) -> Fitted:
         """With the delay that the fit found in samples' holding, but for its usual share, moved into an added effect

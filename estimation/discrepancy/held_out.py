@@ -80,6 +80,19 @@ class HeldOut:
         whole = max(self.nominal_gap**2 - floor**2, LEAST_WHOLE * self.nominal_gap**2)
         return closed / whole, closed / left if before > BEYOND_NOISE * floor else 0.0
 
+    def likelihood(self, fitted: Fitted, better: Fitted) -> float:
+        """Log of the ratio of likelihoods of the wrenches that no fit saw."""
+        return 0.5 * (self._surprise(fitted) - self._surprise(better)) / better.scatter.excess
+
+    def _surprise(self, fitted: Fitted) -> float:
+        trained, total = self.trained(fitted), 0.0
+        pairs = zip(fitted.regressions, self._kept, trained.delays, strict=True)
+        for regression, kept, delay in pairs:
+            line = regression.within(kept).with_cart(trained.cart).linearised(trained.cart.parameters, delay)
+            residual = line.residual[..., None]
+            total += float((residual * line.whitened(residual)).sum())
+        return total
+
     def covers(self, effect: Effect) -> bool:
         """Whether a place holds nearly all of the motion."""
         if effect.gate is not Gate.INSIDE:

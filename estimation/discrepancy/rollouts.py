@@ -67,13 +67,24 @@ def noise_floor(
     cart = fitted.cart
     regression = regression.with_cart(cart)
     wrench = _pushes(regression, cart, 0.5)
-    covariance = fitted.scatter.excess * regression.wrench_covariance
-    root = np.linalg.cholesky(covariance + 1e-12 * np.eye(wrench.shape[1]))
-    noise = (root @ generator.standard_normal((*wrench.shape, 1)))[..., 0]
+    noise = _drawn_noise(regression, fitted.scatter.excess, generator)
     true = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
     jolt = generator.standard_normal((len(first), wrench.shape[1])) * regression.motion.velocity_std
     found = _ends(regression, cart, wrench + noise, first, horizon, jolt)
     return Rollouts(first, horizon, _in_body(true, found))
+
+
+def _drawn_noise(regression: WrenchRegression, excess: float, generator: np.random.Generator) -> Array:
+    """Of the reduced wrench (n, f), with its colour."""
+    covariance = regression.wrench_covariance
+    root = np.linalg.cholesky(excess * covariance + 1e-12 * np.eye(covariance.shape[1]))
+    white, slow = generator.standard_normal((2, *covariance.shape[:2]))
+    if regression.colour is not None:
+        fade = np.exp(-np.diff(regression.motion.time) / regression.colour.time)
+        for k, kept in enumerate(fade):
+            slow[k + 1] = kept * slow[k] + np.sqrt(1 - kept**2) * slow[k + 1]
+        white = np.sqrt(regression.colour.white) * white + np.sqrt(regression.colour.slow) * slow
+    return np.asarray((root @ white[..., None])[..., 0])
 
 
 def _against_motion(

@@ -14,6 +14,8 @@ from ..batch.wrench_regression import Linearisation, WrenchRegression
 SCATTER_BLOCK, EXCESS_BLOCK, FINE_BLOCK = 0.5, 0.2, 0.1
 """s."""
 LONG = 1.0
+APART = 4
+"""Stretches: noise does not reach so far."""
 SLOWEST, FASTEST = 0.4, 2.0
 """Hz: between which noise is looked for."""
 
@@ -44,15 +46,22 @@ class Scatter:
 
 
 def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array, np.ndarray]:
+    """A constant on one stretch is whitened beside those on stretches that noise does not reach from there."""
     means, informations, starts, logs = [], [], [], []
     for k, (_, line, _) in enumerate(linearised):
-        m, f = line.residual.shape
-        sides = np.concatenate([np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
-        sums = line.by_block(sides[..., :f], line.whitened(sides), duration)
-        information = (sums[..., :f] + np.swapaxes(sums[..., :f], 1, 2)) / 2
-        means.append(np.linalg.solve(information, sums[..., f:])[..., 0])
+        f = line.residual.shape[1]
+        number = ((line.time - line.time[0]) // duration).astype(int)
+        group = number % APART
+        ones = (group[:, None] == np.arange(APART))[:, None, :, None] * np.eye(f)[None, :, None, :]
+        sides = np.concatenate([ones.reshape(len(number), f, APART * f), line.residual[..., None]], axis=2)
+        unit = np.broadcast_to(np.eye(f), (len(number), f, f))
+        sums = line.by_block(unit, line.whitened(sides), duration)
+        begins = np.unique(number)
+        own = sums[..., :-1].reshape(len(begins), f, APART, f)[np.arange(len(begins)), :, begins % APART]
+        information = (own + np.swapaxes(own, 1, 2)) / 2
+        means.append(np.linalg.solve(information, sums[..., -1:])[..., 0])
         informations.append(information)
-        starts.append(np.unique((line.time - line.time[0]) // duration) * duration + line.time[0])
+        starts.append(begins * duration + line.time[0])
         logs.append(np.full(len(information), k))
     return (np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
 

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
@@ -28,14 +29,16 @@ MOST_TRIED = 4
 """Effects that are fitted at every step."""
 WORTH_TRYING = 3.0
 """Log of a Bayes factor: below it nobody looks closer."""
-HOPELESS = 0.4
+HOPELESS = 0.25
 """Of the best one's: what screens below it does not win by refinement."""
-ENOUGH = 7.0
-"""Log of the Bayes factor of an effect that is named."""
+ENOUGH, ENOUGH_PASSING = 7.0, 20.0
+"""Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
+LEAST_LIKELIHOOD = 4.0
+"""Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
 LEAST_OF_REST = 0.3
 """Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
 MOST_EFFECTS = 4
@@ -87,6 +90,8 @@ def select(
     """From regressions of every log on the cart's smoothed motion."""
     tell("looking sideways")
     whole, fitted, steps = _sideways(whole, cart)
+    fitted = fitted.coloured()
+    whole = tuple(r.coloured(seen.colour) for r, seen in zip(whole, fitted.regressions, strict=True))
     nominal = fitted if not steps else Fitted(fitted.regressions, cart)
     held_out = HeldOut(nominal, whole)
     while len(steps) < MOST_EFFECTS:
@@ -179,11 +184,12 @@ def _judged(
     closed = fitted.misfit() - model.misfit()
     if outside is not None and outside.share * fitted.misfit(outside.direction) > OUTSIDE * closed:
         return None, f"the residual follows {outside.name} ({outside.period:.3g} {outside.unit}) far better"
-    if score < ENOUGH:
-        return None, f"log of the Bayes factor {score:.1f} is below {ENOUGH:g}"
+    enough = ENOUGH if effect.gate in (Gate.ALWAYS, Gate.INSIDE) else ENOUGH_PASSING
+    if score < enough:
+        return None, f"log of the Bayes factor {score:.1f} is below {enough:g}"
     if held_out.covers(effect):
         return None, "it would be nearly everywhere"
     share, of_rest = held_out.gain(fitted, model)
-    if share < LEAST_GAIN and of_rest < LEAST_OF_REST:
+    if share < LEAST_GAIN and of_rest < LEAST_OF_REST and held_out.likelihood(fitted, model) < LEAST_LIKELIHOOD:
         return share, f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
     return share, "added"

@@ -1,0 +1,98 @@
+"""Wrench noise that remembers: white noise, and an autoregression beside it that fades with a correlation time.
+
+Taken for white, it makes long means look surer than they are, and slow accidents look like effects. What a model
+leaves out changes slowly too, but smoothly: over a lag t, squares of differences of it grow with t², those of an
+autoregression with `1 - exp(-t / time)`, those of white noise not at all. A fit of the three to lags up to `LONGEST`
+tells them apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.optimize import nnls
+
+from cartgrasp.frames import Array
+
+from .block_tridiagonal import BlockTridiagonal
+
+TIMES = np.geomspace(0.015, 0.2, 12)
+"""s: correlation times that are tried."""
+LONGEST = 0.25
+"""s."""
+LEAST_WHITE = 0.02
+"""Of all: the share of the variance that is white at least."""
+LEAST_COLOUR = 3.0
+FEWEST = 200
+"""Differences."""
+MEDIAN_OF_SQUARE = 0.4549
+"""Of a standard normal number."""
+
+
+@final
+@dataclass(frozen=True)
+class NoiseColour:
+    """Variances as multiples of those that were believed, and the correlation time (s) of the slow part."""
+
+    white: float
+    slow: float
+    time: float
+
+    @property
+    def long_mean(self) -> float:
+        """How many times the variance of long means is what white noise of the whole variance would give, for
+        samples a hundredth of a second apart."""
+        fade = float(np.exp(-0.01 / self.time))
+        return (self.white + self.slow * (1 + fade) / (1 - fade)) / (self.white + self.slow)
+
+
+def colour_of(time: Array, standard: Array) -> NoiseColour | None:
+    """Of residuals (m, f) in units of their believed deviations; None where there are too few, and where they may as
+    well be white: errors of the smoothed motion are in them too, and remember a little."""
+    step = float(np.median(np.diff(time)))
+    lags = np.unique(np.round(np.geomspace(1, max(2.0, LONGEST / step), 14)).astype(int))
+    found = []
+    for lag in lags:
+        near = (time[lag:] - time[:-lag]) < (lag + 0.5) * step
+        if near.sum() < FEWEST:
+            return None
+        squares = (standard[lag:] - standard[:-lag])[near] ** 2
+        found.append(float(np.median(squares)) / MEDIAN_OF_SQUARE)
+    grown, span = np.array(found), lags * step
+    fits = [(_fitted(grown, span, one), one) for one in TIMES]
+    (shares, _), best = min(fits, key=lambda fit: fit[0][1])
+    white, slow, _ = shares
+    whole = white + slow
+    if whole <= 0:
+        return None
+    colour = NoiseColour(float(max(white, LEAST_WHITE * whole)), float(slow), float(best))
+    return colour if colour.long_mean > LEAST_COLOUR else None
+
+
+def _fitted(grown: Array, span: Array, time: float) -> tuple[Array, float]:
+    columns = np.column_stack([np.full_like(span, 2.0), 2 * (1 - np.exp(-span / time)), (span / span[-1]) ** 2])
+    shares, misfit = nnls(columns / grown[:, None], np.ones_like(span))
+    return shares, float(misfit)
+
+
+def with_noise_states(
+    motion: BlockTridiagonal, linked: np.ndarray, steps: Array, covariance: Array, colour: NoiseColour
+) -> BlockTridiagonal:
+    """The information about a motion (n, d, d) with the slow noise (f) behind each state; `covariance` (f, f) is what
+    was believed of one sample."""
+    n, d, _ = motion.diagonal.shape
+    f = len(covariance)
+    weight = np.linalg.inv(colour.slow * covariance)
+    fade = np.exp(-steps / colour.time)
+    first, second = np.zeros((n - 1, f, d + f)), np.zeros((n - 1, f, d + f))
+    second[:, :, d:] = np.eye(f)
+    first[:, :, d:] = -fade[:, None, None] * np.eye(f)
+    strength = np.where(linked, 1 / np.maximum(1 - fade**2, 1e-12), 0.0)
+    chain = BlockTridiagonal.of_pairs(first, second, strength[:, None, None] * weight)
+    begins = np.append(True, ~linked)
+    chain.diagonal[begins, d:, d:] += weight
+    chain.diagonal[:, :d, :d] += motion.diagonal
+    chain.below[:, :d, :d] += motion.below
+    return chain
