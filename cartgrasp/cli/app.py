@@ -87,7 +87,7 @@ def export_c(
 def estimate(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, or the EMPS .mat.", metavar="LOG")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
-    method: Annotated[str, typer.Option("--method", help="filter, or paper (its literal form).")] = "filter",
+    method: Annotated[str, typer.Option("--method", help="filter, regressor, or paper (as printed).")] = "filter",
     out: Annotated[Path | None, typer.Option("--out", help="CSV file for the series over time.")] = None,
     json: Json = False,
 ) -> None:
