@@ -97,6 +97,11 @@ class RegressorEstimator:
         return self._belief.parameters
 
     @property
+    def lateness(self) -> float:
+        """Of the wrenches, beyond being held from their sample to the next, in sample periods; a mere sample has -0.5."""
+        return self._belief.lateness
+
+    @property
     def estimate(self) -> Estimate:
         if not self._moments:
             raise UsageError("regressor: no measurement has come yet")

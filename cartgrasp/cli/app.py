@@ -162,6 +162,19 @@ def robust(
     raise typer.Exit(command.run(out, json, seed, seeds))
 
 
+@study.command("estimators")
+def estimators(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the tables.")] = Path("out/estimators"),
+    json: Json = False,
+    seed: Seed = 0,
+    seeds: Annotated[int, typer.Option("--seeds", min=2, max=100, help="Logs of each kind.")] = 4,
+) -> None:
+    """Filter, regressor, the paper's form and the batch fit on the same logs: which is better when."""
+    from . import estimators as command
+
+    raise typer.Exit(command.run(out, json, seed, seeds))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:

@@ -41,6 +41,10 @@ class RegressionBelief:
         return Gaussian(whole.mean[:m], whole.covariance[:m, :m])
 
     @property
+    def lateness(self) -> float:
+        return float(self._solved.mean[self._k - 1])
+
+    @property
     def _solved(self) -> Gaussian:
         covariance = _inverse(self._information)
         return Gaussian(covariance @ self._pull, covariance)
