@@ -24,7 +24,7 @@ from .load_change import load_covariance
 from .noise import FilterNoise
 from .parameter_report import ParameterReport
 from .prior import Prior
-from .regressor.filtered_row import Recorded, filtered_row, stands_still
+from .regressor.filtered_row import Recorded, curvature_noise, filtered_row, stands_still
 from .regressor.load_watch import LoadWatch
 from .regressor.motion_tracker import Moment, MotionTracker, Stretch
 from .regressor.regression_belief import RegressionBelief
@@ -98,7 +98,7 @@ class RegressorEstimator:
 
     @property
     def lateness(self) -> float:
-        """Of the wrenches, beyond being held from their sample to the next, in sample periods; a mere sample has -0.5."""
+        """Of the wrenches, beyond being held from sample to sample, in sample periods; mere samples have -0.5."""
         return self._belief.lateness
 
     @property
@@ -169,6 +169,10 @@ class RegressorEstimator:
 
     def _learn(self, motion: Stretch, memory: Array, recorded: Sequence[Recorded]) -> None:
         row = filtered_row(self.cart, self._theta, motion, memory, recorded, self.noise)
+        spread = np.zeros((len(self._theta), len(self._free)))
+        spread[self._free] = np.linalg.cholesky(self.belief.covariance)
+        curved = curvature_noise(self.cart, self._theta, motion, memory, spread)
+        row = replace(row, noise=row.noise + curved)
         square = self._belief.absorb(row, self._theta)
         if self._watch.note(float(motion.time[-1]), square):
             opened = load_covariance(self.cart, self.prior, float(self._theta[0]))

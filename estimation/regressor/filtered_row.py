@@ -147,6 +147,19 @@ def filtered_row(
     )
 
 
+def curvature_noise(cart: CartModel, parameters: Array, motion: Stretch, memory: Array, spread: Array) -> Array:
+    """Covariance (f, f) of what a row that is linear in the parameters leaves out, where they are known to within
+    `spread @ z`, (p, q), with standard normal z: `tr(T T) / 2` of `zᵀ T z / 2`. Load times friction is not linear."""
+    k = len(motion.time) // 2
+    state = np.concatenate([motion.pose[k], motion.velocity[k], memory[k]])
+    around = parameters + np.vstack([np.zeros(len(parameters)), spread.T])
+    rows = np.tile(state, (len(around), 1))
+    by = cart.inverse(rows, np.tile(motion.acceleration[k], (len(around), 1)), around, motion.time[k]).by_parameters
+    twist = (by[1:] - by[0]) @ spread
+    gain = -np.expm1(-RATE * (motion.time[-1] - motion.time[0]))
+    return np.asarray(gain**2 / 2 * np.einsum("qfr,qgr->fg", twist, twist))
+
+
 def _measured(parameters: Array, recorded: Sequence[Recorded], weights: Weights) -> tuple[Array, Array]:
     """B of the wrenches (f,), and its partials (f, p)."""
     by = np.array([one.sensed.by_parameters for one in recorded])

@@ -13,7 +13,16 @@ from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.log_noise import noise_of_log
 from estimation.regressor import regression_belief
-from estimation.regressor.filtered_row import NOISE_SHARE, RATE, FilteredRow, Recorded, Rise, Weights, filtered_row
+from estimation.regressor.filtered_row import (
+    NOISE_SHARE,
+    RATE,
+    FilteredRow,
+    Recorded,
+    Rise,
+    Weights,
+    curvature_noise,
+    filtered_row,
+)
 from estimation.regressor.motion_tracker import Stretch
 from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief
 from estimation.replay import replay
@@ -77,6 +86,25 @@ def test_a_row_of_the_truth_has_no_residual():
     for i, move in enumerate(1e-4 * np.eye(6)):
         by = (row(cart.parameters + move).residual - row(cart.parameters - move).residual) / 2e-4
         assert -by == pytest.approx(found.slopes[:, i], abs=1e-6)
+
+
+def test_what_is_not_linear_is_noise_while_little_is_known():
+    """Rolling resistance is load times coefficient: of drawn parameters, what a linear row misses."""
+    cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(RollingResistance(0.02),))
+    random = np.random.default_rng(0)
+    velocity, acceleration = np.tile([0.5, 0.2], (11, 1)), np.tile([0.3, 0.1], (11, 1))
+    time, zero = 0.015 * np.arange(11), np.zeros((11, 3))
+    motion = Stretch(time, zero, velocity, acceleration, np.tile(np.eye(2), (11, 1, 1)))
+    spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
+    found = curvature_noise(cart, cart.parameters, motion, zero[:, :0], spread)
+    drawn = random.standard_normal((20000, 5)) @ spread
+    rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
+    at = cart.inverse(rows[0], rows[1], cart.parameters)
+    moved = cart.required_wrench(*rows, cart.parameters + drawn)
+    missed = moved - at.wrench - np.einsum("nfp,np->nf", at.by_parameters, drawn)
+    gain = 1 - np.exp(-RATE * 0.15)
+    assert found == pytest.approx(gain**2 * np.cov(missed.T), rel=0.05, abs=1e-9)
+    assert found[0, 0] == pytest.approx((gain * 4.0 * 0.005 * 9.81) ** 2, rel=0.02)
 
 
 def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
