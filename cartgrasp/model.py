@@ -159,9 +159,11 @@ class CartModel(CartStructure):
         settled = [effect.settled_memory(situation, memory[..., own]) for effect, _, own in self.force_effects]
         return np.concatenate(settled, axis=-1)
 
-    def memory_along(self, pose_sb: Array, velocity: Array, time: Array, parameters: Array | None = None) -> Array:
+    def memory_along(
+        self, pose_sb: Array, velocity: Array, time: Array, parameters: Array | None = None, first: Array | None = None
+    ) -> Array:
         """The effects' memories (n, k) along a motion: poses (n, 3), free velocities (n, f), times (n,)."""
-        first = self.state(pose_sb[0], velocity[0])[self.memory_slice]
+        first = self.state(pose_sb[0], velocity[0])[self.memory_slice] if first is None else first
         if not self.memory_names:
             return np.zeros((len(time), 0))
         state = np.hstack([pose_sb, velocity, np.tile(first, (len(time), 1))])

@@ -5,5 +5,6 @@ from .discrepancy import Diagnosis, diagnose
 from .noise import FilterNoise
 from .paper_filter import PaperFilter
 from .prior import Prior
+from .regressor_estimator import RegressorEstimator
 
-__all__ = ["CartFilter", "Diagnosis", "FilterNoise", "PaperFilter", "Prior", "diagnose"]
+__all__ = ["CartFilter", "Diagnosis", "FilterNoise", "PaperFilter", "Prior", "RegressorEstimator", "diagnose"]

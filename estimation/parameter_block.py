@@ -11,11 +11,11 @@ from cartgrasp.inertia import N_PHI, Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
+from .load_change import load_covariance
 from .mobility import BodyLimits, build_chart
 from .parameter_report import ParameterReport
 from .prior import Prior
 
-LOAD_SHARE = 0.3
 LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
 LARGEST_MASS_SHARE = 6.0
 FARTHEST = 3.0
@@ -95,17 +95,8 @@ class ParameterBlock:
         return full
 
     def load_covariance(self, block: Array) -> Array:
-        """What a load change may add, (f, f): a point mass put on or taken off, `m (1, x, y, x² + y²)`, with m
-        and (x, y) independent, centred on the first guess of the CoM."""
-        theta = self.theta(block)
-        x, y = self.cart.inertia.com
-        mass, place = LOAD_SHARE * theta[0], self.prior.com
-        shape = np.array([1.0, x, y, x**2 + y**2 + 2 * place**2])
-        spread = np.diag([0.0, place**2, place**2, 4 * place**2 * (x**2 + y**2) + 4 * place**4])
-        spread[3, 1] = spread[1, 3] = 2 * x * place**2
-        spread[3, 2] = spread[2, 3] = 2 * y * place**2
-        covariance = np.zeros((len(theta), len(theta)))
-        covariance[:N_PHI, :N_PHI] = mass**2 * (np.outer(shape, shape) + spread)
+        """What a load change may add, (f, f)."""
+        covariance = load_covariance(self.cart, self.prior, float(self.theta(block)[0]))
         return self._to_coordinates(covariance, block)
 
     def report(self, block: Array, covariance: Array) -> dict[str, ParameterEstimate]:

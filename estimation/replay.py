@@ -5,17 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from cartgrasp.errors import DataError
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.alignment import aligned
+from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.roles import Estimator
 
-from .cart_filter import CartFilter
-from .paper_filter import DIVERGED, PaperFilter
+from .paper_filter import DIVERGED
+
+
+class CartEstimator(Estimator, Protocol):
+    """An estimator that says of which cart."""
+
+    cart: CartModel
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,7 @@ class Replay:
 
 def replay(
     log: RunLog,
-    estimator: CartFilter | PaperFilter,
+    estimator: CartEstimator,
     progress: Callable[[float], None] | None = None,
     until: float | None = None,
 ) -> Replay:
@@ -65,12 +72,12 @@ def replay(
     return Replay(tuple(estimates))
 
 
-def _updated(estimator: CartFilter | PaperFilter, measurement: Measurement, name: str) -> Estimate:
+def _updated(estimator: CartEstimator, measurement: Measurement, name: str) -> Estimate:
     """The next estimate; numbers that no estimator can work with are the log's fault."""
     try:
         with np.errstate(all="ignore"):
             estimate = estimator.update(measurement)
-    except (np.linalg.LinAlgError, OverflowError) as error:
+    except (np.linalg.LinAlgError, OverflowError, DataError) as error:
         raise _too_large(measurement, name) from error
     finite = all(math.isfinite(p.value) and math.isfinite(p.std) for p in estimate.parameters.values())
     if not finite and estimate.health != DIVERGED:

@@ -87,7 +87,7 @@ def export_c(
 def estimate(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, or the EMPS .mat.", metavar="LOG")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
-    method: Annotated[str, typer.Option("--method", help="filter, or paper (its literal form).")] = "filter",
+    method: Annotated[str, typer.Option("--method", help="filter, regressor, or paper (as printed).")] = "filter",
     out: Annotated[Path | None, typer.Option("--out", help="CSV file for the series over time.")] = None,
     json: Json = False,
 ) -> None:
@@ -158,6 +158,19 @@ def robust(
 ) -> None:
     """Margins for what is not known yet of a load: how they shrink as it is learned, what they save and cost."""
     from . import robust as command
+
+    raise typer.Exit(command.run(out, json, seed, seeds))
+
+
+@study.command("estimators")
+def estimators(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the tables.")] = Path("out/estimators"),
+    json: Json = False,
+    seed: Seed = 0,
+    seeds: Annotated[int, typer.Option("--seeds", min=2, max=100, help="Logs of each kind.")] = 4,
+) -> None:
+    """Filter, regressor, the paper's form and the batch fit on the same logs: which is better when."""
+    from . import estimators as command
 
     raise typer.Exit(command.run(out, json, seed, seeds))
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from estimation import CartFilter, PaperFilter
+from estimation import CartFilter, PaperFilter, RegressorEstimator
 from estimation.log_noise import noise_of_log
 from estimation.replay import Replay, replay
 
@@ -19,7 +19,11 @@ from ..motion import ParameterEstimate
 from ..yaml_file import write_atomically
 from .output import check_writable, print_json, print_table, progress
 
-METHODS: dict[str, type[CartFilter] | type[PaperFilter]] = {"filter": CartFilter, "paper": PaperFilter}
+METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
+    "filter": CartFilter,
+    "regressor": RegressorEstimator,
+    "paper": PaperFilter,
+}
 
 
 def run(path: Path, cart_path: Path | None, method: str, out: Path | None, as_json: bool) -> int:

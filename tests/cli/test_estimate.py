@@ -25,6 +25,8 @@ effects:
 """
 PARAMETERS = ["mass", "com_x", "com_y", "inertia", "viscous_drag.linear", "viscous_drag.angular"]
 UNITS = ["kg", "m", "m", "kg·m²", "N·s/m", "N·m·s/rad"]
+ONLINE = pytest.mark.parametrize("method", ["filter", "regressor"])
+"""Both sit the same exam."""
 EMPS = Path(__file__).parents[3] / "shared" / "data" / "emps" / "DATA_EMPS.mat"
 
 
@@ -53,9 +55,10 @@ def parameters(answer):
     return document["parameters"]
 
 
-def test_a_weaving_cart_is_learned(capsys, tmp_path, weaving):
+@ONLINE
+def test_a_weaving_cart_is_learned(capsys, tmp_path, weaving, method):
     out = tmp_path / "series.csv"
-    answer = estimate(capsys, tmp_path, weaving, "--out", out)
+    answer = estimate(capsys, tmp_path, weaving, "--out", out, "--method", method)
     found = parameters(answer)
     assert list(found) == PARAMETERS
     assert [p["unit"] for p in found.values()] == UNITS
@@ -84,17 +87,21 @@ def test_errors_are_as_large_as_they_are_said_to_be(capsys, tmp_path):
     assert np.abs(scores).max() < 4.5
 
 
-def test_a_straight_run_teaches_neither_com_x_nor_inertia(capsys, tmp_path):
-    found = parameters(estimate(capsys, tmp_path, pushed_cart(curves=False)))
+@ONLINE
+def test_a_straight_run_teaches_neither_com_x_nor_inertia(capsys, tmp_path, method):
+    found = parameters(estimate(capsys, tmp_path, pushed_cart(curves=False), "--method", method))
     assert not found["com_x"]["identifiable"]
     assert not found["inertia"]["identifiable"]
     assert found["mass"]["identifiable"]
     assert found["mass"]["value"] == pytest.approx(MASS, rel=0.03)
 
 
-def test_without_velocity(capsys, tmp_path, weaving):
+@ONLINE
+def test_without_velocity(capsys, tmp_path, weaving, method):
     keep = [i for i, name in enumerate(HEADER) if name not in ("vx", "vy", "omega")]
-    found = parameters(estimate(capsys, tmp_path, weaving[:, keep], header=[HEADER[i] for i in keep]))
+    found = parameters(
+        estimate(capsys, tmp_path, weaving[:, keep], "--method", method, header=[HEADER[i] for i in keep])
+    )
     assert found["mass"]["value"] == pytest.approx(MASS, rel=0.05)
 
 
@@ -120,39 +127,42 @@ HOLES = {
 }
 
 
+@ONLINE
 @pytest.mark.parametrize("which", HOLES)
-def test_samples_that_are_missing(capsys, tmp_path, weaving, which):
-    found = parameters(estimate(capsys, tmp_path, holes(weaving, *HOLES[which])[::2]))
+def test_samples_that_are_missing(capsys, tmp_path, weaving, which, method):
+    found = parameters(estimate(capsys, tmp_path, holes(weaving, *HOLES[which])[::2], "--method", method))
     assert found["mass"]["value"] == pytest.approx(MASS, rel=0.1)
 
 
-@pytest.mark.parametrize("method", ["filter", "paper"])
+@pytest.mark.parametrize("method", ["filter", "regressor", "paper"])
 def test_a_gap_of_three_seconds(capsys, tmp_path, weaving, method):
     t = weaving[:, 0]
     answer = estimate(capsys, tmp_path, weaving[(t < 9) | (t > 12)], "--method", method)
     found = parameters(answer)
-    if method == "filter":
+    if method != "paper":
         assert found["mass"]["value"] == pytest.approx(MASS, rel=0.05)
 
 
-def test_nothing_but_holes(capsys, tmp_path, weaving):
+@ONLINE
+def test_nothing_but_holes(capsys, tmp_path, weaving, method):
     everything = [name for name in HEADER if name != "t"]
-    answer = estimate(capsys, tmp_path, holes(weaving[:100], everything, -1, 99))
+    answer = estimate(capsys, tmp_path, holes(weaving[:100], everything, -1, 99), "--method", method)
     found = parameters(answer)
     assert found["mass"]["value"] == pytest.approx(18)
     assert not any(p["identifiable"] for p in found.values())
     assert answer.json["health"] == "no_wrench"
 
 
-def test_no_wrench_at_all(capsys, tmp_path, weaving):
+@ONLINE
+def test_no_wrench_at_all(capsys, tmp_path, weaving, method):
     forces = [name for name in HEADER if name.split(".")[-1] in ("fx", "fy", "fz", "tx", "ty", "tz")]
-    answer = estimate(capsys, tmp_path, holes(weaving[:600:2], forces, -1, 99))
+    answer = estimate(capsys, tmp_path, holes(weaving[:600:2], forces, -1, 99), "--method", method)
     assert answer.json["health"] == "no_wrench"
     assert not parameters(answer)["mass"]["identifiable"]
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 8])
-@pytest.mark.parametrize("method", ["filter", "paper"])
+@pytest.mark.parametrize("method", ["filter", "regressor", "paper"])
 def test_short_logs(capsys, tmp_path, weaving, rows, method):
     found = parameters(estimate(capsys, tmp_path, weaving[:rows], "--method", method))
     assert found["mass"]["value"] == pytest.approx(18, rel=0.2)
@@ -169,9 +179,10 @@ def test_the_literal_filter(capsys, tmp_path, weaving):
 @pytest.mark.parametrize(
     "structure", ["[]", "[no_lateral_slip: {x: 0.1}]", "[no_lateral_slip: {x: 0}, no_rotation: {}]"]
 )
-def test_other_carts(capsys, tmp_path, weaving, structure):
+@ONLINE
+def test_other_carts(capsys, tmp_path, weaving, structure, method):
     cart = GUESS.replace("\n  - no_lateral_slip: {x: 0.0}", f" {structure}")
-    assert list(parameters(estimate(capsys, tmp_path, weaving[:600:3], cart=cart))) == PARAMETERS
+    assert list(parameters(estimate(capsys, tmp_path, weaving[:600:3], "--method", method, cart=cart))) == PARAMETERS
 
 
 def test_the_table_for_people(capsys, tmp_path, weaving):
@@ -214,7 +225,7 @@ def test_numbers_beyond_reason(capsys, tmp_path, weaving, scale, columns):
     table = weaving[:60].copy()
     first = {"pose": 1, "velocity": 4, "contact": 7, "wrench": 10}[columns]
     table[20:, first : first + 3] *= scale
-    for method in ("filter", "paper"):
+    for method in ("filter", "regressor", "paper"):
         answer = estimate(capsys, tmp_path, table, "--method", method)
         if answer.status == 0:
             assert set(answer.json) == {"time", "parameters", "health"}
@@ -222,11 +233,12 @@ def test_numbers_beyond_reason(capsys, tmp_path, weaving, scale, columns):
             answer.refused(3, tmp_path / "run.csv")
 
 
-def test_a_gap_beyond_reason(capsys, tmp_path, weaving):
+@ONLINE
+def test_a_gap_beyond_reason(capsys, tmp_path, weaving, method):
     for jump in (1e6, 1e150, 1e300):
         table = weaving[:60].copy()
         table[30:, 0] = jump * np.arange(1, 31)
-        answer = estimate(capsys, tmp_path, table)
+        answer = estimate(capsys, tmp_path, table, "--method", method)
         assert answer.status in (0, 3)
         if answer.status == 3:
             answer.refused(3, tmp_path / "run.csv")

@@ -13,7 +13,7 @@ from cartgrasp.inertia import Inertia, physical_from_phi
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.wheels import Wheel
-from estimation import CartFilter, FilterNoise, PaperFilter, Prior
+from estimation import CartFilter, FilterNoise, PaperFilter, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.replay import replay
 
@@ -26,6 +26,9 @@ DRAG = (ViscousDrag(linear=3.0, angular=1.2),)
 NARROW = Prior(0.15, 0.06, 0.2, known=frozenset({"viscous_drag"}))
 KNOWN = Prior(known=frozenset({"viscous_drag"}))
 NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 0.0, 0.0, disturbance=0.02, slip=0.00005)
+
+ONLINE = pytest.mark.parametrize("online", [CartFilter, RegressorEstimator])
+"""Both sit the same exam."""
 
 
 def guess(mass=20.0, com=(0.3, 0.0), inertia=1.8, effects=DRAG):
@@ -100,11 +103,12 @@ def test_consistent_over_500_runs():
     assert np.sqrt((scores**2).mean()) < 1.15
 
 
-def test_learns_the_load_and_the_drags():
+@ONLINE
+def test_learns_the_load_and_the_drags(online):
     log, _ = simulate(WITH_COULOMB, 3, duration=18.0, noise=(0.0004, 0.005, 0.3))
     cart = guess(effects=(ViscousDrag(linear=1.0, angular=0.5), RollingResistance(coefficient=0.01)))
     noise = replace(NOISE, force=0.3, moment=0.015, disturbance=0.1)
-    last = replay(log, CartFilter(cart, ["hand"], noise=noise)).last
+    last = replay(log, online(cart, ["hand"], noise=noise)).last
     assert last.parameters["mass"].value == pytest.approx(24.0, rel=0.02)
     assert last.parameters["com_x"].value == pytest.approx(0.28, abs=0.02)
     assert last.parameters["com_y"].value == pytest.approx(0.06, abs=0.01)
@@ -114,11 +118,12 @@ def test_learns_the_load_and_the_drags():
     assert last.health == "ok"
 
 
-def test_a_straight_push_teaches_neither_com_x_nor_inertia():
+@ONLINE
+def test_a_straight_push_teaches_neither_com_x_nor_inertia(online):
     """d/d(com_x) and d/dJ of the equations vanish where r = 0 and r' = 0 (physics 13)."""
     cart = (24.0, 0.28, 0.0, 2.2, 3.0, 1.2, 0.0)
     log, _ = simulate(cart, 4, curved=False)
-    last = replay(log, CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN)).last
+    last = replay(log, online(guess(), ["hand"], noise=NOISE, prior=KNOWN)).last
     assert last.parameters["mass"].value == pytest.approx(24.0, rel=0.01)
     assert last.parameters["mass"].identifiable
     assert last.parameters["com_y"].value == pytest.approx(0.0, abs=0.01)
@@ -127,36 +132,39 @@ def test_a_straight_push_teaches_neither_com_x_nor_inertia():
         assert abs(last.parameters[name].value - {"com_x": 0.28, "inertia": 2.2}[name]) < 3 * last.parameters[name].std
 
 
-def test_noisy_forces_do_not_inflate_the_mass():
+@ONLINE
+def test_noisy_forces_do_not_inflate_the_mass(online):
     """3 N of noise: taken as exact inputs they bias the mass by kilograms (physics 11)."""
     noise = replace(NOISE, force=3.0, moment=0.15, disturbance=0.05)
     scores = []
     for seed in range(4):
         log, _ = simulate(TRUTH, seed, duration=18.0, noise=(0.0004, 0.005, 3.0))
-        mass = replay(log, CartFilter(guess(), ["hand"], noise=noise, prior=KNOWN)).last.parameters["mass"]
+        mass = replay(log, online(guess(), ["hand"], noise=noise, prior=KNOWN)).last.parameters["mass"]
         assert mass.value == pytest.approx(24.0, abs=1.5)
         scores.append((mass.value - 24.0) / mass.std)
     assert abs(np.mean(scores)) < 1.5
 
 
+@ONLINE
 @pytest.mark.parametrize("seed", [0, 1])
-def test_two_noisy_hands_under_feedback(seed):
+def test_two_noisy_hands_under_feedback(seed, online):
     """4 N of noise on a push of 6 N (rms): once 5-6 % too heavy, and 20 % too much inertia."""
     noise = replace(NOISE, force=3.0, moment=0.15, disturbance=0.06)
     log = simulate_two_hands(TRUTH, seed)
-    found = replay(log, CartFilter(guess(), ["left", "right"], noise=noise)).last.parameters
+    found = replay(log, online(guess(), ["left", "right"], noise=noise)).last.parameters
     assert found["mass"].value == pytest.approx(24.0, rel=0.04)
     assert abs(found["mass"].value - 24.0) < 3 * found["mass"].std
     assert abs(found["com_y"].value - 0.06) < 3 * found["com_y"].std
 
 
+@ONLINE
 @pytest.mark.parametrize("coulomb", [0.02, 0.03])
-def test_from_rest_with_a_friction_underestimated(coulomb):
+def test_from_rest_with_a_friction_underestimated(coulomb, online):
     """Guesses that are no body, on the way, once ended with a mass half as large again."""
     noise = replace(NOISE, force=1.0, moment=0.05, disturbance=0.06)
     log = simulate_two_hands((*TRUTH[:-1], coulomb), 0, noise=(0.0005, 0.005, 1.0))
     believed = guess(effects=(ViscousDrag(2.0, 1.0), RollingResistance(0.005)))
-    found = replay(log, CartFilter(believed, ["left", "right"], noise=noise)).last.parameters
+    found = replay(log, online(believed, ["left", "right"], noise=noise)).last.parameters
     assert found["mass"].value == pytest.approx(24.0, rel=0.03)
     assert found["rolling_resistance.coefficient"].value == pytest.approx(coulomb, rel=0.1)
 
@@ -175,21 +183,23 @@ def test_the_papers_literal_form_fails_where_the_filter_does_not():
     assert abs(sound.parameters["com_x"].value - 0.28) < 0.02
 
 
-def test_a_load_put_on_is_noticed_and_learned():
+@ONLINE
+def test_a_load_put_on_is_noticed_and_learned(online):
     before, _ = simulate(TRUTH, 6, duration=12.0)
     after, _ = simulate((32.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0), 7, duration=12.0)
-    estimator = CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN)
+    estimator = online(guess(), ["hand"], noise=NOISE, prior=KNOWN)
     assert replay(before, estimator).last.parameters["mass"].value == pytest.approx(24.0, rel=0.02)
     later = replace(after, time=after.time + 12.0 + 2.0)
     assert replay(later, estimator).last.parameters["mass"].value == pytest.approx(32.0, rel=0.05)
 
 
+@ONLINE
 @pytest.mark.parametrize("seed", range(3))
-def test_survives_what_sensors_do(seed):
+def test_survives_what_sensors_do(seed, online):
     """Drop-outs, NaN, outliers, repeated and backward times, a gap: no NaN, a sound covariance, mass still right."""
     log, _ = simulate(TRUTH, 20 + seed, duration=18.0)
     random = np.random.default_rng(seed)
-    estimator = CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN)
+    estimator = online(guess(), ["hand"], noise=NOISE, prior=KNOWN)
     for i, m in enumerate(log.measurements()):
         kind = random.integers(0, 12)
         if kind == 0:
@@ -211,22 +221,25 @@ def test_survives_what_sensors_do(seed):
     assert estimate.parameters["mass"].value == pytest.approx(24.0, rel=0.1)
 
 
-def test_no_wrench_is_said():
-    estimator = CartFilter(guess(), ["hand"])
+@ONLINE
+def test_no_wrench_is_said(online):
+    estimator = online(guess(), ["hand"])
     estimate = estimator.update(Measurement(0.0, np.zeros(3), np.zeros(3)))
     assert estimate.health == "no_wrench"
     assert estimate.parameters["mass"].value == pytest.approx(20.0)
     assert not estimate.parameters["mass"].identifiable
 
 
-def test_a_time_that_is_not_finite_is_refused():
+@ONLINE
+def test_a_time_that_is_not_finite_is_refused(online):
     with pytest.raises(UsageError, match="time"):
-        CartFilter(guess()).update(Measurement(np.nan, np.zeros(3)))
+        online(guess()).update(Measurement(np.nan, np.zeros(3)))
 
 
-def test_a_rail_learns_its_mass_alone():
+@ONLINE
+def test_a_rail_learns_its_mass_alone(online):
     cart = CartModel(Inertia(60.0, (0, 0), 1.0), RollingConstraints(no_rotation=True), (ViscousDrag(linear=50.0),))
-    estimator = CartFilter(cart, ["hand"], noise=replace(NOISE, position=1e-4))
+    estimator = online(cart, ["hand"], noise=replace(NOISE, position=1e-4))
     x = u = 0.0
     for k in range(1500):
         force = 200.0 * np.sin(2 * np.pi * k / 300)
@@ -241,11 +254,12 @@ def test_a_rail_learns_its_mass_alone():
     assert not any(estimate.parameters[name].identifiable for name in ("com_x", "com_y", "inertia"))
 
 
-def test_a_cart_on_casters_learns_all_four():
+@ONLINE
+def test_a_cart_on_casters_learns_all_four(online):
     """No rolling constraint: Newton-Euler of a free planar body, integrated here."""
     m, d, inertia = 80.0, np.array([0.1, -0.05]), 14.0
     cart = CartModel(Inertia(60.0, (0.0, 0.0), 10.0), RollingConstraints(axle_x=None))
-    estimator = CartFilter(cart, ["hand"], noise=replace(NOISE, position=1e-4, heading=1e-4))
+    estimator = online(cart, ["hand"], noise=replace(NOISE, position=1e-4, heading=1e-4))
     origin, theta, velocity, r = np.zeros(2), 0.0, np.zeros(2), 0.0
     random = np.random.default_rng(0)
     for k in range(1200):
@@ -272,13 +286,14 @@ def test_a_cart_on_casters_learns_all_four():
         assert estimate.parameters[name].identifiable
 
 
-def test_a_sensor_offset_is_learned_on_the_way():
+@ONLINE
+def test_a_sensor_offset_is_learned_on_the_way(online):
     log, _ = simulate(TRUTH, 9, duration=18.0, noise=(0.0004, 0.005, 0.1))
     arm = log.arms["hand"]
     shifted = replace(log, arms={"hand": replace(arm, wrench=arm.wrench + np.array([2.0, 0, 0, 0, 0, 0.4]))})
     cart = guess(effects=(ViscousDrag(linear=3.0, angular=1.2), ForceBias()))
     noise = replace(NOISE, force=0.1, moment=0.005)
-    last = replay(shifted, CartFilter(cart, ["hand"], noise=noise, prior=KNOWN)).last
+    last = replay(shifted, online(cart, ["hand"], noise=noise, prior=KNOWN)).last
     assert last.parameters["force_bias.fx"].value == pytest.approx(2.0, abs=0.3)
     tz, fy = last.parameters["force_bias.tz"], last.parameters["force_bias.fy"]
     assert tz.value + CONTACT[0] * fy.value == pytest.approx(0.4, abs=0.1), "one contact: only their sum acts"
@@ -286,9 +301,10 @@ def test_a_sensor_offset_is_learned_on_the_way():
     assert last.parameters["mass"].value == pytest.approx(24.0, rel=0.02)
 
 
-def test_an_unknown_name_in_the_prior_is_refused():
+@ONLINE
+def test_an_unknown_name_in_the_prior_is_refused(online):
     with pytest.raises(UsageError, match="weight"):
-        CartFilter(guess(), prior=Prior(known=frozenset({"weight"})))
+        online(guess(), prior=Prior(known=frozenset({"weight"})))
 
 
 def test_a_caster_believed_turned_round_is_not_believed_for_long():

@@ -1,0 +1,145 @@
+"""The estimators on the same logs: filter, regressor, the paper's form as printed, and the batch fit as a reference.
+
+A controller that knows the cart drives it along three paths, straight, in curves, and gently, with two hands; so no log
+depends on an estimator. The sensors are quiet, usual or poor, or give poses without velocities. Each estimator is told
+the sensors' noise and begins with the same wrong guess of load and drags.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimation import CartFilter, FilterNoise, PaperFilter, RegressorEstimator
+from estimation.batch import identify
+from estimation.replay import replay
+from planning.references import PathReference, chain, pause, speed_change, straight, turn
+from planning.tracking import build_tracker
+
+from ..constraints import RollingConstraints
+from ..contacts import ContactWrenches
+from ..effects import RollingResistance, ViscousDrag
+from ..frames import Array
+from ..inertia import Inertia
+from ..logs import RunLog
+from ..model import CartModel
+from ..motion import Measurement, ParameterEstimate
+from ..simulation.plant import ModelPlant
+from ..simulation.sensors import SensorNoise, Sensors
+from .parallel import run_all
+
+PERIOD = 0.01
+FILTER, REGRESSOR, PAPER, BATCH = "filter", "regressor", "paper", "batch"
+ONLINE: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
+    FILTER: CartFilter,
+    REGRESSOR: RegressorEstimator,
+    PAPER: PaperFilter,
+}
+WAYS = (*ONLINE, BATCH)
+PATHS = {
+    "straight": chain(straight(2.0, 0.6, 0.5), pause(0.5), straight(-2.0, 0.6, 0.5), pause(0.5)),
+    "curves": chain(
+        *(speed_change(0.6), turn(1.2, 0.6, 0.8), pause(0.5), turn(-2.0, 0.7, 0.8)),
+        *(speed_change(-0.4), turn(1.0, 0.5, 0.8), speed_change(-0.2), pause(0.5)),
+    ),
+    "gentle": chain(speed_change(0.3, 0.1), turn(0.5, 0.2, 0.15), turn(-0.5, 0.2, 0.15), speed_change(-0.3, 0.1)),
+}
+SENSORS = {
+    "quiet": SensorNoise(0.0002, 0.0002, 0.001, 0.001, 0.3, 0.015),
+    "usual": SensorNoise(0.0004, 0.0004, 0.005, 0.005, 3.0, 0.15),
+    "poor": SensorNoise(0.005, 0.005, 0.02, 0.02, 6.0, 0.3),
+    "poses alone": SensorNoise(0.0004, 0.0004, 0.005, 0.005, 3.0, 0.15, velocity_period=None),
+}
+HANDS = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
+
+
+def truth() -> CartModel:
+    effects = (ViscousDrag(linear=3.0, angular=1.2), RollingResistance(coefficient=0.015))
+    return CartModel(Inertia(24.0, (0.28, 0.06), 2.2), RollingConstraints(), effects)
+
+
+def guess() -> CartModel:
+    effects = (ViscousDrag(linear=2.0, angular=1.0), RollingResistance(coefficient=0.02))
+    return CartModel(Inertia(20.0, (0.3, 0.0), 1.8), RollingConstraints(), effects)
+
+
+@dataclass(frozen=True)
+class Job:
+    """A log: its path and sensors by name."""
+
+    path: str
+    sensors: str
+    seed: int
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What an estimator found in a log, and how long a row of it took, s."""
+
+    parameters: dict[str, ParameterEstimate]
+    health: str
+    step_time: float
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The answers by estimator."""
+
+    job: Job
+    answers: dict[str, Answer]
+
+
+def drive(job: Job, duration: float | None = None) -> RunLog:
+    """The log, whole or of a duration (s)."""
+    cart = truth()
+    plant, sensors = ModelPlant(cart), Sensors(cart, SENSORS[job.sensors], job.seed)
+    reference, tracker = PathReference(PATHS[job.path], cart.rolling), build_tracker(cart.constraints)
+    rows = []
+    for _ in range(round((duration or reference.duration) / PERIOD)):
+        now, motion = plant.time, plant.motion
+        given = shared(tracker.wrench_b(reference.at(now), motion, cart))
+        sensed, felt = sensors.motion(now, motion), sensors.wrenches(now, given)
+        rows.append(Measurement(now, sensed.pose, sensed.velocity, felt.wrenches, felt.contacts))
+        plant.step(given, PERIOD)
+    return RunLog.from_measurements(rows, list(HANDS))
+
+
+def shared(wrench_b: Array) -> ContactWrenches:
+    """Forward forces of the hands alone."""
+    contacts = {name: np.array(point) for name, point in HANDS.items()}
+    levers = np.array([[1.0, 1.0], [-point[1] for point in HANDS.values()]])
+    forces = np.linalg.solve(levers, wrench_b[[0, 2]])
+    wrenches = {name: np.array([force, 0, 0, 0, 0, 0]) for name, force in zip(HANDS, forces, strict=True)}
+    return ContactWrenches(wrenches, contacts)
+
+
+def filter_noise(sensors: SensorNoise) -> FilterNoise:
+    """What an estimator is told."""
+    s = sensors
+    known = (s.position, s.heading, s.linear_velocity, s.yaw_rate, s.force, s.moment)
+    return FilterNoise(*known, disturbance=0.02, slip=0.0001)
+
+
+def answer(log: RunLog, way: str, noise: FilterNoise) -> Answer:
+    """Of one estimator."""
+    begin = time.process_time()
+    if way == BATCH:
+        found = identify([log], guess(), noise=noise)
+        return Answer(found.parameters, "", (time.process_time() - begin) / len(log))
+    last = replay(log, ONLINE[way](guess(), list(HANDS), noise=noise)).last
+    return Answer(dict(last.parameters), str(last.health), (time.process_time() - begin) / len(log))
+
+
+def attempt(job: Job) -> Trial:
+    """Every estimator on one log."""
+    log, noise = drive(job), filter_noise(SENSORS[job.sensors])
+    return Trial(job, {way: answer(log, way, noise) for way in WAYS})
+
+
+def run_trials(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Trial]:
+    """Each path with each sensors and seed, over `workers` processes."""
+    jobs = [Job(path, sensors, seed) for path in PATHS for sensors in SENSORS for seed in seeds]
+    return run_all(attempt, jobs, workers, progress)

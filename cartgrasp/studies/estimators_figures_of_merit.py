@@ -1,0 +1,131 @@
+"""The study of estimators in numbers, what it claims, and when which of them is better."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..frames import Array
+from ..inertia import physical_from_phi
+from .claims import Claim
+from .estimators import BATCH, FILTER, PATHS, REGRESSOR, SENSORS, WAYS, Trial, truth
+
+PHYSICAL = ("mass", "com_x", "com_y", "inertia")
+COLUMNS = (
+    "path",
+    "sensors",
+    "estimator",
+    "mass kg",
+    "bias kg",
+    "CoM x cm",
+    "CoM y cm",
+    "inertia kg·m²",
+    "z",
+    "µs a row",
+)
+BETTER_COLUMNS = ("path", "sensors", *(f"{name}: filter / regressor" for name in PHYSICAL), "better")
+CLEARLY = 1.15
+"""By what factor one must be better to be called so."""
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """Over the seeds of a case: rms errors and means (4,) of mass, CoM and inertia, the mean's
+    standard error, rms of z over all, and the median time of a row, s."""
+
+    errors: Array
+    bias: Array
+    spread: Array
+    z: float
+    step_time: float
+
+
+def score(trials: Sequence[Trial], way: str) -> Score:
+    """Of one estimator in trials of one case."""
+    true = physical_from_phi(truth().inertia.phi)
+    found = [[trial.answers[way].parameters[name] for name in PHYSICAL] for trial in trials]
+    errors = np.array([[p.value for p in row] for row in found]) - true
+    deviations = np.array([[p.std for p in row] for row in found])
+    return Score(
+        errors=np.sqrt((errors**2).mean(axis=0)),
+        bias=errors.mean(axis=0),
+        spread=errors.std(axis=0) / max(len(trials) - 1, 1) ** 0.5,
+        z=float(np.sqrt(((errors / deviations) ** 2).mean())),
+        step_time=float(np.median([trial.answers[way].step_time for trial in trials])),
+    )
+
+
+def case(trials: Sequence[Trial], path: str, sensors: str) -> list[Trial]:
+    return [trial for trial in trials if (trial.job.path, trial.job.sensors) == (path, sensors)]
+
+
+def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
+    """By COLUMNS."""
+    return [_row(path, sensors, way, trials) for path in PATHS for sensors in SENSORS for way in WAYS]
+
+
+def _row(path: str, sensors: str, way: str, trials: Sequence[Trial]) -> tuple[str, ...]:
+    found = score(case(trials, path, sensors), way)
+    mass, com_x, com_y, inertia = found.errors
+    sizes = (f"{mass:.3g}", f"{found.bias[0]:+.2g}", f"{100 * com_x:.2g}", f"{100 * com_y:.2g}", f"{inertia:.2g}")
+    return path, sensors, way, *sizes, f"{found.z:.2g}", f"{1e6 * found.step_time:.0f}"
+
+
+def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
+    """Ratios of rms errors by case, and which of the two has the smaller ones in the geometric mean."""
+    told = []
+    for path in PATHS:
+        for sensors in SENSORS:
+            chosen = case(trials, path, sensors)
+            ratio = score(chosen, FILTER).errors / score(chosen, REGRESSOR).errors
+            mean = float(np.exp(np.log(ratio).mean()))
+            better = REGRESSOR if mean > CLEARLY else FILTER if mean < 1 / CLEARLY else "as good"
+            told.append((path, sensors, *(f"{value:.2f}" for value in ratio), better))
+    return told
+
+
+def claims(trials: Sequence[Trial]) -> list[Claim]:
+    usual = [score(case(trials, path, "usual"), REGRESSOR) for path in ("straight", "curves")]
+    mass = float(physical_from_phi(truth().inertia.phi)[0])
+    within = all(abs(s.bias[0]) <= max(0.005 * mass, 2 * s.spread[0]) for s in usual)
+    scores = {way: _honesty(trials, way) for way in WAYS}
+    times = {way: np.median([trial.answers[way].step_time for trial in trials]) for way in WAYS}
+    return [
+        Claim(
+            REGRESSOR,
+            "usual sensors, not gentle: mass without bias, within 0.5 % or two standard errors",
+            ", ".join(f"{s.bias[0]:+.2f} kg" for s in usual),
+            within,
+        ),
+        Claim(REGRESSOR, "z of 0.5 to 1.5 over all", f"{scores[REGRESSOR]:.2f}", 0.5 <= scores[REGRESSOR] <= 1.5),
+        Claim(FILTER, "z of 0.5 to 1.5 over all", f"{scores[FILTER]:.2f}", 0.5 <= scores[FILTER] <= 1.5, False),
+        Claim(BATCH, "z of 0.5 to 1.5 over all", f"{scores[BATCH]:.2f}", 0.5 <= scores[BATCH] <= 1.5, False),
+        Claim(
+            REGRESSOR,
+            "takes less time than the filter",
+            f"{1e6 * times[REGRESSOR]:.0f} against {1e6 * times[FILTER]:.0f} µs a row",
+            bool(times[REGRESSOR] < times[FILTER]),
+            promised=False,
+        ),
+    ]
+
+
+def _honesty(trials: Sequence[Trial], way: str) -> float:
+    """Rms of z over all cases."""
+    cases = [score(case(trials, path, sensors), way).z for path in PATHS for sensors in SENSORS]
+    return float(np.sqrt(np.mean(np.square(cases))))
+
+
+def as_dict(trial: Trial) -> dict[str, object]:
+    """For `--json`."""
+    answers = {
+        way: {
+            "health": answer.health,
+            "step_time_s": answer.step_time,
+            "parameters": {n: {"value": p.value, "std": p.std} for n, p in answer.parameters.items()},
+        }
+        for way, answer in trial.answers.items()
+    }
+    return {"path": trial.job.path, "sensors": trial.job.sensors, "seed": trial.job.seed, "answers": answers}

@@ -1,0 +1,125 @@
+"""What rows have taught so far: recursive least squares in information form, with a prior and forgetting.
+
+Unknown: the free parameters, the wrenches' lateness (a share of a sample), and what is wrong with nu where the last
+block ended. The latter is handed from row to row, so that neighbours' common noise is counted once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from ..gaussian import Gaussian, normalised_square, symmetric
+from .filtered_row import FilteredRow
+
+LATENESS, LATENESS_STD = -0.25, 0.3
+"""Of a sample period, beyond a wrench that is held to the next: that has 0, a mere sample -0.5."""
+KEPT = 0.9988
+"""Of the information about what a row asks; with some seven rows a second, 2 min are remembered."""
+GATE = 12.0
+"""Normalised squares, by component, beyond which a row pulls less."""
+
+
+class RegressionBelief:
+    """Parameters are `free` (indices) of p, `first` (f,) with their covariance; e has n components."""
+
+    def __init__(self, free: np.ndarray, first: Gaussian, n: int) -> None:
+        self._free, self._n = free, n
+        self._k = len(free) + 1
+        information = np.zeros((self._k, self._k))
+        information[:-1, :-1] = np.linalg.inv(first.covariance)
+        information[-1, -1] = LATENESS_STD**-2
+        self._information, self._pull = information, information @ np.append(first.mean, LATENESS)
+        self._linked = False
+
+    @property
+    def parameters(self) -> Gaussian:
+        """The free ones."""
+        whole = self._solved
+        m = self._k - 1
+        return Gaussian(whole.mean[:m], whole.covariance[:m, :m])
+
+    @property
+    def lateness(self) -> float:
+        return float(self._solved.mean[self._k - 1])
+
+    @property
+    def _solved(self) -> Gaussian:
+        covariance = _inverse(self._information)
+        return Gaussian(covariance @ self._pull, covariance)
+
+    def absorb(self, row: FilteredRow, at: Array) -> float:
+        """Takes in a row around parameters (p,); returns its normalised square."""
+        if not self._linked:
+            self._link(row.before)
+        k, n = self._k, self._n
+        slopes = np.column_stack([row.slopes[:, self._free], row.slopes[:, -1]])
+        value = row.residual + row.slopes[:, self._free] @ at[self._free]
+        now = self._solved
+        H = np.hstack([slopes, -row.fade * row.ends])
+        own = row.noise + row.ends @ row.after @ row.ends.T
+        news = value - H @ now.mean
+        square = float(normalised_square(news, H @ now.covariance @ H.T + own))
+        scale = max(1.0, square / (GATE * n))
+        self._forget(slopes, scale * own, now)
+        whole = np.zeros((k + 2 * n, k + 2 * n))
+        whole[: k + n, : k + n] = self._information
+        whole[k + n :, k + n :] = np.linalg.inv(row.after)
+        H = np.hstack([H, row.ends])
+        weight = np.linalg.inv(scale * row.noise)
+        whole += H.T @ weight @ H
+        pull = np.concatenate([self._pull, np.zeros(n)]) + H.T @ weight @ value
+        past, left = np.arange(k, k + n), np.r_[0:k, k + n : k + 2 * n]
+        self._information, self._pull = _without(whole, pull, past, left)
+        self._pull[:k] -= np.append(row.feigned[self._free], row.feigned[-1]) / scale
+        return square
+
+    def unlink(self) -> None:
+        """The next row does not begin where the last one ended."""
+        if self._linked:
+            past, left = np.arange(self._k, self._k + self._n), np.arange(self._k)
+            self._information, self._pull = _without(self._information, self._pull, past, left)
+            self._linked = False
+
+    def open(self, added: Array) -> None:
+        """Adds to the covariance of the free parameters, (f, f)."""
+        now = self._solved
+        m = self._k - 1
+        covariance = now.covariance.copy()
+        covariance[:m, :m] += added
+        self._information = _inverse(covariance)
+        self._pull = self._information @ now.mean
+
+    def _link(self, before: Array) -> None:
+        k, n = self._k, self._n
+        information = np.zeros((k + n, k + n))
+        information[:k, :k], information[k:, k:] = self._information, np.linalg.inv(before)
+        self._information, self._pull = information, np.concatenate([self._pull, np.zeros(n)])
+        self._linked = True
+
+    def _forget(self, slopes: Array, noise: Array, now: Gaussian) -> None:
+        """Of what the row asks, and never more than it answers (after Kulhavý 1987): where nothing is excited nothing
+        is forgotten, and what is left of the prior is not lost."""
+        k = self._k
+        root = np.linalg.inv(np.linalg.cholesky(noise))
+        asked = root @ slopes
+        known, directions = np.linalg.eigh(asked @ now.covariance[:k, :k] @ asked.T)
+        taken = np.minimum((1 - KEPT) / np.maximum(known, 1e-300), 1.0)
+        along = directions.T @ asked
+        lost = along.T @ (taken[:, None] * along)
+        self._information[:k, :k] -= lost
+        self._pull[:k] -= lost @ now.mean[:k]
+
+
+def _without(information: Array, pull: Array, past: np.ndarray, left: np.ndarray) -> tuple[Array, Array]:
+    """About those that are `left`, whatever the `past` ones are (Schur's complement)."""
+    gain = np.linalg.solve(information[np.ix_(past, past)], information[np.ix_(past, left)]).T
+    kept = information[np.ix_(left, left)] - gain @ information[np.ix_(past, left)]
+    return symmetric(kept), pull[left] - gain @ pull[past]
+
+
+def _inverse(matrix: Array) -> Array:
+    """Of a positive definite one with mixed units."""
+    scale = 1 / np.sqrt(np.diagonal(matrix))
+    return symmetric(np.linalg.inv(matrix * np.outer(scale, scale)) * np.outer(scale, scale))

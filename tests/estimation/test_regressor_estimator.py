@@ -1,0 +1,278 @@
+"""The filtered regression: its rows by another road, honest over seeds, and changes of load noticed in time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from cartgrasp.effects import RollingResistance, ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from estimation import FilterNoise, Prior, RegressorEstimator
+from estimation.gaussian import Gaussian
+from estimation.log_noise import noise_of_log
+from estimation.regressor import regression_belief
+from estimation.regressor.filtered_row import (
+    NOISE_SHARE,
+    RATE,
+    FilteredRow,
+    Recorded,
+    Rise,
+    Weights,
+    curvature_noise,
+    filtered_row,
+)
+from estimation.regressor.motion_tracker import Stretch
+from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief
+from estimation.replay import replay
+from estimation.wrench_sensing import SensedWrench
+
+from .runs import integrate, push, simulate, simulate_two_hands
+from .test_identification import at_rest
+
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
+DRAGS = (ViscousDrag(linear=2.0, angular=1.0), RollingResistance(coefficient=0.015))
+
+
+def guess(effects=DRAGS):
+    return CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=effects)
+
+
+def learned(log, cart=None, **arguments):
+    cart = cart or guess()
+    return replay(log, RegressorEstimator(cart, list(log.arms), noise=noise_of_log(log, cart), **arguments))
+
+
+# --- rows ----------------------------------------------------------------------------------------------------
+
+
+def test_a_block_is_what_is_new_of_a_filter():
+    """`F_k - fade F_(k-1)` of the filter's own differential equation, over uneven steps."""
+    random = np.random.default_rng(0)
+    time = np.cumsum(random.uniform(0.002, 0.05, 12))
+    knots = random.standard_normal(12)
+
+    def follow(value):
+        flow = solve_ivp(
+            lambda t, y: RATE * (value(t) - y), (time[0], time[-1]), [0.7], rtol=1e-9, atol=1e-11, max_step=1e-3
+        )
+        return flow.y[0, -1]
+
+    weights = Weights.of(time)
+    linear = follow(lambda t: np.interp(t, time, knots)) - weights.fade * 0.7
+    held = follow(lambda t: knots[min(np.searchsorted(time, t, "right") - 1, 10)]) - weights.fade * 0.7
+    assert weights.fade == pytest.approx(np.exp(-RATE * (time[-1] - time[0])))
+    assert weights.linear @ knots == pytest.approx(linear, abs=1e-7)
+    assert weights.held @ knots[:-1] == pytest.approx(held, abs=1e-4)
+
+
+def test_a_row_of_the_truth_has_no_residual():
+    """Hand-written dynamics, integrated; and slopes by differences."""
+    truth, wrenches = integrate((*TRUTH[:-1], 0.0), lambda time, _: push(time), 1.3)
+    cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
+    block = slice(100, 126)
+    states, time = truth[block], 0.01 * np.arange(100, 126)
+    motion = Stretch(time, states[:, :3], states[:, 3:], np.zeros((26, 2)), np.tile(1e-14 * np.eye(2), (26, 1, 1)))
+
+    def row(theta):
+        sensed = [SensedWrench(w, np.eye(2), np.zeros((2, 6))) for w in wrenches[block][:-1]]
+        recorded = [Recorded(t, s, theta) for t, s in zip(time, sensed, strict=False)]
+        return filtered_row(cart, theta, motion, np.zeros((26, 0)), recorded, FilterNoise())
+
+    found = row(cart.parameters)
+    size = Weights.of(time).held @ wrenches[block][:-1]
+    assert np.abs(found.residual).max() < 2e-4 * np.abs(size).max()
+    for i, move in enumerate(1e-4 * np.eye(6)):
+        by = (row(cart.parameters + move).residual - row(cart.parameters - move).residual) / 2e-4
+        assert -by == pytest.approx(found.slopes[:, i], abs=1e-6)
+
+
+def test_what_is_not_linear_is_noise_while_little_is_known():
+    """Rolling resistance is load times coefficient: of drawn parameters, what a linear row misses."""
+    cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(RollingResistance(0.02),))
+    random = np.random.default_rng(0)
+    velocity, acceleration = np.tile([0.5, 0.2], (11, 1)), np.tile([0.3, 0.1], (11, 1))
+    time, zero = 0.015 * np.arange(11), np.zeros((11, 3))
+    motion = Stretch(time, zero, velocity, acceleration, np.tile(np.eye(2), (11, 1, 1)))
+    spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
+    found = curvature_noise(cart, cart.parameters, motion, zero[:, :0], spread)
+    drawn = random.standard_normal((20000, 5)) @ spread
+    rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
+    at = cart.inverse(rows[0], rows[1], cart.parameters)
+    moved = cart.required_wrench(*rows, cart.parameters + drawn)
+    missed = moved - at.wrench - np.einsum("nfp,np->nf", at.by_parameters, drawn)
+    gain = 1 - np.exp(-RATE * 0.15)
+    assert found == pytest.approx(gain**2 * np.cov(missed.T), rel=0.05, abs=1e-9)
+    assert found[0, 0] == pytest.approx((gain * 4.0 * 0.005 * 9.81) ** 2, rel=0.02)
+
+
+def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
+    """Of a mass of 5 pushed by itself, around a guess: rises of a velocity that is sensed, and a force."""
+    fade, share = 0.7, NOISE_SHARE**0.5
+    rises, errors = scale * random.standard_normal(n), share * noise_of_velocity * random.standard_normal(n + 1)
+    forces = 5.0 * RATE * rises + 0.3 * random.standard_normal(n)
+    variance = np.array([[noise_of_velocity**2]])
+    for k in range(n):
+        rise = RATE * (rises[k] + errors[k + 1] - fade * errors[k])
+        seen = Rise.of(np.array([rise]), RATE**2 * (1 + fade**2) * variance)
+        yield FilteredRow(
+            residual=np.array([forces[k] - at * rise]),
+            slopes=np.array([[seen.part[0], 0.0]]),
+            ends=np.array([[-RATE * at]]),
+            fade=fade,
+            noise=np.array([[0.09]]),
+            before=variance,
+            after=variance,
+            feigned=np.append(seen.feigned(np.ones((1, 1, 1)), np.array([[at]]), np.array([[0.09]])), 0.0),
+        )
+
+
+def belief():
+    return RegressionBelief(np.array([0]), Gaussian(np.array([4.0]), np.array([[4.0]])), 1)
+
+
+def test_rows_add_up_to_generalised_least_squares(monkeypatch):
+    """Neighbours share an end: their covariance written out, and inverted at once."""
+    monkeypatch.setattr(regression_belief, "KEPT", 1.0)
+    rows, found = list(drawn_rows(30, np.random.default_rng(1))), belief()
+    for row in rows:
+        found.absorb(replace(row, feigned=np.zeros(2)), np.array([4.0]))
+    L = np.zeros((30, 31))
+    for k in range(30):
+        L[k, k], L[k, k + 1] = 0.7 * 8.0, -8.0
+    covariance = 0.09 * np.eye(30) + 0.01 * L @ L.T
+    H = np.array([row.slopes[0, 0] for row in rows])
+    value = np.array([row.residual[0] + 4.0 * row.slopes[0, 0] for row in rows])
+    information = 0.25 + H @ np.linalg.solve(covariance, H)
+    assert 1 / found.parameters.covariance[0, 0] == pytest.approx(information, rel=1e-9)
+    pull = 0.25 * 4.0 + H @ np.linalg.solve(covariance, value)
+    assert found.parameters.mean[0] == pytest.approx(pull / information, rel=1e-9)
+
+
+def test_noise_in_the_regressors_does_not_make_light():
+    """Of a seventh of the motion: light by percents, unless what it pulls is told."""
+    random = np.random.default_rng(2)
+    corrected, plain = belief(), belief()
+    for row in drawn_rows(3000, random, 0.15, at=5.0):
+        corrected.absorb(row, np.array([5.0]))
+        plain.absorb(replace(row, feigned=np.zeros(2)), np.array([5.0]))
+    lightness = 5.0 - plain.parameters.mean[0]
+    assert lightness > 0.05
+    assert abs(corrected.parameters.mean[0] - 5.0) < 0.3 * lightness
+
+
+@pytest.mark.parametrize("force_is_quiet", [False, True])
+def test_noise_alone_teaches_next_to_nothing(force_is_quiet):
+    found = belief()
+    for row in drawn_rows(30, np.random.default_rng(3), 0.003, scale=0.0):
+        noise = np.full((1, 1), 1e-9) if force_is_quiet else row.noise
+        found.absorb(replace(row, noise=noise, residual=-4.0 * row.slopes[:, 0]), np.array([4.0]))
+    assert found.parameters.std[0] > 1.5
+
+
+def test_only_what_is_excited_is_forgotten():
+    """Two masses, of which rows ask one: it is never surer than its memory allows, the other stays as sure."""
+    found = RegressionBelief(np.arange(2), Gaussian(np.array([4.0, 4.0]), 4.0 * np.eye(2)), 1)
+    one = next(drawn_rows(1, np.random.default_rng(4)))
+    for asked, times in ((1, 50), (0, 4000)):
+        slopes = np.zeros((1, 3))
+        slopes[0, asked] = 1.0
+        row = replace(one, slopes=slopes, residual=np.zeros(1), feigned=np.zeros(3))
+        found.unlink()
+        before = found.parameters.std[1]
+        for _ in range(times):
+            found.absorb(row, np.array([4.0, 4.0]))
+    own = 0.09 + 1.0 + 0.49
+    assert found.parameters.std[1] == pytest.approx(before, rel=1e-6)
+    lasting = 1 / (1 - regression_belief.KEPT)
+    assert own / (2 * lasting) ** 0.5 > found.parameters.std[0] * own**0.5 > 0.1 * (own / lasting) ** 0.5
+
+
+# --- runs ----------------------------------------------------------------------------------------------------
+
+
+def scores(parameters):
+    return [(p.value - value) / p.std for p, value in zip(parameters.values(), TRUTH, strict=True)]
+
+
+def drawn(seed, duration=12.0):
+    return simulate(TRUTH, seed, duration, noise=(0.0004, 0.005, 3.0))[0]
+
+
+def test_errors_are_as_large_as_they_are_said_to_be():
+    z = np.array([scores(learned(drawn(seed, 8.0)).last.parameters) for seed in range(40, 44)])
+    assert np.abs(z).max() < 4.0
+    assert 0.5 < np.sqrt((z**2).mean()) < 1.5
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("two", [False, True])
+def test_bias_and_coverage_over_20_seeds(two):
+    """3 N and 5 mm/s of noise: the mass is unbiased within 0.5 %."""
+    logs = [simulate_two_hands(TRUTH, seed) if two else drawn(seed) for seed in range(60, 80)]
+    found = [learned(log).last.parameters for log in logs]
+    masses = [parameters["mass"].value for parameters in found]
+    spread = np.std(masses) / 20**0.5
+    assert abs(np.mean(masses) - 24.0) < max(0.005 * 24.0, 2 * spread)
+    z = np.array([scores(parameters) for parameters in found])
+    assert 0.7 < np.sqrt((z**2).mean()) < 1.3
+    assert np.abs(z).max() < 4.5
+
+
+def test_standstill_teaches_nothing():
+    """Noise that moves nothing, with friction and without."""
+    for effects in (DRAGS, DRAGS[:1]):
+        cart = guess(effects)
+        last = learned(at_rest(), cart).last
+        assert last.model_parameters == pytest.approx(cart.parameters, abs=1e-9)
+        assert not any(p.identifiable for p in last.parameters.values())
+
+
+def changing(time_of_change, mass, seed):
+    """A log of a cart that is loaded on the way, at rest, and then pushed again."""
+    before, after = drawn(seed, time_of_change), simulate((mass, *TRUTH[1:]), seed + 100, 6.0, noise=(4e-4, 0.005, 3.0))
+    late = after[0]
+    return before, replace(late, time=late.time + time_of_change + 1.0)
+
+
+@pytest.mark.parametrize("mass", [16.0, 32.0])
+def test_a_change_of_load_is_noticed_within_two_seconds(mass):
+    before, after = changing(12.0, mass, 5)
+    cart = guess()
+    estimator = RegressorEstimator(cart, ["hand"], noise=noise_of_log(before, cart))
+    first = replay(before, estimator)
+    assert {str(e.health) for e in first.estimates} <= {"no_wrench", "ok"}
+    second = replay(after, estimator)
+    noticed = [e.time for e in second.estimates if e.health == "load_changed"]
+    assert noticed
+    assert noticed[0] - after.time[0] < 2.0
+    found = second.last.parameters["mass"]
+    assert abs(found.value - mass) < 0.04 * mass
+
+
+@pytest.mark.prove
+def test_no_false_alarm_in_quiet_runs():
+    for seed in range(200, 230):
+        healths = {str(e.health) for e in learned(drawn(seed, 30.0)).estimates}
+        assert healths <= {"ok", "no_wrench"}
+
+
+def test_late_wrenches_are_told_from_held_ones():
+    """The same push, each wrench recorded a sample late."""
+    log = simulate(TRUTH, 6, 12.0, noise=(0.0002, 0.002, 0.2))[0]
+    hand = log.arms["hand"]
+    late = replace(log, arms={"hand": replace(hand, wrench=np.roll(hand.wrench, 1, axis=0))})
+    lateness = []
+    for one in (log, late):
+        cart = guess()
+        estimator = RegressorEstimator(cart, ["hand"], noise=noise_of_log(one, cart))
+        replay(one, estimator)
+        lateness.append(estimator.lateness)
+    assert LATENESS < lateness[0] < LATENESS_STD
+    assert lateness[0] - lateness[1] == pytest.approx(1.0, abs=0.35)
+
+
+def test_what_is_known_stays():
+    drag = learned(drawn(3, 3.0), prior=Prior(known=frozenset({"viscous_drag"}))).last.parameters["viscous_drag.linear"]
+    assert (drag.value, drag.std, drag.identifiable) == (2.0, 0.0, False)
