@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
 
 from .prior import Prior
 

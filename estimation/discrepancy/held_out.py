@@ -11,6 +11,7 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
+from ..batch.identification import DELAY
 from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
 from .manoeuvres import held_out, manoeuvres
@@ -81,14 +82,14 @@ class HeldOut:
         return closed / whole, closed / left if before > BEYOND_NOISE * floor else 0.0
 
     def likelihood(self, fitted: Fitted, better: Fitted) -> float:
-        """Log of the ratio of likelihoods of the wrenches that no fit saw."""
+        """Log of the ratio of likelihoods of the wrenches that no fit saw, both at the usual delay of samples: at
+        another, rows are mixed otherwise and their noise is another."""
         return 0.5 * (self._surprise(fitted) - self._surprise(better)) / better.scatter.excess
 
     def _surprise(self, fitted: Fitted) -> float:
         trained, total = self.trained(fitted), 0.0
-        pairs = zip(fitted.regressions, self._kept, trained.delays, strict=True)
-        for regression, kept, delay in pairs:
-            line = regression.within(kept).with_cart(trained.cart).linearised(trained.cart.parameters, delay)
+        for regression, kept in zip(fitted.regressions, self._kept, strict=True):
+            line = regression.within(kept).with_cart(trained.cart).linearised(trained.cart.parameters, DELAY)
             residual = line.residual[..., None]
             total += float((residual * line.whitened(residual)).sum())
         return total
