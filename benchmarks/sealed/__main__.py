@@ -23,11 +23,12 @@ def main() -> None:
     making.add_argument("--motion", choices=list(DURATIONS), default="rich")
     scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
     scoring.add_argument("folder", type=Path, metavar="DIR")
+    scoring.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
     options = parser.parse_args()
     if options.command == "score":
         from .score import score
 
-        print(score(options.folder))
+        print(score(options.folder, options.reports))
         return
     cases = {"all": CASES, "mujoco": MUJOCO_CASES}.get(options.cases) or options.cases.split(",")
     unknown = [case for case in cases if case not in (*CASES, *MUJOCO_CASES)]
