@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -32,7 +33,7 @@ def reliability(judgements: Sequence[Judgement]) -> str:
         return ""
     said, right = np.array(told, dtype=float).T
     lines = [f"{'Probability of a name':<32} {'n':>4} {'mean said':>10} {'true':>7}"]
-    for low, high in zip(EDGES[:-1], EDGES[1:], strict=True):
+    for low, high in pairwise(EDGES):
         inside = (said > low) & (said <= high)
         if inside.any():
             cells = f"{int(inside.sum()):>4} {said[inside].mean():>10.3f} {right[inside].mean():>7.3f}"
