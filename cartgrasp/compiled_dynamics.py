@@ -39,7 +39,7 @@ class CompiledDynamics:
         self.n_state = 3 + self.n_free + self.n_memory
         table = np.column_stack([wheels.positions, wheels.is_caster])
         self.floats, self.ints = pack(effects, (table, wheels.pivots), basis_b, sizes, (GRAVITY, smoothing_speed))
-        self._n_sums = sums_size(self.n_memory, self.n_parameters)
+        self._n_wheels, self._n_sums = len(table), sums_size(self.n_memory, self.n_parameters)
         self._most_stictions = len(effects) * (2 * len(table) + 2) + self.n_memory
 
     def rates(self, point: Point, push: Push, foreign: Array | None = None) -> tuple[Array, ...]:
@@ -74,6 +74,11 @@ class CompiledDynamics:
         """The sums (..., size) of what effects add; `parts` says what stands where."""
         found, _ = self._effects(point, foreign)
         return found[..., : self._n_sums]
+
+    def floor(self, point: Point, com_height: Array, foreign: Array | None = None) -> Array:
+        """Rows (..., n_wheels + 1, 7) as `kernels.floor.react` has them."""
+        found = self._ask(entries.floors, self._given(point, (com_height,), foreign), 7 * (self._n_wheels + 1))
+        return found.reshape(*found.shape[:-1], -1, 7)
 
     def parts(self, sums: Array) -> tuple[Array, Array, Parts, Parts]:
         """Views of sums: phi, its partials by the parameters, the wrench, and the rate of the memory."""

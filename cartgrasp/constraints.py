@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,7 +58,7 @@ class RollingConstraints:
             rows.append([0.0, 0.0, 1.0])
         return np.array(rows).reshape(len(rows), 3)
 
-    @property
+    @cached_property
     def basis_b(self) -> Array:
         """S_b, shape (3, n_free), constant, with `rows_b @ basis_b == 0`."""
         if self.axle_x is None:

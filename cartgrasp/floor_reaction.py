@@ -11,6 +11,7 @@ For an axle through {b}'s origin, lambda = m (u r + dx r' - dy r²) - fy. With t
     sum N = m g - Wz,   sum x N = m g dx + W_ty - h T_x,   sum y N = m g dy - W_tx - h T_y,
 
 and are spread as `WheelSet` spreads the weight at rest. How the mass is spread over the height is left out.
+`cartgrasp/kernels/floor.py` works it out.
 
 Along a direction of the cart's parameters, with dM, db and de the slopes of M_b, b and e,
 
@@ -22,7 +23,7 @@ and with it the loads and lambda have slopes; M_b and b are linear in phi.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -33,8 +34,10 @@ from .rigid_body import bias_b, mass_matrix_b
 from .wheels import GRAVITY
 
 if TYPE_CHECKING:
-    from .model import Acting, CartModel
+    from .model import CartModel
     from .motion import Motion
+
+PLANAR = np.eye(6)[list(PLANAR_ROWS)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,23 +53,26 @@ class FloorReaction:
     @classmethod
     def of(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
         """At a motion; at rest where none is given."""
-        acting, velocity_b = _acting(cart, motion, time)
-        bias = bias_b(velocity_b, acting.phi)[0]
-        inertial = mass_matrix_b(acting.phi) @ _mobility(cart, acting.phi)
-        rate = _Affine(inertial, inertial @ (acting.wrench_b - bias) + bias)
-        return cls._by(cart, rate, _Affine(np.eye(3), acting.wrench_b), acting.phi)
+        _height(cart)
+        rows = cart.floor_rows(_state(cart, motion), time)
+        return cls(rows[:-1, :6], rows[:-1, 6], rows[-1, :6], rows[-1, 6])
 
     @classmethod
     def by_parameters(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
         """The partials of all four by the cart's parameters (p,), on a leading axis."""
-        acting, velocity_b = _acting(cart, motion, time)
-        by_phi, effects = acting.phi_by_parameters.T, acting.wrench_by_parameters.T
-        mobility = _mobility(cart, acting.phi)
-        inertial, turned = mass_matrix_b(acting.phi) @ mobility, mass_matrix_b(by_phi) @ mobility
-        push, bias = acting.wrench_b - bias_b(velocity_b, acting.phi)[0], bias_b(velocity_b, by_phi)[0]
+        height, state, basis = _height(cart), _state(cart, motion), cart.basis_b
+        acting, velocity_b = cart.acting(state, time=time), basis @ state[cart.velocity_slice]
+        phi, by_phi, effects = acting.phi, acting.phi_by_parameters.T, acting.wrench_by_parameters.T
+        mobility = basis @ np.linalg.inv(basis.T @ mass_matrix_b(phi) @ basis) @ basis.T
+        inertial, turned = mass_matrix_b(phi) @ mobility, mass_matrix_b(by_phi) @ mobility
+        push, bias = acting.wrench_b - bias_b(velocity_b, phi)[0], bias_b(velocity_b, by_phi)[0]
         kept = np.eye(3) - inertial
-        rate = _Affine(kept @ turned, (turned @ push + bias) @ kept.T + effects @ inertial.T)
-        return cls._by(cart, rate, _Affine(np.zeros((3, 3)), effects), by_phi)
+        rate = (kept @ turned)[:, :2] @ PLANAR
+        offset = (turned @ push + bias) @ kept.T + effects @ inertial.T
+        weight = GRAVITY * by_phi[:, :3]
+        weight[:, 1:] -= height * offset[:, :2]
+        spread, across = cart.wheel_set.load_map[:, :3] / GRAVITY, cart.rolling.across_b
+        return cls(-height * spread[:, 1:] @ rate, weight @ spread.T, across @ rate, (offset - effects)[:, :2] @ across)
 
     def along(self, direction: Array) -> Self:
         """Partials by the parameters, summed along a direction (p,) of these."""
@@ -74,21 +80,6 @@ class FloorReaction:
         load_map = (direction @ self.load_map.reshape(p, -1)).reshape(n_wheels, columns)
         rest = (direction @ field for field in (self.load_offset, self.lateral_map, self.lateral_offset))
         return type(self)(load_map, *rest)
-
-    @classmethod
-    def _by(cls, cart: CartModel, rate: _Affine, given: _Affine, phi: Array) -> Self:
-        """From T, from what is given beside the floor's push, w + e, and from phi; or from partials of the three."""
-        planar, hands, height = np.eye(6)[list(PLANAR_ROWS)], given.by_planar[0, 0], _height(cart)
-        balance = np.zeros((*phi.shape[:-1], 3, 6))
-        balance[..., 0, 2], balance[..., 1, 4], balance[..., 2, 3] = -hands, hands, -hands
-        balance[..., 1:, :] -= height * rate.by_planar[..., :2, :] @ planar
-        weight = GRAVITY * phi[..., :3]
-        weight[..., 1:] -= height * rate.offset[..., :2]
-        spread = cart.wheel_set.load_map[:, :3] / GRAVITY
-        across = cart.rolling.across_b
-        lateral = across @ (rate.by_planar - given.by_planar)[..., :2, :]
-        offset = (rate.offset - given.offset)[..., :2] @ across
-        return cls(spread @ balance, weight @ spread.T, lateral @ planar, offset)
 
     def loads(self, wrench_b: Array) -> Array:
         """N of each wheel, (..., n_wheels), under spatial wrenches (..., 6)."""
@@ -99,26 +90,11 @@ class FloorReaction:
         return np.asarray(wrench_b @ self.lateral_map + self.lateral_offset)
 
 
-class _Affine(NamedTuple):
-    """`by_planar @ w + offset`, (3,)."""
-
-    by_planar: Array
-    offset: Array
-
-
-def _acting(cart: CartModel, motion: Motion | None, time: float) -> tuple[Acting, Array]:
-    """What acts on the cart, and its velocity (u, w, r)."""
-    state = cart.state() if motion is None else cart.state(motion.pose_sb, motion.velocity)
-    return cart.acting(state, time=time), cart.basis_b @ state[cart.velocity_slice]
-
-
 def _height(cart: CartModel) -> float:
     if not cart.wheels or cart.com_height is None:
         raise UsageError(f"{cart.name}: wheels and com_height are needed for wheel loads; add them to the cart")
     return cart.com_height
 
 
-def _mobility(cart: CartModel, phi: Array) -> Array:
-    """S (Sᵀ M_b S)⁻¹ Sᵀ."""
-    basis = cart.basis_b
-    return np.asarray(basis @ np.linalg.inv(basis.T @ mass_matrix_b(phi) @ basis) @ basis.T)
+def _state(cart: CartModel, motion: Motion | None) -> Array:
+    return cart.state() if motion is None else cart.state(motion.pose_sb, motion.velocity)

@@ -6,7 +6,9 @@ when `m > 0` and `J m > |m d|²`: the planar pseudo-inertia is positive definite
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,20 +17,19 @@ from .errors import UsageError
 from .frames import Array, components
 
 PHI_NAMES = ("m", "m_dx", "m_dy", "J")
+N_PHI = len(PHI_NAMES)
+Number = TypeVar("Number", float, Array)
 
 
 def phi_from_physical(mass: ArrayLike, com_x: ArrayLike, com_y: ArrayLike, inertia: ArrayLike) -> Array:
     """phi, shape (..., 4), from mass, CoM in {b} and yaw inertia about the CoM."""
-    mass, com_x, com_y, inertia = (np.asarray(v, dtype=float) for v in (mass, com_x, com_y, inertia))
-    return np.stack(
-        np.broadcast_arrays(mass, mass * com_x, mass * com_y, inertia + mass * (com_x**2 + com_y**2)), axis=-1
-    )
+    numbers = (np.asarray(v, dtype=float) for v in (mass, com_x, com_y, inertia))
+    return np.stack(np.broadcast_arrays(*_phi(*numbers)), axis=-1)
 
 
 def physical_from_phi(phi: ArrayLike) -> Array:
     """(mass, com_x, com_y, inertia about the CoM), shape (..., 4)."""
-    mass, first_x, first_y, J = components(np.asarray(phi, dtype=float))
-    return np.stack([mass, first_x / mass, first_y / mass, J - (first_x**2 + first_y**2) / mass], axis=-1)
+    return np.stack(_physical(*components(np.asarray(phi, dtype=float))), axis=-1)
 
 
 def physical_jacobian(phi: ArrayLike) -> Array:
@@ -59,7 +60,7 @@ class Inertia:
     about_com: float
 
     def __post_init__(self) -> None:
-        if not np.isfinite([self.mass, *self.com, self.about_com]).all():
+        if not all(map(math.isfinite, (self.mass, *self.com, self.about_com))):
             raise UsageError(f"inertia: {self} has a value that is not finite")
         if self.mass <= 0:
             raise UsageError(f"mass: {self.mass:g} kg is not positive")
@@ -70,14 +71,15 @@ class Inertia:
 
     @classmethod
     def from_phi(cls, phi: ArrayLike) -> Inertia:
-        if np.asarray(phi)[0] <= 0:
-            raise UsageError(f"mass: {np.asarray(phi)[0]:g} kg is not positive")
-        mass, com_x, com_y, about_com = (float(v) for v in physical_from_phi(phi))
+        numbers: list[float] = np.asarray(phi, dtype=float).tolist()
+        if numbers[0] <= 0:
+            raise UsageError(f"mass: {numbers[0]:g} kg is not positive")
+        mass, com_x, com_y, about_com = _physical(*numbers)
         return cls(mass, (com_x, com_y), about_com)
 
     @property
     def phi(self) -> Array:
-        return phi_from_physical(self.mass, *self.com, self.about_com)
+        return np.array(_phi(self.mass, *self.com, self.about_com))
 
     @property
     def about_origin(self) -> float:
@@ -87,3 +89,11 @@ class Inertia:
     def with_payload(self, mass: float, x: float, y: float) -> Inertia:
         """The same cart with a point mass put on (or, when negative, taken off) at (x, y) in {b}."""
         return Inertia.from_phi(self.phi + mass * np.array([1.0, x, y, x**2 + y**2]))
+
+
+def _phi(mass: Number, com_x: Number, com_y: Number, inertia: Number) -> tuple[Number, Number, Number, Number]:
+    return mass, mass * com_x, mass * com_y, inertia + mass * (com_x * com_x + com_y * com_y)
+
+
+def _physical(mass: Number, first_x: Number, first_y: Number, J: Number) -> tuple[Number, Number, Number, Number]:
+    return mass, first_x / mass, first_y / mass, J - (first_x * first_x + first_y * first_y) / mass

@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from .contacts import grasp_map_planar
 from .errors import UsageError
 from .frames import Array
-from .model import N_PHI, CartModel
+from .inertia import N_PHI
+from .model import CartModel
 
 SINGULAR = 1e-12
 """Share of the largest eigenvalue below which a direction counts as not taught."""

@@ -1,7 +1,6 @@
-"""`CartModel`: inertia, rolling constraints and effects, and how the cart moves.
+"""`CartModel`: how a cart of an inertia, rolling constraints and effects moves.
 
-The state is `(x, y, theta | nu | memory)`, the parameters are `(phi | effects' values)`. With S the basis of the free
-velocities, the reduced dynamics are (physics 4)
+With S the basis of the free velocities, the reduced dynamics are (physics 4)
 
     Sᵀ M_b S nu' = Sᵀ (wrench_b + effects - bias),    pose' = R(theta) S nu.
 
@@ -10,23 +9,20 @@ They are in the body frame, where S is constant. Every function broadcasts over 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from .constraints import RollingConstraints
-from .effects import ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
+from .cart_structure import CartStructure
+from .effects import ForceEffect, InertiaEffect
 from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
-from .errors import UsageError
 from .frames import Array
-from .inertia import PHI_NAMES, Inertia
+from .inertia import N_PHI
 from .rigid_body import regressor_b
-from .wheels import Wheel, WheelSet
+from .shared_property import SharedProperty
 
 if TYPE_CHECKING:
     import os
@@ -34,20 +30,6 @@ if TYPE_CHECKING:
 
     from .compiled_dynamics import CompiledDynamics, Point
     from .kernels.situation import Parts
-
-N_PHI = len(PHI_NAMES)
-BODY_STRUCTURE = (
-    "wheel_set",
-    "parameter_names",
-    "memory_names",
-    "memory_spread",
-    "state_names",
-    "velocity_slice",
-    "memory_slice",
-)
-STRUCTURE = (*BODY_STRUCTURE, "rolling", "slip_compliance", "basis_b", "dynamics")
-"""Cached properties that do not depend on numbers, but for those of constraint effects."""
-N_POSE = 3
 
 
 @dataclass(frozen=True)
@@ -84,156 +66,16 @@ class Acting(NamedTuple):
     wrench_by_parameters: Array
 
 
+@final
 @dataclass(frozen=True)
-class CartModel:
-    """A cart: what is pushed, and what acts on it. Frozen; `with_...` returns another."""
-
-    inertia: Inertia
-    constraints: RollingConstraints = RollingConstraints()
-    effects: tuple[Effect, ...] = ()
-    wheels: tuple[Wheel, ...] = ()
-    com_height: float | None = None
-    name: str = "cart"
-    source: str = field(default="", repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        keys = [effect.key for effect in self.effects]
-        for key in keys:
-            if keys.count(key) > 1:
-                raise UsageError(f"effects: {key} stands twice; give each its own label")
-        if self.constraints.angle:
-            raise UsageError("constraints: wheels at an angle are the effect wheel_misalignment; add it to the effects")
-        for effect in self.constraint_effects:
-            effect.check(self.constraints)
-
-    # --- structure -------------------------------------------------------------------------------------------
-
-    def with_effect(self, effect: Effect) -> CartModel:
-        """The cart with one more effect."""
-        return replace(self, effects=(*self.effects, effect))
-
-    def without_effect(self, key: str) -> CartModel:
-        """The cart without the effect called `key` (`name` or `name.label`)."""
-        left = tuple(effect for effect in self.effects if effect.key != key)
-        if len(left) == len(self.effects):
-            known = ", ".join(effect.key for effect in self.effects) or "none"
-            raise UsageError(f"effects: this cart has no {key}; it has {known}")
-        return replace(self, effects=left)
-
-    def with_inertia(self, inertia: Inertia) -> CartModel:
-        return replace(self, inertia=inertia)
-
-    def with_parameters(self, parameters: ArrayLike) -> CartModel:
-        """The same structure with other numbers (p,)."""
-        parameters = np.asarray(parameters, dtype=float)
-        effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
-        other = replace(self, inertia=Inertia.from_phi(parameters[:N_PHI]), effects=effects)
-        kept = STRUCTURE if other.constraint_effects == self.constraint_effects else BODY_STRUCTURE
-        structure = {k: v for k, v in self.__dict__.items() if k in kept}
-        other.__dict__.update(structure)
-        return other
+class CartModel(CartStructure):
+    """A cart: what is pushed, and what acts on it; its parts are those of `CartStructure`."""
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Writes `cart.yaml`, with the comments and order of the file it was read from."""
         from .cart_file import save_cart
 
         return save_cart(self, path)
-
-    @cached_property
-    def force_effects(self) -> tuple[tuple[ForceEffect, slice, slice], ...]:
-        """Each with its slices of the parameters and of the memory."""
-        found, start = [], 0
-        for effect, where in zip(self.effects, self._slices, strict=True):
-            if isinstance(effect, ForceEffect):
-                size = len(effect.memory_names(self.wheel_set))
-                found.append((effect, where, slice(start, start + size)))
-                start += size
-        return tuple(found)
-
-    @cached_property
-    def inertia_effects(self) -> tuple[tuple[InertiaEffect, slice], ...]:
-        pairs = zip(self.effects, self._slices, strict=True)
-        return tuple((e, s) for e, s in pairs if isinstance(e, InertiaEffect))
-
-    @cached_property
-    def sensor_effects(self) -> tuple[tuple[SensorEffect, slice], ...]:
-        pairs = zip(self.effects, self._slices, strict=True)
-        return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
-
-    @cached_property
-    def constraint_effects(self) -> tuple[ConstraintEffect, ...]:
-        return tuple(e for e in self.effects if isinstance(e, ConstraintEffect))
-
-    @cached_property
-    def rolling(self) -> RollingConstraints:
-        """The constraints as effects leave them."""
-        constraints = self.constraints
-        for effect in self.constraint_effects:
-            constraints = effect.rolling(constraints)
-        return constraints
-
-    @cached_property
-    def slip_compliance(self) -> float:
-        """Angle, rad, at which the rolling wheels creep sideways under each newton of side force."""
-        return sum(effect.slip_compliance for effect in self.constraint_effects)
-
-    @cached_property
-    def wheel_set(self) -> WheelSet:
-        return WheelSet.of(self.wheels, rolls_along_x=self.constraints.n_rows > 0)
-
-    @cached_property
-    def basis_b(self) -> Array:
-        return self.rolling.basis_b
-
-    @cached_property
-    def parameters(self) -> Array:
-        """(phi | effects' values), shape (p,)."""
-        return np.concatenate([self.inertia.phi, *(effect.values for effect in self.effects)])
-
-    @cached_property
-    def parameter_names(self) -> tuple[str, ...]:
-        return PHI_NAMES + tuple(key for effect in self.effects for key in effect.keys)
-
-    @cached_property
-    def memory_names(self) -> tuple[str, ...]:
-        return tuple(n for effect, _, _ in self.force_effects for n in effect.memory_names(self.wheel_set))
-
-    @cached_property
-    def memory_spread(self) -> Array:
-        """How far (k,) the true memory may be from the first."""
-        spreads = [effect.memory_spread(self.wheel_set) for effect, _, _ in self.force_effects]
-        return np.concatenate([np.zeros(0), *spreads])
-
-    @cached_property
-    def state_names(self) -> tuple[str, ...]:
-        return ("x", "y", "theta", *self.constraints.velocity_names, *self.memory_names)
-
-    @cached_property
-    def velocity_slice(self) -> slice:
-        return slice(N_POSE, N_POSE + self.constraints.n_free)
-
-    @cached_property
-    def memory_slice(self) -> slice:
-        return slice(self.velocity_slice.stop, len(self.state_names))
-
-    @cached_property
-    def _slices(self) -> tuple[slice, ...]:
-        slices, start = [], N_PHI
-        for effect in self.effects:
-            slices.append(slice(start, start + len(effect.parameters)))
-            start += len(effect.parameters)
-        return tuple(slices)
-
-    def state(self, pose_sb: ArrayLike = (0.0, 0.0, 0.0), velocity: ArrayLike | None = None) -> Array:
-        """A state (n,) at a pose and free velocity (0 unless given), with effects' first memory."""
-        velocity = np.zeros(self.constraints.n_free) if velocity is None else np.asarray(velocity, float)
-        if velocity.shape != (self.constraints.n_free,):
-            raise UsageError(
-                f"model: velocity has shape {velocity.shape}, but this cart's {self.constraints.n_free} numbers"
-            )
-        velocity_b = self.basis_b @ velocity
-        memory: Sequence[Array] = [e.first_memory(self.wheel_set, velocity_b) for e, _, _ in self.force_effects]
-        return np.concatenate([np.asarray(pose_sb, float), velocity, *memory])
 
     # --- motion ----------------------------------------------------------------------------------------------
 
@@ -340,6 +182,12 @@ class CartModel:
         point = self._point(np.zeros(len(self.state_names)), parameters, time)
         return self.dynamics.sums(point, self._foreign(point))[..., :N_PHI]
 
+    def floor_rows(self, state: Array, time: Any = 0.0) -> Array:
+        """What the floor gives, for `FloorReaction`: of each wheel and of all fixed ones a row over the hands' spatial
+        wrench with an offset behind it, (..., n_wheels + 1, 7). `com_height` is needed."""
+        point = self._point(state, None, time)
+        return self.dynamics.floor(point, np.array([self.com_height], dtype=float), self._foreign(point))
+
     # --- sensors ---------------------------------------------------------------------------------------------
 
     def recorded_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> Array:
@@ -370,7 +218,7 @@ class CartModel:
 
     # --- parts -----------------------------------------------------------------------------------------------
 
-    @cached_property
+    @SharedProperty
     def dynamics(self) -> CompiledDynamics:
         """The kernels, which need this structure and no numbers."""
         from .compiled_dynamics import CompiledDynamics
@@ -383,7 +231,7 @@ class CartModel:
         sizes = len(self.memory_names), len(self.parameters)
         return CompiledDynamics(packed, self.wheel_set, self.basis_b, sizes, SMOOTHING_SPEED)
 
-    @cached_property
+    @SharedProperty
     def is_compiled(self) -> bool:
         """Whether every effect has a kernel."""
         return not (self._foreign_forces or self._foreign_changes)
@@ -396,7 +244,7 @@ class CartModel:
     def _foreign_changes(self) -> tuple[tuple[InertiaEffect, slice], ...]:
         return tuple(found for found in self.inertia_effects if not isinstance(found[0], CompiledInertia))
 
-    @cached_property
+    @SharedProperty
     def _full_trust(self) -> Array:
         return np.ones(self.constraints.n_free)
 

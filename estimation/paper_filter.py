@@ -14,8 +14,8 @@ import numpy as np
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world, wrap_angle
-from cartgrasp.inertia import physical_from_phi, physical_jacobian
-from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.inertia import N_PHI, physical_from_phi, physical_jacobian
+from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
 from .noise import FilterNoise

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.inertia import Inertia
-from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.inertia import N_PHI, Inertia
+from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .mobility import BodyLimits, build_chart

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.inertia import physical_from_phi, physical_jacobian
-from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.inertia import N_PHI, physical_from_phi, physical_jacobian
+from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .prior import Prior, report_names, report_units

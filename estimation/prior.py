@@ -9,8 +9,8 @@ import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.inertia import physical_jacobian
-from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.inertia import N_PHI, physical_jacobian
+from cartgrasp.model import CartModel
 
 PHYSICAL_NAMES = ("mass", "com_x", "com_y", "inertia")
 PHYSICAL_UNITS = ("kg", "m", "m", "kg·m²")

@@ -30,15 +30,13 @@ from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
+from .effective_rows import in_words
 from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Lexicographic, Objective, WeightedWrench
-from .quadratic_program import Cone, QuadraticProgram
+from .quadratic_program import QuadraticProgram
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-
-PLANAR_NAMES = ("fx", "fy", "tau")
-WIDEST = 1e6  # N, of a cone over contacts of hands without limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +48,11 @@ class AllocationTemplate:
     limits: LimitRows
     objective: Objective
     cart_rows: CartRows
+
+    def __post_init__(self) -> None:
+        _ = self._first_cost  # raises what the objective has against these arms
+        if isinstance(self.objective, Lexicographic):
+            self.objective.second_cost(self.arms, np.zeros(self.n))
 
     @classmethod
     def of(
@@ -64,26 +67,29 @@ class AllocationTemplate:
         names = [arm.name for arm in arms]
         if not arms:
             raise UsageError("arms: none given; at least one arm is needed")
-        for name in names:
-            if names.count(name) > 1:
-                raise UsageError(f"arms: {name} stands twice; names must differ")
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise UsageError(f"arms: {twice[0]} stands twice; names must differ")
         basis_b = cart.basis_b
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
-        limits = side_by_side(names, [limits_of(arm) for arm in arms])
-        rows = cart_rows(cart_limits, Pushed(cart, None, arms))
-        template = cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
-        template.cost(np.zeros(template.n))  # raises what it has against these arms
-        if isinstance(template.objective, Lexicographic):
-            template.objective.second_cost(arms, np.zeros(template.n))
-        return template
+        limits, rows = side_by_side(names, map(limits_of, arms)), cart_rows(cart_limits, Pushed(cart, None, arms))
+        return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
+
+    def with_arms(self, arms: tuple[Arm, ...], rows: CartRows) -> Self:
+        """The same for other arms of the same names, with rows for the cart's limits."""
+        other = type(self)(arms, self.basis_b, side_by_side(self.names, map(limits_of, arms)), self.objective, rows)
+        same = {"names", "row_names"}
+        if all(one.yaw == before.yaw for one, before in zip(arms, self.arms, strict=True)):
+            same |= {"yaws", "_along_axes"}
+        other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
+        return other
 
     def with_cart_rows(self, rows: CartRows) -> Self:
         """The same with other rows for the cart's limits; where these are like the old, what is cached stays."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, cart_rows=rows)
         if not rows.is_like(self.cart_rows):
-            for blank in ("_at_points", "_over_ranges"):
+            for blank in ("at_points", "_over_ranges"):
                 other.__dict__.pop(blank, None)
         return other
 
@@ -92,7 +98,7 @@ class AllocationTemplate:
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, limits=limits)
         other.__dict__.pop("fixed", None)
-        for blank in other.__dict__.keys() & {"_at_points", "_over_ranges"}:
+        for blank in other.__dict__.keys() & {"at_points", "_over_ranges"}:
             other.__dict__[blank] = other.__dict__[blank].with_bounds(limits)
         return other
 
@@ -127,7 +133,7 @@ class AllocationTemplate:
 
     @cached_property
     def _first_cost(self) -> Cost:
-        return self.cost(np.zeros(self.n))
+        return self.objective.cost(self.arms, np.zeros(self.n))
 
     @cached_property
     def hessian(self) -> Array:
@@ -147,7 +153,7 @@ class AllocationTemplate:
         return wide.followed_by(epigraph)
 
     def cost(self, previous: Array) -> Cost:
-        return self.objective.cost(self.arms, previous)
+        return self.objective.cost(self.arms, previous) if self.objective.looks_back else self._first_cost
 
     def effort(self, wrenches: Array) -> float:
         """`sum weight component²` by the arms' own weights, whatever the objective."""
@@ -159,12 +165,23 @@ class AllocationTemplate:
         """Rows of the cart's limits and then `Sᵀ G`, shape (..., c + k, 6), of contact points (..., n, 3), or of
         points (v, 3) that belong to the arms `owners` (v,)."""
         yaws = self.yaws if owners is None else self.yaws[owners]
-        effective = self.basis_b.T @ grasp_map_planar(points, yaws)
-        rows = self.cart_rows
-        if not len(rows.low):
-            return np.asarray(effective)
-        of_arm = rows.of_arm if owners is None else rows.of_arm[owners]
-        return np.concatenate([rows.of_sum @ grasp_map_spatial(points, yaws) + of_arm, effective], axis=-2)
+        effective = np.asarray(self.basis_b.T @ grasp_map_planar(points, yaws))
+        if not len(self.cart_rows.low):
+            return effective
+        return np.concatenate([self.cart_rows.over(grasp_map_spatial(points, yaws), owners), effective], axis=-2)
+
+    def affine_rows(self) -> Array:
+        """`contact_rows` with all arms at the origin, and how much they grow along x, y and z: (4, n, c + k, 6)."""
+        effective, grasp_maps = self._along_axes
+        rows = np.concatenate([self.cart_rows.over(grasp_maps), effective], axis=-2)
+        rows[1:] -= rows[0]
+        return rows
+
+    @cached_property
+    def _along_axes(self) -> tuple[Array, Array]:
+        """Effective rows (4, n, k, 6) and grasp maps with all arms at the origin, and at 1 m along x, y and z."""
+        places = np.concatenate([np.zeros((1, 3)), np.eye(3)])[:, None].repeat(len(self.arms), axis=1)
+        return self.basis_b.T @ grasp_map_planar(places, self.yaws), grasp_map_spatial(places, self.yaws)
 
     def contact_limits(self, target: Array) -> tuple[Array, Array]:
         """What `contact_rows` are limited by, low and high (c + k,), for an effective wrench (k,)."""
@@ -175,7 +192,7 @@ class AllocationTemplate:
 
     def program(self, rows: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """One contact an arm: `rows` (n, c + k, 6) from `contact_rows`, `target` = Sᵀ wrench_b (k,)."""
-        return self._filled(self._at_points, self._in_line(rows), self.contact_limits(target), cost)
+        return self._filled(self.at_points, self._in_line(rows), self.contact_limits(target), cost)
 
     def range_program(self, rows: tuple[Array, Array], hull: Array, target: Array, cost: Cost) -> QuadraticProgram:
         """Contacts between two vertices: `rows` at the high and the low one, `hull` (v, n, c + k, 6) at all that
@@ -229,21 +246,9 @@ class AllocationTemplate:
         apart = np.abs(each - middle).max(axis=0)
         return middle, np.where(apart > 0, apart * np.where(apart > 0, largest, 0.0), 0.0).sum(axis=1)
 
-    def _cart_cones(self, matrix: Array, moved: tuple[Array, Array] | None) -> list[Cone]:
-        """The cart's cones over contact rows `matrix`. Over a range these have a fixed part (c,), and a cone is wider
-        by the most that their spread (c,) makes of it: of its axis, and of the length of the rest."""
-        cones, start = [], len(self.fixed.rows)
-        for cone in self.cart_rows.cones:
-            offset = cone.offset
-            if moved is not None:
-                fixed_part, spread = (part[cone.own] for part in moved)
-                offset = offset + fixed_part
-                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), WIDEST)
-            cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
-        return cones
-
     @cached_property
-    def _at_points(self) -> QuadraticProgram:
+    def at_points(self) -> QuadraticProgram:
+        """At contact points, but for the rows that depend on them, which come last."""
         return self._blank(self.basis_b.shape[1], self.basis_b.shape[1])
 
     @cached_property
@@ -252,7 +257,6 @@ class AllocationTemplate:
         return self._blank(self.basis_b.shape[1] + split, self.basis_b.shape[1] - split)
 
     def _blank(self, n_effective: int, n_equalities: int) -> QuadraticProgram:
-        """A program but for the rows that depend on contacts, which come last."""
         fixed, cart = self.fixed, self.cart_rows
         effective, last = ("effective row",) * n_effective, np.zeros(len(cart.low) + n_effective)
         return QuadraticProgram(
@@ -278,15 +282,4 @@ class AllocationTemplate:
         program = blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
         if not self.cart_rows.cones:
             return program
-        return program.with_cones((*blank.cones, *self._cart_cones(matrix, moved)))
-
-
-def in_words(direction: Array) -> str:
-    """A combination of (fx, fy, tau), as `fx` or `tau - 0.3 fy`."""
-    parts = sorted(zip(direction, PLANAR_NAMES, strict=True), key=lambda part: part[1] != "tau" or part[0] < 0)
-    text = ""
-    for factor, name in parts:
-        if abs(factor) > 1e-9:
-            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
-            text += sign + ("" if abs(abs(factor) - 1) < 1e-9 else f"{abs(factor):.4g} ") + name
-    return text or "0"
+        return program.with_cones((*blank.cones, *self.cart_rows.cones_over(matrix, len(self.fixed.rows), moved)))

@@ -31,68 +31,93 @@ Progress = tuple[Array, "Ints"]
 class CompiledAllocation:
     """One workspace, kept warm. After `solve` has returned True, `answer` and `active` are its."""
 
+    cost: Cost
+    _points: Array | None
+
     def __init__(self, template: AllocationTemplate, cost: Cost) -> None:
+        from .kernels import loading
         from .kernels.allocation import allocate
         from .kernels.choice import search
-        from .kernels.loading import load, load_gradient
         from .kernels.workspace import Sizes, views
 
-        target, n_arms = np.zeros(template.basis_b.shape[1]), len(template.arms)
-        rows = template.contact_rows(np.zeros((n_arms, 3)))
-        program, moving = template.program(rows, target, cost), rows.shape[-2]
-        sizes = Sizes(program.n, len(program.upper), program.n_equalities, n_arms, moving, len(target))
-        self._search = search
+        self._loading, self._search = loading, search
         self._call: Callable[[Array, Ints, Point, bool], int] = allocate
-        self._floats, self._ints = sizes.allocate()
+        self._sizes = sizes = _sizes(template)
+        self._floats, self._ints = Sizes(*sizes).allocate()
         self._workspace: Workspace = views(self._floats, self._ints)
-        self._answer = self._floats[len(self._floats) - program.n - len(program.upper) - len(self._workspace.found) :]
+        self._answer = self._floats[len(self._floats) - sizes[0] - sizes[1] - len(self._workspace.found) :]
         self._active = self._workspace.active
-        self._lower_names, self._upper_names = program.lower_names, program.upper_names
-        self._load_gradient = load_gradient
-        self._template, self.cost = template, cost
-        self._points: Array | None = None
+        self._template, self._points = template, None
+        self._entries = np.zeros((0, 0), dtype=bool)
         self._load_contact_rows(template)
-        pattern = program.stacked[program.n :].copy()
-        pattern[len(pattern) - moving :] = 1.0 if len(template.cart_rows.low) else np.abs(self._workspace.affine).sum(0)
-        load(self._workspace, program, pattern)
-        self._workspace.basis[:], self._workspace.weights[:] = template.basis_b, template.effort_weights
+        self._load(template, cost)
 
     @classmethod
     def of(cls, template: AllocationTemplate, cost: Cost) -> Self | None:
         """None where what is compiled doesn't cover the programs."""
         from .kernels.loading import is_strictly_convex
 
-        covered = not (template.fixed.cones or template.cart_rows.cones) and len(template.hessian) == template.n
-        covered &= not isinstance(template.objective, Lexicographic)
-        return cls(template, cost) if covered and is_strictly_convex(template.hessian) else None
+        return cls(template, cost) if _is_covered(template) and is_strictly_convex(template.hessian) else None
+
+    def fits(self, template: AllocationTemplate) -> bool:
+        """Whether it may `take` this template: new arms may have more limits, or none that are covered."""
+        if not _is_covered(template) or _sizes(template) != self._sizes:
+            return False
+        hessian = template.hessian
+        return np.array_equal(hessian, self._workspace.claim.hessian) or self._loading.is_strictly_convex(hessian)
 
     def take(self, template: AllocationTemplate, cost: Cost) -> None:
-        """What is new since the last call: numbers of the cart's limits, bounds, or what the cost looks back at."""
+        """What is new since the last call: arms, numbers of the cart's limits, bounds, or what the cost looks back
+        at."""
+        if template.arms is not self._template.arms:
+            self._load(template, cost)
         if template is not self._template:
             self._take_limits(template)
         if cost is not self.cost:
             self.cost = cost
-            self._load_gradient(self._workspace, cost.gradient, cost.constant)
+            self._loading.load_gradient(self._workspace, cost.gradient, cost.constant)
+
+    def _load(self, template: AllocationTemplate, cost: Cost) -> None:
+        workspace, program, before = self._workspace, template.at_points, self._template
+        curved = self._loading.load(workspace, program)
+        self._loading.load_gradient(workspace, cost.gradient, cost.constant)
+        workspace.basis[:], workspace.weights[:] = template.basis_b, template.effort_weights
+        turned = template.yaws is not before.yaws
+        if turned or template.cart_rows is not before.cart_rows:
+            self._load_contact_rows(template)
+        self._load_contact_limits(template)
+        entries = template.fixed.rows != 0
+        if turned or curved or not np.array_equal(entries, self._entries):
+            pattern, moving = workspace.problem.rows != 0, workspace.affine.shape[1]
+            pattern[len(pattern) - moving :] = len(template.cart_rows.low) > 0 or workspace.affine.any(axis=0)
+            self._loading.load_spans(workspace, pattern)
+            self._entries = entries
+        self._lower_names, self._upper_names = program.lower_names, program.upper_names
+        self._template, self.cost, self._points = template, cost, None
 
     def _take_limits(self, template: AllocationTemplate) -> None:
         if template.cart_rows is not self._template.cart_rows:
             self._load_contact_rows(template)
-        problem, bounds = self._workspace.problem, template.limits
-        problem.limits[:, : template.n] = bounds.lower, bounds.upper
+            self._load_contact_limits(template)
+            self._points = None
+        if template.limits is not self._template.limits:
+            bounds = template.limits
+            self._workspace.problem.limits[:, : template.n] = bounds.lower, bounds.upper
+            self._lower_names = bounds.lower_names + self._lower_names[template.n :]
+            self._upper_names = bounds.upper_names + self._upper_names[template.n :]
         self._workspace.held.size[0] = 0
-        self._lower_names = bounds.lower_names + self._lower_names[template.n :]
-        self._upper_names = bounds.upper_names + self._upper_names[template.n :]
         self._template = template
 
     def _load_contact_rows(self, template: AllocationTemplate) -> None:
         """The rows that depend on contacts, with all arms at the origin, and their slopes along x, y and z."""
-        affine, n_arms = self._workspace.affine, len(template.arms)
-        places = np.concatenate([np.zeros((1, 3)), np.eye(3)])[:, None].repeat(n_arms, axis=1)
-        rows = template.contact_rows(places).transpose(0, 2, 1, 3).reshape(affine.shape)
-        affine[0], affine[1:] = rows[0], rows[1:] - rows[0]
-        limits, first = self._workspace.problem.limits, len(affine[0])
-        limits[:, limits.shape[1] - first :] = template.contact_limits(np.zeros(template.basis_b.shape[1]))
-        self._points = None
+        rows = template.affine_rows().transpose(0, 2, 1, 3)
+        self._workspace.affine.reshape(rows.shape)[:] = rows
+
+    def _load_contact_limits(self, template: AllocationTemplate) -> None:
+        """But for the wrench asked for."""
+        limits, rows = self._workspace.problem.limits, template.cart_rows
+        stop = limits.shape[1] - template.basis_b.shape[1]
+        limits[0, stop - len(rows.low) : stop], limits[1, stop - len(rows.low) : stop] = rows.low, rows.high
 
     def solve(self, wrench: Point, points: Array) -> bool:
         """For a planar wrench in {b}, with the arms at `points` (n, 3); True if there is a proven optimum. Points
@@ -122,3 +147,16 @@ class CompiledAllocation:
             return ()
         lower, upper = self._lower_names, self._upper_names
         return tuple([upper[i - 1] if i > 0 else lower[-i - 1] for i in active[1 : count + 1].tolist()])
+
+
+def _is_covered(template: AllocationTemplate) -> bool:
+    has_cones = template.fixed.cones or template.cart_rows.cones
+    is_plain = len(template.hessian) == template.n and not isinstance(template.objective, Lexicographic)
+    return is_plain and not has_cones
+
+
+def _sizes(template: AllocationTemplate) -> tuple[int, int, int, int, int, int]:
+    """As `kernels.workspace.Sizes` has them."""
+    k = template.basis_b.shape[1]
+    moving = len(template.cart_rows.low) + k
+    return template.n, template.n + len(template.fixed.limits) + moving, k, len(template.arms), moving, k

@@ -35,10 +35,12 @@ N_NUMBERS = 8  # residuals and the effort
 
 
 class CompiledPlanning:
-    """For the arms of `terms`; new arms need a new one. `last` are the wrenches (6n,) and contacts of the last plan."""
+    """For the candidates of `terms`; others need a new one. `last` are the wrenches (6n,) and contacts of the last
+    plan."""
 
     def __init__(self, terms: Terms, allocation: CompiledAllocation) -> None:
-        self._terms, self._allocation, own = terms, allocation, terms.candidates.single
+        self._terms, self._allocation, self._own = terms, allocation, terms.candidates
+        own = self._own.single
         self._own_points = None if own is None or self._is_refused(own) else own
         self._given, self._given_points = b"", np.zeros((0, 3))
         self._parts = [(name, slice(6 * i, 6 * i + 6)) for i, name in enumerate(terms.sets)]
@@ -54,6 +56,11 @@ class CompiledPlanning:
         """None where the general road is needed for every program."""
         allocation = CompiledAllocation.of(terms.template, cost)
         return None if allocation is None else cls(terms, allocation)
+
+    @property
+    def fits(self) -> bool:
+        """Whether it still is for `terms`, whose arms are new."""
+        return self._own is self._terms.candidates and self._allocation.fits(self._terms.template)
 
     def at(self, contacts: Mapping[str, ArrayLike] | None, wrench: Point, cost: Cost, start: float) -> Plan | None:
         """The optimal plan at given contacts, or where arms have no choice."""

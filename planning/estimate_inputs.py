@@ -24,8 +24,8 @@ COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
 def check_estimate(estimate: Estimate, newest: float) -> float:
     """The time of the newest estimate so far, s; refused if this one isn't finite or much older."""
     try:
-        motion = np.concatenate((np.ravel(estimate.motion.pose_sb), np.ravel(estimate.motion.velocity)))
-        numbers = [estimate.time, *motion.tolist(), *(parameter.value for parameter in estimate.parameters.values())]
+        motion = *np.ravel(estimate.motion.pose_sb).tolist(), *np.ravel(estimate.motion.velocity).tolist()
+        numbers = [estimate.time, *motion, *(parameter.value for parameter in estimate.parameters.values())]
         is_finite = all(map(math.isfinite, numbers))
     except (AttributeError, TypeError, ValueError, OverflowError) as error:
         raise _refused(f"its time, motion or parameters are not those of an Estimate ({error})") from error
@@ -42,22 +42,22 @@ def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
     """The cart as now estimated; refused unless its free velocities are the planner's, `basis_b` (3, k)."""
     try:
         structure, numbers = estimate.structure, real_numbers(estimate.model_parameters)
-        size, own_basis = len(structure.parameters), structure.basis_b
+        size, changed_to = len(structure.parameters), structure.with_parameters
     except AttributeError as error:
         raise _refused(f"it has no cart ({error})") from error
     if numbers is None or numbers.shape != (size,):
         raise _refused(f"model_parameters: {estimate.model_parameters} are not the {size} numbers of its cart")
-    if not np.array_equal(own_basis, basis_b):
+    try:
+        cart = changed_to(numbers)
+    except UsageError as error:
+        raise _refused(str(error)) from error
+    if cart.basis_b is not basis_b and not np.array_equal(cart.basis_b, basis_b):
         raise _refused("its cart has other rolling constraints than the planner's; make a new planner")
     shapes = np.shape(estimate.motion.pose_sb), np.shape(estimate.motion.velocity)
     if shapes != ((3,), basis_b.shape[1:]):
         form = f"pose_sb (3,) and velocity {basis_b.shape[1:]}"
         raise _refused(f"motion: shapes {shapes[0]} and {shapes[1]} instead of {form}")
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            return structure.with_parameters(numbers)
-    except UsageError as error:
-        raise _refused(str(error)) from error
+    return cart
 
 
 def read_covariance(estimate: Estimate) -> Array:

@@ -19,11 +19,16 @@ class GivenContacts:
     """Remembers what was last given, since a controller gives the same again."""
 
     def __init__(self, terms: Terms) -> None:
-        self._terms = terms
+        self._terms, self._own = terms, terms.candidates
         self._given: dict[str, tuple[float, float, float]] = {}
         self._candidates = terms.candidates
         self.beyond: dict[str, float] = {}
         """By how much (m) contacts last given are out of their arms' reach."""
+
+    @property
+    def fits(self) -> bool:
+        """Whether it still is for the terms, whose arms may be new."""
+        return self._own is self._terms.candidates
 
     def candidates(self, contacts: Mapping[str, ArrayLike]) -> Candidates:
         """The candidates with some arms' contacts fixed; those of the last call where these are the same."""

@@ -19,8 +19,9 @@ import numpy as np
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.frames import Array
 
-from .allocation_template import AllocationTemplate, in_words
+from .allocation_template import AllocationTemplate
 from .duality import Cut, farkas_cut
+from .effective_rows import in_words
 from .projection import Projection
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .solvers import QuadraticSolver, solve_with_clarabel

@@ -103,8 +103,9 @@ class Plan:
         return program.margins(solution.x)
 
     def as_dict(self) -> dict[str, Any]:
-        """The JSON of `cartgrasp plan`; `nearest` only with a certificate, `missing` only when relaxed, `switched`
-        only where arms have, `message` only where neither wrenches nor a certificate say it all."""
+        """The JSON of `cartgrasp plan`; `margins` only with wrenches, `nearest` only with a certificate, `missing` only
+        when relaxed, `switched` only where arms have, `message` only where neither wrenches nor a certificate say it
+        all."""
         document: dict[str, Any] = {
             "status": self.status,
             "effort": self.effort,
@@ -118,6 +119,8 @@ class Plan:
             "certificate": None if self.certificate is None else self.certificate.as_dict(),
             "solve_time_s": self.solve_time,
         }
+        if self.is_usable:
+            document["margins"] = dict(self.margins)
         if self.certificate is not None:
             document["nearest"] = None if self.nearest is None else self.nearest.as_dict()
         elif self.status != OPTIMAL:

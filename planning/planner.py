@@ -91,6 +91,7 @@ class WrenchPlanner:
         self._answers, self._program = Answers(self._terms, relax), ProgramAtContacts(self._terms)
         self._switching = SwitchingCost(switching_cost, self._terms.base.names)
         self._last = LastPlan(len(self._terms.sets))
+        self._given = GivenContacts(self._terms)
         self._compiled: CompiledPlanning | None = None
         self._is_warm = False
         self._begin_terms()
@@ -212,10 +213,11 @@ class WrenchPlanner:
 
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""
-        self._given = GivenContacts(self._terms)
-        self._last.choice = None
         self._program.drop()
-        self._compile()
+        if not self._given.fits:
+            self._given, self._last.choice = GivenContacts(self._terms), None
+        if self._compiled is None or not self._compiled.fits:
+            self._compile()
 
     def _compile(self) -> None:
         """Where it is warm, and what is compiled covers the programs."""

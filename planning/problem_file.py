@@ -17,11 +17,16 @@ from cartgrasp.contacts import ContactSet, Segment
 from cartgrasp.errors import FileError, UsageError
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
 from cartgrasp.reach import Reach
 from cartgrasp.yaml_file import file_error, read_yaml, validate
 
 from .limits import CartLimit, InternalForce, Pushed, Skid, TipOver
+from .objectives import Objective
+from .plan import Plan
 from .planner import WrenchPlanner
+from .problem_estimate import estimate_of
+from .problem_objective import Refuse, objective_of
 from .problem_schema import ArmEntry, CartLimitsEntry, FrictionEntry, JointsEntry, ProblemEntry, ReachEntry
 
 NO_LIMIT = (float("inf"),) * 3
@@ -30,7 +35,8 @@ NO_LIMIT = (float("inf"),) * 3
 @dataclass(frozen=True)
 class Problem:
     """A cart, its arms, and the wrench (fx, fy, tau) wanted on the cart in {b}; `last` are the wrenches (6,) by arm
-    that rates of change count from, one `period` (s) ago, `held` the contacts (3,) that the cost of switching does."""
+    that rates of change count from, one `period` (s) ago, `held` the contacts (3,) that the cost of switching does.
+    `estimate` is the cart as it moves and as well as it is known, where the file says so."""
 
     cart: CartModel
     arms: tuple[Arm, ...]
@@ -42,11 +48,19 @@ class Problem:
     last: Mapping[str, Sequence[float]]
     switching_cost: float
     held: Mapping[str, Sequence[float]]
+    objective: Objective
+    confidence: float | None
+    estimate: Estimate | None
+
+    def plan(self) -> Plan:
+        return self.planner().plan(self.wrench, estimate=self.estimate)
 
     def planner(self) -> WrenchPlanner:
         planner = WrenchPlanner(
             self.cart,
             self.arms,
+            objective=self.objective,
+            confidence=self.confidence,
             cart_limits=self.cart_limits,
             min_hand_distance=self.min_hand_distance,
             relax=self.relax,
@@ -83,10 +97,10 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         last={arm.name: arm.rate.last for arm in entry.arms if arm.rate is not None},
         switching_cost=entry.switching_cost,
         held=_held(entry.arms, refuse),
+        objective=objective_of(entry.objective, arms, refuse),
+        confidence=None if entry.confidence is None else entry.confidence.probability,
+        estimate=estimate_of(entry, cart, refuse),
     )
-
-
-Refuse = Callable[[list[str | int], str], FileError]
 
 
 def _cart(entry: Any, document: CommentedMap, path: Path, refuse: Refuse) -> CartModel:

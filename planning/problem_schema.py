@@ -115,6 +115,53 @@ class CartLimitsEntry(StrictModel):
     internal_force: InternalForceEntry | None = None
 
 
+class SmoothnessEntry(StrictModel):
+    rate: NotNegative = 1.0
+
+
+class LoadShareEntry(StrictModel):
+    shares: dict[str, float]
+    weight: NotNegative = 1.0
+
+
+class WeightEntry(StrictModel):
+    weight: NotNegative = 1.0
+
+
+class InternalWeightEntry(StrictModel):
+    weight: NotNegative = 1.0
+    axis: Triple = Field(default_factory=lambda: [0.0, 1.0, 0.0])
+
+
+class WorstArmEntry(StrictModel):
+    weight: Positive
+
+
+class ObjectiveEntry(StrictModel):
+    """What adds to the effort, or without `effort` stands alone."""
+
+    effort: bool = True
+    smoothness: SmoothnessEntry | None = None
+    load_share: LoadShareEntry | None = None
+    least_joint_torque: WeightEntry | None = None
+    least_internal_force: InternalWeightEntry | None = None
+    worst_arm: WorstArmEntry | None = None
+
+
+class MotionEntry(StrictModel):
+    """Pose of {b} in the world, and the free velocities."""
+
+    pose: Triple = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    velocity: list[float]
+
+
+class ConfidenceEntry(StrictModel):
+    """With what `probability` limits of the cart hold, where the cart's numbers have these standard deviations."""
+
+    probability: Annotated[float, Field(ge=0.5, lt=1.0)]
+    std: dict[str, NotNegative]
+
+
 class ProblemEntry(StrictModel):
     cart: Any
     wrench: Triple
@@ -124,3 +171,6 @@ class ProblemEntry(StrictModel):
     relax: NotNegative = 0.0
     switching_cost: SwitchingCostValue = 0.0
     period: Positive = 1e-3
+    objective: ObjectiveEntry = ObjectiveEntry()
+    motion: MotionEntry | None = None
+    confidence: ConfidenceEntry | None = None

@@ -8,9 +8,9 @@ a and b along the columns of L. So (chance constraint, exact where a and b are a
 
 The k sides that depend on theta hold together with the `confidence` c for p = 1 - (1 - c) / k, whatever their
 correlation (Bonferroni). What is asked of the cart, and the arms' own limits, are free of theta and stay as they are.
-Rows are affine in the floor's reaction, whose slopes are analytic (`FloorReaction.slope`): what a limit's own rows give
-for these, less what they give for none, are the slopes of the rows. So a limit states nothing but its rows, and neither
-a step nor how wide the covariance is matters to them.
+Rows are affine in the floor's reaction, whose slopes are analytic (`FloorReaction.by_parameters`): what a limit's own
+rows give for these, less what they give for none, are the slopes of the rows. So a limit states nothing but its rows,
+and neither a step nor how wide the covariance is matters to them.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ from .robust import RobustLimits
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-    from cartgrasp.motion import Estimate, Motion
+    from cartgrasp.motion import Estimate
 
 ROUNDING = 1e-9  # of the largest component, at least 1 N
 
@@ -51,13 +51,15 @@ class Terms:
         cart_limits: RobustLimits,
         distance_and_period: tuple[float, float],
     ) -> None:
-        self._cart = cart
-        self._motion: Motion | None = None
+        arms = tuple(arms)
+        self._pushed = Pushed(cart, None, arms)
         self._covariance: Array | None = None
         self._estimate: Estimate | None = None
-        self._objective, self._cart_limits = objective, cart_limits
+        self._places: list[tuple[ContactSet, Reach | None]] = []
+        self._cart_limits = cart_limits
         self._distance, self._period = distance_and_period
-        self._use(tuple(arms))
+        base = AllocationTemplate.of(cart, arms, objective)
+        self._use(base.with_cart_rows(cart_limits.rows(self._pushed)))
 
     def take_arms(self, arms: Sequence[Arm]) -> bool:
         """Puts these in the place of the arms of their names; True if that changed anything."""
@@ -66,9 +68,13 @@ class Terms:
         if all(one is other for one, other in zip(changed, self.base.arms, strict=True)):
             return False
         try:
-            self._use(changed)
+            pushed, rows = self._pushed.by(changed), self.base.cart_rows
+            if any(limit.looks_at_arms for limit in self._cart_limits.limits):
+                rows = self._cart_limits.rows(pushed, self._covariance)
+            self._use(self.base.with_arms(changed, rows))
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, str(error)) from error
+        self._pushed = pushed
         return True
 
     @property
@@ -94,13 +100,14 @@ class Terms:
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                rows = self._cart_limits.rows(Pushed(cart, estimate.motion, self.base.arms), covariance)
+                pushed = Pushed(cart, estimate.motion, self.base.arms)
+                rows = self._cart_limits.rows(pushed, covariance)
         except (UsageError, np.linalg.LinAlgError) as error:
             raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
         if not rows.are_numbers(LARGEST_WRENCH):
             what = f"by it a limit of the cart is not finite, or beyond {LARGEST_WRENCH:g}"
             raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
-        self._cart, self._motion, self._covariance, self._estimate = cart, estimate.motion, covariance, estimate
+        self._pushed, self._covariance, self._estimate = pushed, covariance, estimate
         self.template = self.base = self.base.with_cart_rows(rows)
         return True
 
@@ -111,14 +118,16 @@ class Terms:
             last = np.clip(wrenches, limits.lower, limits.upper)
             self.template = self.base.with_bounds(limits & self.rate.around(last))
 
-    def _use(self, arms: tuple[Arm, ...]) -> None:
-        base = AllocationTemplate.of(self._cart, arms, self._objective)
-        base = base.with_cart_rows(self._cart_limits.rows(Pushed(self._cart, self._motion, arms), self._covariance))
-        self.sets = {arm.name: _within_reach(arm) for arm in arms}
-        self.candidates = Candidates.of(list(self.sets.values()), self._distance)
+    def _use(self, base: AllocationTemplate) -> None:
+        """Candidates stay the same object where arms may hold as before."""
+        places = [(arm.contacts, arm.reach) for arm in base.arms]
+        if places != self._places:
+            sets = {arm.name: _within_reach(arm) for arm in base.arms}
+            self.candidates = Candidates.of(list(sets.values()), self._distance)
+            self.sets, self._places = sets, places
         self.template = self.base = base
-        self.yaws = dict(zip(base.names, base.yaws.tolist(), strict=True))
-        self.rate = WrenchRate.of(arms, self._period)
+        self.yaws = {arm.name: arm.yaw for arm in base.arms}
+        self.rate = WrenchRate.of(base.arms, self._period)
 
 
 def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
@@ -128,8 +137,9 @@ def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
     low, high = np.concatenate([limits.lower, limits.low_limits]), np.concatenate([limits.upper, limits.limits])
     rounding = ROUNDING * max(1.0, float(np.abs(wrenches).max(initial=0.0)))
     beyond = (values > high + rounding) | (values < low - rounding)
-    ends = np.where(values > 0, high, low)[beyond]
-    scale = float((ends / values[beyond]).min(initial=1.0))
+    scale = 1.0
+    if beyond.any():
+        scale = float((np.where(values > 0, high, low)[beyond] / values[beyond]).min(initial=1.0))
     cones = [cone.offset + cone.rows @ wrenches for cone in limits.cones]
     outside = any(np.linalg.norm(s[1:]) > s[0] + rounding for s in cones)
     return np.zeros_like(wrenches) if outside else scale * wrenches

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from planning.embedded import EmbeddedProblem, check_free, export_c
+from planning.objectives import WeightedWrench
 from planning.problem_file import Problem, read_problem
 
 from ..errors import UsageError
@@ -19,6 +20,11 @@ def run(path: Path, out: Path, as_json: bool) -> int:
     if problem.relax > 0:
         raise UsageError(f"{path}: relax: C plans don't relax; leave the key out")
     contacts, chosen = _contacts(problem, path)
+    if not isinstance(problem.objective, WeightedWrench):
+        raise UsageError(f"{path}: objective: C plans have the least effort by the arms' weights; leave the key out")
+    for key, value in (("confidence", problem.confidence), ("motion", problem.estimate)):
+        if value is not None:
+            raise UsageError(f"{path}: {key}: C plans are for a known cart at rest; leave the key out")
     try:
         embedded = EmbeddedProblem.of(problem.cart, problem.arms, contacts, problem.cart_limits)
     except UsageError as error:
@@ -40,7 +46,7 @@ def _contacts(problem: Problem, path: Path) -> tuple[Mapping[str, Array], list[s
     chosen = [name for name, contacts in sets.items() if contacts.segments or len(contacts.points) > 1]
     if not chosen:
         return {name: contacts.first for name, contacts in sets.items()}, []
-    plan = problem.planner().plan(problem.wrench)
+    plan = problem.plan()
     if plan.is_usable:
         return plan.contacts, chosen
     if plan.nearest is not None:

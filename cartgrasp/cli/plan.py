@@ -14,7 +14,7 @@ from .output import print_json, print_table
 
 def run(path: Path, as_json: bool) -> int:
     problem = read_problem(path)
-    plan = problem.planner().plan(problem.wrench)
+    plan = problem.plan()
     if as_json:
         print_json(plan.as_dict())
     elif plan.status != INVALID_INPUT:

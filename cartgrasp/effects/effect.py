@@ -8,6 +8,7 @@ its place beside them.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
@@ -100,7 +101,7 @@ class Effect(ABC):
     def __post_init__(self) -> None:
         for parameter in self.parameters:
             value = getattr(self, parameter.name)
-            if not np.isfinite(value):
+            if not math.isfinite(value):
                 raise UsageError(f"{self.key}.{parameter.name}: {value} is not a finite number")
             if not parameter.lower <= value <= parameter.upper:
                 raise UsageError(
@@ -132,8 +133,8 @@ class Effect(ABC):
     def with_values(self, values: ArrayLike) -> Self:
         """The same effect with other parameter values (n,); they are brought inside their bounds."""
         clipped: dict[str, Any] = {
-            p.name: float(np.clip(v, p.lower, p.upper))
-            for p, v in zip(self.parameters, np.asarray(values), strict=True)
+            p.name: min(max(value, p.lower), p.upper)
+            for p, value in zip(self.parameters, np.asarray(values, dtype=float).tolist(), strict=True)
         }
         return replace(self, **clipped)
 

@@ -110,8 +110,8 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
         for i in range(3):
             rest[a] -= m.basis[i, a] * push[i]
             by_wrench[3 + a, i] = -m.basis[i, a]
-    _solve(mass, rest.reshape((n_free, 1)))
-    _solve(mass, by_wrench[3:free])
+    solve(mass, rest.reshape((n_free, 1)))
+    solve(mass, by_wrench[3:free])
     x = y = turn = 0.0
     for a in range(n_free):
         seen = push[3 + a] * rest[a]
@@ -121,8 +121,8 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
         for i in range(3):
             for c in range(4):
                 _add_by_phi(m.phi_by_parameters[c], m.basis[i, a] * still[i][c], out.by_parameters[a])
-    _solve(mass, out.by_state)
-    _solve(mass, out.by_parameters)
+    solve(mass, out.by_state)
+    solve(mass, out.by_parameters)
     by_parameters[:3] = 0.0
     by_state[:3] = 0.0
     _move(m.basis, point.state, value, by_state)
@@ -196,7 +196,7 @@ def _add_by_phi(phi_by_parameters: Array, slope: float, by_parameters: Array) ->
 
 
 @compiled
-def _solve(matrix: Array, side: Array) -> None:
+def solve(matrix: Array, side: Array) -> None:
     """Puts `-matrix⁻¹ side` in the place of `side` (f, k); the matrix is symmetric."""
     if len(matrix) == 1:
         for k in range(side.shape[1]):

@@ -9,6 +9,7 @@ import math
 from cartgrasp.frames import Array
 
 from .dynamics import Inverse, Point, forward, inverse, lifted, own_of, situation, sum_effects
+from .floor import react
 from .jit import Ints, compiled, entry
 from .vocabulary import add_stiction, settle
 from .workspace import copy, unpack
@@ -121,6 +122,16 @@ def effects(floats: Array, ints: Ints, given: Array, found: Array) -> int:
             settle(m.effects[e, 0], at, own, settled[m.effects[e, 3] : m.effects[e, 4]])
             count += add_stiction(m.effects[e, 0], at, own, stuck[count:])
     return count
+
+
+@entry
+def floors(floats: Array, ints: Ints, given: Array, found: Array) -> None:
+    """Given the CoM's height too: the rows of `floor.react`."""
+    m, room = unpack(floats, ints)
+    n, p = _sizes(ints)
+    for i in range(len(given)):
+        point, rest = _point(given[i], n, p, 1)
+        react(m, point, rest[0], (room, found[i].reshape((len(m.wheels) + 1, 7))))
 
 
 @compiled

@@ -22,9 +22,9 @@ from ..arms import Arm
 from ..constraints import RollingConstraints
 from ..effects import ViscousDrag
 from ..frames import Array
-from ..inertia import Inertia
+from ..inertia import N_PHI, Inertia
 from ..information import WrenchNoise, fisher_information, parameter_regressor, reduced_noise
-from ..model import N_PHI, CartModel
+from ..model import CartModel
 from ..roles import ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord

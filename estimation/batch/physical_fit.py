@@ -13,8 +13,8 @@ import numpy as np
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
-from cartgrasp.inertia import physical_from_phi
-from cartgrasp.model import N_PHI, CartModel
+from cartgrasp.inertia import N_PHI, physical_from_phi
+from cartgrasp.model import CartModel
 
 LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
 EDGE = 1e-6

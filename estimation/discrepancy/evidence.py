@@ -8,6 +8,7 @@ have one sign only has half the prior, and twice the density; a grid of places, 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -102,15 +103,14 @@ def _change(reduce: _Reduction, trial: Trial, whole: Array) -> float:
     """The largest, in the metric of the amplitudes' information, over parts of the log that are left out; what noise
     alone may change is taken off."""
     own = reduce.gram[:, trial.columns[:, None], reduce.rows(trial.columns)]
-    information = reduce.of(own.sum(axis=0))[0] + np.diag(trial.std**-2.0)
-    size = float(whole @ information @ whole)
-    found = 0.0
-    for part in np.array_split(np.arange(len(own)), PARTS):
-        left, pull = _Reduction(reduce.dictionary, reduce.base, np.delete(np.arange(len(own)), part)).of(
-            np.delete(own, part, axis=0).sum(axis=0)
-        )
-        other = np.linalg.solve(left + np.diag(trial.std**-2.0), pull) - whole
-        noise = float(np.trace(np.linalg.solve(left + np.diag(trial.std**-2.0), information))) - len(whole)
+    prior = np.diag(trial.std**-2.0)
+    information = reduce.of(own.sum(axis=0))[0] + prior
+    size, found = float(whole @ information @ whole), 0.0
+    for left_out in np.array_split(np.arange(len(own)), PARTS):
+        left, pull = reduce.without(left_out).of(np.delete(own, left_out, axis=0).sum(axis=0))
+        spread = np.linalg.inv(left + prior)
+        other = spread @ pull - whole
+        noise = float(np.trace(spread @ information)) - len(whole)
         found = max(found, float(other @ information @ other) - 9 * max(noise, 0.0))
     return float(np.sqrt(max(found, 0.0) / max(size, 1e-300)))
 
@@ -136,13 +136,21 @@ def _scored(trial: Trial, sums: tuple[Array, Array]) -> tuple[Array, Array, Arra
 class _Reduction:
     """Information and pull of amplitudes when the base's parameters are taken out."""
 
-    def __init__(self, dictionary: Dictionary, base: Base, blocks: np.ndarray | None = None) -> None:
+    def __init__(self, dictionary: Dictionary, base: Base) -> None:
         self.dictionary, self.base = dictionary, base
         self.gram = dictionary.gram / base.excess
-        own = dictionary.base
-        whole = (self.gram if blocks is None else self.gram[blocks])[:, own].sum(axis=0)
-        self._inverse = np.linalg.inv(whole[:, own] + base.information)
-        self._pull = whole[:, -1] + base.pull
+        self._take_out(self.gram[:, dictionary.base].sum(axis=0))
+
+    def _take_out(self, whole: Array) -> None:
+        """The base, whose rows of the sums are `whole`."""
+        self._inverse = np.linalg.inv(whole[:, self.dictionary.base] + self.base.information)
+        self._pull = whole[:, -1] + self.base.pull
+
+    def without(self, blocks: np.ndarray) -> _Reduction:
+        """As if these blocks had not been recorded."""
+        other = copy(self)
+        other._take_out(np.delete(self.gram[:, self.dictionary.base], blocks, axis=0).sum(axis=0))
+        return other
 
     def of(self, gram: Array) -> tuple[Array, Array]:
         """From sums (..., k, p + k + 1): products with the base, with themselves, with the residual."""

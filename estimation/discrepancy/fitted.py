@@ -143,13 +143,10 @@ class Fitted:
         """The most probable dependence with a period, where it is sure."""
         return next((d for d in self.dependences if d.is_periodic and d.log_factor > SURE), None)
 
-    def closer(self, other: Fitted, direction: int) -> float:
-        """The share of the squares along a free direction that another structure takes away."""
-        before, after = (
-            float((s.mean[:, direction] ** 2 * s.information[:, direction, direction]).sum())
-            for s in (self.fine, other.fine)
-        )
-        return 1 - after / before
+    def misfit(self, direction: int | None = None) -> float:
+        """The weighed squares of the residual's short means, along one free direction or all."""
+        chosen = range(self.fine.mean.shape[1]) if direction is None else [direction]
+        return sum(float((self.fine.mean[:, i] ** 2 * self.fine.information[:, i, i]).sum()) for i in chosen)
 
     @cached_property
     def scatter(self) -> Scatter:

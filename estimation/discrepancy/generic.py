@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
@@ -17,18 +16,20 @@ from cartgrasp.frames import Array
 from ..batch.motion_smoother import SmoothMotion
 from .scatter import Scatter
 
-FREQUENCIES = np.geomspace(0.1, 4.0, 300)
+FREQUENCIES = 0.1, 4.0
 """Hz."""
-WAVELENGTHS = np.geomspace(0.2, 3.0, 300)
-"""m."""
+WAVENUMBERS = 1 / 3.0, 5.0
+"""1/m."""
+MOST_TURNS = 800
 HARMONICS = 3
 """Of a wheel's turn: a flat spot bumps."""
 LEVELS = 5
 """Of speed."""
 DRIFT = 4
 """Slow waves over a log."""
-LEAST_TURN = 2.0
-"""Turns that something periodic takes, at least, in a log."""
+RIDGE = 1e-10
+LEAST_TURN, FINE_TURN = 2.0, 0.3
+"""Turns that something periodic takes, at least, in a log; and by how many two that are tried differ."""
 
 
 @dataclass(frozen=True)
@@ -73,55 +74,81 @@ class Course:
 
 
 def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
-    """The best of each family, the most probable first."""
-    found: dict[tuple[str, int], Dependence] = {}
+    """The best of each family along each free direction, the most probable first."""
+    families = list(_families(course))
+    found: list[Dependence] = []
     for i in range(scatter.mean.shape[1]):
         weight = scatter.information[:, i, i]
-        value = scatter.mean[:, i] - np.average(scatter.mean[:, i], weights=weight)
-        for name, unit, period, columns, tried in _families(course):
-            factor, share = _judged(value, weight, columns, tried)
-            best = found.get((name, i))
-            if best is None or factor > best.log_factor:
-                found[name, i] = Dependence(name, i, period, unit, factor, share)
-    return sorted(found.values(), key=lambda one: -one.log_factor)
+        best: dict[str, Dependence] = {}
+        for family in families:
+            factor, share = _judged(scatter.mean[:, i], weight, family.columns)
+            factor -= np.log(family.tried)
+            k = int(np.argmax(factor))
+            period = None if family.periods is None else float(family.periods[k])
+            one = Dependence(family.name, i, period, family.unit, float(factor[k]), float(share[k]))
+            if family.name not in best or one.log_factor > best[family.name].log_factor:
+                best[family.name] = one
+        found += best.values()
+    return sorted(found, key=lambda one: -one.log_factor)
 
 
-def _families(course: Course) -> Iterator[tuple[str, str, float | None, Array, int]]:
-    """Name, unit of the period, period, columns (b, k), and how many periods are tried."""
-    for frequency in FREQUENCIES:
-        if frequency * np.ptp(course.time) > LEAST_TURN:
-            yield "time, periodic", "s", 1 / frequency, _wave(frequency * course.time), len(FREQUENCIES)
-    n_wheels = course.rolled.shape[1]
-    for wheel, length in product(range(n_wheels), WAVELENGTHS):
-        if np.ptp(course.rolled[:, wheel]) > LEAST_TURN * length:
-            wave = np.column_stack([_wave(k * course.rolled[:, wheel] / length) for k in range(1, HARMONICS + 1)])
-            yield "travelled distance, periodic", "m", length, wave, n_wheels * len(WAVELENGTHS)
-    yield "heading", "", None, _wave(course.heading / (2 * np.pi)), 1
-    yield "speed", "", None, _levels(course.speed), 1
-    yield "yaw rate", "", None, _levels(course.turning), 1
+@dataclass(frozen=True)
+class _Family:
+    """Columns (s, b, k) at settings (s,), which may be periods; how many settings share one prior."""
+
+    name: str
+    columns: Array
+    tried: int = 1
+    periods: Array | None = None
+    unit: str = ""
+
+
+def _families(course: Course) -> Iterator[_Family]:
+    frequencies = _turns(course.time, FREQUENCIES)
+    yield _Family("time, periodic", _wave(np.outer(frequencies, course.time)), len(frequencies), 1 / frequencies, "s")
+    for rolled in course.rolled.T:
+        turns = _turns(rolled, WAVENUMBERS)
+        waves = np.concatenate([_wave(k * np.outer(turns, rolled)) for k in range(1, HARMONICS + 1)], axis=2)
+        tried = 2 * len(turns) * course.rolled.shape[1]
+        for columns in (waves[..., :2], waves):
+            yield _Family("travelled distance, periodic", columns, tried, 1 / turns, "m")
+    yield _Family("heading", _wave(course.heading / (2 * np.pi))[None])
+    yield _Family("speed", _levels(course.speed)[None])
+    yield _Family("yaw rate", _levels(course.turning)[None])
     along = (course.time - course.time.min()) / max(float(np.ptp(course.time)), 1e-9)
     slow = np.column_stack([np.cos(np.pi * (k + 1) * along) for k in range(DRIFT)])
-    yield "time, slowly", "", None, slow, 1
+    yield _Family("time, slowly", slow[None])
     place = course.place - course.place.mean(axis=0)
-    scale = np.maximum(np.abs(place).max(axis=0), 1e-9)
-    x, y = (place / scale).T
-    yield "place", "", None, np.column_stack([x, y, x * y, x**2, y**2]), 1
+    x, y = (place / np.maximum(np.abs(place).max(axis=0), 1e-9)).T
+    yield _Family("place", np.column_stack([x, y, x * y, x**2, y**2])[None])
 
 
-def _judged(value: Array, weight: Array, columns: Array, tried: int) -> tuple[float, float]:
-    root = np.sqrt(weight)[:, None]
-    design = root * np.column_stack([np.ones(len(value)), columns])
-    target = root[:, 0] * value
-    left = target - design @ np.linalg.lstsq(design, target, rcond=1e-10)[0]
-    before, after = float(target @ target), max(float(left @ left), 1e-300)
-    n, k = len(value), columns.shape[1]
-    share = 1 - after / max(before, 1e-300)
-    factor = 0.5 * n * np.log(max(before, 1e-300) / after) - 0.5 * k * np.log(n) - np.log(tried)
-    return float(factor), share
+def _turns(along: Array, limits: tuple[float, float]) -> Array:
+    """Turns a second or a metre between limits, so near to one another that none is missed on a log this long."""
+    length = max(float(np.ptp(along)), 1e-9)
+    low, high = max(limits[0], LEAST_TURN / length), limits[1]
+    count = int(np.clip((high - low) * length / FINE_TURN, 2, MOST_TURNS))
+    return np.linspace(low, max(high, 1.01 * low), count)
+
+
+def _judged(value: Array, weight: Array, columns: Array) -> tuple[Array, Array]:
+    """Schwarz's log of a Bayes factor against a constant, and the share of the squares taken away, both (s,)."""
+    share = weight / weight.sum()
+    value = value - share @ value
+    columns = columns - (share @ columns)[:, None, :]
+    weighted = weight[:, None] * columns
+    gram = np.swapaxes(columns, 1, 2) @ weighted
+    scale = np.trace(gram, axis1=1, axis2=2)[:, None, None]
+    pull = np.einsum("sbk,b->sk", weighted, value)
+    solved = np.linalg.solve(gram + RIDGE * (scale + 1e-300) * np.eye(gram.shape[1]), pull[..., None])[..., 0]
+    before = float(weight @ value**2)
+    taken = np.minimum((pull * solved).sum(axis=1) / max(before, 1e-300), 1 - 1e-12)
+    n, k = len(value), columns.shape[2]
+    return -0.5 * n * np.log1p(-taken) - 0.5 * k * np.log(n), taken
 
 
 def _wave(turns: Array) -> Array:
-    return np.column_stack([np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)])
+    return np.stack([np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)], axis=-1)
 
 
 def _levels(values: Array) -> Array:

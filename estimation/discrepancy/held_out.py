@@ -22,7 +22,7 @@ BEYOND_NOISE = 1.35
 LEAST_WHOLE = 0.3
 """Of the squared gap: counted as disagreement even where noise could be all of it."""
 EVERYWHERE = 0.8
-HORIZON, EVERY = 1.0, 0.25
+HORIZON, EVERY = 1.0, 0.5
 """s."""
 
 

@@ -86,11 +86,9 @@ def select(
 ) -> Selection:
     """From regressions of every log on the cart's smoothed motion."""
     tell("looking sideways")
-    whole, across, steps = _sideways(whole, cart)
-    masked = tuple(regression.within(moving(regression)) for regression in whole)
-    nominal = Fitted(masked, cart)
+    whole, fitted, steps = _sideways(whole, cart)
+    nominal = fitted if not steps else Fitted(fitted.regressions, cart)
     held_out = HeldOut(nominal, whole)
-    fitted = Fitted(masked, cart, across)
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
         step, better = _step(fitted, held_out, arms, tell)
@@ -103,7 +101,7 @@ def select(
 
 def _sideways(
     whole: Sequence[WrenchRegression], cart: CartModel
-) -> tuple[tuple[WrenchRegression, ...], tuple[Effect, ...], list[Step]]:
+) -> tuple[tuple[WrenchRegression, ...], Fitted, list[Step]]:
     """Constraint effects, which bend the smoothed motion, come first; with each, the motion is smoothed again."""
     whole, steps = tuple(whole), list[Step]()
     added: tuple[Effect, ...] = ()
@@ -111,7 +109,7 @@ def _sideways(
         fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, added)
         trials = sideways_trials(whole, fitted.cart)
         if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, LEAST_CREEP):
-            return whole, added, steps
+            return whole, fitted, steps
         first = trials[0].finding.effect
         for _ in range(SIDEWAYS_ROUNDS):
             bent = replace(cart, effects=(*cart.effects, *added, first))
@@ -178,7 +176,8 @@ def _judged(
     if reason:
         return None, reason
     outside = fitted.periodic
-    if outside is not None and outside.share > OUTSIDE * fitted.closer(model, outside.direction):
+    closed = fitted.misfit() - model.misfit()
+    if outside is not None and outside.share * fitted.misfit(outside.direction) > OUTSIDE * closed:
         return None, f"the residual follows {outside.name} ({outside.period:.3g} {outside.unit}) far better"
     if score < ENOUGH:
         return None, f"log of the Bayes factor {score:.1f} is below {ENOUGH:g}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cartgrasp.frames import Array
 from planning.quadratic_program import QuadraticProgram
@@ -20,18 +21,24 @@ def is_strictly_convex(hessian: Array) -> bool:
     return bool(curvature[0] > max(LEAST_CURVATURE * curvature[-1], FLAT))
 
 
-def load(workspace: Workspace, program: QuadraticProgram, pattern: Array | None = None) -> None:
-    """Everything of a program without cones. `pattern` (n + m, n) says where G may get numbers that aren't zero."""
+def load(workspace: Workspace, program: QuadraticProgram) -> bool:
+    """Everything of a program without cones, but for the spans. Says whether the Hessian is new."""
     problem, claim = workspace.problem, workspace.claim
-    claim.hessian[:], workspace.inverse[:] = program.hessian, _inverse(program.hessian)
+    is_new = not np.array_equal(claim.hessian, program.hessian)
+    if is_new:
+        claim.hessian[:], workspace.inverse[:] = program.hessian, _inverse(program.hessian)
     problem.rows[:] = program.stacked[program.n :]
     problem.lifted[:] = problem.rows @ workspace.inverse
-    pattern = np.abs(problem.rows if pattern is None else pattern)
-    problem.spans[:, :2] = spans(pattern)
-    problem.spans[:, 2:] = spans(pattern @ np.abs(workspace.inverse))
     workspace.held.size[0] = 0
     load_limits(workspace, program)
     load_gradient(workspace, program.gradient, program.constant)
+    return is_new
+
+
+def load_spans(workspace: Workspace, pattern: NDArray[np.bool_]) -> None:
+    """`pattern` (n + m, n) says where G may get numbers that aren't zero."""
+    workspace.problem.spans[:, :2] = spans(pattern)
+    workspace.problem.spans[:, 2:] = spans(pattern @ (workspace.inverse != 0))
 
 
 def load_limits(workspace: Workspace, program: QuadraticProgram) -> None:
@@ -48,11 +55,10 @@ def load_gradient(workspace: Workspace, gradient: Array, constant: float) -> Non
     workspace.problem.free[:] = workspace.inverse @ -gradient
 
 
-def spans(pattern: Array) -> Array:
-    """First and last + 1 of the entries of each row that aren't zero, shape (rows, 2)."""
-    held = pattern != 0
+def spans(held: NDArray[np.bool_]) -> Array:
+    """First and last + 1 of the entries of each row that are held, shape (rows, 2)."""
     first, last = held.argmax(axis=1), held.shape[1] - held[:, ::-1].argmax(axis=1)
-    return np.where(held.any(axis=1)[:, None], np.stack([first, last], axis=1), 0)
+    return np.where(held.any(axis=1, keepdims=True), np.stack([first, last], axis=1), 0)
 
 
 def _inverse(hessian: Array) -> Array:

@@ -45,14 +45,11 @@ __all__ = [
 
 def limits_of(arm: Arm) -> LimitRows:
     """All that an arm states about itself, as one set of rows; its rate is about the last wrench, see `WrenchRate`."""
-    rows = WrenchBox().rows(arm)
-    for limit in _stated(arm):
-        rows &= limit.rows(arm)
-    return rows
+    return LimitRows.all_of([limit.rows(arm) for limit in _stated(arm)])
 
 
 def _stated(arm: Arm) -> list[Limit]:
-    stated: list[Limit] = []
+    stated: list[Limit] = [WrenchBox()]
     if arm.friction is not None:
         stated.append(FrictionCone() if arm.friction.sides == EXACT else FrictionPyramid())
     if arm.push_only:

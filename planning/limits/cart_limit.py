@@ -10,18 +10,21 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
-from typing import TYPE_CHECKING, Self
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.frames import Array
+from planning.quadratic_program import Cone
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Motion
+
+WIDEST = 1e6  # N, of a cone over contacts of hands without limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +55,41 @@ class CartRows:
     cones: tuple[RowCone, ...] = ()
 
     @classmethod
-    def none(cls, n_arms: int) -> Self:
-        return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
+    def stacked(cls, parts: Sequence[CartRows], n_arms: int) -> Self:
+        """All of them above each other; none are no rows."""
+        if not parts:
+            return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
+        cones, start = [], 0
+        for part in parts:
+            cones += [replace(cone, first=start + cone.first) for cone in part.cones]
+            start += len(part.low)
+        return cls(
+            np.concatenate([part.of_sum for part in parts]),
+            np.concatenate([part.of_arm for part in parts], axis=1),
+            np.concatenate([part.low for part in parts]),
+            np.concatenate([part.high for part in parts]),
+            tuple([name for part in parts for name in part.low_names]),
+            tuple([name for part in parts for name in part.high_names]),
+            tuple(cones),
+        )
+
+    def over(self, grasp_maps: Array, owners: Array | None = None) -> Array:
+        """Rows (..., k, 6) of each arm, or of the arms `owners`, at contacts with spatial grasp maps (..., 6, 6)."""
+        return np.asarray(self.of_sum @ grasp_maps + (self.of_arm if owners is None else self.of_arm[owners]))
+
+    def cones_over(self, matrix: Array, start: int, moved: tuple[Array, Array] | None = None) -> list[Cone]:
+        """The cones over rows (k, unknowns), which stand at `start` in a program. Over a range these have a fixed part
+        (k,), and a cone is wider by the most that their spread (k,) makes of it: of its axis, and of the length of the
+        rest."""
+        cones = []
+        for cone in self.cones:
+            offset = cone.offset
+            if moved is not None:
+                fixed_part, spread = (part[cone.own] for part in moved)
+                offset = offset + fixed_part
+                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), WIDEST)
+            cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
+        return cones
 
     def is_like(self, other: CartRows) -> bool:
         """Whether it has the same rows and cones, with other numbers."""
@@ -61,22 +97,13 @@ class CartRows:
 
     def are_numbers(self, largest: float) -> bool:
         """Whether all are finite and none is larger, but for limits that aren't there."""
-        limits = [part[~np.isinf(part)] for part in (self.low, self.high)]
-        is_there = ~((self.low == np.inf) | (self.high == -np.inf)).any()
-        parts = (self.of_sum, self.of_arm, *limits, *(cone.offset for cone in self.cones))
-        return bool(is_there) and all(bool((np.abs(part) <= largest).all()) for part in parts)
+        values = np.concatenate([self.of_sum.ravel(), self.of_arm.ravel(), *(cone.offset for cone in self.cones)])
+        limits = np.concatenate([self.low, -self.high])
+        are_limits = (np.abs(limits) <= largest) | (limits == -np.inf)
+        return bool(np.abs(values).max(initial=0.0) <= largest and are_limits.all())
 
     def __and__(self, other: CartRows) -> CartRows:
-        behind = tuple(replace(cone, first=len(self.low) + cone.first) for cone in other.cones)
-        return CartRows(
-            np.vstack([self.of_sum, other.of_sum]),
-            np.concatenate([self.of_arm, other.of_arm], axis=1),
-            np.concatenate([self.low, other.low]),
-            np.concatenate([self.high, other.high]),
-            self.low_names + other.low_names,
-            self.high_names + other.high_names,
-            self.cones + behind,
-        )
+        return self.stacked((self, other), len(self.of_arm))
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +118,12 @@ class Pushed:
 
     def along(self, direction: Array) -> Pushed:
         return replace(self, slope_of=(self, direction))
+
+    def by(self, arms: Sequence[Arm]) -> Pushed:
+        """By other arms; the floor is the same."""
+        other = replace(self, arms=arms)
+        other.__dict__.update({"floor": self.__dict__["floor"]} if "floor" in self.__dict__ else {})
+        return other
 
     @cached_property
     def floor(self) -> FloorReaction:
@@ -109,6 +142,9 @@ class CartLimit(ABC):
     a bend skids unless the hands hold it. The cart's parameters enter through `pushed.floor` alone, in whose numbers
     rows are affine: margins (robust.py) rest on that."""
 
+    looks_at_arms: ClassVar[bool] = True
+    """Whether the rows depend on more of the arms than how many there are."""
+
     @abstractmethod
     def rows(self, pushed: Pushed) -> CartRows:
         """The limit as it is now."""
@@ -116,4 +152,4 @@ class CartLimit(ABC):
 
 def cart_rows(limits: Sequence[CartLimit], pushed: Pushed) -> CartRows:
     """All of them, above each other."""
-    return reduce(CartRows.__and__, (limit.rows(pushed) for limit in limits), CartRows.none(len(pushed.arms)))
+    return CartRows.stacked([limit.rows(pushed) for limit in limits], len(pushed.arms))

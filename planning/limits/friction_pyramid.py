@@ -26,18 +26,18 @@ class FrictionPyramid(Limit):
     def rows(self, arm: Arm) -> LimitRows:
         if arm.friction is None or not isinstance(arm.friction.sides, int):
             raise UsageError(f"arm {arm.name}: a friction pyramid needs friction with a number of sides")
-        rows, names = _sides(arm.friction.mu, arm.friction.sides)
         push = PushOnly().rows(arm)
-        return LimitRows(
-            lower=push.lower, lower_names=push.lower_names, rows=rows, limits=np.zeros(len(names)), names=names
-        )
+        rows, limits, names = _sides(arm.friction.mu, arm.friction.sides)
+        return LimitRows(push.lower, push.upper, push.lower_names, push.upper_names, rows, limits, names)
 
 
 @lru_cache(maxsize=64)
-def _sides(mu: float, sides: int) -> tuple[Array, tuple[str, ...]]:
+def _sides(mu: float, sides: int) -> tuple[Array, Array, tuple[str, ...]]:
     angles = (2 * np.arange(sides) + 1) * np.pi / sides
     rows = np.zeros((sides, 6))
     rows[:, 0] = -mu * np.cos(np.pi / sides)
     rows[:, 1], rows[:, 2] = np.cos(angles), np.sin(angles)
+    limits = np.zeros(sides)
     rows.setflags(write=False)
-    return rows, tuple(f"friction edge {k}" for k in range(sides))
+    limits.setflags(write=False)
+    return rows, limits, tuple(f"friction edge {k}" for k in range(sides))

@@ -4,15 +4,19 @@ name."""
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import WRENCH_NAMES
 from cartgrasp.frames import Array
 from planning.quadratic_program import Cone
+
+UNLIMITED, NO_ROWS, NO_LIMITS = np.full(6, np.inf), np.zeros((0, 6)), np.zeros(0)
+UNLIMITED.setflags(write=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,15 +24,15 @@ class LimitRows:
     """`lower <= F <= upper` (6,), `low_limits <= rows @ F <= limits` (k, 6), and cones on F (6,); of several arms
     side by side F is (6n,). Low limits that are left out are infinite, and called as the limits are."""
 
-    lower: Array = field(default_factory=lambda: np.full(6, -np.inf))
-    upper: Array = field(default_factory=lambda: np.full(6, np.inf))
+    lower: Array = field(default_factory=lambda: -UNLIMITED)
+    upper: Array = field(default_factory=lambda: UNLIMITED)
     lower_names: tuple[str, ...] = tuple(f"{name} lower" for name in WRENCH_NAMES)
     upper_names: tuple[str, ...] = tuple(f"{name} upper" for name in WRENCH_NAMES)
-    rows: Array = field(default_factory=lambda: np.zeros((0, 6)))
-    limits: Array = field(default_factory=lambda: np.zeros(0))
+    rows: Array = field(default_factory=lambda: NO_ROWS)
+    limits: Array = field(default_factory=lambda: NO_LIMITS)
     names: tuple[str, ...] = ()
     cones: tuple[Cone, ...] = ()
-    low_limits: Array = field(default_factory=lambda: np.zeros(0))
+    low_limits: Array = field(default_factory=lambda: NO_LIMITS)
     low_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -52,19 +56,38 @@ class LimitRows:
         )
 
     def __and__(self, other: LimitRows) -> LimitRows:
-        """Both limits at once: of two bounds the tighter one stays, with its name."""
-        lower_ours, upper_ours = self.lower >= other.lower, self.upper <= other.upper
-        return LimitRows(
-            np.maximum(self.lower, other.lower),
-            np.minimum(self.upper, other.upper),
-            _pick(lower_ours, self.lower_names, other.lower_names),
-            _pick(upper_ours, self.upper_names, other.upper_names),
-            np.vstack([self.rows, other.rows]),
-            np.concatenate([self.limits, other.limits]),
-            self.names + other.names,
-            self.cones + other.cones,
-            np.concatenate([self.low_limits, other.low_limits]),
-            self.low_names + other.low_names,
+        return self.all_of((self, other))
+
+    @classmethod
+    def all_of(cls, parts: Sequence[LimitRows]) -> LimitRows:
+        """All limits at once: of bounds the tightest one stays, with its name; of those alike the first."""
+        if len(parts) == 1:
+            return parts[0]
+        lower, upper = np.array([part.lower for part in parts]), np.array([part.upper for part in parts])
+        rowed = [part for part in parts if len(part.limits)]
+        rows = rowed[0] if len(rowed) == 1 else cls._above_each_other(rowed or parts[:1])
+        return cls(
+            np.maximum.reduce(lower),
+            np.minimum.reduce(upper),
+            _picked(tuple([part.lower_names for part in parts]), lower.argmax(axis=0).tobytes()),
+            _picked(tuple([part.upper_names for part in parts]), upper.argmin(axis=0).tobytes()),
+            rows.rows,
+            rows.limits,
+            rows.names,
+            tuple([cone for part in parts for cone in part.cones]),
+            rows.low_limits,
+            rows.low_names,
+        )
+
+    @classmethod
+    def _above_each_other(cls, parts: Sequence[LimitRows]) -> LimitRows:
+        """Their rows alone."""
+        return cls(
+            rows=np.concatenate([part.rows for part in parts]),
+            limits=np.concatenate([part.limits for part in parts]),
+            names=tuple([name for part in parts for name in part.names]),
+            low_limits=np.concatenate([part.low_limits for part in parts]),
+            low_names=tuple([name for part in parts for name in part.low_names]),
         )
 
 
@@ -76,5 +99,7 @@ class Limit(ABC):
         """The limit of this arm; names without the arm's."""
 
 
-def _pick(ours: NDArray[np.bool_], names: tuple[str, ...], others: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(a if mine else b for mine, a, b in zip(ours, names, others, strict=True))
+@lru_cache(maxsize=256)
+def _picked(names: tuple[tuple[str, ...], ...], picks: bytes) -> tuple[str, ...]:
+    """Of several names for each place, the one that an integer of `picks` says."""
+    return tuple(names[i][j] for j, i in enumerate(np.frombuffer(picks, dtype=np.intp).tolist()))

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from cartgrasp.arms import Arm
 
 from .limit import Limit, LimitRows
 
 PUSH_ONLY = "push only"
+NONE = LimitRows()
+ROWS = LimitRows(
+    lower=np.array([0.0, *NONE.lower[1:]]), upper=NONE.upper, lower_names=(PUSH_ONLY, *NONE.lower_names[1:])
+)
 
 
 class PushOnly(Limit):
     def rows(self, arm: Arm) -> LimitRows:
-        plain = LimitRows()
-        lower = plain.lower.copy()
-        lower[0] = 0.0
-        return LimitRows(lower=lower, lower_names=(PUSH_ONLY, *plain.lower_names[1:]))
+        return ROWS

@@ -8,7 +8,7 @@ where r' follows from the wrench. See `cartgrasp.floor_reaction`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from cartgrasp.errors import UsageError
 from .cart_limit import CartLimit, CartRows, Pushed
 
 NAMES = ("skid to the right", "skid to the left")
+SIDES, NO_LOW = np.array([1.0, -1.0]), np.full(2, -np.inf)
 
 
 @final
@@ -25,6 +26,8 @@ class Skid(CartLimit):
     """`friction`: of the fixed wheels on the floor."""
 
     friction: float
+
+    looks_at_arms: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.friction) and self.friction >= 0):
@@ -35,14 +38,12 @@ class Skid(CartLimit):
         fixed = ~cart.wheel_set.is_caster
         if cart.constraints.n_rows != 1 or not fixed.any():
             raise UsageError(f"skid: {cart.name} has no fixed wheels under one no_lateral_slip; only such a cart skids")
-        floor = pushed.floor
-        carried, carried_offset = floor.load_map[fixed].sum(axis=0), float(floor.load_offset[fixed].sum())
-        sides = np.array([[1.0], [-1.0]])
+        floor, share = pushed.floor, self.friction * fixed
         return CartRows(
-            of_sum=sides * floor.lateral_map - self.friction * carried,
+            of_sum=SIDES[:, None] * floor.lateral_map - share @ floor.load_map,
             of_arm=np.zeros((len(pushed.arms), 2, 6)),
-            low=np.full(2, -np.inf),
-            high=self.friction * carried_offset - sides[:, 0] * floor.lateral_offset,
+            low=NO_LOW,
+            high=share @ floor.load_offset - SIDES * floor.lateral_offset,
             low_names=NAMES,
             high_names=NAMES,
         )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from functools import cache
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -19,6 +20,8 @@ class TipOver(CartLimit):
 
     least_load: float = 0.0
 
+    looks_at_arms: ClassVar[bool] = False
+
     def __post_init__(self) -> None:
         if not (np.isfinite(self.least_load) and self.least_load >= 0):
             raise UsageError(f"tip-over: least_load: {self.least_load} is not a finite number >= 0, in N")
@@ -29,7 +32,7 @@ class TipOver(CartLimit):
                 f"tip-over: the wheels of {pushed.cart.name} stand in one line; three that don't are needed"
             )
         floor = pushed.floor
-        names = tuple(f"wheel {i} load" for i in range(len(floor.load_offset)))
+        names = _names(len(floor.load_offset))
         return CartRows(
             of_sum=floor.load_map,
             of_arm=np.zeros((len(pushed.arms), len(names), 6)),
@@ -38,3 +41,8 @@ class TipOver(CartLimit):
             low_names=names,
             high_names=names,
         )
+
+
+@cache
+def _names(n_wheels: int) -> tuple[str, ...]:
+    return tuple(f"wheel {i} load" for i in range(n_wheels))

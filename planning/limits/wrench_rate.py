@@ -5,6 +5,7 @@ The last wrench holds it, the zero wrench need not: what is held instead of a pl
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -28,6 +29,8 @@ class WrenchRate:
     @classmethod
     def of(cls, arms: Sequence[Arm], period: float) -> Self | None:
         """None where no arm has a rate."""
+        if not any(math.isfinite(rate) for arm in arms for rate in arm.wrench_rate):
+            return None
         with np.errstate(over="ignore", under="ignore"):
             step = period * np.concatenate([arm.wrench_rate for arm in arms])
         names = tuple(f"{arm.name}: {name} rate" for arm in arms for name in WRENCH_NAMES)

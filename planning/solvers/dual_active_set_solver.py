@@ -37,6 +37,7 @@ class DualActiveSetSolver:
             self._floats, self._ints = sizes.allocate()
             self._workspace = self._workspaces.views(self._floats, self._ints)
             self._loading.load(self._workspace, program)
+            self._loading.load_spans(self._workspace, self._workspace.problem.rows != 0)
         else:
             self._loading.load_limits(self._workspace, program)
             self._loading.load_gradient(self._workspace, program.gradient, program.constant)

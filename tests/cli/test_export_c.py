@@ -47,4 +47,11 @@ def test_what_can_not_be_exported(capsys, tmp_path):
     run(capsys, "export-c", far, "--out", tmp_path / "c").refused(2, "no contacts can be chosen")
     relaxed = problem_file(tmp_path, PROBLEM + "relax: 5\n")
     run(capsys, "export-c", relaxed, "--out", tmp_path / "c").refused(2, "problem.yaml", "relax")
+    for key, value in (
+        ("objective", "{smoothness: {}}"),
+        ("motion", "{velocity: [1, 0]}"),
+        ("confidence", "{probability: 0.9, std: {}}"),
+    ):
+        other = problem_file(tmp_path, f"{PROBLEM}{key}: {value}\n")
+        run(capsys, "export-c", other, "--out", tmp_path / "c").refused(2, "problem.yaml", f"{key}: C plans")
     assert not (tmp_path / "c").exists()

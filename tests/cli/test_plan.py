@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize
 
+from cartgrasp.contacts import WRENCH_NAMES
+
 from .commands import CART, CASTERS_ALONE, PROBLEM, RAIL, problem_file, run
 
 KEYS = {"status", "effort", "arms", "active", "residuals", "choice", "certificate", "solve_time_s"}
@@ -134,7 +136,7 @@ def test_random_problems_reach_the_optimum(capsys, tmp_path, seed):
         check_infeasible(answer, A, b, C, h)
         return
     assert answer.status == 0
-    assert set(document) == KEYS
+    assert set(document) == KEYS | {"margins"}
     assert document["status"] == "optimal"
     assert document["certificate"] is None
     assert list(document["arms"]) == [a["name"] for a in problem["arms"]]
@@ -357,3 +359,22 @@ def test_a_limit_of_the_cart_shows_in_the_answer(tmp_path, capsys):
     document = run(capsys, "plan", limited, "--json").json
     assert {"wheel 2 load", "wheel 3 load"} & set(document["active"])
     assert "smallest margin: " in run(capsys, "plan", limited).out
+
+
+def test_margins_are_the_room_that_wrenches_leave(tmp_path, capsys):
+    """By hand, from the limits in the file; what is active has none."""
+    document = run(capsys, "plan", problem_file(tmp_path), "--json").json
+    margins = document["margins"]
+    for name, arm in document["arms"].items():
+        fx, fy, fz, *_ = arm["wrench"]
+        for axis, value, limit in zip(WRENCH_NAMES, arm["wrench"], [60, 60, 40, 8, 8, 6], strict=True):
+            assert margins[f"{name}: {axis} upper"] == pytest.approx(limit - value, abs=1e-9)
+        worst_edge = min(margins[f"{name}: friction edge {k}"] for k in range(4))
+        assert worst_edge == pytest.approx((0.6 * fx - abs(fy) - abs(fz)) / math.sqrt(2), abs=1e-9)
+    assert min(margins.values()) >= -1e-9
+    heavy = problem_file(tmp_path, PROBLEM.replace("[40.0, 0.0, 3.0]", "[115.0, 0.0, 6.0]"))
+    document = run(capsys, "plan", heavy, "--json").json
+    assert document["active"]
+    assert [document["margins"][name] for name in document["active"]] == pytest.approx(
+        [0.0] * len(document["active"]), abs=1e-6
+    )

@@ -9,7 +9,7 @@ import pytest
 
 import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_spatial
-from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
+from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.motion import Motion
@@ -75,27 +75,30 @@ def test_at_rest_and_pushed():
     assert pushed.sum() == pytest.approx(24 * 9.81)
 
 
-CONSTRAINTS = [
-    cg.RollingConstraints(0.1),
-    cg.RollingConstraints(0.0),
-    cg.RollingConstraints(None),
-    cg.RollingConstraints(0.1, no_rotation=True),
-]
+CARTS = {
+    "axle ahead": (cg.RollingConstraints(0.1), ()),
+    "axle": (cg.RollingConstraints(0.0), ()),
+    "casters": (cg.RollingConstraints(None), ()),
+    "rail": (cg.RollingConstraints(0.1, no_rotation=True), ()),
+    "wheels at an angle": (cg.RollingConstraints(0.1), (WheelMisalignment(0.3),)),
+}
 
 
-@pytest.mark.parametrize("constraints", CONSTRAINTS, ids=("axle ahead", "axle", "casters", "rail"))
-def test_partials_by_the_parameters(constraints):
-    """Against differences extrapolated to no step; effects that depend on phi, and change it."""
+@pytest.mark.parametrize("name", CARTS)
+def test_partials_by_the_parameters(name):
+    """Against differences of the kernel's, extrapolated to no step; effects that depend on phi, and change it."""
+    constraints, turned = CARTS[name]
     rng = np.random.default_rng(constraints.n_free)
-    effects = (ViscousDrag(3.0, 1.2), RollingResistance(0.02), PayloadChange(0.5, 4.0, 0.2, 0.1))
+    effects = (ViscousDrag(3.0, 1.2), RollingResistance(0.02), PayloadChange(0.5, 4.0, 0.2, 0.1), *turned)
     model = replace(cart(effects=effects), constraints=constraints)
     motion = Motion(rng.uniform(-2, 2, 3), rng.uniform(0.3, 1.5, constraints.n_free))
-    partials = FloorReaction.by_parameters(model, motion, 1.0)
-    for direction in (*np.eye(len(model.parameters)), rng.normal(size=len(model.parameters))):
+    partials, p = FloorReaction.by_parameters(model, motion, 1.0), len(model.parameters)
+    changing = np.arange(p) < p - len(turned)  # another angle is another model
+    for direction in (*np.eye(p)[changing], rng.normal(size=p) * changing):
         slope = partials.along(direction)
-        for name in ("load_map", "load_offset", "lateral_map", "lateral_offset"):
-            wide, near = (difference(model, motion, step * direction, name) / step for step in (2e-3, 1e-3))
-            assert getattr(slope, name) == pytest.approx((4 * near - wide) / 3, rel=1e-6, abs=1e-6), name
+        for field in ("load_map", "load_offset", "lateral_map", "lateral_offset"):
+            wide, near = (difference(model, motion, step * direction, field) / step for step in (2e-3, 1e-3))
+            assert getattr(slope, field) == pytest.approx((4 * near - wide) / 3, rel=1e-6, abs=1e-6), field
 
 
 def difference(model, motion, change, name):
@@ -119,3 +122,16 @@ def test_what_it_needs():
         model = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), **({"wheels": TRICYCLE, "com_height": 0.4} | changes))
         with pytest.raises(UsageError, match="wheels and com_height are needed"):
             FloorReaction.of(model)
+
+
+def test_casters_leave_a_push_to_the_mass():
+    """No lateral force; the loads turn with what the hands and the drag together would accelerate."""
+    model = cart(None, effects=(ViscousDrag(3.0, 1.2),))
+    motion = Motion(np.zeros(3), np.array([0.6, -0.4, 0.5]))
+    floor, wrench = FloorReaction.of(model, motion), np.array([20.0, 6.0, 3.0, 1.0, -2.0, 2.0])
+    assert floor.lateral(wrench) == pytest.approx(0.0, abs=1e-12)
+    loads, drag = floor.loads(wrench), model.effect_wrench(model.state(motion.pose_sb, motion.velocity))
+    places, (fx, fy) = np.array([(w.x, w.y) for w in TRICYCLE]), wrench[:2] + drag[:2]
+    weight = 24.0 * 9.81
+    assert loads.sum() == pytest.approx(weight - 3.0)
+    assert loads @ places == pytest.approx([weight * 0.35 - 2.0 - HEIGHT * fx, weight * 0.06 - 1.0 - HEIGHT * fy])

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import WheelMisalignment
-from cartgrasp.inertia import phi_from_physical, physical_from_phi
-from cartgrasp.model import CartModel, Inertia
+from cartgrasp.inertia import Inertia, phi_from_physical, physical_from_phi
+from cartgrasp.model import CartModel
 from estimation.mobility import BodyLimits, build_chart
 
 CONSTRAINTS = {

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import cartgrasp as cg
+from cartgrasp.effects import WheelMisalignment
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.motion import Motion
 from planning import (
@@ -217,6 +218,7 @@ def estimate(model=None, **changes):
 
 PHI = shopping_cart().parameters
 OTHER = cg.CartModel(shopping_cart().inertia, cg.RollingConstraints(0.3))
+STRAIGHT = shopping_cart().with_effect(WheelMisalignment())
 WRONG = [
     (estimate(time=None), "not those of an Estimate"),
     (estimate(time="1"), "not those of an Estimate"),
@@ -241,6 +243,7 @@ WRONG = [
     (estimate(model_parameters=np.array([1e-320, 0, 0, 1e-320])), "estimate"),
     (estimate(structure=None), "it has no cart"),
     (estimate(structure=OTHER), "other rolling constraints"),
+    (estimate(structure=STRAIGHT, model_parameters=np.append(PHI, 0.1)), "other rolling constraints"),
 ]
 WRONG_COVARIANCES = [
     ([[1], [2, 3]], "not a matrix"),

@@ -19,6 +19,7 @@ from .test_solvers import program_of, random_program
 def claim_of(program, x, y):
     workspace = views(*Sizes(program.n, len(program.upper), program.n_equalities).allocate())
     loading.load(workspace, program)
+    loading.load_spans(workspace, workspace.problem.rows != 0)
     workspace.claim.x[:], workspace.claim.y[:] = x, y
     return workspace
 

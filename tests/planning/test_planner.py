@@ -64,7 +64,9 @@ def test_a_plan_as_json():
         "choice",
         "certificate",
         "solve_time_s",
+        "margins",
     ]
+    assert document["margins"] == dict(plan.margins)
     assert document["status"] == "optimal"
     assert document["arms"]["left"]["contact"] == [-0.25, 0.2, 1.0]
     assert len(document["arms"]["right"]["wrench"]) == 6

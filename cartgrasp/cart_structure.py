@@ -1,0 +1,180 @@
+"""`CartStructure`: what a cart is made of, and what follows of it without a state: names, slices, free velocities.
+
+Parameters are `(phi | effects' values)`, a state is `(x, y, theta | nu | memory)`. Carts that differ in numbers alone
+share what doesn't depend on them (`SharedProperty`).
+"""
+
+from __future__ import annotations
+
+from abc import ABC
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .constraints import RollingConstraints
+from .effects import ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
+from .errors import UsageError
+from .frames import Array
+from .inertia import N_PHI, PHI_NAMES, Inertia
+from .shared_property import SharedProperty
+from .wheels import Wheel, WheelSet
+
+N_POSE = 3
+
+
+@dataclass(frozen=True)
+class CartStructure(ABC):
+    """The cart's parts: what is pushed, and what acts on it. Frozen; `with_...` returns another."""
+
+    inertia: Inertia
+    constraints: RollingConstraints = RollingConstraints()
+    effects: tuple[Effect, ...] = ()
+    wheels: tuple[Wheel, ...] = ()
+    com_height: float | None = None
+    name: str = "cart"
+    source: str = field(default="", repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        keys = [effect.key for effect in self.effects]
+        for key in keys:
+            if keys.count(key) > 1:
+                raise UsageError(f"effects: {key} stands twice; give each its own label")
+        if self.constraints.angle:
+            raise UsageError("constraints: wheels at an angle are the effect wheel_misalignment; add it to the effects")
+        for effect in self.constraint_effects:
+            effect.check(self.constraints)
+
+    def with_effect(self, effect: Effect) -> Self:
+        """The cart with one more effect."""
+        return replace(self, effects=(*self.effects, effect))
+
+    def without_effect(self, key: str) -> Self:
+        """The cart without the effect called `key` (`name` or `name.label`)."""
+        left = tuple(effect for effect in self.effects if effect.key != key)
+        if len(left) == len(self.effects):
+            known = ", ".join(effect.key for effect in self.effects) or "none"
+            raise UsageError(f"effects: this cart has no {key}; it has {known}")
+        return replace(self, effects=left)
+
+    def with_inertia(self, inertia: Inertia) -> Self:
+        return self._with_numbers(inertia, self.effects)
+
+    def with_parameters(self, parameters: ArrayLike) -> Self:
+        """The same structure with other numbers (p,)."""
+        parameters = np.asarray(parameters, dtype=float)
+        effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
+        return self._with_numbers(Inertia.from_phi(parameters[:N_PHI]), effects)
+
+    def _with_numbers(self, inertia: Inertia, effects: tuple[Effect, ...]) -> Self:
+        """The same structure, which both share: what one works out, the other has. Unless constraint effects change."""
+        other = object.__new__(type(self))
+        own = {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        other.__dict__.update(own, inertia=inertia, effects=effects)
+        if other.constraint_effects == self.constraint_effects:
+            other.__dict__["structure"] = self.structure
+        return other
+
+    @cached_property
+    def structure(self) -> dict[str, Any]:
+        """What has been worked out of this cart without its numbers, by name; see `SharedProperty`."""
+        return {}
+
+    @cached_property
+    def force_effects(self) -> tuple[tuple[ForceEffect, slice, slice], ...]:
+        """Each with its slices of the parameters and of the memory."""
+        found, start = [], 0
+        for effect, where in zip(self.effects, self._slices, strict=True):
+            if isinstance(effect, ForceEffect):
+                size = len(effect.memory_names(self.wheel_set))
+                found.append((effect, where, slice(start, start + size)))
+                start += size
+        return tuple(found)
+
+    @cached_property
+    def inertia_effects(self) -> tuple[tuple[InertiaEffect, slice], ...]:
+        pairs = zip(self.effects, self._slices, strict=True)
+        return tuple((e, s) for e, s in pairs if isinstance(e, InertiaEffect))
+
+    @cached_property
+    def sensor_effects(self) -> tuple[tuple[SensorEffect, slice], ...]:
+        pairs = zip(self.effects, self._slices, strict=True)
+        return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
+
+    @cached_property
+    def constraint_effects(self) -> tuple[ConstraintEffect, ...]:
+        return tuple(e for e in self.effects if isinstance(e, ConstraintEffect))
+
+    @SharedProperty
+    def rolling(self) -> RollingConstraints:
+        """The constraints as effects leave them."""
+        constraints = self.constraints
+        for effect in self.constraint_effects:
+            constraints = effect.rolling(constraints)
+        return constraints
+
+    @SharedProperty
+    def slip_compliance(self) -> float:
+        """Angle, rad, at which the rolling wheels creep sideways under each newton of side force."""
+        return sum(effect.slip_compliance for effect in self.constraint_effects)
+
+    @SharedProperty
+    def wheel_set(self) -> WheelSet:
+        return WheelSet.of(self.wheels, rolls_along_x=self.constraints.n_rows > 0)
+
+    @SharedProperty
+    def basis_b(self) -> Array:
+        return self.rolling.basis_b
+
+    @cached_property
+    def parameters(self) -> Array:
+        """(phi | effects' values), shape (p,)."""
+        return np.concatenate([self.inertia.phi, *(effect.values for effect in self.effects)])
+
+    @SharedProperty
+    def parameter_names(self) -> tuple[str, ...]:
+        return PHI_NAMES + tuple(key for effect in self.effects for key in effect.keys)
+
+    @SharedProperty
+    def memory_names(self) -> tuple[str, ...]:
+        return tuple(n for effect, _, _ in self.force_effects for n in effect.memory_names(self.wheel_set))
+
+    @SharedProperty
+    def memory_spread(self) -> Array:
+        """How far (k,) the true memory may be from the first."""
+        spreads = [effect.memory_spread(self.wheel_set) for effect, _, _ in self.force_effects]
+        return np.concatenate([np.zeros(0), *spreads])
+
+    @SharedProperty
+    def state_names(self) -> tuple[str, ...]:
+        return ("x", "y", "theta", *self.constraints.velocity_names, *self.memory_names)
+
+    @SharedProperty
+    def velocity_slice(self) -> slice:
+        return slice(N_POSE, N_POSE + self.constraints.n_free)
+
+    @SharedProperty
+    def memory_slice(self) -> slice:
+        return slice(self.velocity_slice.stop, len(self.state_names))
+
+    @SharedProperty
+    def _slices(self) -> tuple[slice, ...]:
+        slices, start = [], N_PHI
+        for effect in self.effects:
+            slices.append(slice(start, start + len(effect.parameters)))
+            start += len(effect.parameters)
+        return tuple(slices)
+
+    def state(self, pose_sb: ArrayLike = (0.0, 0.0, 0.0), velocity: ArrayLike | None = None) -> Array:
+        """A state (n,) at a pose and free velocity (0 unless given), with effects' first memory."""
+        velocity = np.zeros(self.constraints.n_free) if velocity is None else np.asarray(velocity, float)
+        if velocity.shape != (self.constraints.n_free,):
+            raise UsageError(
+                f"model: velocity has shape {velocity.shape}, but this cart's {self.constraints.n_free} numbers"
+            )
+        velocity_b = self.basis_b @ velocity
+        memory: Sequence[Array] = [e.first_memory(self.wheel_set, velocity_b) for e, _, _ in self.force_effects]
+        return np.concatenate([np.asarray(pose_sb, float), velocity, *memory])

@@ -1,0 +1,190 @@
+"""The parts of the discrepancy workflow against closed forms and motions of the tests' own."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import LateralSlip, ViscousDrag, WheelMisalignment
+from cartgrasp.errors import DataError
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.model import CartModel
+from estimation import FilterNoise
+from estimation.batch.wrench_regression import WrenchRegression
+from estimation.discrepancy.fitted import Fitted
+from estimation.discrepancy.generic import Course, dependences
+from estimation.discrepancy.log_check import check_rows, checked
+from estimation.discrepancy.manoeuvres import manoeuvres
+from estimation.discrepancy.rollouts import roll_out, starts
+from estimation.discrepancy.scatter import Scatter
+from estimation.discrepancy.sideways import sideways_trials
+
+from .runs import simulate
+
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+
+
+DRAG = (ViscousDrag(linear=3.0, angular=1.2),)
+
+
+def guess(effects=DRAG):
+    return CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=effects)
+
+
+def straight(acceleration=0.5, duration=4.0, mass=20.0):
+    """A log without noise of a cart that a constant force pushes along x; no drag."""
+    time = np.arange(0, duration, 0.01)
+    zero = np.zeros_like(time)
+    wrench = np.column_stack([np.full_like(time, mass * acceleration), zero, zero, zero, zero, zero])
+    pose = np.column_stack([acceleration * time**2 / 2, zero, zero])
+    velocity = np.column_stack([acceleration * time, zero, zero])
+    return RunLog(time, pose, velocity, {"arm": ArmLog(np.tile([-0.3, 0.0, 1.0], (len(time), 1)), wrench)})
+
+
+def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
+    cart = CartModel(Inertia(25.0, (0.3, 0.0), 2.0))
+    regression = WrenchRegression(straight(), cart, None)
+    first = starts(regression, np.ones(len(regression.motion.time), dtype=bool), 1.0, 0.5)
+    found = roll_out(regression, cart, 0.5, first, 1.0)
+    assert len(first) >= 4
+    assert found.error[:, 0] == pytest.approx(0.5 * (20.0 / 25.0 - 1.0) / 2, abs=2e-4)
+    assert found.error[:, 1:] == pytest.approx(0.0, abs=1e-6)
+    assert found.gap == pytest.approx(0.05, abs=3e-4)
+
+
+def test_rollouts_stay_where_they_are_allowed():
+    regression = WrenchRegression(straight(), guess(), None)
+    chosen = regression.motion.time > 2.0
+    first = starts(regression, chosen, 1.0, 0.25)
+    assert regression.motion.time[first].min() > 2.0
+    assert regression.motion.time[first].max() < 3.0
+
+
+def rolling(angle=0.0, compliance=0.0, seed=0, mass=24.0, com_x=0.28):
+    """A log of a cart that goes round in wide circles, forward and back, on wheels at an angle that creep by
+    `compliance` (rad/N) under the force that keeps them on the circle; hands give what the rigid body needs."""
+    random, fine = np.random.default_rng(seed), 0.0005
+    time = np.arange(0, 20, fine)
+    speed, turn = 0.6 * np.sin(0.5 * time), 0.5 * np.cos(0.3 * time)
+    heading = np.sin(0.3 * time) * 0.5 / 0.3
+    side = -mass * (speed * turn + com_x * np.gradient(turn, time))
+    creep = compliance * np.abs(speed) * side
+    towards = heading + angle
+    velocity = np.column_stack(
+        [speed * np.cos(towards) - creep * np.sin(towards), speed * np.sin(towards) + creep * np.cos(towards), turn]
+    )
+    pose = np.cumsum(velocity, axis=0) * fine
+    pose[:, 2] = heading
+    forward = mass * (np.gradient(speed, time) - com_x * turn**2)
+    moment = (2.2 + mass * com_x**2) * np.gradient(turn, time) + mass * com_x * speed * turn
+    rows = slice(None, None, 20)
+    wrench = np.zeros((len(time[rows]), 6))
+    wrench[:, 0], wrench[:, 5] = forward[rows], moment[rows]
+    noisy = pose[rows] + 0.0005 * random.standard_normal(pose[rows].shape)
+    measured = velocity[rows] + 0.005 * random.standard_normal(pose[rows].shape)
+    contact = np.tile([0.0, 0.0, 1.0], (len(wrench), 1))
+    return RunLog(time[rows], noisy, measured, {"arm": ArmLog(contact, wrench)})
+
+
+@pytest.mark.parametrize("angle", [0.03, -0.01])
+def test_wheels_at_an_angle_show_sideways(angle):
+    regression = WrenchRegression(rolling(angle), guess(()), None)
+    first = sideways_trials((regression,), regression.cart)[0].finding
+    assert isinstance(first.effect, WheelMisalignment)
+    assert first.log_factor > 20
+    assert first.effect.angle == pytest.approx(angle, rel=0.03)  # of a motion smoothed as if wheels were square
+
+
+def test_creeping_wheels_show_sideways():
+    regression = WrenchRegression(
+        rolling(compliance=1 / 600.0), replace(guess(()), inertia=Inertia(24.0, (0.28, 0.0), 2.2)), None
+    )
+    first = sideways_trials((regression,), regression.cart)[0].finding
+    assert isinstance(first.effect, LateralSlip)
+    assert first.effect.cornering_stiffness == pytest.approx(600.0, rel=0.1)
+
+
+def test_wheels_that_hold_show_nothing_sideways():
+    for trial in sideways_trials((WrenchRegression(rolling(seed=3), guess(()), None),), guess(())):
+        assert trial.finding.log_factor < 0
+        assert trial.speed < 0.002
+
+
+@pytest.mark.parametrize(("correlation", "low", "high"), [(0.0, 1.0, 1.6), (0.8, 4.0, 14.0)])
+def test_excess_tells_coloured_noise(correlation, low, high):
+    """Long means of an autoregression have (1 + c) / (1 - c) times the variance that its samples promise."""
+    log, cart = rolling(), guess(()).with_inertia(Inertia(24.0, (0.28, 0.0), 2.2))
+    random = np.random.default_rng(2)
+    noise = np.zeros((len(log), 2))
+    for k in range(1, len(log)):
+        noise[k] = correlation * noise[k - 1] + (1 - correlation**2) ** 0.5 * random.standard_normal(2)
+    (name, arm), *_ = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, [0, 5]] += noise * [3.0, 0.3]
+    noisy = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    told = FilterNoise(force=3.0, moment=0.3, position=0.0005, heading=0.0005)
+    fitted = Fitted((WrenchRegression(noisy, cart, told),), cart)
+    assert low <= fitted.scatter.excess < high
+
+
+def test_a_force_with_the_wheels_turn_is_found_by_its_period():
+    log, _ = simulate(TRUTH, 3, 30.0, noise=(0.0005, 0.005, 1.0))
+    regression = WrenchRegression(log, guess(), None)
+    rolled = np.cumsum(np.append(0.0, np.diff(log.time)) * regression.motion.velocity[:, 0])
+    (name, arm), *_ = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] += 4.0 * np.sin(2 * np.pi * rolled / 0.4)
+    bumped = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    found = Fitted((WrenchRegression(bumped, guess(), None),), guess()).dependences[0]
+    assert found.name.startswith("travelled distance")
+    assert found.period == pytest.approx(0.4, rel=0.02)
+    quiet = Fitted((regression,), guess()).dependences[0]
+    assert quiet.log_factor < 6 < found.log_factor
+
+
+def test_a_scatter_of_a_right_model_is_noise():
+    log, _ = simulate(TRUTH, 7, 20.0, noise=(0.0005, 0.005, 2.0))
+    fitted = Fitted((WrenchRegression(log, guess(), None),), guess())
+    scatter = fitted.scatter
+    assert 0.5 < scatter.misfit.mean() / 2 < 1.5
+    course = Course.of(scatter, [fitted.regressions[0].motion], 0.5)
+    assert len(course.time) == len(scatter.start)
+    assert all(one.log_factor < 8 for one in dependences(scatter, course))
+    assert isinstance(scatter, Scatter)
+
+
+def test_manoeuvres_end_where_the_cart_turns_round():
+    log = rolling()
+    regression = WrenchRegression(log, guess(()), None)
+    number = manoeuvres(regression.motion, turns=True)
+    assert (np.diff(number) >= 0).all()
+    assert number[-1] >= 4
+    for k in range(number[-1] + 1):
+        assert np.ptp(log.time[number == k]) <= 6.01
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda log: RunLog(log.time[:40], log.pose[:40], None, cut(log, 40)), "too few"),
+        (lambda log: replace(log, pose=np.where(log.time[:, None] > 0.5, np.nan, log.pose)), "whole pose"),
+        (
+            lambda log: replace(log, arms={"arm": ArmLog(log.arms["arm"].contact, log.arms["arm"].wrench * np.nan)}),
+            "arm arm",
+        ),
+    ],
+)
+def test_a_log_that_shows_nothing_is_refused_with_the_reason(spoil, said):
+    with pytest.raises(DataError, match=said):
+        check_rows(spoil(straight(duration=6.0)), guess())
+
+
+def test_a_cart_that_stands_is_refused():
+    log = straight(acceleration=0.0, duration=6.0)
+    with pytest.raises(DataError, match="too little"):
+        checked(log, guess(), WrenchRegression(log, guess(), None))
+
+
+def cut(log, rows):
+    return {name: ArmLog(arm.contact[:rows], arm.wrench[:rows]) for name, arm in log.arms.items()}
