@@ -75,13 +75,15 @@ prove: setup
 # Diagnoses that are there are kept, so what was interrupted goes on; after a change of the workflow, remove them first.
 SEEDS := 0:4
 SEALED := out/sealed
-sealed: setup
+sealed: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(SEALED)
-	$(ENV) $(BIN)/python -m benchmarks.sealed baselines $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED)
-	@echo "Beside it, regression by error reduction:"
-	@$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED) --reports out-err
+	@for method in err sindy; do \
+	    echo && echo "General method: $$method" && \
+	    $(ENV) $(BIN)/python -m benchmarks.sealed baselines $(SEALED) --method $$method && \
+	    $(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED) --reports out-$$method || exit 1; \
+	done
 
 lint: setup
 	$(BIN)/ruff check .

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .baselines import STOP, regress_all
+from .baselines import METHODS, STOP, regress_all
 from .cases import CASES, MUJOCO_CASES
 from .generate import generate
 from .references import DURATIONS
@@ -25,16 +25,18 @@ def main() -> None:
     scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
     scoring.add_argument("folder", type=Path, metavar="DIR")
     scoring.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
-    regressing = commands.add_parser("baselines", help="regression by error reduction on DIR/logs/*, to be scored too")
+    regressing = commands.add_parser("baselines", help="general methods on DIR/logs/*, to be scored too")
     regressing.add_argument("folder", type=Path, metavar="DIR")
-    regressing.add_argument("--reports", default="out-err", metavar="NAME", help="out-err by default")
+    regressing.add_argument("--method", choices=list(METHODS), default="err")
+    regressing.add_argument("--reports", metavar="NAME", help="folder beside each log; out-METHOD by default")
     regressing.add_argument(
-        "--stop", type=float, default=STOP, help=f"least error reduction ratio; {STOP:g} by default"
+        "--stop", type=float, default=STOP, help=f"least share of the residual that a term takes; {STOP:g} by default"
     )
     options = parser.parse_args()
     if options.command == "baselines":
-        count = regress_all(options.folder, options.reports, options.stop)
-        print(f"{count} reports; judge them with: score {options.folder} --reports {options.reports}")
+        reports = options.reports or f"out-{options.method}"
+        count = regress_all(options.folder, reports, options.stop, options.method)
+        print(f"{count} reports; judge them with: score {options.folder} --reports {reports}")
         return
     if options.command == "score":
         from .score import score

@@ -1,13 +1,16 @@
-"""What a general method makes of the same logs: forward regression by error reduction ratios, with orthogonal least
-squares, over a library of terms (Chen, Billings and Luo, 1989), after the nominal model was refitted.
+"""What general methods make of the same logs, over one library of terms, after the nominal model was refitted:
 
-Its reports have the shape of the workflow's; it has no probabilities, no rollouts, and nothing to say of what no term
-explains.
+- `err`: forward regression by error reduction ratios, with orthogonal least squares (Chen, Billings and Luo, 1989);
+- `sindy`: sequentially thresholded least squares as pysindy has it (extra `bench`).
+
+Their reports have the shape of the workflow's; they have no probabilities, no rollouts, and nothing to say of what no
+term explains.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -22,14 +25,20 @@ STOP = 0.02
 COLLINEAR = 0.05
 """Of a column's length: what is left of it beside the terms before; shorter ones are no news."""
 MOST_TERMS = 6
+RIDGE = 0.05
+"""pysindy's own default, for columns of length one."""
 
 
-def regress_all(folder: Path, reports: str, stop: float) -> int:
+Selector = Callable[[np.ndarray, np.ndarray, list[np.ndarray], float], list[int]]
+"""Of nominal columns, target, library and `stop`: places in the library."""
+
+
+def regress_all(folder: Path, reports: str, stop: float, method: str = "err") -> int:
     """How many reports were written."""
     found = sorted(path.parent for path in folder.glob("logs/*/run.csv"))
     for log in found:
         start = perf_counter()
-        report = regress(read_recorded(log / "run.csv"), read_cart(log / "cart.yaml"), stop)
+        report = regress(read_recorded(log / "run.csv"), read_cart(log / "cart.yaml"), stop, METHODS[method])
         out = log / reports
         out.mkdir(exist_ok=True)
         (out / "report.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
@@ -37,12 +46,13 @@ def regress_all(folder: Path, reports: str, stop: float) -> int:
     return len(found)
 
 
-def regress(log: Recorded, cart: Cart, stop: float = STOP) -> dict[str, Any]:
+def regress(log: Recorded, cart: Cart, stop: float = STOP, select: Selector | None = None) -> dict[str, Any]:
     """A report."""
+    select = select or selected
     nominal, target = nominal_columns(log, cart), measured(log)
     weight = weights(nominal, target)
     library = candidates(log, cart)
-    chosen = selected(weight * nominal, weight[:, 0] * target, [weight * one.columns for one in library], stop)
+    chosen = select(weight * nominal, weight[:, 0] * target, [weight * one.columns for one in library], stop)
     terms = [library[i] for i in chosen]
     design = np.hstack([nominal, *(term.columns for term in terms)])
     value, deviation = fitted(weight * design, weight[:, 0] * target)
@@ -94,6 +104,27 @@ def selected(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarray],
         left = left - bases[best] @ (bases[best].T @ left)
         rest = [columns - bases[best] @ (bases[best].T @ columns) for columns in rest]
     return chosen
+
+
+def thresholded(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarray], stop: float) -> list[int]:
+    """As `selected`: those of which a column of length one has a coefficient that takes away `stop` or more."""
+    from pysindy import STLSQ
+
+    basis = np.linalg.qr(nominal)[0]
+    left = target - basis @ (basis.T @ target)
+    columns = np.hstack(library)
+    lengths = np.linalg.norm(columns, axis=0)
+    columns -= basis @ (basis.T @ columns)
+    news = np.linalg.norm(columns, axis=0)
+    fresh = news > COLLINEAR * np.maximum(lengths, 1e-12)
+    energy = float(left @ left)
+    columns = columns[:, fresh] / news[fresh]
+    found = STLSQ(threshold=np.sqrt(stop * energy), alpha=RIDGE).fit(columns, left).coef_.ravel()
+    owner = np.repeat(np.arange(len(library)), [one.shape[1] for one in library])[fresh]
+    return list(dict.fromkeys(owner[np.argsort(-abs(found))][: np.count_nonzero(found)].tolist()))
+
+
+METHODS: dict[str, Selector] = {"err": selected, "sindy": thresholded}
 
 
 def orthonormal(columns: np.ndarray, lengths: np.ndarray) -> np.ndarray:

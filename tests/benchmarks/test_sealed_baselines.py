@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.sealed.baselines import regress, regress_all, selected
+from benchmarks.sealed.baselines import regress, regress_all, selected, thresholded
 from benchmarks.sealed.columns import candidates, followed, swung
 from benchmarks.sealed.effects import VOCABULARY
 from benchmarks.sealed.generate import generate
@@ -49,6 +49,15 @@ def test_error_reduction_is_what_least_squares_gain(seed, stop):
             assert gains[best] >= stop * left([]) * (1 - 1e-9)
         elif best is not None:
             assert gains[best] < stop * left([]) * (1 + 1e-9)
+
+
+@pytest.mark.filterwarnings("ignore")  # of what pysindy brings
+def test_thresholded_terms_are_those_that_are_there():
+    pytest.importorskip("pysindy")
+    random = np.random.default_rng(0)
+    nominal, library = random.standard_normal((400, 2)), [random.standard_normal((400, k)) for k in (1, 1, 2, 3, 1)]
+    target = nominal @ [1.0, -2.0] + 0.8 * library[3] @ [1.0, 0.9, 0.0] + library[0][:, 0]
+    assert sorted(thresholded(nominal, target, library, 0.05)) == [0, 3]
 
 
 def made_up(seed):

@@ -31,7 +31,7 @@ ALLOWED = {
         "typing",
         "zlib",
     ),
-    *("mujoco", "numba", "numpy", "ruamel"),
+    *("mujoco", "numba", "numpy", "pysindy", "ruamel"),
 }
 SOME = ("nothing", "floor_patch", "force_scale", "viscous_drag", "wind", "payload_change+floor_slope")
 
