@@ -1,10 +1,11 @@
-"""`python -m benchmarks.sealed generate --out DIR` and `python -m benchmarks.sealed score DIR`."""
+"""`python -m benchmarks.sealed generate --out DIR`, then `… score DIR`; `… baselines DIR` for another method."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
+from .baselines import METHODS, STOP, regress_all
 from .cases import CASES, MUJOCO_CASES
 from .generate import generate
 from .references import DURATIONS
@@ -23,11 +24,24 @@ def main() -> None:
     making.add_argument("--motion", choices=list(DURATIONS), default="rich")
     scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
     scoring.add_argument("folder", type=Path, metavar="DIR")
+    scoring.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
+    regressing = commands.add_parser("baselines", help="general methods on DIR/logs/*, to be scored too")
+    regressing.add_argument("folder", type=Path, metavar="DIR")
+    regressing.add_argument("--method", choices=list(METHODS), default="err")
+    regressing.add_argument("--reports", metavar="NAME", help="folder beside each log; out-METHOD by default")
+    regressing.add_argument(
+        "--stop", type=float, default=STOP, help=f"least share of the residual that a term takes; {STOP:g} by default"
+    )
     options = parser.parse_args()
+    if options.command == "baselines":
+        reports = options.reports or f"out-{options.method}"
+        count = regress_all(options.folder, reports, options.stop, options.method)
+        print(f"{count} reports; judge them with: score {options.folder} --reports {reports}")
+        return
     if options.command == "score":
         from .score import score
 
-        print(score(options.folder))
+        print(score(options.folder, options.reports))
         return
     cases = {"all": CASES, "mujoco": MUJOCO_CASES}.get(options.cases) or options.cases.split(",")
     unknown = [case for case in cases if case not in (*CASES, *MUJOCO_CASES)]

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
-PARAMETERS = ("mass", "com_x", "com_y", "inertia")
+PARAMETERS, DRAG = ("mass", "com_x", "com_y", "inertia"), ("linear", "angular")
 CLOSE_DRAG = 0.25
 """A drag that the cart file lacks counts as found when it is refitted this near, as a share."""
 CLOSE_PERIOD = 0.1
+FOLLOWS = {"flat_spot": ("travelled distance", "m"), "wind": ("time", "s"), "oscillating_floor": ("time", "s")}
+"""What the residual of an effect without a name depends on, and the unit of its period."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +38,11 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """A truth file's and a report's contents (None: there is no report)."""
+    """A truth file's and a report's contents (None: there is no report), and how long that took."""
 
     truth: Mapping[str, Any]
     report: Mapping[str, Any] | None
+    seconds: float | None = None
 
     @property
     def case(self) -> str:
@@ -112,8 +115,23 @@ class Judgement:
         wanted = next((e["parameters"]["period"] for e in self.truth["effects"] if "period" in e["parameters"]), None)
         if wanted is None or self.report is None:
             return None
-        said = self.report.get("unexplained", {}).get("period")
+        unexplained = self.report.get("unexplained", {})
+        if unexplained.get("period_unit", self._follows[1]) != self._follows[1]:
+            return False
+        said = unexplained.get("period")
         return any(abs(v - wanted) < CLOSE_PERIOD * wanted for v in numbers(said))
+
+    @property
+    def dependence_right(self) -> bool:
+        """Whether what is left is said to follow what it does follow."""
+        told = (self.report or {}).get("unexplained", {}).get("depends_on", [])
+        return any(self._follows[0] in one for one in told)
+
+    @property
+    def probabilities(self) -> list[tuple[float, bool]]:
+        """Of each name at its first mention: what is said, and whether it is true."""
+        first = {bare(effect["name"]): effect for effect in reversed(self._effects)}
+        return [(e["probability"], name in self.true_names) for name, e in first.items() if "probability" in e]
 
     @property
     def gap(self) -> tuple[float, float] | None:
@@ -128,9 +146,8 @@ class Judgement:
         """Of the parameters of effects that are there and were named."""
         found = []
         for true in self.truth["effects"]:
-            for effect in self._effects:
-                if bare(effect["name"]) == true["name"]:
-                    found += list(compared(true, effect))
+            for effect in [e for e in self._effects if bare(e["name"]) == true["name"] and concerns(true, e)][:1]:
+                found += list(compared(true, effect))
         return tuple(found)
 
     @cached_property
@@ -140,13 +157,17 @@ class Judgement:
         for name in PARAMETERS:
             if name in entries and "load_slosh" not in self.true_names:  # what swings may count or not
                 found.append(Estimate(name, cart[name], entries[name]["refitted"], entries[name]["std"] or np.nan))
-        drag = entries.get("viscous_drag", {})
-        parts = {"linear": drag} if "refitted" in drag else drag
-        for name, part in parts.items():
-            if bare(name, last=True) in cart["viscous_drag"]:
-                truth = cart["viscous_drag"][bare(name, last=True)]
-                found.append(Estimate(bare(name, last=True), truth, part["refitted"], part["std"] or np.nan))
+        drag = {name: entries.get(f"viscous_drag.{name}") for name in DRAG}
+        drag["linear"] = drag["linear"] or entries.get("viscous_drag")
+        for name, entry in drag.items():
+            if entry and name in cart["viscous_drag"]:
+                truth = cart["viscous_drag"][name]
+                found.append(Estimate(name, truth, entry["refitted"], entry["std"] or np.nan))
         return tuple(found)
+
+    @property
+    def _follows(self) -> tuple[str, str]:
+        return next(FOLLOWS[e["name"]] for e in self.truth["effects"] if e["outside"])
 
     @property
     def _effects(self) -> list[Mapping[str, Any]]:
@@ -164,12 +185,15 @@ def matched(wanted: list[str], sets: list[frozenset[str]]) -> bool:
     return any(wanted[0] in names and matched(wanted[1:], sets[:i] + sets[i + 1 :]) for i, names in enumerate(sets))
 
 
-def compared(true: Mapping[str, Any], effect: Mapping[str, Any]) -> Iterator[Estimate]:
-    """Parameters of one true and one reported effect; of the arm that is concerned, where arms are told apart."""
-    arm = true["arm"]
+def concerns(true: Mapping[str, Any], effect: Mapping[str, Any]) -> bool:
+    """Of the arm that is meant, where arms are told apart."""
     label = str(effect.get("label") or (effect["name"].split(".")[1] if "." in effect["name"] else ""))
-    if arm and label and label != arm:
-        return
+    return not (true["arm"] and label) or label == true["arm"]
+
+
+def compared(true: Mapping[str, Any], effect: Mapping[str, Any]) -> Iterator[Estimate]:
+    """Parameters of one true and one reported effect."""
+    arm = true["arm"]
     for roughly, group in ((False, "parameters"), (True, "roughly")):
         for name, value in true[group].items():
             keys = [k for k in effect["parameters"] if bare(k, last=True) == name]

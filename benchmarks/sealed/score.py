@@ -1,4 +1,8 @@
-"""Reports of the workflow beside the truth: DIR/logs/NAME/out/report.json and DIR/truth/NAME.json."""
+"""Reports of the workflow beside the truth: DIR/logs/NAME/out/report.json and DIR/truth/NAME.json.
+
+`out` may be another folder, of another method. A report that tells no probability, gap or standard deviation is not
+judged by it.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +10,11 @@ import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .calibration import coverage, duration, reliability
 from .judging import Estimate, Judgement
 
 NONE = "(none)"
@@ -16,26 +22,36 @@ MISSING = "(no report)"
 UNEXPLAINED = "(unexplained)"
 
 
-def score(folder: Path) -> str:
-    everyone = [read(folder, path) for path in sorted((folder / "truth").glob("*.json"))]
+def score(folder: Path, reports: str = "out") -> str:
+    everyone = [read(folder, path, reports) for path in sorted((folder / "truth").glob("*.json"))]
     there = [j for j in everyone if j.report is not None]
+    named = [e for j in there for e in j.estimates]
+    alone, beside = refitted(there, ("nothing",)), refitted(there, ("single", "pair"))
     parts = [
         f"{len(there)} reports of {len(everyone)} logs; {len(everyone) - len(there)} missing",
         rates(there),
         gaps(there),
-        estimates("Parameters of named effects", [e for j in there for e in j.estimates]),
-        estimates("Refitted cart, nothing beside", refitted(there, ("nothing",))),
-        estimates("Refitted cart, effects beside", refitted(there, ("single", "pair"))),
+        coverage({"parameters of named effects": named, "cart, nothing beside": alone, "cart, effects beside": beside}),
+        reliability(there),
+        duration(there),
+        estimates("Parameters of named effects", named),
+        estimates("Refitted cart, nothing beside", alone),
+        estimates("Refitted cart, effects beside", beside),
         confusion(everyone),
         strays(there),
     ]
     return "\n\n".join(part for part in parts if part)
 
 
-def read(folder: Path, path: Path) -> Judgement:
-    report = folder / "logs" / path.stem / "out" / "report.json"
-    said = json.loads(report.read_text(encoding="utf-8")) if report.is_file() else None
-    return Judgement(json.loads(path.read_text(encoding="utf-8")), said)
+def read(folder: Path, path: Path, reports: str) -> Judgement:
+    out = folder / "logs" / path.stem / reports
+    taken = contents(out / "seconds.json") or {}
+    return Judgement(contents(path), contents(out / "report.json"), taken.get("seconds"))
+
+
+def contents(path: Path) -> Any:
+    """None where there is no such file."""
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
 
 
 def refitted(judgements: Iterable[Judgement], kinds: Sequence[str]) -> list[Estimate]:
@@ -66,6 +82,7 @@ def rates(judgements: Sequence[Judgement]) -> str:
             rate("nothing: false alarms", "nothing", lambda j: not j.called_nothing),
             rate("outside: unexplained and no name", "outside", lambda j: j.called_unexplained),
             rate("outside: something left unexplained", "outside", lambda j: j.partly),
+            rate("outside: what it follows is told", "outside", lambda j: j.dependence_right),
             f"{'outside: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
         ]
     )

@@ -175,6 +175,18 @@ def estimators(
     raise typer.Exit(command.run(out, json, seed, seeds))
 
 
+@study.command("discrepancy")
+def study_discrepancy(
+    folder: Annotated[Path, typer.Argument(help="Holds logs/NAME/run.csv and cart.yaml.", metavar="FOLDER")],
+    jobs: Annotated[int | None, typer.Option("--jobs", min=1, max=64, help="Processes (else as cores).")] = None,
+    json: Json = False,
+) -> None:
+    """The discrepancy workflow on each log of a folder, into logs/NAME/out; what has its report is left alone."""
+    from . import study_discrepancy as command
+
+    raise typer.Exit(command.run(folder, jobs, json))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:

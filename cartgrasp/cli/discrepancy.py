@@ -22,13 +22,13 @@ def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json
     logs = [read_log(path) for path in paths]
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell)
+    if out is not None:
+        found.report.save(out)
+        say(f"the report is {out / 'report.html'}, the extended cart {out / 'cart.yaml'}")
     if as_json:
         print_json(finite(found.report.as_dict()))
     else:
         _print(found)
-    if out is not None:
-        found.report.save(out)
-        say(f"the report is {out / 'report.html'}, the extended cart {out / 'cart.yaml'}")
     return 0
 
 

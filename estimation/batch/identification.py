@@ -125,6 +125,10 @@ class _Fit:
         for _ in range(ROUNDS):
             information, pull = self._normal(parameters, delays)
             covariance = np.asarray(np.linalg.inv(information), dtype=float)
+            if not (np.diagonal(covariance) > 0).all():
+                raise DataError(
+                    f"{self.source}: can't be fitted; look for jumps in it and for numbers that are not in SI units"
+                )
             move = covariance @ pull
             aim = parameters.copy()
             aim[self.free] += move[:f]

@@ -9,6 +9,7 @@ import numpy as np
 
 from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
+from cartgrasp.errors import DataError
 from cartgrasp.model import CartModel
 
 from ..batch.identification import DELAY
@@ -32,6 +33,11 @@ class HeldOut:
     def __init__(self, nominal: Fitted, whole: Sequence[WrenchRegression]) -> None:
         self.nominal, self.whole = nominal, tuple(whole)
         self._kept = [self._stretches(r) for r in whole]
+        if not any(len(starts(r, kept, HORIZON, EVERY)) for r, kept in zip(whole, self._kept, strict=True)):
+            raise DataError(
+                f"{', '.join(r.name for r in whole)}: no {HORIZON:g} s of what is set aside for the proof has every "
+                "wrench and no gap; record longer, with a wrench in each row"
+            )
 
     def _stretches(self, regression: WrenchRegression) -> np.ndarray:
         turns = not regression.cart.constraints.no_rotation

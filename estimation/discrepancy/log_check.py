@@ -62,6 +62,8 @@ def check_rows(log: RunLog, cart: CartModel) -> None:
         whole = np.isfinite(arm.wrench).all(axis=1)
         if whole.sum() < FEWEST_ROWS:
             raise DataError(f"{log.name}: only {int(whole.sum())} rows have a whole wrench of arm {name}")
+    if not any((np.nanmax(arm.wrench, axis=0) > np.nanmin(arm.wrench, axis=0)).any() for arm in log.arms.values()):
+        raise DataError(f"{log.name}: no wrench ever changes, as if no sensor were there; look at its connection")
 
 
 def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCheck:

@@ -35,6 +35,7 @@ svg { max-width: 100%; height: auto; }
 .wide { overflow-x: auto; }
 """
 UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m"}
+NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
 BEFORE, AFTER, FLOOR = "#d55e00", "#0072b2", "#999999"
 
 
@@ -175,7 +176,7 @@ def _svg(figure: Figure) -> str:
 
     buffer = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": "cartgrasp", "svg.fonttype": "none"}):
-        figure.savefig(buffer, format="svg", metadata={"Date": None}, bbox_inches="tight")
+        figure.savefig(buffer, format="svg", metadata=NO_METADATA, bbox_inches="tight")
     text = buffer.getvalue()
     return text[text.index("<svg") :]
 

@@ -30,12 +30,18 @@ class Rollouts:
 
     @property
     def gap(self) -> float:
-        """Root mean square of the distance, m."""
-        return float(np.sqrt((self.error[:, :2] ** 2).sum(axis=1).mean()))
+        """Root mean square of the distance, m; NaN of no rollouts."""
+        return float(np.hypot(*self._root_mean_square[:2]))
 
     @property
     def by_coordinate(self) -> dict[str, float]:
-        return dict(zip(COORDINATES, np.sqrt((self.error**2).mean(axis=0)).tolist(), strict=True))
+        return dict(zip(COORDINATES, self._root_mean_square.tolist(), strict=True))
+
+    @property
+    def _root_mean_square(self) -> Array:
+        if not len(self.error):
+            return np.full(len(COORDINATES), np.nan)
+        return np.asarray(np.sqrt((self.error**2).mean(axis=0)), dtype=float)
 
 
 def starts(regression: WrenchRegression, chosen: np.ndarray, horizon: float, every: float) -> np.ndarray:

@@ -23,13 +23,15 @@ ALLOWED = {
         "dataclasses",
         "functools",
         "hashlib",
+        "itertools",
         "json",
         "math",
         "pathlib",
+        "time",
         "typing",
         "zlib",
     ),
-    *("mujoco", "numba", "numpy"),
+    *("mujoco", "numba", "numpy", "pysindy", "ruamel"),
 }
 SOME = ("nothing", "floor_patch", "force_scale", "viscous_drag", "wind", "payload_change+floor_slope")
 

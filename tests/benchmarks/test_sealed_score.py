@@ -6,7 +6,8 @@ import json
 
 import pytest
 
-from benchmarks.sealed.judging import Judgement, matched
+from benchmarks.sealed.calibration import coverage, reliability
+from benchmarks.sealed.judging import Estimate, Judgement, matched
 from benchmarks.sealed.score import score
 
 CART = {"mass": 20.0, "com_x": 0.3, "com_y": 0.0, "inertia": 2.0, "viscous_drag": {"linear": 5.0, "angular": 2.0}}
@@ -24,9 +25,10 @@ def report(verdict, *effects, **more):
     return {"verdict": verdict, "effects": list(effects), "parameter_mismatch": {}, "unexplained": {}, **more}
 
 
-def entry(name, confusable=(), **parameters):
+def entry(name, confusable=(), told=None, **parameters):
     values = {k: {"value": v, "std": s, "unit": ""} for k, (v, s) in parameters.items()}
-    return {"name": name, "confusable_with": list(confusable), "parameters": values}
+    probability = {} if told is None else {"probability": told}
+    return {"name": name, "confusable_with": list(confusable), "parameters": values, **probability}
 
 
 def test_a_name_is_exact_or_within():
@@ -67,6 +69,41 @@ def test_nothing_and_what_has_no_name():
     assert forced.period_right is False
 
 
+def test_a_period_has_a_unit_and_a_cause():
+    flat = truth(effect("flat_spot", {"period": 0.4}, outside=True))
+    told = {"depends_on": ["forward force: travelled distance, periodic with a period of 0.401 m"], "period": 0.401}
+    metres = Judgement(flat, report("unexplained", unexplained=told | {"period_unit": "m"}))
+    assert metres.period_right
+    assert metres.dependence_right
+    seconds = Judgement(flat, report("unexplained", unexplained={"period": 0.401, "period_unit": "s"}))
+    assert seconds.period_right is False
+    assert not seconds.dependence_right
+
+
+def test_probabilities_beside_truth():
+    said = [("floor_slope", 0.9), ("force_bias.left", 0.7), ("force_bias.right", 0.2), ("time_delay", None)]
+    judged = Judgement(
+        truth(effect("floor_slope")), report("explained", *(entry(name, told=told) for name, told in said))
+    )
+    assert sorted(judged.probabilities) == [(0.7, False), (0.9, True)]
+    lines = {" ".join(line.split()) for line in reliability([judged]).splitlines()}
+    assert {"0.5 to 0.8 1 0.700 0.000", "0.8 to 0.95 1 0.900 1.000", "Brier score 2 0.250"} <= lines
+    assert reliability([Judgement(truth(), report("no_discrepancy"))]) == ""
+
+
+def test_intervals_that_hold():
+    far, near = Estimate("a", 1.0, 1.5, 0.25), Estimate("a", 1.0, 1.4, 0.25)
+    vague = [Estimate("a", 1.0, 9.0, 0.1, roughly=True), Estimate("a", 1.0, 9.0, float("nan"))]
+    assert "1 of 2    50.0 %" in coverage({"some": [far, near, *vague]})
+    assert coverage({"none": vague}) == ""
+
+
+def test_each_part_of_a_drag_is_judged():
+    parts = {f"viscous_drag.{k}": {"nominal": 1, "refitted": v, "std": 0.1} for k, v in (("linear", 5), ("angular", 2))}
+    found = Judgement(truth(), report("no_discrepancy") | {"parameter_mismatch": parts}).mismatches
+    assert [(e.name, e.error) for e in found] == [("linear", 0.0), ("angular", 0.0)]
+
+
 def test_a_refitted_drag_counts_where_the_file_has_none():
     drag = truth(effect("viscous_drag", {"linear": 5.0}))
     mismatch = {"viscous_drag": {"nominal": 0.0, "refitted": 5.4, "std": 0.2}}
@@ -104,7 +141,10 @@ def test_the_score_counts(tmp_path):
     write("b", truth(effect("floor_slope")), report("explained", entry("force_bias", ["floor_slope", "wind"])))
     write("c", truth(effect("floor_slope")))
     write("d", truth(), report("explained", entry("force_bias")))
+    (tmp_path / "logs" / "a" / "out" / "seconds.json").write_text('{"seconds": 12.5}')
     text = score(tmp_path)
+    assert "0 reports of 4 logs; 4 missing" in score(tmp_path, "out-other")
+    assert "Seconds for a log: median 12.5, 90 % 12.5, most 12.5" in text
     lines = {" ".join(line.split()) for line in text.splitlines()}
     assert "3 reports of 4 logs; 1 missing" in lines
     assert "single effect: its name and no other 1 of 2 50.0 %" in lines

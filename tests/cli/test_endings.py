@@ -17,7 +17,7 @@ from cartgrasp.errors import CartgraspError, DataError, PlantError, UsageError
 from .commands import CART, PROBLEM, RAIL, problem_file, run, run_apart
 
 STUDIES = (["study", "table1"], ["study", "excitation"], ["study", "robust"])
-COMMANDS = ([], ["demo"], ["simulate"], ["plan"], ["estimate"], ["study"], *STUDIES)
+COMMANDS = ([], ["demo"], ["simulate"], ["plan"], ["estimate"], ["study"], *STUDIES, ["study", "discrepancy"])
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)

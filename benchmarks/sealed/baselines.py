@@ -1,0 +1,167 @@
+"""What general methods make of the same logs, over one library of terms, after the nominal model was refitted:
+
+- `err`: forward regression by error reduction ratios, with orthogonal least squares (Chen, Billings and Luo, 1989);
+- `sindy`: sequentially thresholded least squares as pysindy has it (extra `bench`).
+
+Their reports have the shape of the workflow's; they have no probabilities, no rollouts, and nothing to say of what no
+term explains.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from .columns import Candidate, body_columns, candidates, drag_columns
+from .recorded import Cart, Recorded, read_cart, read_recorded
+
+STOP = 0.02
+"""Of the residual's energy: a term that takes away less ends the search."""
+COLLINEAR = 0.05
+"""Of a column's length: what is left of it beside the terms before; shorter ones are no news."""
+MOST_TERMS = 6
+RIDGE = 0.05
+"""pysindy's own default, for columns of length one."""
+
+
+Selector = Callable[[np.ndarray, np.ndarray, list[np.ndarray], float], list[int]]
+"""Of nominal columns, target, library and `stop`: places in the library."""
+
+
+def regress_all(folder: Path, reports: str, stop: float, method: str = "err") -> int:
+    """How many reports were written."""
+    found = sorted(path.parent for path in folder.glob("logs/*/run.csv"))
+    for log in found:
+        start = perf_counter()
+        report = regress(read_recorded(log / "run.csv"), read_cart(log / "cart.yaml"), stop, METHODS[method])
+        out = log / reports
+        out.mkdir(exist_ok=True)
+        (out / "report.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+        (out / "seconds.json").write_text(json.dumps({"seconds": perf_counter() - start}) + "\n", encoding="utf-8")
+    return len(found)
+
+
+def regress(log: Recorded, cart: Cart, stop: float = STOP, select: Selector | None = None) -> dict[str, Any]:
+    """A report."""
+    select = select or selected
+    nominal, target = nominal_columns(log, cart), measured(log)
+    weight = weights(nominal, target)
+    library = candidates(log, cart)
+    chosen = select(weight * nominal, weight[:, 0] * target, [weight * one.columns for one in library], stop)
+    terms = [library[i] for i in chosen]
+    design = np.hstack([nominal, *(term.columns for term in terms)])
+    value, deviation = fitted(weight * design, weight[:, 0] * target)
+    effects: dict[tuple[str, str], dict[str, Any]] = {}
+    at = nominal.shape[1]
+    for term in terms:
+        k = term.columns.shape[1]
+        effects.setdefault((term.name, term.label), entry(term, value[at : at + k], deviation[at : at + k]))
+        at += k
+    return {
+        "verdict": "explained" if effects else "no_discrepancy",
+        "effects": list(effects.values()),
+        "parameter_mismatch": mismatch(cart, value, deviation),
+        "unexplained": {"depends_on": []},
+    }
+
+
+def nominal_columns(log: Recorded, cart: Cart) -> np.ndarray:
+    body = body_columns(log)
+    return body if cart.drag is None else np.hstack([body, drag_columns(log)])
+
+
+def measured(log: Recorded) -> np.ndarray:
+    """(3 n,)."""
+    return np.concatenate([*log.sum.T, log.v])
+
+
+def weights(nominal: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """(3 n, 1): residuals of the refitted nominal model get the same size in each third."""
+    residual = target - nominal @ np.linalg.lstsq(nominal, target, rcond=1e-9)[0]
+    sizes = np.sqrt((residual.reshape(3, -1) ** 2).mean(axis=1))
+    return np.repeat(1 / np.maximum(sizes, 1e-9), len(target) // 3)[:, None]
+
+
+def selected(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarray], stop: float) -> list[int]:
+    """Places in the library, in order of choice."""
+    basis = np.linalg.qr(nominal)[0]
+    lengths = [np.linalg.norm(columns, axis=0) for columns in library]
+    rest = [columns - basis @ (basis.T @ columns) for columns in library]
+    left = target - basis @ (basis.T @ target)
+    energy, chosen = float(left @ left), []
+    while len(chosen) < MOST_TERMS:
+        bases = [orthonormal(columns, length) for columns, length in zip(rest, lengths, strict=True)]
+        ratios = [float(((b.T @ left) ** 2).sum()) / energy for b in bases]
+        best = int(np.argmax(ratios))
+        if ratios[best] < stop:
+            break
+        chosen.append(best)
+        left = left - bases[best] @ (bases[best].T @ left)
+        rest = [columns - bases[best] @ (bases[best].T @ columns) for columns in rest]
+    return chosen
+
+
+def thresholded(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarray], stop: float) -> list[int]:
+    """As `selected`: those of which a column of length one has a coefficient that takes away `stop` or more."""
+    from pysindy import STLSQ
+
+    basis = np.linalg.qr(nominal)[0]
+    left = target - basis @ (basis.T @ target)
+    columns = np.hstack(library)
+    lengths = np.linalg.norm(columns, axis=0)
+    columns -= basis @ (basis.T @ columns)
+    news = np.linalg.norm(columns, axis=0)
+    fresh = news > COLLINEAR * np.maximum(lengths, 1e-12)
+    energy = float(left @ left)
+    columns = columns[:, fresh] / news[fresh]
+    found = STLSQ(threshold=np.sqrt(stop * energy), alpha=RIDGE).fit(columns, left).coef_.ravel()
+    owner = np.repeat(np.arange(len(library)), [one.shape[1] for one in library])[fresh]
+    return list(dict.fromkeys(owner[np.argsort(-abs(found))][: np.count_nonzero(found)].tolist()))
+
+
+METHODS: dict[str, Selector] = {"err": selected, "sindy": thresholded}
+
+
+def orthonormal(columns: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Directions (n, k or fewer) that columns add, of those that are long enough."""
+    scaled = columns / np.maximum(lengths, 1e-12)
+    sides, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
+    return sides[:, sizes > COLLINEAR]
+
+
+def fitted(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients and their standard deviations, as if rows were independent."""
+    inverse = np.linalg.pinv(design, rcond=1e-9)
+    value = inverse @ target
+    left = target - design @ value
+    variance = float(left @ left) / max(len(target) - len(value), 1)
+    return value, np.sqrt(variance * (inverse**2).sum(axis=1))
+
+
+def entry(term: Candidate, value: np.ndarray, deviation: np.ndarray) -> dict[str, Any]:
+    told = zip(term.parameters, value + term.base, deviation, strict=False)
+    parameters = {name: {"value": float(v), "std": float(s), "unit": ""} for name, v, s in told}
+    return {"name": term.name, "label": term.label, "parameters": parameters, "confusable_with": []}
+
+
+def mismatch(cart: Cart, value: np.ndarray, deviation: np.ndarray) -> dict[str, Any]:
+    """Of what the refit moved; standard deviations of quotients as if masses were exact."""
+    m, mx, my, yaw = value[:4]
+    x, y = mx / m, my / m
+    moved = {"mass": m, "com_x": x, "com_y": y, "inertia": yaw - m * (x**2 + y**2)}
+    deviations = {"mass": 1.0, "com_x": 1 / m, "com_y": 1 / m, "inertia": 1.0}
+    before = {"mass": cart.mass, "com_x": cart.com[0], "com_y": cart.com[1], "inertia": cart.inertia}
+    found = {
+        name: {"nominal": before[name], "refitted": float(moved[name]), "std": float(deviation[i] * deviations[name])}
+        for i, name in enumerate(moved)
+    }
+    if cart.drag is not None:
+        for i, name in enumerate(("linear", "angular")):
+            said = {"nominal": cart.drag[i], "refitted": float(value[4 + i]), "std": float(deviation[4 + i])}
+            found[f"viscous_drag.{name}"] = said
+    return found

@@ -1,0 +1,55 @@
+"""Whether what reports say of their own certainty is so: probabilities of names, and intervals of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from .judging import Estimate, Judgement
+
+EDGES = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)
+INTERVAL = 1.96
+"""Standard deviations: of 95 %."""
+
+
+def coverage(groups: dict[str, Sequence[Estimate]]) -> str:
+    """How many of the 95 % intervals hold the truth; of numbers that mean the same on both sides alone."""
+    lines = ["95 % intervals that hold the truth"]
+    for title, group in groups.items():
+        z = np.array([e.z for e in group if not e.roughly])
+        z = z[np.isfinite(z)]
+        if len(z):
+            held = int((abs(z) < INTERVAL).sum())
+            lines.append(f"{title:<52} {held:>3} of {len(z):<3} {100 * held / len(z):5.1f} %   median |z| {median(z)}")
+    return "\n".join(lines) if len(lines) > 1 else ""
+
+
+def reliability(judgements: Sequence[Judgement]) -> str:
+    """By what was said to be the probability of a name: how often it is true."""
+    told = [one for j in judgements for one in j.probabilities]
+    if not told:
+        return ""
+    said, right = np.array(told, dtype=float).T
+    lines = [f"{'Probability of a name':<32} {'n':>4} {'mean said':>10} {'true':>7}"]
+    for low, high in pairwise(EDGES):
+        inside = (said > low) & (said <= high)
+        if inside.any():
+            cells = f"{int(inside.sum()):>4} {said[inside].mean():>10.3f} {right[inside].mean():>7.3f}"
+            lines.append(f"{f'{low:g} to {high:g}':<32} {cells}")
+    lines.append(f"{'Brier score':<32} {len(said):>4} {np.mean((said - right) ** 2):>10.3f}")
+    return "\n".join(lines)
+
+
+def duration(judgements: Sequence[Judgement]) -> str:
+    taken = [j.seconds for j in judgements if j.seconds is not None]
+    if not taken:
+        return ""
+    return (
+        f"Seconds for a log: median {np.median(taken):.1f}, 90 % {np.quantile(taken, 0.9):.1f}, most {max(taken):.1f}"
+    )
+
+
+def median(z: np.ndarray) -> str:
+    return f"{np.median(abs(z)):.2f}"
