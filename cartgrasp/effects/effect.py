@@ -126,8 +126,9 @@ class Effect(ABC):
     def values(self) -> Array:
         return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
 
-    def implausible(self, wheels: WheelSet) -> str:
-        """Why nobody would call it by this name at these values; empty where they are such as it has."""
+    def implausible(self, wheels: WheelSet, fastest: float) -> str:
+        """Why nobody would call it by this name at these values, on a cart that goes no faster than `fastest` (m/s);
+        empty where they are such as it has."""
         return ""
 
     def with_values(self, values: ArrayLike) -> Self:

@@ -48,7 +48,7 @@ class LoadSlosh(CompiledForce):
     )
     signature: ClassVar[str] = "a forward force that swings on at one frequency after each change of speed"
 
-    def implausible(self, wheels: WheelSet) -> str:
+    def implausible(self, wheels: WheelSet, fastest: float) -> str:
         return f"damped by {self.damping:.2f}, nothing swings" if self.damping > MOST_DAMPING else ""
 
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:

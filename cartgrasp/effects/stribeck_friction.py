@@ -14,7 +14,8 @@ from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
-FASTEST = 0.3
+FASTEST, FADED = 0.3, 0.5
+"""m/s, and of the fastest speed: friction that fades more slowly does not fade near standstill."""
 SPEEDS = (0.03, 0.06, 0.12, 0.25)
 
 
@@ -33,5 +34,6 @@ class StribeckFriction(CompiledForce):
     )
     signature: ClassVar[str] = "a peak of the forward force near standstill, gone at speed"
 
-    def implausible(self, wheels: WheelSet) -> str:
-        return f"it fades only above {self.speed:.2f} m/s, far from standstill" if self.speed > FASTEST else ""
+    def implausible(self, wheels: WheelSet, fastest: float) -> str:
+        most = min(FASTEST, FADED * fastest)
+        return f"it fades only above {self.speed:.2f} m/s, far from standstill" if self.speed > most else ""

@@ -36,7 +36,7 @@ class WheelDragImbalance(CompiledForce):
     )
     signature: ClassVar[str] = "a yaw moment, flat in speed, that changes sign with the direction of rolling"
 
-    def implausible(self, wheels: WheelSet) -> str:
+    def implausible(self, wheels: WheelSet, fastest: float) -> str:
         fixed = wheels.positions[~wheels.is_caster]
         half = float(np.ptp(fixed[:, 1])) / 2 if len(fixed) > 1 else 0.0
         lever = abs(self.moment) / max(self.force, 1e-9)

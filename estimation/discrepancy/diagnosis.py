@@ -237,6 +237,8 @@ def _gap(cart: CartModel, selection: Selection) -> Gap:
             "after": joined(held_out.rollouts(final.cart, final.delays, horizon)),
             "noise_floor": joined(held_out.floor_rollouts(selection.final, horizon)),
         }
+        if not len(rolled["after"].first):  # no stretch that is set aside is so long
+            continue
         horizons[f"{horizon:g} s"] = {name: r.gap for name, r in rolled.items()}
         if horizon == 1.0:
             per_coordinate = {

@@ -44,6 +44,11 @@ class HeldOut:
         return held_out(manoeuvres(regression.motion, turns))
 
     @cached_property
+    def fastest(self) -> float:
+        """Of all logs, m/s."""
+        return max(float(np.abs(regression.motion.velocity[:, 0]).max()) for regression in self.whole)
+
+    @cached_property
     def training(self) -> tuple[WrenchRegression, ...]:
         return tuple(r.within(~kept) for r, kept in zip(self.nominal.regressions, self._kept, strict=True))
 

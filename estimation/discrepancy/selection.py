@@ -177,7 +177,7 @@ def _step(
 def _judged(
     score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut, change: float
 ) -> tuple[float | None, str]:
-    reason = effect.implausible(fitted.cart.wheel_set) or (UNSTEADY if change > MOST_CHANGE else "")
+    reason = effect.implausible(fitted.cart.wheel_set, held_out.fastest) or (UNSTEADY if change > MOST_CHANGE else "")
     if reason:
         return None, reason
     outside = fitted.periodic
