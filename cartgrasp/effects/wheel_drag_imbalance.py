@@ -19,6 +19,8 @@ from .effect import Parameter
 
 LEAST_LEVER = 0.4
 """Of half the track: with a shorter one, both wheels drag."""
+SHORTEST_LEVER = 0.05
+"""m, where the track is not known."""
 
 
 @final
@@ -40,6 +42,6 @@ class WheelDragImbalance(CompiledForce):
         fixed = wheels.positions[~wheels.is_caster]
         half = float(np.ptp(fixed[:, 1])) / 2 if len(fixed) > 1 else 0.0
         lever = abs(self.moment) / max(self.force, 1e-9)
-        if lever < LEAST_LEVER * half:
-            return f"its moment is that of a lever of {lever:.2f} m, but the wheels stand {half:.2f} m from the middle"
+        if lever < max(LEAST_LEVER * half, SHORTEST_LEVER):
+            return f"its moment is that of a lever of {lever:.2f} m, so that both wheels drag alike"
         return ""

@@ -25,7 +25,7 @@ from .where import DIRECTIONS, Disagreement, where
 if TYPE_CHECKING:
     from .report import Report
 
-SETTING_STD = {"s": 0.02, "m": 0.02, "rad": 0.001}
+SETTING_STD = {"s": 0.05, "m": 0.05, "rad": 0.001}
 """Of settings that a search found and no linear fit: as fine as it searched."""
 LEAST_SHARE = 0.1
 """Of the squares of the residual, for a dependence that is told."""

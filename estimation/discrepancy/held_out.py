@@ -11,6 +11,7 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.errors import DataError
 from cartgrasp.model import CartModel
+from cartgrasp.wheels import WheelSet
 
 from ..batch.identification import DELAY
 from ..batch.wrench_regression import WrenchRegression
@@ -44,9 +45,10 @@ class HeldOut:
         return held_out(manoeuvres(regression.motion, turns))
 
     @cached_property
-    def fastest(self) -> float:
-        """Of all logs, m/s."""
-        return max(float(np.abs(regression.motion.velocity[:, 0]).max()) for regression in self.whole)
+    def rolling(self) -> tuple[WheelSet, float]:
+        """The cart's wheels, and the fastest speed of all logs (m/s)."""
+        fastest = max(float(np.abs(regression.motion.velocity[:, 0]).max()) for regression in self.whole)
+        return self.nominal.prior_cart.wheel_set, fastest
 
     @cached_property
     def training(self) -> tuple[WrenchRegression, ...]:

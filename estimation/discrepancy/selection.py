@@ -35,6 +35,9 @@ ENOUGH, ENOUGH_PASSING = 7.0, 20.0
 """Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
+IN_VOCABULARY = 0.95
+"""How often what is missing is of the vocabulary, and of a form near enough to ours."""
+IMPLAUSIBLE = "not plausible"
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
 LEAST_LIKELIHOOD = 4.0
@@ -129,7 +132,7 @@ def _sideways(
         ]
         attempts[0] = replace(attempts[0], verdict="added")
         near = tuple(a.name for a in attempts[1:] if attempts[0].log_factor - a.log_factor < NOT_TOLD_APART)
-        steps.append(Step(tuple(attempts), attempts[0], near, 1.0))
+        steps.append(Step(tuple(attempts), attempts[0], near, IN_VOCABULARY))
 
 
 def _step(
@@ -157,7 +160,9 @@ def _step(
     attempts, added, better = [], None, None
     for score, effect, model in scored:
         share, verdict = None, "less probable than another"
-        if added is None:
+        if added is not None and (effect.implausible(*held_out.rolling) or held_out.covers(effect)):
+            verdict = IMPLAUSIBLE
+        elif added is None:
             share, verdict = _judged(score, model, effect, fitted, held_out, again[effect.key].change)
         attempt = Attempt(effect.key, effect.name, score, share, verdict)
         attempts.append(attempt)
@@ -167,9 +172,9 @@ def _step(
     attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
     if added is None:
         return Step(tuple(attempts), None), None
-    left = attempts[attempts.index(added) :]
+    left = [a for a in attempts[attempts.index(added) :] if a.verdict != IMPLAUSIBLE]
     logs = np.array([a.log_factor for a in left])
-    probability = float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
+    probability = IN_VOCABULARY * float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
     near = [a.name for a in left if a.name != added.name and added.log_factor - a.log_factor < NOT_TOLD_APART]
     return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
 
@@ -177,7 +182,7 @@ def _step(
 def _judged(
     score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut, change: float
 ) -> tuple[float | None, str]:
-    reason = effect.implausible(fitted.cart.wheel_set, held_out.fastest) or (UNSTEADY if change > MOST_CHANGE else "")
+    reason = effect.implausible(*held_out.rolling) or (UNSTEADY if change > MOST_CHANGE else "")
     if reason:
         return None, reason
     outside = fitted.periodic
