@@ -107,6 +107,10 @@ class Fitted:
             found.append(regression.coloured(colour_of(line.time, standard)))
         return replace(self, regressions=tuple(found), start=self.cart.parameters)
 
+    def settled(self) -> Fitted:
+        """Fitted once more, from where the fit ended."""
+        return replace(self, start=self.cart.parameters)
+
     def listening(self) -> Fitted:
         """With the delay that the fit found in samples' holding, but for its usual share, moved into an added effect
         that is late."""

@@ -40,6 +40,10 @@ IN_VOCABULARY = 0.95
 IMPLAUSIBLE = "not plausible"
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
+BESIDE = 0.15
+"""Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents."""
+MOST_BY_REFIT = 2.0
+"""Times what the linear fit gains: more is a better fit of all else."""
 LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
 LEAST_OF_REST = 0.3
@@ -96,14 +100,15 @@ def select(
     fitted = fitted.coloured()
     whole = tuple(r.coloured(seen.colour) for r, seen in zip(whole, fitted.regressions, strict=True))
     nominal = fitted if not steps else Fitted(fitted.regressions, cart)
-    held_out = HeldOut(nominal, whole)
+    held_out, strongest = HeldOut(nominal, whole), 0.0
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
-        step, better = _step(fitted, held_out, arms, tell)
+        step, better = _step(fitted, held_out, arms, strongest, tell)
         steps.append(step)
         if better is None:
             break
         fitted = better
+        strongest = max(strongest, step.added.log_factor if step.added else 0.0)
     return Selection(nominal, fitted, tuple(steps), held_out)
 
 
@@ -136,7 +141,7 @@ def _sideways(
 
 
 def _step(
-    fitted: Fitted, held_out: HeldOut, arms: Sequence[str], tell: Callable[[str], None]
+    fitted: Fitted, held_out: HeldOut, arms: Sequence[str], strongest: float, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     effects = trials(fitted.cart, arms)
     dictionary = fitted.dictionary(effects)
@@ -154,7 +159,8 @@ def _step(
     scored = []
     for effect, most, model in tried:
         if not isinstance(effect, SensorEffect):  # one that divides wrenches would divide their noise too
-            most = max(most, 0.5 * (fitted.chi_squared - model.chi_squared))
+            refitted = 0.5 * (fitted.chi_squared - model.chi_squared)
+            most = min(max(most, refitted), MOST_BY_REFIT * most)
         scored.append((most / excess + again[effect.key].occam, effect, model))
     scored.sort(key=lambda one: -one[0])
     attempts, added, better = [], None, None
@@ -163,11 +169,11 @@ def _step(
         if added is not None and (effect.implausible(*held_out.rolling) or held_out.covers(effect)):
             verdict = IMPLAUSIBLE
         elif added is None:
-            share, verdict = _judged(score, model, effect, fitted, held_out, again[effect.key].change)
+            share, verdict = _judged(score, model, effect, fitted, held_out, again[effect.key].change, strongest)
         attempt = Attempt(effect.key, effect.name, score, share, verdict)
         attempts.append(attempt)
         if verdict == "added":
-            added, better = attempt, model
+            added, better = attempt, model.settled()
     rest = [f for f in again.values() if f.effect.key not in {a.key for a in attempts}]
     attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
     if added is None:
@@ -180,7 +186,7 @@ def _step(
 
 
 def _judged(
-    score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut, change: float
+    score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut, change: float, strongest: float
 ) -> tuple[float | None, str]:
     reason = effect.implausible(*held_out.rolling) or (UNSTEADY if change > MOST_CHANGE else "")
     if reason:
@@ -189,12 +195,15 @@ def _judged(
     closed = fitted.misfit() - model.misfit()
     if outside is not None and outside.share * fitted.misfit(outside.direction) > OUTSIDE * closed:
         return None, f"the residual follows {outside.name} ({outside.period:.3g} {outside.unit}) far better"
-    enough = ENOUGH if effect.gate in (Gate.ALWAYS, Gate.INSIDE) else ENOUGH_PASSING
+    passing = effect.gate in (Gate.FROM, Gate.WHILE)
+    enough = max(ENOUGH_PASSING, BESIDE * strongest) if passing else ENOUGH
     if score < enough:
         return None, f"log of the Bayes factor {score:.1f} is below {enough:g}"
     if held_out.covers(effect):
         return None, "it would be nearly everywhere"
     share, of_rest = held_out.gain(fitted, model)
-    if share < LEAST_GAIN and of_rest < LEAST_OF_REST and held_out.likelihood(fitted, model) < LEAST_LIKELIHOOD:
+    if share < LEAST_GAIN and of_rest < LEAST_OF_REST:
+        if not passing and share >= 0 and held_out.likelihood(fitted, model) > LEAST_LIKELIHOOD:
+            return share, "added"
         return share, f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
     return share, "added"
