@@ -1,0 +1,59 @@
+"""The discrepancy workflow end to end, on logs whose equations share nothing with the library's."""
+
+import json
+
+import pytest
+
+import cartgrasp as cg
+from benchmarks.sealed.generate import generate
+from estimation import diagnose
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """Diagnoses by case."""
+    folder = tmp_path_factory.mktemp("sealed")
+    told = {}
+    for case in ("nothing", "floor_slope", "flat_spot"):
+        (name,) = generate(folder, [case], [40], "rich")
+        log = cg.read_log(folder / "logs" / name / "run.csv")
+        told[case] = diagnose(log, cg.load_cart(folder / "logs" / name / "cart.yaml"))
+    return told
+
+
+def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
+    diagnosis = found["floor_slope"]
+    assert diagnosis.verdict in ("explained", "partly_explained")
+    assert diagnosis.effects[0].name == "floor_slope"
+    assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted < diagnosis.gap.before
+    folder = diagnosis.report.save(tmp_path / "out")
+    extended = cg.load_cart(folder / "cart.yaml")
+    assert "floor_slope" in [effect.name for effect in extended.effects]
+    again = diagnose_names(json.loads((folder / "report.json").read_text()))
+    assert again == [effect.name for effect in diagnosis.effects]
+
+
+def test_where_nothing_is_hidden_nothing_is_named(found):
+    diagnosis = found["nothing"]
+    assert diagnosis.verdict == "no_discrepancy"
+    assert not diagnosis.effects
+    assert diagnosis.gap.refitted < 1.35 * diagnosis.gap.noise_floor
+
+
+def test_what_no_vocabulary_has_is_called_unexplained(found):
+    diagnosis = found["flat_spot"]
+    assert diagnosis.verdict == "unexplained"
+    assert not diagnosis.effects
+    assert "travelled distance" in " ".join(diagnosis.unexplained["depends_on"])
+    assert diagnosis.unexplained["period_unit"] == "m"
+
+
+def test_parameters_of_the_nominal_model_are_told_apart_from_effects(found):
+    for diagnosis in found.values():
+        mass = diagnosis.parameter_mismatch["mass"]
+        assert abs(mass["refitted"] - mass["nominal"]) > 0
+        assert 0 < mass["std"] < 0.2 * mass["refitted"]
+
+
+def diagnose_names(report):
+    return [effect["name"] for effect in report["effects"]]
