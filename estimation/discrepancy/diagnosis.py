@@ -99,7 +99,8 @@ class Diagnosis:
 
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:
-        return tuple(_named(self.selection, step) for step in self.selection.steps if step.added is not None)
+        kept = (s for s in self.selection.steps if s.added is not None and s.added.key not in self.selection.removed)
+        return tuple(_named(self.selection, step) for step in kept)
 
     @cached_property
     def where(self) -> tuple[Disagreement, ...]:
@@ -170,7 +171,9 @@ class Diagnosis:
     def next_experiments(self) -> tuple[str, ...]:
         """What to record next."""
         told = []
-        if any(effect.confusable_with for effect in self.effects):
+        shown = self.selection.isolability
+        hidden = [key for key, one in shown.items() if not one.is_shown]
+        if any(effect.confusable_with for effect in self.effects) or len(hidden) > len(shown) / 2:
             told.append(MORE_MOTION)
         if self.remaining:
             cause = self.remaining[0].name.split(",")[0]

@@ -75,6 +75,8 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         _steps(found),
         "<h2>What to measure next</h2>",
         _list(found.next_experiments, "Nothing: the model fits these logs."),
+        "<h2>What this motion can show</h2>",
+        _isolability(found),
         "<h2>The logs</h2>",
         _checks(found),
         "</body></html>",
@@ -140,6 +142,11 @@ def _steps(found: Diagnosis) -> str:
             f"<h3>Step {i + 1}</h3>" + _table(["candidate", "log of Bayes factor", "held-out gain", "verdict"], rows)
         )
     return "".join(parts)
+
+
+def _isolability(found: Diagnosis) -> str:
+    rows = [[key, f"{one.z:.1f}", ", ".join(one.alike) or "-"] for key, one in found.selection.isolability.items()]
+    return _table(["effect of usual size", "stands out by (deviations)", "looks like"], rows)
 
 
 def _checks(found: Diagnosis) -> str:

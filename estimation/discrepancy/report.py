@@ -49,6 +49,8 @@ class Report:
             "gap": found.gap.as_dict(),
             "steps": steps,
             "logs": [asdict(check) for check in found.checks],
+            "isolability": {key: one.as_dict() for key, one in found.selection.isolability.items()},
+            "removed": list(found.selection.removed),
             "next_experiment": list(found.next_experiments),
         }
 

@@ -12,14 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import logsumexp
 
-from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
+from .dictionary import Dictionary
 from .evidence import findings
 from .fitted import Fitted
 from .held_out import HeldOut
+from .isolability import Isolability, isolability
 from .log_check import moving
 from .refinement import Refiner
 from .sideways import sideways_trials
@@ -83,12 +85,15 @@ class Step:
 
 @dataclass(frozen=True)
 class Selection:
-    """The structure with none added, that with all, the steps between, and the judge of gaps."""
+    """The structure with none added, that with all, the steps between, and the judge of gaps; the keys of what was
+    added and, beside what came later, not needed any more; what the motion could show."""
 
     nominal: Fitted
     final: Fitted
     steps: tuple[Step, ...]
     held_out: HeldOut
+    removed: tuple[str, ...]
+    isolability: dict[str, Isolability]
 
 
 def select(
@@ -101,15 +106,33 @@ def select(
     whole = tuple(r.coloured(seen.colour) for r, seen in zip(whole, fitted.regressions, strict=True))
     nominal = fitted if not steps else Fitted(fitted.regressions, cart)
     held_out, strongest = HeldOut(nominal, whole), 0.0
+    shown: dict[str, Isolability] | None = None
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
-        step, better = _step(fitted, held_out, arms, strongest, tell)
+        dictionary = fitted.dictionary(trials(fitted.cart, arms))
+        shown = isolability(dictionary, fitted.base) if shown is None else shown
+        step, better = _step(fitted, dictionary, held_out, strongest, tell)
         steps.append(step)
         if better is None:
             break
         fitted = better
         strongest = max(strongest, step.added.log_factor if step.added else 0.0)
-    return Selection(nominal, fitted, tuple(steps), held_out)
+    fitted, removed = _pruned(fitted, held_out)
+    return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})
+
+
+def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]:
+    """Without what the later effects have made superfluous."""
+    removed: list[str] = []
+    for effect in fitted.added[:-1]:
+        if isinstance(effect, ConstraintEffect) or effect.gate in (Gate.FROM, Gate.WHILE):
+            continue
+        less = fitted.without(effect.key)
+        share, of_rest = held_out.gain(less, fitted)
+        needed = share >= LEAST_GAIN or of_rest >= LEAST_OF_REST
+        if not needed and held_out.likelihood(less, fitted) < LEAST_LIKELIHOOD:
+            fitted, removed = less, [*removed, effect.key]
+    return fitted, tuple(removed)
 
 
 def _sideways(
@@ -141,10 +164,8 @@ def _sideways(
 
 
 def _step(
-    fitted: Fitted, held_out: HeldOut, arms: Sequence[str], strongest: float, tell: Callable[[str], None]
+    fitted: Fitted, dictionary: Dictionary, held_out: HeldOut, strongest: float, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
-    effects = trials(fitted.cart, arms)
-    dictionary = fitted.dictionary(effects)
     screened = findings(dictionary, fitted.base)
     refiner = Refiner(fitted)
     tried = []
