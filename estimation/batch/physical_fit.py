@@ -52,6 +52,8 @@ class PhysicalSet:
         (f, f)."""
         if self.holds(parameters):
             return parameters
+        if not (np.isfinite(parameters).all() and np.isfinite(information).all()):
+            raise self._none()
         import cvxpy as cp
 
         scale = 1 / np.sqrt(np.diagonal(information))
