@@ -22,6 +22,7 @@ from .evidence import findings
 from .fitted import Fitted
 from .held_out import HeldOut
 from .isolability import Isolability, isolability
+from .judgement import ENOUGH, LEAST_GAIN, LEAST_LIKELIHOOD, LEAST_OF_REST, Judge, Verdict
 from .log_check import moving
 from .refinement import Refiner
 from .sideways import sideways_trials
@@ -33,32 +34,17 @@ WORTH_TRYING = 3.0
 """Log of a Bayes factor: below it nobody looks closer."""
 HOPELESS = 0.25
 """Of the best one's: what screens below it does not win by refinement."""
-ENOUGH, ENOUGH_PASSING = 7.0, 20.0
-"""Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
-LEAST_GAIN = 0.05
-"""Of the gap above the noise floor, on stretches that no fit saw."""
 IN_VOCABULARY = 0.95
 """How often what is missing is of the vocabulary, and of a form near enough to ours."""
 IMPLAUSIBLE = "not plausible"
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
-BESIDE = 0.15
-"""Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents."""
 MOST_BY_REFIT = 2.0
 """Times what the linear fit gains: more is a better fit of all else."""
-LEAST_LIKELIHOOD = 4.0
-"""Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
-LEAST_OF_REST = 0.3
-"""Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
 MOST_EFFECTS = 4
 SIDEWAYS_ROUNDS = 2
 LEAST_CREEP = 0.002
 """m/s, root mean square: less is in every bearing."""
-MOST_CHANGE = 0.5
-UNSTEADY = "its size is another in another part of the log"
-OUTSIDE = 1.5
-"""Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
-vocabulary."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +97,7 @@ def select(
         tell(f"step {len(steps) + 1}: screening")
         dictionary = fitted.dictionary(trials(fitted.cart, arms))
         shown = isolability(dictionary, fitted.base) if shown is None else shown
-        step, better = _step(fitted, dictionary, held_out, strongest, tell)
+        step, better = _step(fitted, dictionary, Judge(fitted, held_out, strongest), tell)
         steps.append(step)
         if better is None:
             break
@@ -164,7 +150,7 @@ def _sideways(
 
 
 def _step(
-    fitted: Fitted, dictionary: Dictionary, held_out: HeldOut, strongest: float, tell: Callable[[str], None]
+    fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.base)
     refiner = Refiner(fitted)
@@ -186,14 +172,13 @@ def _step(
     scored.sort(key=lambda one: -one[0])
     attempts, added, better = [], None, None
     for score, effect, model in scored:
-        share, verdict = None, "less probable than another"
-        if added is not None and (effect.implausible(*held_out.rolling) or held_out.covers(effect)):
-            verdict = IMPLAUSIBLE
-        elif added is None:
-            share, verdict = _judged(score, model, effect, fitted, held_out, again[effect.key].change, strongest)
-        attempt = Attempt(effect.key, effect.name, score, share, verdict)
+        if added is None:
+            verdict = judge.verdict(effect, score, again[effect.key].change, model)
+        else:
+            verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
+        attempt = Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason)
         attempts.append(attempt)
-        if verdict == "added":
+        if verdict.is_added:
             added, better = attempt, model.settled()
     rest = [f for f in again.values() if f.effect.key not in {a.key for a in attempts}]
     attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
@@ -204,27 +189,3 @@ def _step(
     probability = IN_VOCABULARY * float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
     near = [a.name for a in left if a.name != added.name and added.log_factor - a.log_factor < NOT_TOLD_APART]
     return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
-
-
-def _judged(
-    score: float, model: Fitted, effect: Effect, fitted: Fitted, held_out: HeldOut, change: float, strongest: float
-) -> tuple[float | None, str]:
-    reason = effect.implausible(*held_out.rolling) or (UNSTEADY if change > MOST_CHANGE else "")
-    if reason:
-        return None, reason
-    outside = fitted.periodic
-    closed = fitted.misfit() - model.misfit()
-    if outside is not None and outside.share * fitted.misfit(outside.direction) > OUTSIDE * closed:
-        return None, f"the residual follows {outside.name} ({outside.period:.3g} {outside.unit}) far better"
-    passing = effect.gate in (Gate.FROM, Gate.WHILE)
-    enough = max(ENOUGH_PASSING, BESIDE * strongest) if passing else ENOUGH
-    if score < enough:
-        return None, f"log of the Bayes factor {score:.1f} is below {enough:g}"
-    if held_out.covers(effect):
-        return None, "it would be nearly everywhere"
-    share, of_rest = held_out.gain(fitted, model)
-    if share < LEAST_GAIN and of_rest < LEAST_OF_REST:
-        if not passing and share >= 0 and held_out.likelihood(fitted, model) > LEAST_LIKELIHOOD:
-            return share, "added"
-        return share, f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
-    return share, "added"

@@ -1,0 +1,84 @@
+"""Whether a probable effect is worth naming: it must be plausible, steady, sure, and gain where no fit looked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
+
+from .fitted import Fitted
+from .held_out import HeldOut
+
+ENOUGH, ENOUGH_PASSING = 7.0, 20.0
+"""Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
+LEAST_GAIN = 0.05
+"""Of the gap above the noise floor, on stretches that no fit saw."""
+BESIDE = 0.15
+"""Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents."""
+LEAST_LIKELIHOOD = 4.0
+"""Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
+LEAST_OF_REST = 0.3
+"""Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
+MOST_CHANGE = 0.5
+"""Of its size: what an effect may change by when a quarter of the log is left out."""
+OUTSIDE = 1.5
+"""Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
+vocabulary."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether an effect is added; if not, why; and the share of the gap above the noise floor that it closes on
+    held-out stretches, where it came to that."""
+
+    is_added: bool
+    reason: str
+    held_out_gain: float | None = None
+
+
+@dataclass(frozen=True)
+class Judge:
+    """At a step of a search that has come to `fitted`; `strongest` is the largest log of a Bayes factor so far."""
+
+    fitted: Fitted
+    held_out: HeldOut
+    strongest: float
+
+    def implausible(self, effect: Effect) -> str:
+        """Why nobody would call it so on these logs; empty where they would."""
+        nowhere_else = "it would be nearly everywhere" if self.held_out.covers(effect) else ""
+        return effect.implausible(*self.held_out.rolling) or nowhere_else
+
+    def verdict(self, effect: Effect, score: float, change: float, model: Fitted) -> Verdict:
+        """Of an effect with the log of its Bayes factor, how its size changes over the log, and the fit with it."""
+        reason = (
+            self.implausible(effect) or self._unsteady(change) or self._outside(model) or self._unsure(effect, score)
+        )
+        if reason:
+            return Verdict(False, reason)
+        share, of_rest = self.held_out.gain(self.fitted, model)
+        if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
+            return Verdict(True, "added", share)
+        if share >= 0 and not _passes(effect) and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD:
+            return Verdict(True, "added", share)
+        reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
+        return Verdict(False, reason, share)
+
+    def _unsteady(self, change: float) -> str:
+        return "its size is another in another part of the log" if change > MOST_CHANGE else ""
+
+    def _outside(self, model: Fitted) -> str:
+        follows, closed = self.fitted.periodic, self.fitted.misfit() - model.misfit()
+        if follows is None or follows.share * self.fitted.misfit(follows.direction) <= OUTSIDE * closed:
+            return ""
+        return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) far better"
+
+    def _unsure(self, effect: Effect, score: float) -> str:
+        enough = max(ENOUGH_PASSING, BESIDE * self.strongest) if _passes(effect) else ENOUGH
+        return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""
+
+
+def _passes(effect: Effect) -> bool:
+    """It acts for a while only, so that what is held out says nothing of it."""
+    return effect.gate in (Gate.FROM, Gate.WHILE)

@@ -1,0 +1,88 @@
+"""Each reason for which an effect is not named, and that nothing else stands in its way."""
+
+from dataclasses import dataclass, field
+
+import pytest
+
+from cartgrasp.effects import ExternalPush, FloorPatch, LoadSlosh, QuadraticDrag, StribeckFriction, WheelDragImbalance
+from cartgrasp.wheels import Wheel, WheelSet
+from estimation.discrepancy.generic import Dependence
+from estimation.discrepancy.judgement import Judge
+
+WHEELS = WheelSet.of((Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3)), rolls_along_x=True)
+
+
+@dataclass
+class Proof:
+    """What is measured on held-out stretches, given."""
+
+    share: float = 0.5
+    of_rest: float = 0.0
+    log_likelihood: float = 0.0
+    everywhere: bool = False
+    rolling: tuple = (WHEELS, 0.8)
+
+    def covers(self, effect):
+        return self.everywhere and isinstance(effect, FloorPatch)
+
+    def gain(self, fitted, better):
+        return self.share, self.of_rest
+
+    def likelihood(self, fitted, better):
+        return self.log_likelihood
+
+
+@dataclass
+class Fit:
+    left: float = 100.0
+    periodic: object = None
+    by_direction: dict = field(default_factory=dict)
+
+    def misfit(self, direction=None):
+        return self.left if direction is None else self.by_direction[direction]
+
+
+def judged(effect=None, score=50.0, change=0.1, proof=None, before=None, after=60.0, strongest=0.0):
+    judge = Judge(before or Fit(), proof or Proof(), strongest)
+    return judge.verdict(effect or QuadraticDrag(coefficient=5.0), score, change, Fit(after))
+
+
+def test_what_is_probable_steady_and_gains_is_added():
+    assert judged().is_added
+
+
+@pytest.mark.parametrize(
+    ("case", "said"),
+    [
+        ({"score": 6.9}, "below 7"),
+        ({"change": 0.6}, "another part of the log"),
+        ({"proof": Proof(share=0.04)}, "closes 4.0 %"),
+        ({"proof": Proof(share=-0.01, log_likelihood=50.0)}, "closes -1.0 %"),
+        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
+        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
+        ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
+        ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(everywhere=True)}, "nearly everywhere"),
+        ({"effect": WheelDragImbalance(force=4.0, moment=0.1)}, "both wheels drag alike"),
+        ({"effect": StribeckFriction(breakaway=3.0, speed=0.5)}, "far from standstill"),
+        ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, "nothing swings"),
+        (
+            {"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.8), {0: 90.0})},
+            "follows time, periodic",
+        ),
+    ],
+)
+def test_a_reason_against_it(case, said):
+    verdict = judged(**case)
+    assert not verdict.is_added
+    assert said in verdict.reason
+
+
+@pytest.mark.parametrize(
+    "proof", [Proof(share=0.051), Proof(share=0.0, of_rest=0.31), Proof(share=0.001, log_likelihood=4.1)]
+)
+def test_one_gain_is_enough(proof):
+    assert judged(proof=proof).is_added
+
+
+def test_a_tight_wheel_is_plausible():
+    assert judged(WheelDragImbalance(force=4.0, moment=-1.2)).is_added
