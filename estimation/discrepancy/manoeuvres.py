@@ -6,7 +6,7 @@ import numpy as np
 
 from ..batch.motion_smoother import SmoothMotion
 
-SHORTEST, LONGEST = 1.5, 6.0
+SHORTEST, USUAL, LONGEST = 1.5, 2.5, 6.0
 """s: shorter stretches belong to the one before, longer ones are cut."""
 FEWEST = 8
 """Into which a short log is cut, where they are no shorter."""
@@ -25,11 +25,12 @@ def manoeuvres(motion: SmoothMotion, turns: bool) -> np.ndarray:
     if turns:
         rate = motion.velocity[:, -1]
         kind = 3 * kind + np.where(np.abs(rate) < TURNING, 0.0, np.sign(rate))
-    longest = min(LONGEST, max(SHORTEST, (time[-1] - time[0]) / FEWEST))
+    share = (time[-1] - time[0]) / FEWEST
+    longest, shortest = np.clip(share, SHORTEST, LONGEST), np.clip(share, SHORTEST, USUAL)
     number, count, began = np.zeros(len(time), dtype=int), 0, time[0]
     for i in range(1, len(time)):
         lasted = time[i] - began
-        if (kind[i] != kind[i - 1] and lasted >= SHORTEST) or lasted >= longest:
+        if (kind[i] != kind[i - 1] and lasted >= shortest) or lasted >= longest:
             count, began = count + 1, time[i]
         number[i] = count
     return number

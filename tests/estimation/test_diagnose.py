@@ -1,12 +1,19 @@
 """The discrepancy workflow end to end, on logs whose equations share nothing with the library's."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 import cartgrasp as cg
 from benchmarks.sealed.generate import generate
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
 from estimation import diagnose
+
+EMPS = Path(__file__).parents[3] / "shared" / "data" / "emps" / "DATA_EMPS.mat"
 
 
 @pytest.fixture(scope="module")
@@ -57,3 +64,19 @@ def test_parameters_of_the_nominal_model_are_told_apart_from_effects(found):
 
 def diagnose_names(report):
     return [effect["name"] for effect in report["effects"]]
+
+
+@pytest.mark.skipif(not EMPS.is_file(), reason=f"the EMPS data set is not at {EMPS}")
+def test_the_real_axis_lacks_two_frictions():
+    """From mass and viscous drag alone; reference values of the data's authors: M 95.1 kg, Fc 20.4 N."""
+    rail = CartModel(
+        Inertia(80.0, (0.0, 0.0), 1.0), RollingConstraints(0.0, no_rotation=True), (ViscousDrag(linear=100.0),)
+    )
+    diagnosis = diagnose(cg.read_log(EMPS), rail)
+    assert [effect.name for effect in diagnosis.effects] == ["rolling_resistance", "directional_drag"]
+    mass = diagnosis.cart.inertia.mass
+    assert mass == pytest.approx(95.1, abs=0.5)
+    coulomb = diagnosis.effects[0].parameters["coefficient"][0] * mass * 9.81
+    assert coulomb == pytest.approx(20.4, rel=0.08)
+    assert diagnosis.gap.after < 0.0015
+    assert diagnosis.gap.per_horizon["0.5 s"]["after"] < 0.3 * diagnosis.gap.per_horizon["0.5 s"]["refitted"]
