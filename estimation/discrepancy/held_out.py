@@ -59,6 +59,14 @@ class HeldOut:
         passing = any(effect.gate in (Gate.FROM, Gate.WHILE) for effect in fitted.added)
         return fitted if passing else fitted.on(self.training)
 
+    @cached_property
+    def everywhere(self) -> HeldOut:
+        """With every row in the proof and in the fits: what passes once can't be learned where it is held out."""
+        other = HeldOut(self.nominal, self.whole)
+        other._kept = [np.ones_like(kept) for kept in self._kept]
+        other.training = self.nominal.regressions
+        return other
+
     def rollouts(self, cart: CartModel, delays: tuple[float, ...], horizon: float = HORIZON) -> tuple[Rollouts, ...]:
         found = []
         for regression, kept, delay in zip(self.whole, self._kept, delays, strict=True):

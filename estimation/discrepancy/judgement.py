@@ -57,7 +57,8 @@ class Judge:
         )
         if reason:
             return Verdict(False, reason)
-        share, of_rest = self.held_out.gain(self.fitted, model)
+        proof = self.held_out.everywhere if _passes(effect) else self.held_out
+        share, of_rest = proof.gain(self.fitted, model)
         if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
             return Verdict(True, "added", share)
         if share >= 0 and not _passes(effect) and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD:

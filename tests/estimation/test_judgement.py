@@ -19,11 +19,16 @@ class Proof:
     share: float = 0.5
     of_rest: float = 0.0
     log_likelihood: float = 0.0
-    everywhere: bool = False
+    is_everywhere: bool = False
     rolling: tuple = (WHEELS, 0.8)
+    share_everywhere: float = 0.0
+
+    @property
+    def everywhere(self):
+        return Proof(self.share_everywhere, log_likelihood=self.log_likelihood)
 
     def covers(self, effect):
-        return self.everywhere and isinstance(effect, FloorPatch)
+        return self.is_everywhere and isinstance(effect, FloorPatch)
 
     def gain(self, fitted, better):
         return self.share, self.of_rest
@@ -61,7 +66,7 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
         ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
-        ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(everywhere=True)}, "nearly everywhere"),
+        ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(is_everywhere=True)}, "nearly everywhere"),
         ({"effect": WheelDragImbalance(force=4.0, moment=0.1)}, "both wheels drag alike"),
         ({"effect": StribeckFriction(breakaway=3.0, speed=0.5)}, "far from standstill"),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, "nothing swings"),
@@ -82,6 +87,11 @@ def test_a_reason_against_it(case, said):
 )
 def test_one_gain_is_enough(proof):
     assert judged(proof=proof).is_added
+
+
+def test_a_push_is_proven_where_it_is():
+    push = ExternalPush(start=1.0, duration=0.5, force=9.0)
+    assert judged(push, proof=Proof(share=0.0, share_everywhere=0.2)).is_added
 
 
 def test_a_tight_wheel_is_plausible():
