@@ -134,9 +134,7 @@ class CartModel(CartStructure):
 
     def acting(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Acting:
         """phi and the effects at a state, with partials by the parameters."""
-        point = self._point(state, parameters, time)
-        sums = self.dynamics.sums(point, self._foreign(point))
-        phi, phi_by_parameters, wrench, _ = self.dynamics.parts(sums)
+        phi, phi_by_parameters, wrench, _ = self.effect_parts(self._point(state, parameters, time))
         by_parameters = wrench.by_parameters + wrench.by_phi @ phi_by_parameters
         return Acting(phi, wrench.value, phi_by_parameters, by_parameters)
 

@@ -6,27 +6,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from estimation.discrepancy import Diagnosis, diagnose
-from estimation.discrepancy.report import finite
 
-from ..logs import read_log
-from .estimate import cart_of
-from .identify import check_distinct
-from .output import make_folder, print_json, print_table, say, stages
+from .log_inputs import cart_and_logs
+from .output import print_json, print_table, say, stages
 
 
 def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json: bool) -> int:
-    cart = cart_of(paths[0], cart_path)
-    check_distinct(paths)
-    if out is not None:
-        make_folder(out)
-    logs = [read_log(path) for path in paths]
+    cart, logs = cart_and_logs(paths, cart_path, out)
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell)
     if out is not None:
         found.report.save(out)
         say(f"the report is {out / 'report.html'}, the extended cart {out / 'cart.yaml'}")
     if as_json:
-        print_json(finite(found.report.as_dict()))
+        print_json(found.report.as_dict())
     else:
         _print(found)
     return 0

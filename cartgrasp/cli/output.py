@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -11,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from ..strict_json import finite
 
 
 def print_json(document: Any) -> None:
     """Strict JSON: what is not finite is null."""
     is_unicode = (sys.stdout.encoding or "").lower().replace("-", "").startswith("utf")
-    json.dump(_finite(document), sys.stdout, ensure_ascii=not is_unicode, allow_nan=False)
+    json.dump(finite(document), sys.stdout, ensure_ascii=not is_unicode, allow_nan=False)
     sys.stdout.write("\n")
 
 
@@ -80,13 +80,3 @@ def check_writable(path: Path) -> None:
         raise UsageError(f"--out {path}: is a folder; name a file in it")
     if not path.parent.is_dir():
         raise UsageError(f"--out {path}: there is no folder {path.parent}; make it, or name another place")
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(k): _finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(v) for v in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value

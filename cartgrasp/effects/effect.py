@@ -61,6 +61,11 @@ class Gate(Enum):
     def n_parameters(self) -> int:
         return {Gate.ALWAYS: 0, Gate.FROM: 1, Gate.WHILE: 2, Gate.INSIDE: 4}[self]
 
+    @property
+    def passes(self) -> bool:
+        """Whether it is a time: what happens once can't be learned from another part of a log."""
+        return self in (Gate.FROM, Gate.WHILE)
+
 
 @dataclass(frozen=True)
 class Situation:

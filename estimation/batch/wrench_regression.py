@@ -23,7 +23,7 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.alignment import aligned
-from cartgrasp.model import CartModel
+from cartgrasp.model import CartModel, InverseDynamics
 
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
@@ -113,6 +113,12 @@ class Linearisation:
         missed = self.factor.solve(through)
         return np.asarray(weighted - self.weights @ (first @ missed[self.used] + second @ missed[after]))
 
+    @property
+    def chi_squared(self) -> float:
+        """Of the residual."""
+        residual = self.residual[..., None]
+        return float((residual * self.whitened(residual)).sum())
+
     def by_block(self, left: Array, right: Array, duration: float) -> Array:
         """`leftᵀ right` (b, k, l), summed over stretches of `duration` (s)."""
         _, where = np.unique((self.time - self.time[0]) // duration, return_inverse=True)
@@ -180,16 +186,13 @@ class WrenchRegression:
         motion, cart = self.motion, self.cart
         used = np.flatnonzero(self._used) if used is None else used
         n, d = motion.state.shape
-        memory = cart.memory_along(motion.pose, motion.velocity, motion.time, parameters)
-        state = np.hstack([motion.pose, motion.velocity, memory])
-        inverse = cart.inverse(state, motion.acceleration, parameters, motion.time)
+        state, inverse = self._inverse(cart, parameters)
         by_node = np.concatenate(
             [inverse.by_state[..., : 3 + motion.velocity.shape[1]], inverse.by_acceleration], axis=2
         )
         believed = cart.with_parameters(parameters)
         recorded, after = self._record.reduced(believed), used + 1
-        expected = inverse.wrench.copy()
-        expected[:-1] += delay * np.diff(inverse.wrench, axis=0)
+        expected = _delayed(inverse.wrench, delay)
         recorded_by = self._neighbours.slopes(believed, expected)
         residual = recorded[used] - expected[used]
         late = inverse.wrench[after] - inverse.wrench[used]
@@ -251,21 +254,21 @@ class WrenchRegression:
     def force_slopes(self, cart: CartModel, delay: float) -> Array:
         """Slopes (m, f, p) as in `linearised`, by the parameters of a cart that adds to this one, but for what they
         change at the sensors."""
-        motion, used = self.motion, np.flatnonzero(self._used)
-        memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
-        state = np.hstack([motion.pose, motion.velocity, memory])
-        by = cart.inverse(state, motion.acceleration, time=motion.time).by_parameters
+        used, by = np.flatnonzero(self._used), self._inverse(cart, cart.parameters)[1].by_parameters
         return np.asarray((1 - delay) * by[used] + delay * by[used + 1])
 
     def sensor_slopes(self, cart: CartModel, delay: float) -> Array:
         """What `force_slopes` leaves out."""
-        motion = self.motion
-        memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time)
-        state = np.hstack([motion.pose, motion.velocity, memory])
-        expected = self.cart.inverse(state, motion.acceleration, time=motion.time).wrench
-        expected[:-1] += delay * np.diff(expected, axis=0)
-        late = np.gradient(expected, motion.time, axis=0)[..., None] * _lateness_slopes(cart, self.log)
+        expected = _delayed(self._inverse(self.cart, self.cart.parameters)[1].wrench, delay)
+        late = np.gradient(expected, self.motion.time, axis=0)[..., None] * _lateness_slopes(cart, self.log)
         return np.asarray(-(self._neighbours.slopes(cart, expected) + late)[self._used])
+
+    def _inverse(self, cart: CartModel, parameters: Array) -> tuple[Array, InverseDynamics]:
+        """States (n, ...) of a cart along the motion, and the inverse dynamics there."""
+        motion = self.motion
+        memory = cart.memory_along(motion.pose, motion.velocity, motion.time, parameters)
+        state = np.hstack([motion.pose, motion.velocity, memory])
+        return state, cart.inverse(state, motion.acceleration, parameters, motion.time)
 
     def _stuck(self, state: Array, parameters: Array) -> Array:
         """Covariance (n, f, f) of Coulomb forces where the cart may stand still, for all that its smoothed velocity
@@ -276,6 +279,13 @@ class WrenchRegression:
         forces = self.cart.basis_b.T @ self.cart.stiction(slow, parameters, self.motion.time)
         samples = max(1.0, BLOCK / float(np.median(np.diff(self.motion.time))))
         return np.asarray(samples * forces @ np.swapaxes(forces, 1, 2))
+
+
+def _delayed(wrench: Array, delay: float) -> Array:
+    """Wrenches (n, f) a share of a step after their rows."""
+    found = wrench.copy()
+    found[:-1] += delay * np.diff(wrench, axis=0)
+    return found
 
 
 def _runs(where: np.ndarray) -> list[slice]:

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
 
 import numpy as np
 
-from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -62,7 +61,7 @@ class Grid:
 @dataclass(frozen=True)
 class Dictionary:
     """Sums over blocks (b,), which begin at `start` of log `log`, of products of columns: the base's first, then the
-    trials', a constant along each free direction, and the residual last."""
+    trials', and the residual last."""
 
     trials: tuple[Trial, ...]
     grid: Grid
@@ -70,12 +69,6 @@ class Dictionary:
     start: Array
     log: np.ndarray
     n_base: int
-    n_free: int
-
-    @cached_property
-    def units(self) -> slice:
-        last = self.gram.shape[1] - 1
-        return slice(last - self.n_free, last)
 
     @property
     def base(self) -> slice:
@@ -100,15 +93,14 @@ def build_dictionary(
             at += len(seen)
     grams, starts, logs = [], [], []
     for k, ((_, line, _), own) in enumerate(zip(linearised, slopes, strict=True)):
-        m, f = line.residual.shape
         parts = [line.by[..., free], *(own[i][..., seen] for i, seen in chosen)]
-        sides = np.concatenate([*parts, np.broadcast_to(np.eye(f), (m, f, f)), line.residual[..., None]], axis=2)
+        sides = np.concatenate([*parts, line.residual[..., None]], axis=2)
         gram = line.by_block(sides, line.whitened(sides), BLOCK)
         grams.append((gram + np.swapaxes(gram, 1, 2)) / 2)
         starts.append(np.unique((line.time - line.time[0]) // BLOCK) * BLOCK + line.time[0])
         logs.append(np.full(len(gram), k))
     return Dictionary(
-        tuple(trials), grid, np.concatenate(grams), np.concatenate(starts), np.concatenate(logs), len(free), f
+        tuple(trials), grid, np.concatenate(grams), np.concatenate(starts), np.concatenate(logs), len(free)
     )
 
 
@@ -118,8 +110,7 @@ def _may_be_amplitudes(effect: Effect) -> np.ndarray:
 
 
 def _memory(effect: Effect, cart: CartModel) -> tuple[str, ...]:
-    names = getattr(effect, "memory_names", None)
-    return names(cart.wheel_set) if names else ()
+    return effect.memory_names(cart.wheel_set) if isinstance(effect, ForceEffect) else ()
 
 
 def _opened(effect: Effect, grid: Grid) -> list[tuple[Effect, tuple[int, int] | None]]:

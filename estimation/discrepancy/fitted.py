@@ -130,10 +130,7 @@ class Fitted:
     @cached_property
     def chi_squared(self) -> float:
         """Of the residuals and of the parameters against what was believed of them."""
-        total = 0.0
-        for _, line, _ in self.linearised:
-            residual = line.residual[..., None]
-            total += float((residual * line.whitened(residual)).sum())
+        total = sum(line.chi_squared for _, line, _ in self.linearised)
         own = self.free[:-1]
         moved = (self.cart.parameters - self.structure.parameters)[own]
         return total + float(moved @ self.base.information[:-1, :-1] @ moved)

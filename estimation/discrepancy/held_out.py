@@ -31,18 +31,17 @@ HORIZON, EVERY = 1.0, 0.5
 class HeldOut:
     """Of the logs of a nominal fit; `whole` are its regressions with the rows at standstill, which fits leave out."""
 
-    def __init__(self, nominal: Fitted, whole: Sequence[WrenchRegression]) -> None:
-        self.nominal, self.whole = nominal, tuple(whole)
-        self._kept = [self._stretches(r) for r in whole]
+    def __init__(self, nominal: Fitted, whole: Sequence[WrenchRegression], everywhere: bool = False) -> None:
+        """`everywhere`: every row is in the proof, and in the fits."""
+        self.nominal, self.whole, self._is_everywhere = nominal, tuple(whole), everywhere
+        self._kept = [np.ones(len(r.motion.time), dtype=bool) if everywhere else _stretches(r) for r in whole]
+        self._trained: dict[Fitted, Fitted] = {}
+        self._gaps: dict[Fitted, float] = {}
         if not any(len(starts(r, kept, HORIZON, EVERY)) for r, kept in zip(whole, self._kept, strict=True)):
             raise DataError(
                 f"{', '.join(r.name for r in whole)}: no {HORIZON:g} s of what is set aside for the proof has every "
                 "wrench and no gap; record longer, with a wrench in each row"
             )
-
-    def _stretches(self, regression: WrenchRegression) -> np.ndarray:
-        turns = not regression.cart.constraints.no_rotation
-        return held_out(manoeuvres(regression.motion, turns))
 
     @cached_property
     def rolling(self) -> tuple[WheelSet, float]:
@@ -52,20 +51,22 @@ class HeldOut:
 
     @cached_property
     def training(self) -> tuple[WrenchRegression, ...]:
+        if self._is_everywhere:
+            return self.nominal.regressions
         return tuple(r.within(~kept) for r, kept in zip(self.nominal.regressions, self._kept, strict=True))
 
     def trained(self, fitted: Fitted) -> Fitted:
-        """The same structure, fitted to training stretches; an effect that acts for a while only, to all."""
-        passing = any(effect.gate in (Gate.FROM, Gate.WHILE) for effect in fitted.added)
-        return fitted if passing else fitted.on(self.training)
+        """The same structure, fitted to training stretches, once; an effect that acts for a while only, to all."""
+        if any(effect.gate.passes for effect in fitted.added):
+            return fitted
+        if fitted not in self._trained:
+            self._trained[fitted] = fitted.on(self.training)
+        return self._trained[fitted]
 
     @cached_property
     def everywhere(self) -> HeldOut:
         """With every row in the proof and in the fits: what passes once can't be learned where it is held out."""
-        other = HeldOut(self.nominal, self.whole)
-        other._kept = [np.ones_like(kept) for kept in self._kept]
-        other.training = self.nominal.regressions
-        return other
+        return HeldOut(self.nominal, self.whole, everywhere=True)
 
     def rollouts(self, cart: CartModel, delays: tuple[float, ...], horizon: float = HORIZON) -> tuple[Rollouts, ...]:
         found = []
@@ -74,14 +75,12 @@ class HeldOut:
             found.append(roll_out(regression, cart, delay, first, horizon))
         return tuple(found)
 
-    def gap(self, fitted: Fitted, horizon: float = HORIZON) -> float:
-        """Root mean square distance (m) of a structure trained elsewhere."""
-        trained = self.trained(fitted)
-        return joined(self.rollouts(trained.cart, trained.delays, horizon)).gap
-
-    @cached_property
-    def nominal_gap(self) -> float:
-        return self.gap(self.nominal)
+    def gap(self, fitted: Fitted) -> float:
+        """Root mean square distance (m) of a structure trained elsewhere, worked out once."""
+        if fitted not in self._gaps:
+            trained = self.trained(fitted)
+            self._gaps[fitted] = joined(self.rollouts(trained.cart, trained.delays)).gap
+        return self._gaps[fitted]
 
     def floor(self, fitted: Fitted) -> float:
         return joined(self.floor_rollouts(fitted, HORIZON)).gap
@@ -99,7 +98,8 @@ class HeldOut:
         a share of what is left above it, 0 where that is no more than noise."""
         floor, before, after = self.floor(better), self.gap(fitted), self.gap(better)
         closed, left = before**2 - after**2, before**2 - floor**2
-        whole = max(self.nominal_gap**2 - floor**2, LEAST_WHOLE * self.nominal_gap**2)
+        nominal = self.gap(self.nominal)
+        whole = max(nominal**2 - floor**2, LEAST_WHOLE * nominal**2)
         return closed / whole, closed / left if before > BEYOND_NOISE * floor else 0.0
 
     def likelihood(self, fitted: Fitted, better: Fitted) -> float:
@@ -111,8 +111,7 @@ class HeldOut:
         trained, total = self.trained(fitted), 0.0
         for regression, kept in zip(fitted.regressions, self._kept, strict=True):
             line = regression.within(kept).with_cart(trained.cart).linearised(trained.cart.parameters, DELAY)
-            residual = line.residual[..., None]
-            total += float((residual * line.whitened(residual)).sum())
+            total += line.chi_squared
         return total
 
     def covers(self, effect: Effect) -> bool:
@@ -122,6 +121,11 @@ class HeldOut:
         x, y = np.concatenate([regression.motion.pose[:, :2] for regression in self.whole]).T
         low_x, high_x, low_y, high_y = effect.values[:4]
         return bool(((x > low_x) & (x < high_x) & (y > low_y) & (y < high_y)).mean() > EVERYWHERE)
+
+
+def _stretches(regression: WrenchRegression) -> np.ndarray:
+    turns = not regression.cart.constraints.no_rotation
+    return held_out(manoeuvres(regression.motion, turns))
 
 
 def joined(rollouts: tuple[Rollouts, ...]) -> Rollouts:

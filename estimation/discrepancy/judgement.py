@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cartgrasp.effects import Effect
-from cartgrasp.effects.effect import Gate
 
 from .fitted import Fitted
 from .held_out import HeldOut
@@ -57,11 +56,11 @@ class Judge:
         )
         if reason:
             return Verdict(False, reason)
-        proof = self.held_out.everywhere if _passes(effect) else self.held_out
+        proof = self.held_out.everywhere if effect.gate.passes else self.held_out
         share, of_rest = proof.gain(self.fitted, model)
         if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
             return Verdict(True, "added", share)
-        if share >= 0 and not _passes(effect) and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD:
+        if share >= 0 and not effect.gate.passes and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD:
             return Verdict(True, "added", share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share)
@@ -76,10 +75,5 @@ class Judge:
         return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) far better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
-        enough = max(ENOUGH_PASSING, BESIDE * self.strongest) if _passes(effect) else ENOUGH
+        enough = max(ENOUGH_PASSING, BESIDE * self.strongest) if effect.gate.passes else ENOUGH
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""
-
-
-def _passes(effect: Effect) -> bool:
-    """It acts for a while only, so that what is held out says nothing of it."""
-    return effect.gate in (Gate.FROM, Gate.WHILE)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cartgrasp.strict_json import finite
 from cartgrasp.yaml_file import write_atomically
 
 if TYPE_CHECKING:
@@ -67,14 +67,3 @@ class Report:
         write_atomically(folder / "report.html", page(self, drawn))
         write_atomically(folder / "report.json", json.dumps(finite(self.as_dict()), indent=1, allow_nan=False) + "\n")
         return folder
-
-
-def finite(value: Any) -> Any:
-    """The same with null for what is not finite."""
-    if isinstance(value, dict):
-        return {str(k): finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(v) for v in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value

@@ -62,8 +62,10 @@ def roll_out(
 ) -> Rollouts:
     """Of a cart; `delay` is by what share of a step its recorded wrenches are late."""
     regression = regression.with_cart(cart)
-    wrench = _pushes(regression, cart, delay)
-    return _against_motion(regression, cart, wrench, first, horizon)
+    wrench, motion = _pushes(regression, cart, delay), regression.motion
+    found = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
+    last = np.searchsorted(motion.time, motion.time[first] + horizon - 1e-9)
+    return Rollouts(first, horizon, _in_body(motion.pose[last], found))
 
 
 def noise_floor(
@@ -91,15 +93,6 @@ def _drawn_noise(regression: WrenchRegression, excess: float, generator: np.rand
             slow[k + 1] = kept * slow[k] + np.sqrt(1 - kept**2) * slow[k + 1]
         white = np.sqrt(regression.colour.white) * white + np.sqrt(regression.colour.slow) * slow
     return np.asarray((root @ white[..., None])[..., 0])
-
-
-def _against_motion(
-    regression: WrenchRegression, cart: CartModel, wrench: Array, first: np.ndarray, horizon: float
-) -> Rollouts:
-    found = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
-    motion = regression.motion
-    last = np.searchsorted(motion.time, motion.time[first] + horizon - 1e-9)
-    return Rollouts(first, horizon, _in_body(motion.pose[last], found))
 
 
 def _in_body(true: Array, found: Array) -> Array:

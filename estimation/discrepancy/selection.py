@@ -1,7 +1,7 @@
 """Which effects a model lacks: one added at a time, the most probable, for as long as one is worth it.
 
 An effect is named with evidence, and a gain on stretches that no fit saw, and amplitudes of a sign and size that it can
-have. After each addition the earlier ones are tested for removal.
+have. At the end, what later ones have made superfluous is taken out.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import numpy as np
 from scipy.special import logsumexp
 
 from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
-from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
@@ -111,7 +110,7 @@ def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]
     """Without what the later effects have made superfluous."""
     removed: list[str] = []
     for effect in fitted.added[:-1]:
-        if isinstance(effect, ConstraintEffect) or effect.gate in (Gate.FROM, Gate.WHILE):
+        if isinstance(effect, ConstraintEffect) or effect.gate.passes:
             continue
         less = fitted.without(effect.key)
         share, of_rest = held_out.gain(less, fitted)
@@ -128,7 +127,7 @@ def _sideways(
     whole, steps = tuple(whole), list[Step]()
     added: tuple[Effect, ...] = ()
     while True:
-        fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, added)
+        fitted = _on_moving_rows(whole, cart, added)
         trials = sideways_trials(whole, fitted.cart)
         if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, LEAST_CREEP):
             return whole, fitted, steps
@@ -136,7 +135,7 @@ def _sideways(
         for _ in range(SIDEWAYS_ROUNDS):
             bent = replace(cart, effects=(*cart.effects, *added, first))
             whole = tuple(WrenchRegression(r.log, bent, r.noise) for r in whole)
-            fitted = Fitted(tuple(r.within(moving(r)) for r in whole), cart, (*added, first))
+            fitted = _on_moving_rows(whole, cart, (*added, first))
             again = sideways_trials(whole, fitted.cart.without_effect(first.key))
             first = next(t.finding.effect for t in again if type(t.finding.effect) is type(first))
         added = (*added, first)
@@ -147,6 +146,10 @@ def _sideways(
         attempts[0] = replace(attempts[0], verdict="added")
         near = tuple(a.name for a in attempts[1:] if attempts[0].log_factor - a.log_factor < NOT_TOLD_APART)
         steps.append(Step(tuple(attempts), attempts[0], near, IN_VOCABULARY))
+
+
+def _on_moving_rows(whole: Sequence[WrenchRegression], cart: CartModel, added: tuple[Effect, ...]) -> Fitted:
+    return Fitted(tuple(regression.within(moving(regression)) for regression in whole), cart, added)
 
 
 def _step(

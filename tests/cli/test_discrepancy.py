@@ -269,8 +269,7 @@ def test_a_reader_that_goes_away_loses_no_report(monkeypatch, tmp_path):
     def broken(document):
         raise BrokenPipeError
 
-    monkeypatch.setattr(discrepancy, "cart_of", lambda *a: SimpleNamespace(name="cart"))
-    monkeypatch.setattr(discrepancy, "read_log", lambda path: path)
+    monkeypatch.setattr(discrepancy, "cart_and_logs", lambda *a: (SimpleNamespace(name="cart"), []))
     monkeypatch.setattr(discrepancy, "diagnose", lambda *a: found)
     monkeypatch.setattr(discrepancy, "print_json", broken)
     with pytest.raises(BrokenPipeError):

@@ -25,10 +25,10 @@ def drawn(seed, n_blocks, n_columns, rows=6):
 
 
 def dictionary(base, columns, residual, trials, grid=None):
-    sides = np.concatenate([base, columns, np.zeros((*residual.shape, 1)), residual[..., None]], axis=2)
+    sides = np.concatenate([base, columns, residual[..., None]], axis=2)
     gram = np.swapaxes(sides, 1, 2) @ sides
     n = len(gram)
-    return Dictionary(tuple(trials), grid, gram, np.arange(n) * 0.25, np.zeros(n, dtype=int), 3, 1)
+    return Dictionary(tuple(trials), grid, gram, np.arange(n) * 0.25, np.zeros(n, dtype=int), 3)
 
 
 def density(residual, base, columns, std, excess=1.0):

@@ -11,7 +11,7 @@ from estimation.discrepancy.isolability import isolability
 
 def of(columns, effects, base):
     """One row a block; `columns` are unit traces, which amplitudes of usual size multiply."""
-    sides = np.concatenate([base, columns, np.zeros((len(base), 2))], axis=1)
+    sides = np.concatenate([base, columns, np.zeros((len(base), 1))], axis=1)
     gram = sides[:, :, None] * sides[:, None, :]
     p = base.shape[1]
     trials, at = [], p
@@ -19,7 +19,7 @@ def of(columns, effects, base):
         trials.append(Trial(effect, np.arange(at, at + size), np.arange(size), np.full(size, 2.0)))
         at += size
     n = len(base)
-    dictionary = Dictionary(tuple(trials), None, gram, np.arange(n) * 0.25, np.zeros(n, dtype=int), p, 1)
+    dictionary = Dictionary(tuple(trials), None, gram, np.arange(n) * 0.25, np.zeros(n, dtype=int), p)
     return isolability(dictionary, Base(np.eye(p) * 1e-9, np.zeros(p)))
 
 

@@ -1,0 +1,30 @@
+"""What commands on whole logs begin with: a cart, the logs, and a folder for what comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..errors import UsageError
+from ..logs import RunLog, read_log
+from ..model import CartModel
+from .estimate import cart_of
+from .output import make_folder
+
+
+def cart_and_logs(paths: Sequence[Path], cart_path: Path | None, out: Path | None) -> tuple[CartModel, list[RunLog]]:
+    """The folder `out` is made where it is wanted, before the work whose results go there."""
+    cart = cart_of(paths[0], cart_path)
+    _check_distinct(paths)
+    if out is not None:
+        make_folder(out)
+    return cart, [read_log(path) for path in paths]
+
+
+def _check_distinct(paths: Sequence[Path]) -> None:
+    """The same run twice would count as twice the evidence."""
+    seen = set()
+    for path in paths:
+        if path.resolve() in seen:
+            raise UsageError(f"{path}: is given twice; name each log once")
+        seen.add(path.resolve())
