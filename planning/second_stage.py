@@ -2,6 +2,10 @@
 
 The minimisers of a convex quadratic cost ½ xᵀ H x + fᵀ x over a convex set are those of its points with the same
 H x and fᵀ x: so the second program has these as rows, held at the first's solution, and is a QP as well.
+
+A proof takes rows for kept that are broken by a share of the wrench asked for, which is in newtons. Rows that state a
+cost, the first's own among them, are in its unit: they are written as many times larger as the wrench is above 1, so a
+share of the wrench is the same share of them.
 """
 
 from __future__ import annotations
@@ -27,10 +31,11 @@ def second_stage(
     is not proven best itself: its values would hold the second to nothing."""
     if solution.status != OPTIMAL:
         return program, solution
-    rows = _best_by(program)
+    size = solution.residuals.wrench_scale
+    rows = size * _best_by(program)
     values = rows @ solution.x
-    room = HELD * np.maximum(1.0, np.abs(values))
-    n, k = program.n, len(program.rows) - program.n_equalities
+    room = HELD * np.maximum(size, np.abs(values))
+    n, k, larger = program.n, len(program.rows) - program.n_equalities, _with_larger_shares(program, size)
     hessian = np.diag(2.0 * cost.weights)
     hessian = hessian if cost.coupling is None else hessian + 2.0 * cost.coupling
     missing = n - len(hessian)  # unknowns of the first's own
@@ -40,9 +45,9 @@ def second_stage(
         hessian=np.pad(hessian, ((0, missing), (0, missing))),
         gradient=np.pad(cost.gradient, (0, missing)),
         constant=cost.constant,
-        rows=np.vstack([program.rows[:k], rows, program.rows[k:]]),
-        lower=np.insert(program.lower, n + k, values - room),
-        upper=np.insert(program.upper, n + k, values + room),
+        rows=np.vstack([larger.rows[:k], rows, larger.rows[k:]]),
+        lower=np.insert(larger.lower, n + k, values - room),
+        upper=np.insert(larger.upper, n + k, values + room),
         lower_names=program.lower_names[: n + k] + names + program.lower_names[n + k :],
         upper_names=program.upper_names[: n + k] + names + program.upper_names[n + k :],
     )
@@ -59,3 +64,11 @@ def _best_by(program: QuadraticProgram) -> Array:
     along = program.gradient - rows.T @ (rows @ program.gradient)
     length = float(np.linalg.norm(along))
     return np.vstack([rows, along / length]) if length > RANK * np.linalg.norm(program.gradient) else rows
+
+
+def _with_larger_shares(program: QuadraticProgram, size: float) -> QuadraticProgram:
+    """The program with rows that are no limits, but state its cost, `size` times larger."""
+    names = zip(program.lower_names[program.n :], program.upper_names[program.n :], strict=True)
+    sizes = np.array([1.0 if low or high else size for low, high in names])
+    both = np.append(np.ones(program.n), sizes)
+    return replace(program, rows=sizes[:, None] * program.rows, lower=both * program.lower, upper=both * program.upper)

@@ -16,6 +16,7 @@ from cartgrasp.joint_torques import JointTorques
 from planning import LoadShare, Smoothness, WeightedWrench, WrenchPlanner, allocate
 from planning.allocation_template import AllocationTemplate
 from planning.objectives import LeastInternalForce, LeastJointTorque, Lexicographic, Nothing, WorstArm
+from planning.quadratic_program import verify
 from planning.second_stage import second_stage
 from planning.solvers import QuadraticSolver
 
@@ -200,6 +201,21 @@ def test_a_second_is_found_for_a_first_that_is_proven_and_for_no_other():
     assert effort(found.x[:-1], None) < 0.999 * effort(proven.x[:-1], None)
     assert np.abs(found.x[:-1] / np.tile([60, 60, 40, 8, 8, 6], 2)).max() == pytest.approx(proven.x[-1], rel=1e-8)
     assert second_stage(QuadraticSolver(), program, unproven, cost) == (program, unproven)
+
+
+def test_a_large_wrench_gives_a_share_no_room():
+    """Limits may be broken by 1e-9 of what is asked for, in N: of a wrench of 87 N, 6e-8 more of the worst share was
+    taken for best by the first."""
+    wrench = np.array([87.0, 3.0])
+    template = AllocationTemplate.of(cart(), ARMS, WorstArm(1.0, Nothing()))
+    points = np.array([ARMS[0].contacts.first, ARMS[1].contacts.first])
+    program = template.program(template.contact_rows(points), wrench, template.cost(np.zeros(12)))
+    proven = QuadraticSolver().solve(program)
+    second, found = second_stage(QuadraticSolver(), program, proven, WeightedWrench().cost(ARMS, np.zeros(12)))
+    assert found.x[-1] == pytest.approx(proven.x[-1], rel=3e-9)
+    for change in (1e-8, -1e-8):
+        moved = np.append(found.x[:-1], found.x[-1] + change)
+        assert not verify(second, moved, found.multipliers).feasible
 
 
 @pytest.mark.parametrize("objective", [LeastJointTorque(0.3), LeastInternalForce(4.0), WorstArm(900.0)])
