@@ -43,9 +43,23 @@ MASSES = (  # kg and m; documentation of Exp[licit] (explicit-robotics.github.io
     LinkMass("link_6", 2.500, (0.0, -0.002, 0.0160)),
     LinkMass("link_7", 0.420, (0.0, 0.000, 0.0906)),
 )
+OTHER_MASSES = (  # those of Drake's iiwa description (iiwa14_polytope_collision.urdf), turned into this URDF's frames
+    LinkMass("link_1", 5.76, (0.0, -0.03, 0.2775)),
+    LinkMass("link_2", 6.35, (-0.0003, 0.042, 0.059)),
+    LinkMass("link_3", 3.5, (0.0, 0.03, 0.3345)),
+    LinkMass("link_4", 3.5, (0.0, -0.034, 0.067)),
+    LinkMass("link_5", 3.5, (-0.0001, -0.021, 0.2605)),
+    LinkMass("link_6", 1.8, (0.0, 0.0004, 0.0006)),
+    LinkMass("link_7", 1.2, (0.0, 0.0, 0.101)),
+)
 FELT_TORQUE = 10.0  # N·m from outside at which the robot stops: our choice, not KUKA's
 PLATFORM, HALF_WIDTH = 0.7, 0.2  # m: the arms stand upright on a platform, one behind each hand
-iiwa = read_urdf_arm(URDF, "tool0", torque_limit=DRIVE_TORQUE, added_masses=MASSES)
+iiwa, other = (read_urdf_arm(URDF, "tool0", torque_limit=DRIVE_TORQUE, added_masses=m) for m in (MASSES, OTHER_MASSES))
+postures = np.random.default_rng(0).uniform(iiwa.lower, iiwa.upper, (5000, 7))
+own, others = (np.array([arm.gravity_torque(posture) for posture in postures]) for arm in (iiwa, other))
+doubt = np.abs(own - others)
+print(f"own weight: at most {np.abs(own).max():.0f} N·m over {len(postures):,} random postures; Drake's masses differ")
+print(f"by at most {doubt.max():.1f} N·m, {100 * (doubt / DRIVE_TORQUE).max():.1f} % of a joint's limit\n")
 MIRROR = np.array([-1, 1, -1, 1, -1, 1, -1])
 ELBOWS = {
     "up": (0.0, 0.6, 0.0, -1.6, 0.0, -0.6, 0.0),
@@ -105,6 +119,7 @@ good, bad = ("forward", "up", 1.0, 0.9), ("from above", "up", 0.4, 0.4)
 plans = {where: WrenchPlanner(cart, arms_at(*where)[1]).plan(push) for where in (good, bad)}
 print(f"\nat {good}: {plans[good].status}; at {bad}: {plans[bad].status}: {plans[bad].certificate.words}")
 
+assert (doubt / DRIVE_TORQUE).max() < 0.03, "whose masses one believes hardly matters"
 # Hanging hands bear the push at their last bend, the flange's 0.126 m: 40 N·m there are the drives' least.
 assert np.isclose(weakest, 40.0 / (0.126 * push[0] / 2), rtol=0.01)
 assert np.isnan(drives["forward", "up"][0]).all(), "a handle at 0.4 m is out of reach of hands that point ahead"

@@ -25,7 +25,7 @@ from ..frames import Array
 from ..inertia import N_PHI, Inertia
 from ..information import WrenchNoise, fisher_information, parameter_regressor, reduced_noise
 from ..model import CartModel
-from ..roles import ReferencePath
+from ..roles import ContactSource, ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise
@@ -78,10 +78,10 @@ def scenario(way: str, seed: int) -> Scenario:
     )
 
 
-def excitation(way: str) -> ExcitationPlan:
+def excitation(allowance: Allowance) -> ExcitationPlan:
     """Planned from the first guess and what the filter believes of it."""
-    base = scenario(way, 0)
-    chooser = ExcitationChooser(base.guess, base.arms, NOISE, ALLOWANCES[way])
+    base = scenario(FIXED, 0)
+    chooser = ExcitationChooser(base.guess, base.arms, NOISE, allowance)
     reference = PathReference(base.stretches, base.guess.rolling)
     return plan_excitation(chooser, reference, first_information(base.guess), DWELL)
 
@@ -140,19 +140,27 @@ def drive(way: str, seed: int, duration: float | None = None) -> RunRecord:
     base = scenario(way, seed)
     loop = base.build()
     if way in ALLOWANCES:
-        plan = excitation(way)
+        plan = excitation(ALLOWANCES[way])
         loop = replace(loop, reference=plan.reference, contacts=plan)
     return with_truth(run(loop, duration), base.truth)
 
 
 def taught(way: str) -> Array:
     """Information (p, p) at the end, the prior's included, of a drive along the way's own reference."""
-    base = scenario(way, 0)
-    cart, source = base.truth, base.build().contacts
-    reference: ReferencePath = PathReference(base.stretches, cart.rolling)
     if way in ALLOWANCES:
-        source = plan = excitation(way)
-        reference = plan.reference
+        return taught_by(excitation(ALLOWANCES[way]))
+    base = scenario(way, 0)
+    return _taught(PathReference(base.stretches, base.truth.rolling), base.build().contacts)
+
+
+def taught_by(plan: ExcitationPlan) -> Array:
+    """As `taught`, along a plan."""
+    return _taught(plan.reference, plan)
+
+
+def _taught(reference: ReferencePath, source: ContactSource) -> Array:
+    base = scenario(FIXED, 0)
+    cart = base.truth
     times = (np.arange(round(reference.duration * NOISE.rate)) + 0.5) / NOISE.rate
     wanted = [reference.at(time) for time in times]
     states = np.array([cart.state(w.pose_sb, w.velocity) for w in wanted])

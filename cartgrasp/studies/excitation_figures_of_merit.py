@@ -6,20 +6,51 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from planning.excitation_choice import D_OPTIMAL, Allowance
+
 from ..frames import Array
 from ..inertia import physical_jacobian
 from ..information import phi_covariance
 from .claims import Claim
-from .excitation import ALLOWANCES, CONTACTS, E_MOTION, FIXED, PARAMETERS, PERIODIC, Drive, excitation, scenario, taught
+from .excitation import (
+    ALLOWANCES,
+    CONTACTS,
+    E_MOTION,
+    FIXED,
+    PARAMETERS,
+    PERIODIC,
+    Drive,
+    excitation,
+    scenario,
+    taught,
+    taught_by,
+)
 
 COLUMNS = ("way", *PARAMETERS, "effort N²·s", "tracking cm")
+PRICE_COLUMNS = ("allowed N²", "weave cm", *PARAMETERS, "effort N²·s")
+PRICES = (Allowance(0.0, 0.0, D_OPTIMAL), *(Allowance(effort, 0.03, D_OPTIMAL) for effort in (3.0, 10.0, 30.0, 100.0)))
 AGREEMENT, CONSISTENT = 1.5, 3.0
 
 
 def bounds(way: str) -> Array:
     """Cramér-Rao bounds (4,) of mass, CoM and inertia at the end, by the information of the way's own reference."""
-    jacobian = physical_jacobian(scenario(way, 0).truth.inertia.phi)
-    return np.asarray(np.sqrt(np.diag(jacobian @ phi_covariance(taught(way)) @ jacobian.T)))
+    return _bounds(taught(way))
+
+
+def _bounds(information: Array) -> Array:
+    jacobian = physical_jacobian(scenario(FIXED, 0).truth.inertia.phi)
+    return np.asarray(np.sqrt(np.diag(jacobian @ phi_covariance(information) @ jacobian.T)))
+
+
+def price_rows() -> list[tuple[str, ...]]:
+    """By allowance (criterion D): what is foretold, and the whole effort as planned from the first guess."""
+    found = []
+    for allowance in PRICES:
+        plan = excitation(allowance)
+        effort = sum(w.effort * (w.window[1] - w.window[0]) for w in plan.windows)
+        cells = (f"{allowance.effort:g}", f"{100 * allowance.offset:g}")
+        found.append((*cells, *(f"{sd:.3g}" for sd in _bounds(taught_by(plan))), f"{effort:.0f}"))
+    return found
 
 
 def rows(drives: Sequence[Drive]) -> list[tuple[str, ...]]:
@@ -42,9 +73,7 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
     gains = motion / np.minimum(fixed, periodic)
     ratios = np.array([_last(drive) / bounds(drive.way) for drive in drives])
     worst = max(_root_mean_square(d.errors(name)) / d.std(name)[-1] for d in drives for name in PARAMETERS)
-    spent = max(
-        w.effort - w.least_effort - ALLOWANCES[way].effort for way in ALLOWANCES for w in excitation(way).windows
-    )
+    spent = max(w.effort - w.least_effort - a.effort for a in ALLOWANCES.values() for w in excitation(a).windows)
     return [
         Claim(
             CONTACTS,

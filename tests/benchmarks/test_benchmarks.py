@@ -11,11 +11,13 @@ ROOT = Path(__file__).parents[2]
 TITLES = (
     "Allocation at given contacts",
     "Choice of contacts",
+    "Convex relaxation of the contact choice",
     "Dynamics",
     "Filter step",
     "Plants",
     "Start-up",
     "What a tick costs",
+    "When to regrasp",
 )
 
 

@@ -22,6 +22,7 @@ def test_it_is_wired(capsys, monkeypatch, tmp_path, holds, status, as_json):
 
     monkeypatch.setattr(excitation, "run_ways", run_ways)
     monkeypatch.setattr(excitation, "claims", lambda drives: [Claim("here", "less", "0.5", holds)])
+    monkeypatch.setattr(excitation, "price_rows", lambda: [tuple("1234567")])
     monkeypatch.setattr(excitation, "rows", lambda drives: [(d, *"123456") for d in drives])
     monkeypatch.setattr(excitation, "as_dict", lambda drive: {"way": drive, "effort": np.pi})
     monkeypatch.setattr(excitation, "save_plots", lambda *a: None)
