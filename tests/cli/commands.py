@@ -48,6 +48,42 @@ arms:
     friction: {mu: 0.6, sides: 4}
 min_hand_distance: 0.1
 """
+MORE = """\
+cart: cart.yaml
+wrench: [40.0, 0.0, 3.0]
+arms:
+  - name: left
+    contacts: [[-0.25, 0.20, 1.0], [-0.25, 0.3, 1.0]]
+    limits: {force: [60, 60, 40], moment: [8, 8, 6]}
+    friction: {mu: 0.6, sides: 8}
+    payload: 5
+    rate: {force: [2.0e4, 2.0e4, 9.0e4], moment: [3000, 3000, 3000], last: [10, 0, 0, 0, 0, 0]}
+    joints:
+      jacobian: [[0.1, 0.2], [0.6, 0.3], [0, 0], [0, 0], [0, 0], [1, 1]]
+      gravity_torque: [2, 1]
+      torque_limit: [30, 20]
+    reach: {low: [-0.5, -0.3, 0], high: [0, 0.3, 2]}
+    held: [-0.25, 0.3, 1.0]
+  - name: right
+    contacts: [[-0.25, -0.20, 1.0]]
+    limits: {force: [60, 60, 40], moment: [8, 8, 6]}
+    push_only: true
+cart_limits:
+  skid: {friction: 0.6}
+  tip_over: {least_load: 5}
+  internal_force: {bound: 20, axis: [0, 1, 0]}
+relax: 50
+period: 0.01
+switching_cost: 30
+objective:
+  smoothness: {rate: 1.0}
+  load_share: {shares: {left: 0.7, right: 0.3}, weight: 1.0}
+  least_joint_torque: {weight: 1.0}
+  least_internal_force: {weight: 1.0, axis: [0, 1, 0]}
+  worst_arm: {weight: 100.0}
+motion: {velocity: [0.8, 0.3], pose: [0, 0, 0]}
+confidence: {probability: 0.95, std: {mass: 1.0, com_x: 0.02}}
+"""
 
 
 class Answer(NamedTuple):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.cli import main
 
-from .commands import CART, PROBLEM, Answer, problem_file
+from .commands import CART, MORE, PROBLEM, Answer, problem_file
 from .pushed_cart import as_csv, pushed_cart
 
 VALUES = ["0", "-1", "1", "3", "-0.0", "0.001", "50", "1.0e3", "1.0e6", "1.0e12", "1.0e200", "-1.0e308", "1.0e-320"]
@@ -90,6 +90,12 @@ FUZZ = settings(max_examples=120, suppress_health_check=["function_scoped_fixtur
 @FUZZ
 @given(text=changed_yaml(PROBLEM))
 def test_problems(folder, answer, text):
+    check(answer("plan", problem_file(folder, text)), (0, 1, 2), {"status", "arms", "certificate"})
+
+
+@settings(FUZZ, max_examples=60)
+@given(text=changed_yaml(MORE))
+def test_problems_with_every_key(folder, answer, text):
     check(answer("plan", problem_file(folder, text)), (0, 1, 2), {"status", "arms", "certificate"})
 
 

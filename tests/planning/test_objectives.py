@@ -203,6 +203,15 @@ def test_a_second_is_found_for_a_first_that_is_proven_and_for_no_other():
     assert second_stage(QuadraticSolver(), program, unproven, cost) == (program, unproven)
 
 
+@pytest.mark.parametrize("limit", [1e-320, 1e-12])
+def test_a_limit_of_nothing_has_no_share(limit):
+    """1 / 1e-320 is infinite; a limit of zero has none either."""
+    other = arm("right", [(-0.25, -0.2, 1.0)], friction=None)
+    hands = [[arm("left", force_limit=(30, most, 40), friction=None), other] for most in (limit, 0.0)]
+    plans = [WrenchPlanner(cart(), arms, objective=WorstArm(9.0)).plan((40, 0, 3)) for arms in hands]
+    assert plans[0].effort == pytest.approx(plans[1].effort)
+
+
 def test_a_large_wrench_gives_a_share_no_room():
     """Limits may be broken by 1e-9 of what is asked for, in N: of a wrench of 87 N, 6e-8 more of the worst share was
     taken for best by the first."""
