@@ -57,10 +57,11 @@ class CompiledPlanning:
         allocation = CompiledAllocation.of(terms.template, cost)
         return None if allocation is None else cls(terms, allocation)
 
-    @property
-    def fits(self) -> bool:
-        """Whether it still is for `terms`, whose arms are new."""
-        return self._own is self._terms.candidates and self._allocation.fits(self._terms.template)
+    def renewed(self) -> Self | None:
+        """For `terms`, whose arms are new, in the same workspace; None where they need another."""
+        if not self._allocation.fits(self._terms.template):
+            return None
+        return self if self._own is self._terms.candidates else type(self)(self._terms, self._allocation)
 
     def at(self, contacts: Mapping[str, ArrayLike] | None, wrench: Point, cost: Cost, start: float) -> Plan | None:
         """The optimal plan at given contacts, or where arms have no choice."""

@@ -216,7 +216,8 @@ class WrenchPlanner:
         self._program.drop()
         if not self._given.fits:
             self._given, self._last.choice = GivenContacts(self._terms), None
-        if self._compiled is None or not self._compiled.fits:
+        self._compiled = None if self._compiled is None else self._compiled.renewed()
+        if self._compiled is None:
             self._compile()
 
     def _compile(self) -> None:

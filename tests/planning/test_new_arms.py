@@ -1,5 +1,5 @@
-"""Arms that hold where they held but give other limits, weights and yaws: what is compiled is filled anew, and answers
-as a planner made for these arms does."""
+"""Arms with other limits, weights and yaws, or that hold elsewhere: what is compiled is filled anew, and answers as a
+planner made for these arms does."""
 
 from __future__ import annotations
 
@@ -17,9 +17,11 @@ FIELDS = ("yaw", "force", "weights", "friction", "push_only", "payload", "joints
 
 
 def drawn_arms(rng, new=FIELDS):
-    """Of `FIELDS`, those in `new` are drawn."""
+    """Of `FIELDS`, those in `new` are drawn, and with `places` where they hold."""
     arms = []
     for name, points in PLACES.items():
+        if "places" in new:
+            points = rng.uniform((-0.3, -0.3, 0.8), (-0.2, 0.3, 1.2), (int(rng.integers(1, 4)), 3)).tolist()
         drawn = {
             "yaw": ("yaw", float(rng.uniform(-0.5, 0.5))),
             "force": ("force_limit", rng.uniform(20, 80, 3).tolist()),
@@ -30,7 +32,7 @@ def drawn_arms(rng, new=FIELDS):
             "joints": ("joints", joints(rng)),
             "rate": ("wrench_rate", rng.uniform(1e3, 1e5, 6).tolist()),
         }
-        stated = [drawn[field] for field in new if rng.random() < 0.7]
+        stated = [drawn[field] for field in new if field in drawn and rng.random() < 0.7]
         arms.append(cg.Arm(name, points, **dict(stated)))
     return arms
 
@@ -48,7 +50,7 @@ def assert_alike(plan, expected):
 
 @pytest.mark.parametrize("objective", [None, Smoothness(0.5), LeastInternalForce(2.0)])
 @pytest.mark.parametrize("limits", [(), (Skid(0.05), TipOver(30.0)), (InternalForce(3.0), TipOver(30.0))])
-@pytest.mark.parametrize("new", [FIELDS, ("force",), ("yaw", "force"), ("weights",)])
+@pytest.mark.parametrize("new", [FIELDS, ("force",), ("yaw", "force"), ("weights",), ("places", "yaw")])
 def test_they_are_those_of_a_new_planner(objective, limits, new):
     rng, cart = np.random.default_rng(len(new)), shopping_cart()
     planner = WrenchPlanner(cart, drawn_arms(rng, new), objective=objective, cart_limits=limits)
@@ -83,6 +85,18 @@ def test_other_limits_of_the_same_structure_are_filled_in_place():
     frictional = [cg.Arm(name, points, friction=cg.Friction(0.6)) for name, points in PLACES.items()]
     assert planner.plan((20.0, 0.0, 0.0), given, arms=frictional).status == "optimal"
     assert planner._compiled is not compiled
+
+
+def test_arms_that_hold_elsewhere_keep_the_workspace():
+    planner = WrenchPlanner(shopping_cart(), drawn_arms(np.random.default_rng(0), ()))
+    planner.warm_up()
+    workspace, given = planner._compiled._allocation, {name: points[0] for name, points in PLACES.items()}
+    for y in (0.1, 0.3):
+        arms = [cg.Arm("left", [(-0.25, y, 1.0)]), cg.Arm("right", [(-0.25, -y, 1.0), (-0.25, -0.2, 1.0)])]
+        plan = planner.plan((20.0, 0.0, 2.0), arms=arms)
+        assert_alike(plan, WrenchPlanner(shopping_cart(), arms).plan((20.0, 0.0, 2.0)))
+        assert plan.solver == planner.plan((20.0, 0.0, 2.0), given).solver == "dual active set"
+        assert planner._compiled._allocation is workspace
 
 
 def test_numbers_where_there_were_zeros():
