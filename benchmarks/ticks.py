@@ -36,6 +36,7 @@ def run(rounds: int) -> Result:
         "an estimate given again": _tick({"estimate": estimates[:1] * KINDS}),
         "an estimate": _tick({"estimate": estimates}),
         "the arms' limits": _tick({"arms": arms}),
+        "where the arms may hold": _tick({"arms": [_arms(60.0, y) for y in np.linspace(0.16, 0.24, KINDS).tolist()]}),
         "all of them": _tick({"contacts": contacts, "estimate": estimates, "arms": arms}),
     }
     table = timed_table("New at each tick", interleave(competitors, rounds, BURST), WRENCH, "µs", {})
@@ -55,9 +56,9 @@ def _each(make: Any, low: float, high: float) -> list[Any]:
     return [make(value) for value in np.linspace(low, high, KINDS).tolist()]
 
 
-def _arms(force: float) -> list[Arm]:
+def _arms(force: float, y: float = 0.2) -> list[Arm]:
     limits: dict[str, Any] = {"force_limit": (force, force, 40.0), "moment_limit": (8.0, 8.0, 6.0)}
-    places = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
+    places = {"left": (-0.25, y, 1.0), "right": (-0.25, -y, 1.0)}
     return [Arm(name, [place], friction=Friction(0.6), **limits) for name, place in places.items()]
 
 
