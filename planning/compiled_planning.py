@@ -109,7 +109,7 @@ class CompiledPlanning:
         if given != self._given:
             if points.shape != (len(self._parts), 3):
                 return None
-            if not (np.abs(points) <= LARGEST_POSITION).all() or self._is_refused(points):
+            if not all(abs(value) <= LARGEST_POSITION for value in points.ravel().tolist()) or self._is_refused(points):
                 return None
             points.setflags(write=False)
             self._given, self._given_points = given, points
