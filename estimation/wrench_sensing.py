@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -39,7 +40,10 @@ class WrenchSensing:
         self._arms = None if arms is None else tuple(arms)
         self._seen: tuple[str, ...] = ()
         self._holds: dict[str, Hold] = {}
-        self._nothing = np.zeros((cart.constraints.n_free, len(cart.parameters)))
+        self._corrects = bool(cart.sensor_effects)
+        n = cart.constraints.n_free
+        self._calm, self._sure = np.zeros(n), np.zeros((n, n))
+        self._nothing = np.zeros((n, len(cart.parameters)))
 
     def note_contacts(self, measurement: Measurement) -> None:
         for arm, contact in measurement.contacts.items():
@@ -54,17 +58,16 @@ class WrenchSensing:
         """None where an arm's wrench or contact is missing: the total is then not known."""
         arms = self._arms or tuple(dict.fromkeys((*self._seen, *measurement.wrenches)))
         self._seen = arms
-        n = self.cart.constraints.n_free
-        value, covariance, by_parameters = np.zeros(n), np.zeros((n, n)), self._nothing
-        corrects = bool(self.cart.sensor_effects)
+        value, covariance, by_parameters = self._calm, self._sure, self._nothing
         for arm in arms:
             recorded, hold = measurement.wrenches.get(arm), self._holds.get(arm)
             if recorded is None or hold is None:
                 return None
             true = np.asarray(recorded, dtype=float)
-            if corrects:
+            if self._corrects:
                 true, true_by_parameters = self.cart.corrected_wrench(arm, true, parameters)
                 by_parameters = by_parameters + hold.reduced @ true_by_parameters
-            value += hold.reduced @ true
-            covariance += hold.covariance
-        return SensedWrench(value, covariance, by_parameters) if arms and np.isfinite(value).all() else None
+            value, covariance = value + hold.reduced @ true, covariance + hold.covariance
+        if not arms or not all(map(math.isfinite, value.tolist())):
+            return None
+        return SensedWrench(value, covariance, by_parameters)
