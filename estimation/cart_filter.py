@@ -13,26 +13,24 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
 from .driven_motion import DrivenMotion
+from .filter_core import FilterCore
 from .gaussian import Gaussian
-from .health import Health
+from .health import Health, SensorHealth
+from .late_samples import LateSamples
 from .noise import FilterNoise
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
-
-LONG_GAP = 1.0
-"""s: after a longer one the motion may be any."""
 
 
 class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
+    Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
     `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Wrenches are
     taken to be of the measurement's time: of those with a `time_delay`, hand over a log by `replay`.
     """
@@ -47,48 +45,42 @@ class CartFilter:
         yaws: Mapping[str, float] | None = None,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
-        self._learner = ParameterLearner(cart, arms, self.noise, self.prior, yaws or {})
-        self._motion = DrivenMotion(cart, self.noise, self.prior.free(cart))
-        self._started = False
+        learner = ParameterLearner(cart, arms, self.noise, self.prior, yaws or {})
+        core = FilterCore(learner, DrivenMotion(cart, self.noise, self.prior.free(cart)))
+        self._samples = LateSamples(core)
 
     def update(self, measurement: Measurement) -> Estimate:
-        """Predicts to the measurement's time, takes in what it holds, and says what is known."""
-        learner, motion = self._learner, self._motion
-        if not learner.take(measurement):
+        """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
+        known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
+        if not math.isfinite(measurement.time):
+            raise UsageError(f"measurement: time {measurement.time} is not finite")
+        if not self._samples.take(measurement):
             return replace(self.estimate, health=Health.CLOCK)
-        if self._started:
-            if measurement.time - motion.time > LONG_GAP:
-                motion.coast(measurement.time)
-            motion.advance(measurement.time)
-            motion.take(measurement.pose, measurement.velocity)
-        else:
-            pose = np.full(3, np.nan) if measurement.pose is None else np.asarray(measurement.pose, dtype=float)
-            motion.start(measurement.time, pose)
-            motion.take(None, measurement.velocity)
-            self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
-        motion.learn(learner.theta, learner.covariance)
-        if measurement.wrenches and learner.sensed is not None:
-            motion.push(learner.sensed)
         return self.estimate
 
     @property
     def belief(self) -> Gaussian:
         """Mean and covariance of pose, nu and effect memory."""
-        self._ask_begun()
-        return self._motion.belief
+        return self._core.motion.belief
 
     @property
     def nis(self) -> Mapping[str, tuple[float, int]]:
-        """Normalised innovation squared of the last pose and velocity, with its dimension."""
-        sizes = 3, self.cart.constraints.n_free
-        found = zip(("pose", "velocity"), self._motion.nis.tolist(), sizes, strict=True)
+        """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
+        core = self._core
+        found = zip(("pose", "velocity"), core.motion.nis.tolist(), core.sizes, strict=True)
         return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
 
     @property
-    def estimate(self) -> Estimate:
-        self._ask_begun()
-        return self._learner.estimate(self._motion.motion)
+    def sensors(self) -> Mapping[str, SensorHealth]:
+        """How pose, velocity and wrench do."""
+        return dict(self._core.sensors)
 
-    def _ask_begun(self) -> None:
-        if not self._learner.has_begun:
+    @property
+    def estimate(self) -> Estimate:
+        return self._core.estimate()
+
+    @property
+    def _core(self) -> FilterCore:
+        if self._samples.state.time == -math.inf:
             raise UsageError("filter: no measurement has come yet")
+        return self._samples.state

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -68,6 +70,12 @@ class DrivenMotion:
         """Mean and whole covariance."""
         whole = self._own + self._slopes @ self._beside @ self._slopes.T
         return Gaussian(self._mean.copy(), whole)
+
+    def copy(self) -> Self:
+        other = copy.copy(self)
+        other._mean, other._own, other._slopes = self._mean.copy(), self._own.copy(), self._slopes.copy()
+        other.nis, other._poise = self.nis.copy(), self._poise.copy()
+        return other
 
     def start(self, time: float, pose: Array) -> None:
         """From a pose that may be NaN in parts, with any velocity."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from cartgrasp.motion import Estimate, Measurement
 
 from .gaussian import Gaussian
 from .health import Health
+from .late_samples import LateSamples
 from .noise import FilterNoise
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
@@ -29,11 +31,13 @@ class RegressorEstimator:
         yaws: Mapping[str, float] | None = None,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
-        self._learner = ParameterLearner(cart, arms, self.noise, self.prior, yaws or {})
+        self._samples = LateSamples(ParameterLearner(cart, arms, self.noise, self.prior, yaws or {}))
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
-        if not self._learner.take(measurement):
+        if not math.isfinite(measurement.time):
+            raise UsageError(f"measurement: time {measurement.time} is not finite")
+        if not self._samples.take(measurement):
             return replace(self.estimate, health=Health.CLOCK)
         return self.estimate
 
@@ -50,6 +54,10 @@ class RegressorEstimator:
     @property
     def estimate(self) -> Estimate:
         learner = self._learner
-        if not learner.has_begun:
+        if learner.time == -math.inf:
             raise UsageError("regressor: no measurement has come yet")
-        return learner.estimate(learner.motion)
+        return learner.estimate(learner.motion, learner.health)
+
+    @property
+    def _learner(self) -> ParameterLearner:
+        return self._samples.state

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -44,6 +46,11 @@ class WrenchSensing:
         n = cart.constraints.n_free
         self._calm, self._sure = np.zeros(n), np.zeros((n, n))
         self._nothing = np.zeros((n, len(cart.parameters)))
+
+    def copy(self) -> Self:
+        other = copy.copy(self)
+        other._holds = dict(self._holds)
+        return other
 
     def note_contacts(self, measurement: Measurement) -> None:
         for arm, contact in measurement.contacts.items():

@@ -7,8 +7,10 @@ say only when there may be a jolt, which white jerk would smooth away.
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -112,6 +114,12 @@ class MotionTracker:
             NOTHING if velocity is None else np.array(velocity, dtype=float),
         )
         kernels.take(self._rows, self._n - 1, seen, self._variances, self._project)
+
+    def copy(self) -> Self:
+        other = copy.copy(self)
+        a, b, c, d, e = (part.copy() for part in self._rows)
+        other._time, other._rows = self._time.copy(), (a, b, c, d, e)
+        return other
 
     def smoothed(self) -> Stretch:
         """Each moment with what was measured after it, too."""

@@ -7,13 +7,13 @@ of a row only, and what is noise in the other is taken off, so that neither bias
 
 from __future__ import annotations
 
-import math
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Self
 
 import numpy as np
 
-from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
@@ -40,6 +40,8 @@ JUMP = 14.0
 """Normalised square of a step of the wrench that is no noise."""
 HELD = 0.1
 """s: how old a wrench may be."""
+MOST_JOLT = 100.0
+"""m/s² or rad/s²."""
 
 
 class ParameterLearner:
@@ -70,15 +72,11 @@ class ParameterLearner:
         self.sensed: SensedWrench | None = None  # of the last measurement with wrenches
         self._conclude()
 
-    def take(self, measurement: Measurement) -> bool:
-        """Goes on to the measurement's time, and takes in what it holds; not where that is in the past."""
+    def take(self, measurement: Measurement) -> None:
+        """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
         time = measurement.time
-        if not math.isfinite(time):
-            raise UsageError(f"measurement: time {time} is not finite")
         self._sensing.note_contacts(measurement)
         gap = time - self.time
-        if gap < -1e-9:
-            return False
         if not self._started or gap > LONG_GAP:
             self._start(time, measurement.pose)
             self._tracker.take(None, measurement.velocity)
@@ -89,16 +87,11 @@ class ParameterLearner:
             self._take_wrenches(measurement)
         self._take_row()
         self._watch.go_on(time)
-        return True
 
     @property
     def time(self) -> float:
         """Of the last measurement; minus infinity before the first."""
         return self._tracker.last_time
-
-    @property
-    def has_begun(self) -> bool:
-        return self.time > -math.inf
 
     @property
     def motion(self) -> Motion:
@@ -110,9 +103,21 @@ class ParameterLearner:
     def health(self) -> Health:
         return self._watch.health if self._has_wrench else Health.NO_WRENCH
 
-    def estimate(self, motion: Motion) -> Estimate:
+    @property
+    def surprise(self) -> float:
+        """The last row's normalised square over the gate beyond which it counts less."""
+        return self._watch.ratio
+
+    def estimate(self, motion: Motion, health: Health) -> Estimate:
         """What is known by now, with a motion."""
-        return Estimate(self.time, motion, self.report, self.health, self.cart, self.theta, self.covariance)
+        return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.covariance)
+
+    def copy(self) -> Self:
+        other = copy.copy(self)
+        other._tracker, other._belief = self._tracker.copy(), self._belief.copy()
+        other._watch, other._sensing = copy.copy(self._watch), self._sensing.copy()
+        other._recorded = list(self._recorded)
+        return other
 
     @property
     def belief(self) -> Gaussian:
@@ -159,7 +164,7 @@ class ParameterLearner:
             return self._calm
         at_rest = self.cart.state()
         mass = self.cart.inverse(at_rest, np.zeros(len(step)), self.theta).by_acceleration
-        return np.asarray(np.linalg.solve(mass, step))
+        return np.asarray(np.clip(np.linalg.solve(mass, step), -MOST_JOLT, MOST_JOLT))
 
     # --- rows ------------------------------------------------------------------------------------------------
 
