@@ -1,79 +1,54 @@
-"""The filter's health: how much to trust a surprising sample, and whether innovations keep to what is believed."""
+"""What an estimator says of itself: one word, and how each sensor does."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from enum import StrEnum
 
-import numpy as np
-
-SMOOTHING = 0.01
-"""Share of a new sample in the level: slower than a caster's turning round, which is loud for a moment too."""
-LOUD = 2.7
 HOLD_OFF = 1.5
 """s after a reset in which a load is called changed, and nothing is reset again."""
 MOST_RESETS, MEMORY = 3, 20.0
-SETTLING_SAMPLES = 100
-GATE = 25.0
+TIME_OUT = 0.5
+"""s without a usable sample after which a sensor that spoke before is missed."""
+OUTLYING_SHARE, SMOOTHING = 0.1, 0.05
+"""Of the last samples: from how many beyond their gate on outliers are called so."""
 
 
 class Health(StrEnum):
-    """One word a controller can read."""
+    """One word a controller can read; the first that holds."""
 
-    OK = "ok"
-    NO_WRENCH = "no_wrench"
-    OUTLIERS = "outliers"
-    LOAD_CHANGED = "load_changed"
-    INCONSISTENT = "inconsistent"
     CLOCK = "clock_went_back"
+    STALE = "stale"
+    NO_WRENCH = "no_wrench"
+    INCONSISTENT = "inconsistent"
+    LOAD_CHANGED = "load_changed"
+    OUTLIERS = "outliers"
+    OK = "ok"
 
 
-class Watch:
-    """Follows normalised innovations (1 in the mean when the model fits). When they get loud, the load is taken to
-    have changed (a reset of the parameters' covariance); when that happens too often, it is the model that does not
-    fit, and the filter is called inconsistent."""
+@dataclass(frozen=True)
+class SensorHealth:
+    """The last usable sample's `time`, its `ratio`, the normalised innovation squared over the gate beyond which it
+    counts less, and the `outlying` share of the last samples; whether nothing has come for too long."""
 
-    def __init__(self) -> None:
-        self.last: dict[str, tuple[float, int]] = {}
-        self.level = 1.0
-        self._samples = 0
-        self._time = -np.inf
-        self._resets: tuple[float, ...] = ()
-        self._outliers = 0.0
+    time: float = -math.inf
+    ratio: float = math.nan
+    outlying: float = 0.0
+    is_missed: bool = False
 
-    def noise_scale(self, sensor: str, nis: float, size: int) -> float:
-        """By how much to widen the noise of a sample with this NIS: outliers pull, but can't tear."""
-        self.last[sensor] = (nis, size)
-        if sensor == "wrench":
-            return 1.0
-        self._samples += 1
-        self.level += SMOOTHING * (min(nis / size, GATE) - self.level)
-        is_outlier = nis > GATE * size
-        self._outliers += SMOOTHING * (float(is_outlier) - self._outliers)
-        return nis / (GATE * size) if is_outlier else 1.0
+    def seen(self, time: float, ratio: float) -> SensorHealth:
+        """After a sample; a ratio that is not finite is of one that could not be used."""
+        if not math.isfinite(ratio):
+            return self.later(time)
+        outlying = self.outlying + SMOOTHING * (float(ratio > 1.0) - self.outlying)
+        return SensorHealth(time, ratio, outlying)
 
-    def wants_reset(self, time: float) -> bool:
-        """Whether the parameters should be opened now."""
-        self._time = time
-        self._resets = tuple(t for t in self._resets if time - t < MEMORY)
-        may = self._samples >= SETTLING_SAMPLES and not self._just_reset and len(self._resets) < MOST_RESETS
-        if not may or self.level < LOUD:
-            return False
-        self._resets = (*self._resets, time)
-        self.level = 1.0
-        return True
+    def later(self, time: float) -> SensorHealth:
+        """With nothing new."""
+        is_missed = self.time > -math.inf and time - self.time > TIME_OUT
+        return self if is_missed == self.is_missed else SensorHealth(self.time, self.ratio, self.outlying, is_missed)
 
     @property
-    def _just_reset(self) -> bool:
-        return bool(self._resets) and self._time - self._resets[-1] < HOLD_OFF
-
-    def note_gap(self) -> None:
-        self._samples = 0
-        self.level = 1.0
-
-    @property
-    def health(self) -> Health:
-        if len(self._resets) >= MOST_RESETS:
-            return Health.INCONSISTENT
-        if self._just_reset:
-            return Health.LOAD_CHANGED
-        return Health.OUTLIERS if self._outliers > 0.1 else Health.OK
+    def has_outliers(self) -> bool:
+        return self.outlying > OUTLYING_SHARE

@@ -28,11 +28,13 @@ class LoadWatch:
         self._time = -np.inf
         self._resets: tuple[float, ...] = ()
         self._outliers = 0.0
+        self.ratio = 0.0
 
     def note(self, time: float, square: float) -> bool:
         """Whether the parameters should be opened now."""
         self.go_on(time)
         self._seen += 1
+        self.ratio = square / (GATE * self._n)
         self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
         self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
         may = self._seen >= SETTLING_ROWS and not self._just_reset and len(self._resets) < MOST_RESETS

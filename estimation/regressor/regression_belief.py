@@ -6,6 +6,9 @@ block ended. The latter is handed from row to row, so that neighbours' common no
 
 from __future__ import annotations
 
+import copy
+from typing import Self
+
 import numpy as np
 
 from cartgrasp.frames import Array
@@ -19,6 +22,8 @@ KEPT = 0.9988
 """Of the information about what a row asks; with some seven rows a second, 2 min are remembered."""
 GATE = 12.0
 """Normalised squares, by component, beyond which a row pulls less."""
+ABSURD = 1e6
+"""And beyond which it is no measurement."""
 
 
 class RegressionBelief:
@@ -32,6 +37,11 @@ class RegressionBelief:
         information[-1, -1] = LATENESS_STD**-2
         self._information, self._pull = information, information @ np.append(first.mean, LATENESS)
         self._linked = False
+
+    def copy(self) -> Self:
+        other = copy.copy(self)
+        other._information, other._pull = self._information.copy(), self._pull.copy()
+        return other
 
     @property
     def parameters(self) -> Gaussian:
@@ -61,6 +71,9 @@ class RegressionBelief:
         own = row.noise + row.ends @ row.after @ row.ends.T
         news = value - H @ now.mean
         square = float(normalised_square(news, H @ now.covariance @ H.T + own))
+        if not square < ABSURD * n:
+            self.unlink()
+            return square
         scale = max(1.0, square / (GATE * n))
         self._forget(slopes, scale * own, now)
         whole = np.zeros((k + 2 * n, k + 2 * n))

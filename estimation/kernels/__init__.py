@@ -1,0 +1,1 @@
+"""Steps of Kalman filters as scalar code, compiled by numba. Nothing here is imported before an estimator is made."""

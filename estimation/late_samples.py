@@ -1,0 +1,75 @@
+"""Samples that come late or out of order are taken in where they belong: the estimator goes back and on again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, Protocol, Self, TypeVar
+
+from cartgrasp.motion import Measurement
+
+REACH = 0.3
+"""s: how late a sample may be."""
+EVERY = 0.1
+"""s between states that are kept."""
+
+
+class Rewindable(Protocol):
+    """What goes on from sample to sample, and can be kept as it is."""
+
+    @property
+    def time(self) -> float: ...
+
+    def take(self, measurement: Measurement) -> None: ...
+
+    def copy(self) -> Self: ...
+
+
+T = TypeVar("T", bound=Rewindable)
+
+
+@dataclass(frozen=True)
+class Kept(Generic[T]):
+    """A state, and how many samples it had seen."""
+
+    state: T
+    seen: int
+
+
+class LateSamples(Generic[T]):
+    """Brings samples in order to `state`."""
+
+    def __init__(self, state: T) -> None:
+        self.state = state
+        self._kept: list[Kept[T]] = []
+        self._samples: list[Measurement] = []
+        self._forgotten = 0
+
+    def take(self, measurement: Measurement) -> bool:
+        """Whether the sample could be taken in: not where it is of before all that is kept."""
+        if measurement.time >= self.state.time - 1e-9:
+            self._go_on(measurement)
+            return True
+        while self._kept and self._kept[-1].state.time > measurement.time:
+            if len(self._kept) == 1:
+                return False
+            self._kept.pop()
+        if not self._kept:
+            return False
+        last = self._kept[-1]
+        self.state = last.state.copy()
+        first = last.seen - self._forgotten
+        again, self._samples = self._samples[first:], self._samples[:first]
+        late = sum(sample.time <= measurement.time for sample in again)
+        for sample in (*again[:late], measurement, *again[late:]):
+            self._go_on(sample)
+        return True
+
+    def _go_on(self, measurement: Measurement) -> None:
+        self.state.take(measurement)
+        self._samples.append(measurement)
+        if not self._kept or self.state.time - self._kept[-1].state.time >= EVERY:
+            self._kept.append(Kept(self.state.copy(), self._forgotten + len(self._samples)))
+            while len(self._kept) > 1 and self._kept[1].state.time <= self.state.time - REACH:
+                self._kept.pop(0)
+            passed = self._kept[0].seen - self._forgotten
+            self._samples, self._forgotten = self._samples[passed:], self._forgotten + passed

@@ -1,0 +1,215 @@
+"""The parameters, learned by recursive least squares with both sides through `rate / (s + rate)` (physics 11).
+
+Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
+block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`). Force noise stands on one side
+of a row only, and what is noise in the other is taken off, so that neither biases the mass.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Self
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
+
+from ..batch.physical_fit import PhysicalSet
+from ..gaussian import Gaussian
+from ..health import Health
+from ..kernels.correction import normalised_square
+from ..load_change import load_covariance
+from ..noise import FilterNoise
+from ..parameter_report import ParameterReport
+from ..prior import Prior
+from ..wrench_sensing import SensedWrench, WrenchSensing
+from .filtered_row import Recorded, curvature_noise, filtered_row, stands_still
+from .load_watch import LoadWatch
+from .motion_tracker import MotionTracker, Stretch
+from .regression_belief import RegressionBelief
+
+BLOCK, LAG = 0.15, 0.12
+"""s: how long a row is, and how much later it is worked out, when its end is smoothed."""
+LONG_GAP = 0.3
+"""s: across a longer one nothing is carried."""
+JUMP = 14.0
+"""Normalised square of a step of the wrench that is no noise."""
+HELD = 0.1
+"""s: how old a wrench may be."""
+MOST_JOLT = 100.0
+"""m/s² or rad/s²."""
+
+
+class ParameterLearner:
+    """Changes what it believes of the parameters with each row, of the motion with each measurement."""
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[str] | None,
+        noise: FilterNoise,
+        prior: Prior,
+        yaws: Mapping[str, float],
+    ) -> None:
+        self.cart, self.noise, self.prior = cart, noise, prior
+        self._free = self.prior.free(cart)
+        self._first_covariance = self.prior.covariance(cart)[np.ix_(self._free, self._free)]
+        first = Gaussian(cart.parameters[self._free], self._first_covariance)
+        self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
+        self._tracker = MotionTracker(cart, self.noise)
+        self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
+        self._watch = LoadWatch(cart.constraints.n_free)
+        self._limits = PhysicalSet.of(cart, "regressor")
+        self._reporter = ParameterReport(cart, self.prior)
+        self._recorded: list[Recorded | None] = []
+        self._memory: Array | None = None
+        self._calm = self._jolt = np.zeros(cart.constraints.n_free)
+        self._started = self._has_wrench = False
+        self.sensed: SensedWrench | None = None  # of the last measurement with wrenches
+        self._conclude()
+
+    def take(self, measurement: Measurement) -> None:
+        """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
+        time = measurement.time
+        self._sensing.note_contacts(measurement)
+        gap = time - self.time
+        if not self._started or gap > LONG_GAP:
+            self._start(time, measurement.pose)
+            self._tracker.take(None, measurement.velocity)
+        else:
+            self._go_on(gap, time)
+            self._tracker.take(measurement.pose, measurement.velocity)
+        if measurement.wrenches:
+            self._take_wrenches(measurement)
+        self._take_row()
+        self._watch.go_on(time)
+
+    @property
+    def time(self) -> float:
+        """Of the last measurement; minus infinity before the first."""
+        return self._tracker.last_time
+
+    @property
+    def motion(self) -> Motion:
+        """As poses and velocities alone tell it."""
+        now = self._tracker.now.mean
+        return Motion(now[:3], now[self.cart.velocity_slice])
+
+    @property
+    def health(self) -> Health:
+        return self._watch.health if self._has_wrench else Health.NO_WRENCH
+
+    @property
+    def surprise(self) -> float:
+        """The last row's normalised square over the gate beyond which it counts less."""
+        return self._watch.ratio
+
+    def estimate(self, motion: Motion, health: Health) -> Estimate:
+        """What is known by now, with a motion."""
+        return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.covariance)
+
+    def copy(self) -> Self:
+        other = copy.copy(self)
+        other._tracker, other._belief = self._tracker.copy(), self._belief.copy()
+        other._watch, other._sensing = copy.copy(self._watch), self._sensing.copy()
+        other._recorded = list(self._recorded)
+        return other
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance of the free parameters, physical or not."""
+        return self._belief.parameters
+
+    @property
+    def lateness(self) -> float:
+        """Of the wrenches, beyond being held from sample to sample, in sample periods; mere samples have -0.5."""
+        return self._belief.lateness
+
+    # --- moments ---------------------------------------------------------------------------------------------
+
+    def _start(self, time: float, pose: Array | None) -> None:
+        """Motion starts anew; the parameters stay."""
+        pose = np.full(3, np.nan) if pose is None else np.asarray(pose, dtype=float)
+        self._tracker.start(time, pose)
+        self._recorded = [None]
+        self._memory, self._jolt = None, self._calm
+        self._belief.unlink()
+        self._started = bool(np.isfinite(pose[2]))  # without a heading nobody knows where anything pushes
+
+    def _go_on(self, gap: float, time: float) -> None:
+        if gap <= 1e-9:
+            return
+        self._tracker.next(time, self._jolt)
+        self._jolt = self._calm
+        held = self._recorded[-1]
+        self._recorded.append(held if held is not None and time - held.time < HELD else None)
+
+    def _take_wrenches(self, measurement: Measurement) -> None:
+        sensed = self.sensed = self._sensing.sense(measurement, self.theta)
+        if sensed is None:
+            return
+        before = self._recorded[-2] if len(self._recorded) > 1 else None
+        if before is not None:
+            self._jolt = self._jolt_of(sensed.value - before.sensed.value, sensed.covariance + before.sensed.covariance)
+        self._recorded[-1] = Recorded(measurement.time, sensed, self.theta)
+        self._has_wrench = True
+
+    def _jolt_of(self, step: Array, noise: Array) -> Array:
+        """The change of nu' that a step of the wrench makes, where it stands out of its noise."""
+        if normalised_square(step, noise) < JUMP:
+            return self._calm
+        at_rest = self.cart.state()
+        mass = self.cart.inverse(at_rest, np.zeros(len(step)), self.theta).by_acceleration
+        return np.asarray(np.clip(np.linalg.solve(mass, step), -MOST_JOLT, MOST_JOLT))
+
+    # --- rows ------------------------------------------------------------------------------------------------
+
+    def _take_row(self) -> None:
+        """Works out the block that has been over for long enough, if there is one."""
+        time = self._tracker.time
+        if time[-1] - time[0] < BLOCK + LAG:
+            return
+        k = int(np.searchsorted(time, time[0] + BLOCK - 1e-6))
+        if time[-1] - time[k] < LAG - 1e-6:
+            return
+        motion = self._tracker.smoothed().until(k)
+        recorded = [one for one in self._recorded[:k] if one is not None]
+        memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time, self.theta, self._memory)
+        if len(recorded) == k and not stands_still(motion):
+            self._learn(motion, memory, recorded)
+        else:
+            self._belief.unlink()
+        self._memory = memory[-1]
+        self._tracker.drop(k)
+        self._recorded = self._recorded[k:]
+
+    def _learn(self, motion: Stretch, memory: Array, recorded: Sequence[Recorded]) -> None:
+        row = filtered_row(self.cart, self.theta, motion, memory, recorded, self.noise)
+        spread = np.zeros((len(self.theta), len(self._free)))
+        spread[self._free] = np.linalg.cholesky(self.belief.covariance)
+        curved = curvature_noise(self.cart, self.theta, motion, memory, spread)
+        row = replace(row, noise=row.noise + curved)
+        square = self._belief.absorb(row, self.theta)
+        if self._watch.note(float(motion.time[-1]), square):
+            opened = load_covariance(self.cart, self.prior, float(self.theta[0]))
+            self._belief.open(opened[np.ix_(self._free, self._free)])
+        self._conclude()
+
+    def _conclude(self) -> None:
+        """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
+        taken, and the belief stays as it is."""
+        believed = self._belief.parameters
+        theta = self.cart.parameters.copy()
+        theta[self._free] = believed.mean
+        if len(self._free):
+            theta = self._limits.nearest(theta, self._free, believed.information)
+        covariance = np.zeros((len(theta), len(theta)))
+        covariance[np.ix_(self._free, self._free)] = believed.covariance
+        share = np.ones(len(theta))
+        share[self._free] = believed.std / np.sqrt(np.diagonal(self._first_covariance))
+        self.theta, self.covariance = theta, covariance
+        self.report: Mapping[str, ParameterEstimate] = self._reporter.of(theta, covariance, share)
