@@ -72,7 +72,7 @@ def suboptimality(holds, cost, x, rounding=0.0):
     scale = max(1.0, float(np.abs(slope).max()))
     sizes = np.abs(rows).max(axis=1)
     rows, slacks, sizes = (part[sizes > 0] for part in (rows, slacks, sizes))
-    prices = np.maximum(slacks, 0.0) / sizes
+    prices = slacks / sizes  # a row that is broken by rounding pays for what it takes
     residual = np.hstack([matrix.T, (rows / sizes[:, None]).T])
     limits = TOLERANCE + np.concatenate([-slope, slope]) / scale
     bounds = [(None, None)] * len(matrix) + [(0, None)] * len(rows)
