@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from .frames import Array
+from .inertia import N_PHI, physical_jacobian
 
 if TYPE_CHECKING:
     from .model import CartModel
@@ -72,3 +73,11 @@ class Estimate:
     def cart(self) -> CartModel:
         """The cart as now estimated."""
         return self.structure.with_parameters(self.model_parameters)
+
+    @property
+    def com_covariance(self) -> Array | None:
+        """(2, 2), m², of the CoM in {b}; None where no covariance is known."""
+        if self.covariance is None:
+            return None
+        partials = physical_jacobian(self.model_parameters[:N_PHI])[1:3]
+        return partials @ self.covariance[:N_PHI, :N_PHI] @ partials.T

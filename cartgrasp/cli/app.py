@@ -98,6 +98,23 @@ def estimate(
 
 
 @app.command()
+def view(
+    log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, or the EMPS .mat.", metavar="RUN")],
+    cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: draws the cart, and what is learned.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="The page (else RUN.html, beside the log).")] = None,
+    png: Annotated[Path | None, typer.Option("--png", help="An overview, for a talk.")] = None,
+    svg: Annotated[Path | None, typer.Option("--svg", help="The same, to edit.")] = None,
+    pdf: Annotated[Path | None, typer.Option("--pdf", help="The same, for a paper.")] = None,
+    gif: Annotated[Path | None, typer.Option("--gif", help="The top view, moving.")] = None,
+    json: Json = False,
+) -> None:
+    """Show a run: an animated page that opens offline, or figures."""
+    from . import view as command
+
+    raise typer.Exit(command.run(log, cart, command.Pictures(out, png, svg, pdf, gif), json))
+
+
+@app.command()
 def identify(
     logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, or the EMPS .mat.", metavar="LOG…")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,

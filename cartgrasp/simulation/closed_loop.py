@@ -83,6 +83,7 @@ def _record(loop: Loop, rows: list[_Row]) -> RunRecord:
         values, deviations = np.array([[e.value, e.std] for e in estimates]).T
         parameters[name] = Series(values, deviations, None, estimates[0].unit)
     headings = [row.headings for row in rows]
+    spreads = [row.estimate.com_covariance for row in rows] if loop.learn else [None]
     return RunRecord(
         log=RunLog.from_measurements([row.measurement for row in rows], arms),
         cart=loop.cart,
@@ -95,4 +96,5 @@ def _record(loop: Loop, rows: list[_Row]) -> RunRecord:
         caster_headings=None if headings[0] is None else np.array(headings),
         statuses=tuple(row.status for row in rows),
         identifiable={name: rows[-1].estimate.parameters[name].identifiable for name in names},
+        com_covariance=None if spreads[0] is None else np.array(spreads),
     )

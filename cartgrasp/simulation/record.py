@@ -29,7 +29,8 @@ class RunRecord:
     `log` holds what was measured; poses (n, 3) of {b} in {s} and speeds (n, n_free) are the truth and the
     reference; `wrenches` what each arm really gave, (n, 6) in {a}; `parameters` the estimates by contract name
     (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `statuses` one word a
-    plan; `identifiable` says at the end which of them the motion has taught.
+    plan; `identifiable` says at the end which of them the motion has taught; `com_covariance` (n, 2, 2), m², is that of
+    the estimated CoM in {b}, where it is known.
     """
 
     log: RunLog
@@ -43,6 +44,7 @@ class RunRecord:
     caster_headings: Array | None
     statuses: tuple[str, ...]
     identifiable: Mapping[str, bool] = field(default_factory=dict)
+    com_covariance: Array | None = None
 
     @property
     def time(self) -> Array:

@@ -13,19 +13,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import UsageError
-from ..simulation.record import RunRecord
 from ..yaml_file import write_atomically
 from .plots import (
     draw_contacts,
     draw_forces,
     draw_moments,
+    draw_motion,
     draw_parameter,
     draw_path,
     draw_tracking_error,
     house_style,
 )
+from .shown_run import ShownRun
+from .top_view import draw_top_view
 
 DPI = 160
+SNAPSHOTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+"""Shares of the run at which an overview's path shows the cart."""
 UNDATED: Mapping[str, dict[str, Any]] = {
     "png": {"Software": None},
     "pdf": {"CreationDate": None, "Producer": None},
@@ -34,10 +38,11 @@ UNDATED: Mapping[str, dict[str, Any]] = {
 """Metadata without date or version: the same run gives the same file."""
 
 
-def figure_overview(record: RunRecord) -> Figure:
-    """One page: path, tracking error, mass and CoM, and what the arms did."""
-    estimated = [name for name in ("mass", "com_x", "com_y") if name in record.parameters]
-    panels = ["error", *estimated, "contacts", "forces", "moments"]
+def figure_overview(run: ShownRun) -> Figure:
+    """One page: path, how the cart moved, mass and CoM, and what the arms did."""
+    estimated = [name for name in ("mass", "com_x", "com_y") if name in run.parameters]
+    motion = ["speed", "yaw"] if run.reference_pose is None else ["error"]
+    panels = [*motion, *estimated, "contacts", "forces", "moments"]
     n_rows = (len(panels) + 3) // 2
     n_path = 2 * n_rows - len(panels)
     with house_style():
@@ -46,51 +51,55 @@ def figure_overview(record: RunRecord) -> Figure:
         below = len(panels) - n_rows
         path, *others = left.subplots(1 + below, 1, height_ratios=[n_path, *[1] * below])
         axes = dict(zip(panels, [*right.subplots(n_rows, 1), *others], strict=True))
-        draw_path(path, record.pose, record.reference_pose)
-        draw_tracking_error(axes["error"], record.time, record.tracking_error)
+        draw_path(path, run.pose, run.reference_pose)
+        for instant in SNAPSHOTS:
+            draw_top_view(path, run, round(instant * (len(run.time) - 1)))
+        _draw_motion(run, axes)
         for name in estimated:
-            draw_parameter(axes[name], record.time, record.parameters[name], name, legend=name == estimated[0])
-        _draw_what_arms_did(record, axes["forces"], axes["moments"], axes["contacts"])
+            draw_parameter(axes[name], run.time, run.parameters[name], name, legend=name == estimated[0])
+        _draw_what_arms_did(run, axes["forces"], axes["moments"], axes["contacts"])
         for side, column in ((right, panels[:n_rows]), (left, panels[n_rows:])):
             _stack([axes[name] for name in column])
             side.align_ylabels()
     return figure
 
 
-def figure_tracking(record: RunRecord) -> Figure:
+def figure_tracking(run: ShownRun) -> Figure:
     """The path beside the tracking error."""
+    if run.tracking_error is None:
+        raise UsageError(f"{run.name}: has no reference, so there is no tracking error to draw")
     with house_style():
         figure = Figure(figsize=(7.2, 2.8))
         path, error = figure.subplots(1, 2)
-        draw_path(path, record.pose, record.reference_pose)
-        draw_tracking_error(error, record.time, record.tracking_error)
+        draw_path(path, run.pose, run.reference_pose)
+        draw_tracking_error(error, run.time, run.tracking_error)
     return figure
 
 
-def figure_parameters(record: RunRecord) -> Figure:
+def figure_parameters(run: ShownRun) -> Figure:
     """Every estimated parameter over time."""
-    if not record.parameters:
-        raise UsageError(f"{record.log.name}: nothing was estimated in this run, so there is no estimate to draw")
-    n_rows = (len(record.parameters) + 1) // 2
+    if not run.parameters:
+        raise UsageError(f"{run.name}: nothing was estimated in this run, so there is no estimate to draw")
+    n_rows = (len(run.parameters) + 1) // 2
     with house_style():
         figure = Figure(figsize=(7.2, 1.9 * n_rows))
         axes = figure.subplots(n_rows, 2, squeeze=False).ravel()
-        for ax, (name, series) in zip(axes, record.parameters.items(), strict=False):
-            draw_parameter(ax, record.time, series, name, legend=ax is axes[0])
-        for ax in axes[len(record.parameters) :]:
+        for ax, (name, series) in zip(axes, run.parameters.items(), strict=False):
+            draw_parameter(ax, run.time, series, name, legend=ax is axes[0])
+        for ax in axes[len(run.parameters) :]:
             ax.remove()
         for side in (0, 1):
-            _stack(list(axes[: len(record.parameters)][side::2]))
+            _stack(list(axes[: len(run.parameters)][side::2]))
         figure.align_ylabels()
     return figure
 
 
-def figure_arms(record: RunRecord) -> Figure:
+def figure_arms(run: ShownRun) -> Figure:
     """Forces, moments and contacts of the arms over time."""
     with house_style():
         figure = Figure(figsize=(5.4, 5.4))
         axes = figure.subplots(3, 1)
-        _draw_what_arms_did(record, *axes)
+        _draw_what_arms_did(run, *axes)
         _stack(axes)
         figure.align_ylabels()
     return figure
@@ -109,11 +118,18 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     return write_atomically(path, content.getvalue())
 
 
-def _draw_what_arms_did(record: RunRecord, forces: Axes, moments: Axes, contacts: Axes) -> None:
-    wrenches = {arm: record.wrenches.get(arm, log.wrench) for arm, log in record.log.arms.items()}
-    draw_forces(forces, record.time, wrenches)
-    draw_moments(moments, record.time, wrenches)
-    draw_contacts(contacts, record.time, {arm: log.contact for arm, log in record.log.arms.items()})
+def _draw_motion(run: ShownRun, axes: Mapping[str, Axes]) -> None:
+    if run.tracking_error is not None:
+        draw_tracking_error(axes["error"], run.time, run.tracking_error)
+        return
+    draw_motion(axes["speed"], run.time, run.velocity_b[:, :2], ("vx", "vy"), "Velocity in {b} (m/s)")
+    draw_motion(axes["yaw"], run.time, run.velocity_b[:, 2:], ("omega",), "Yaw rate (rad/s)")
+
+
+def _draw_what_arms_did(run: ShownRun, forces: Axes, moments: Axes, contacts: Axes) -> None:
+    draw_forces(forces, run.time, run.wrenches)
+    draw_moments(moments, run.time, run.wrenches)
+    draw_contacts(contacts, run.time, run.contacts)
 
 
 def _stack(column: Sequence[Axes]) -> None:

@@ -17,14 +17,14 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from ..simulation.record import RunRecord
 from ..yaml_file import write_atomically
 from .player_data import player_data
+from .shown_run import ShownRun
 
-SCRIPTS = ("data.js", "scene.js", "cart.js", "arms.js", "legends.js", "charts.js", "player.js")
+SCRIPTS = ("data.js", "scene.js", "cart.js", "arms.js", "legends.js", "charts.js", "panels.js", "player.js")
 
 
-def player_page(record: RunRecord, title: str) -> str:
+def player_page(run: ShownRun, title: str) -> str:
     """The page as text."""
     script, style = "\n".join(_asset(name) for name in SCRIPTS), _asset("player.css")
     policy = (
@@ -35,14 +35,14 @@ def player_page(record: RunRecord, title: str) -> str:
         policy=policy,
         title=html.escape(title.encode("utf-8", "replace").decode("utf-8")),
         style=style,
-        data=_inert_json(player_data(record, title)),
+        data=_inert_json(player_data(run, title)),
         script=script,
     )
 
 
-def write_player(record: RunRecord, path: str | os.PathLike[str], title: str) -> Path:
+def write_player(run: ShownRun, path: str | os.PathLike[str], title: str) -> Path:
     """Writes the page of `player_page`."""
-    return write_atomically(path, player_page(record, title))
+    return write_atomically(path, player_page(run, title))
 
 
 @cache

@@ -1,50 +1,50 @@
-"""What the player shows of a run: a `RunRecord` as plain numbers and words, thinned to video rate.
+"""What the player shows of a run: plain numbers and words, thinned to video rate.
 
-A column is a list with a number for each frame, or one number that never changes; a missing sample is None.
+A column is one number that never changes, or `[decimals, first, difference, …]`: whole numbers of the last decimal,
+each less the one before it. A missing sample is None, and differences go on from the last that is there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..frames import Array
-from ..inertia import Inertia
-from ..model import CartModel
-from ..simulation.record import RunRecord, Series
+from ..simulation.record import Series
 from ..wheels import CASTER
+from .shown_run import ShownRun
 
 FRAMES_PER_SECOND = 30.0
 MOST_FRAMES = 3600
 """Beyond it (two minutes at full rate) frames lie further apart and the player interpolates more."""
 
-MARGIN = 0.08
-"""m, from the wheels to the drawn edge of the body."""
-
 PARAMETER_LABELS = {"mass": "Mass", "com_x": "CoM x", "com_y": "CoM y", "inertia": "Yaw inertia"}
 
-Column = float | list[float | None] | None
+Column = float | list[int | None] | None
 
 
-def player_data(record: RunRecord, title: str) -> dict[str, Any]:
+def player_data(run: ShownRun, title: str) -> dict[str, Any]:
     """Everything the page needs, ready for JSON."""
-    frames = frame_indices(record.time)
+    frames = frame_indices(run.time)
+    reference, error = run.reference_pose, run.tracking_error
     return {
         "title": title,
-        "run": record.log.name,
-        "cart": _cart(record.cart),
-        "time": np.round(record.time[frames], 3).tolist(),
-        "pose": [column(record.pose[frames, i]) for i in range(3)],
-        "reference": [column(record.reference_pose[frames, i]) for i in range(3)],
-        "speed": column(_speed(record)[frames], 3),
-        "error": column(100.0 * record.tracking_error[frames], 3),
-        "casters": _casters(record, frames),
-        "arms": _arms(record, frames),
-        "parameters": [_parameter(name, series, frames) for name, series in record.parameters.items()],
-        "status": _status(record.statuses, frames, len(record.time)),
+        "run": run.name,
+        "cart": _cart(run),
+        "frames": len(frames),
+        "time": column(run.time[frames], 3),
+        "pose": _columns(run.pose[frames]),
+        "velocity": _columns(run.velocity_b[frames], 3),
+        "reference": None if reference is None else _columns(reference[frames]),
+        "error": None if error is None else column(100.0 * error[frames], 3),
+        "casters": _casters(run, frames),
+        "arms": [_arm(run, name, frames) for name in run.contacts],
+        "parameters": [_parameter(name, series, frames) for name, series in run.parameters.items()],
+        "correlation": _correlation(run, frames),
+        "status": _status(run, frames),
     }
 
 
@@ -59,65 +59,61 @@ def frame_indices(time: Array) -> np.ndarray:
 
 
 def column(values: ArrayLike, decimals: int = 4) -> Column:
-    """Rounded numbers; one where all are the same; None where not finite."""
-    rounded = np.round(np.asarray(values, dtype=float), decimals) + 0.0
-    plain = [float(v) if np.isfinite(v) else None for v in rounded]
-    return plain[0] if all(v == plain[0] for v in plain) else plain
+    """Rounded numbers; one where all are the same; None where not finite, or so large that JSON's readers round."""
+    with np.errstate(over="ignore"):
+        scaled = np.asarray(values, dtype=float) * 10.0**decimals
+    known = np.abs(scaled) < 2.0**52
+    whole = np.round(scaled[known]).astype(np.int64)
+    if not len(whole):
+        return None
+    if known.all() and (whole == whole[0]).all():
+        return float(whole[0] / 10.0**decimals)
+    differences = iter(np.diff(whole, prepend=0).tolist())
+    return [decimals, *(next(differences) if there else None for there in known.tolist())]
 
 
-def body_outline(cart: CartModel) -> tuple[float, float, float, float]:
-    """(x_min, x_max, y_min, y_max) in {b}, m: round wheels and CoM, or a box of the same inertia."""
-    (x, y), about_com, mass = cart.inertia.com, cart.inertia.about_com, cart.inertia.mass
-    if not cart.wheels:
-        half_width = float(np.sqrt(3.0 * about_com / mass / 3.25))
-        return x - 1.5 * half_width, x + 1.5 * half_width, y - half_width, y + half_width
-    points = np.array([*((w.x, w.y) for w in cart.wheels), (x, y)])
-    centre, half = (points.min(0) + points.max(0)) / 2, (points.max(0) - points.min(0)) / 2
-    half = np.maximum(half + MARGIN, 0.15)
-    low, high = centre - half, centre + half
-    return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+def _columns(values: Array, decimals: int = 4) -> list[Column]:
+    return [column(one, decimals) for one in values.T]
 
 
-def _cart(cart: CartModel) -> dict[str, Any]:
-    inertia: Inertia = cart.inertia
+def _cart(run: ShownRun) -> dict[str, Any]:
+    cart = run.cart
     return {
-        "name": cart.name,
-        "body": [round(v, 4) for v in body_outline(cart)],
-        "com": [round(float(v), 4) for v in inertia.com],
-        "wheels": [{"caster": w.kind == CASTER, "x": w.x, "y": w.y, "trail": w.trail} for w in cart.wheels],
+        "name": "" if cart is None else cart.name,
+        "body": [round(v, 4) for v in run.outline],
+        "com": None if cart is None else [round(float(v), 4) for v in cart.inertia.com],
+        "wheels": [
+            {"caster": w.kind == CASTER, "x": w.x, "y": w.y, "trail": w.trail} for w in (cart.wheels if cart else ())
+        ],
     }
 
 
-def _speed(record: RunRecord) -> Array:
-    """Speed of {b}'s origin, (n,), m/s; negative while it rolls backward."""
-    velocity_b = record.velocity @ record.cart.basis_b.T
-    return np.copysign(np.hypot(velocity_b[:, 0], velocity_b[:, 1]), velocity_b[:, 0])
-
-
-def _casters(record: RunRecord, frames: np.ndarray) -> list[Column] | None:
+def _casters(run: ShownRun, frames: np.ndarray) -> list[Column] | None:
     """Heading of each listed caster in {b}, or None where it is not known."""
-    count = sum(w.kind == CASTER for w in record.cart.wheels)
-    headings = record.caster_headings
+    count = 0 if run.cart is None else sum(w.kind == CASTER for w in run.cart.wheels)
+    headings = run.caster_headings
     if headings is None or headings.shape[1] != count:
         return None
-    return [column(headings[frames, i], 3) for i in range(count)]
+    return _columns(headings[frames], 3)
 
 
-def _arms(record: RunRecord, frames: np.ndarray) -> list[dict[str, Any]]:
-    """Contacts as logged; wrenches as really given, or as measured where the truth is not known."""
-    arms = []
-    for name, log in record.log.arms.items():
-        wrench = np.asarray(record.wrenches.get(name, log.wrench))[frames]
-        contact = log.contact[frames]
-        arms.append(
-            {
-                "name": name,
-                "contact": [column(contact[:, i]) for i in (0, 1)],
-                "force": [column(wrench[:, i], 2) for i in (0, 1)],
-                "moment": column(wrench[:, 5], 3),
-            }
-        )
-    return arms
+def _arm(run: ShownRun, name: str, frames: np.ndarray) -> dict[str, Any]:
+    wrench = run.wrenches[name][frames]
+    return {
+        "name": name,
+        "contact": _columns(run.contacts[name][frames, :2]),
+        "force": _columns(wrench[:, :3], 2),
+        "moment": _columns(wrench[:, 3:], 3),
+    }
+
+
+def _correlation(run: ShownRun, frames: np.ndarray) -> Column:
+    """Of the CoM's estimated coordinates."""
+    if run.com_covariance is None:
+        return None
+    covariance = run.com_covariance[frames]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return column(covariance[:, 0, 1] / np.sqrt(covariance[:, 0, 0] * covariance[:, 1, 1]), 3)
 
 
 def _parameter(name: str, series: Series, frames: np.ndarray) -> dict[str, Any]:
@@ -139,16 +135,18 @@ def _significant(values: Array, digits: int = 5) -> Column:
     return column(values, digits - 1 - int(np.floor(np.log10(largest))) if largest > 0 else 0)
 
 
-def _status(statuses: Sequence[str], frames: np.ndarray, n: int) -> dict[str, Any] | None:
+def _status(run: ShownRun, frames: np.ndarray) -> dict[str, Any] | None:
     """The distinct words, and for each frame the worst one since the frame before."""
-    if not statuses:
+    if not run.statuses:
         return None
-    words = sorted(set(statuses), key=_severity)
+    words = sorted(set(run.statuses), key=_severity)
     rank: Mapping[str, int] = {word: i for i, word in enumerate(words)}
-    every = np.array([rank[word] for word in statuses])
+    every = np.array([rank[word] for word in run.statuses])
+    n = len(run.time)
     every = every[(np.arange(n) * len(every)) // n]
     starts = np.concatenate([[0], frames[:-1] + 1])
     return {
+        "of": run.status_of,
         "words": words,
         "grades": [_severity(w)[0] for w in words],
         "index": _worst(every, starts, frames),
@@ -160,5 +158,5 @@ def _worst(ranks: np.ndarray, starts: np.ndarray, stops: np.ndarray) -> list[int
 
 
 def _severity(word: str) -> tuple[int, str]:
-    """0 as wished, 1 relaxed, 2 anything else."""
-    return {"optimal": 0, "relaxed": 1}.get(word, 2), word
+    """0 as wished, 1 with a reservation, 2 anything else."""
+    return {"optimal": 0, "ok": 0, "relaxed": 1, "load_changed": 1, "outliers": 1}.get(word, 2), word

@@ -26,7 +26,9 @@ BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 OKABE_ITO = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, YELLOW, BLACK)
 REFERENCE = "#7A7A7A"
+MOTION_COLOURS = (GREEN, VERMILLION, BLUE)
 
+ARM_MARKERS = ("o", "s", "^", "D")
 COMPONENT_STYLES: tuple[Literal["-", "--", ":"], ...] = ("-", "--", ":")
 
 STYLE: dict[Any, Any] = {
@@ -94,13 +96,24 @@ def draw_parameter(axes: Axes, time: Array, series: Series, name: str, legend: b
     return artists
 
 
-def draw_path(axes: Axes, pose: Array, reference_pose: Array) -> list[Artist]:
+def draw_motion(axes: Axes, time: Array, columns: Array, names: Sequence[str], label: str) -> list[Artist]:
+    """Columns (n, k) of poses or velocities, each with a colour and a line style; `label` is the axis's, with unit."""
+    artists: list[Artist] = []
+    for i, (column, name) in enumerate(zip(np.asarray(columns).T, names, strict=True)):
+        artists += axes.plot(time, column, color=MOTION_COLOURS[i], linestyle=COMPONENT_STYLES[i], label=name)
+    _label_time(axes, label)
+    if len(names) > 1:
+        _legend(axes)
+    return artists
+
+
+def draw_path(axes: Axes, pose: Array, reference_pose: Array | None = None) -> list[Artist]:
     """Reference and driven path of {b}'s origin in {s}, on equal scales; the ring marks the start."""
-    artists: list[Artist] = [
-        *axes.plot(*reference_pose[:, :2].T, color=REFERENCE, linestyle="--", label="reference"),
-        *axes.plot(*pose[:, :2].T, color=GREEN, label="driven"),
-        *axes.plot(*pose[:1, :2].T, color=GREEN, marker="o", markerfacecolor="white", linestyle="none"),
-    ]
+    artists: list[Artist] = []
+    if reference_pose is not None:
+        artists += axes.plot(*reference_pose[:, :2].T, color=REFERENCE, linestyle="--", label="reference")
+    artists += axes.plot(*pose[:, :2].T, color=GREEN, label="driven")
+    artists += axes.plot(*pose[:1, :2].T, color=GREEN, marker="o", markerfacecolor="white", linestyle="none")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
@@ -109,7 +122,7 @@ def draw_path(axes: Axes, pose: Array, reference_pose: Array) -> list[Artist]:
 
 
 def draw_wrenches(axes: Axes, time: Array, wrenches: Mapping[str, Array], components: Sequence[str]) -> list[Artist]:
-    """Components (`fx` … `tz`) of wrenches (n, 6), a colour for each arm, a line style for each component."""
+    """Components (`fx` … `tz`) of wrenches (n, 6), a colour and mark for each arm, a line style for each component."""
     unknown = [c for c in components if c not in WRENCH_NAMES]
     if unknown or len({c[0] for c in components}) != 1:
         raise UsageError(f"components: {', '.join(components)}: give some of fx, fy, fz, or some of tx, ty, tz")
@@ -150,10 +163,12 @@ def _draw_arms(axes: Axes, time: Array, columns: Mapping[str, Array], components
     artists: list[Artist] = []
     handles = []
     for i, (arm, values) in enumerate(columns.items()):
-        colour, width = OKABE_ITO[i % len(OKABE_ITO)], 2.4 / (1 + i)
+        marked = (len(time) // 30 * (1 + i), max(len(time) // 8, 1))
+        colour, mark = OKABE_ITO[i % len(OKABE_ITO)], ARM_MARKERS[i % len(ARM_MARKERS)]
+        look: dict[str, Any] = {"color": colour, "marker": mark, "markersize": 3.5, "linewidth": 2.4 / (1 + i)}
         for column, line_style in zip(values.T, COMPONENT_STYLES, strict=False):
-            artists += axes.plot(time, column, color=colour, linestyle=line_style, linewidth=width)
-        handles.append(Line2D([], [], color=colour, label=plain_text(arm, 14)))
+            artists += axes.plot(time, column, linestyle=line_style, markevery=marked, **look)
+        handles.append(Line2D([], [], color=colour, marker=mark, markersize=3.5, label=plain_text(arm, 14)))
     for component, line_style in zip(components, COMPONENT_STYLES, strict=False):
         handles.append(Line2D([], [], color="#555555", linestyle=line_style, label=component))
     _legend(axes, handles)

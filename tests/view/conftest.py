@@ -12,6 +12,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs.run_log import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.record import RunRecord, Series
+from cartgrasp.view.shown_run import ShownRun
 from cartgrasp.wheels import Wheel
 
 STEP = 0.01
@@ -175,3 +176,13 @@ def bare_record(record: RunRecord) -> RunRecord:
         caster_headings=None,
         statuses=(),
     )
+
+
+@pytest.fixture(scope="session")
+def shown(record: RunRecord) -> ShownRun:
+    return ShownRun.of_record(record)
+
+
+@pytest.fixture
+def bare(bare_record: RunRecord) -> ShownRun:
+    return ShownRun.of_record(bare_record)

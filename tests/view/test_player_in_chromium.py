@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from cartgrasp.logs.run_log import ArmLog
-from cartgrasp.simulation.record import RunRecord
 from cartgrasp.view.player import write_player
+from cartgrasp.view.shown_run import ShownRun
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = (
@@ -71,29 +70,29 @@ def count_of(colour: str, pixels: np.ndarray) -> int:
 
 
 @pytest.fixture
-def page(record: RunRecord, tmp_path) -> Path:
-    return write_player(record, tmp_path / "run.html", "Two bends")
+def page(shown: ShownRun, tmp_path) -> Path:
+    return write_player(shown, tmp_path / "run.html", "Two bends")
 
 
 @pytest.mark.parametrize("time", [12.3, 34.0])
-def test_fragment_sets_the_time_and_readouts_follow(time: float, page: Path, record: RunRecord):
+def test_fragment_sets_the_time_and_readouts_follow(time: float, page: Path, shown: ShownRun):
     seen = visit(page, f"t={time}")
     assert seen.console == ()
     assert 'id="problem" role="alert" hidden' in seen.dom
-    i = int(np.searchsorted(record.time, time - 1e-6))
+    i = int(np.searchsorted(shown.time, time - 1e-6))
     assert seen.number("time") == time
-    assert seen.number("error") == pytest.approx(100 * record.tracking_error[i], abs=0.02)
-    assert seen.number("speed") == pytest.approx(record.velocity[i, 0], abs=0.011)
-    assert seen.text("status") == record.statuses[i]
+    assert seen.number("error") == pytest.approx(100 * shown.tracking_error[i], abs=0.02)
+    assert seen.number("speed") == pytest.approx(shown.velocity_b[i, 0], abs=0.011)
+    assert seen.text("status") == shown.statuses[i]
 
 
-def test_playing_moves_on_and_stops_at_the_end(page: Path, record: RunRecord):
+def test_playing_moves_on_and_stops_at_the_end(page: Path, shown: ShownRun):
     playing = visit(page, "t=5&play=1", virtual_ms=8000)
     assert playing.console == ()
     assert 5.0 < playing.number("time") <= 13.1  # how many frames come depends on the machine
     assert 'aria-label="Pause"' in playing.dom
     ended = visit(page, "t=58&play=1&rate=8", virtual_ms=8000)
-    assert ended.number("time") == pytest.approx(record.time[-1], abs=0.011)
+    assert ended.number("time") == pytest.approx(shown.time[-1], abs=0.011)
     assert 'aria-label="Play"' in ended.dom
 
 
@@ -146,26 +145,26 @@ def test_dark_scheme_is_dark(page: Path, tmp_path):
     assert np.median(imread(shot)[..., :3]) < 0.2
 
 
-def test_bare_and_gappy_runs_are_shown(bare_record: RunRecord, tmp_path):
-    pose = bare_record.pose.copy()
+def test_bare_and_gappy_runs_are_shown(bare: ShownRun, tmp_path):
+    pose = bare.pose.copy()
     pose[:300] = np.nan
-    page = write_player(replace(bare_record, pose=pose), tmp_path / "bare.html", "Bare")
+    page = write_player(replace(bare, pose=pose), tmp_path / "bare.html", "Bare")
     seen = visit(page, "t=1")
     assert seen.console == ()
     assert seen.text("error") == "–"
     assert visit(page, "t=5").number("error") > 0
 
 
-def test_one_row_is_a_run_too(record: RunRecord, tmp_path):
+def test_one_row_is_a_run_too(shown: ShownRun, tmp_path):
     first = slice(0, 1)
-    arms = {a: ArmLog(log.contact[first], log.wrench[first]) for a, log in record.log.arms.items()}
     single = replace(
-        record,
-        log=replace(record.log, time=record.time[first], pose=record.log.pose[first], arms=arms),
-        pose=record.pose[first],
-        velocity=record.velocity[first],
-        reference_pose=record.reference_pose[first],
-        wrenches={a: w[first] for a, w in record.wrenches.items()},
+        shown,
+        time=shown.time[first],
+        pose=shown.pose[first],
+        velocity_b=shown.velocity_b[first],
+        reference_pose=shown.reference_pose[first],
+        contacts={a: c[first] for a, c in shown.contacts.items()},
+        wrenches={a: w[first] for a, w in shown.wrenches.items()},
         parameters={},
         caster_headings=None,
         statuses=("optimal",),
@@ -175,15 +174,18 @@ def test_one_row_is_a_run_too(record: RunRecord, tmp_path):
     assert seen.number("time") == 0.0
 
 
-def test_hostile_names_stay_text(record: RunRecord, tmp_path):
+def test_hostile_names_stay_text(shown: ShownRun, tmp_path):
     name = "</script><script>document.title = 'owned'</script><img src=x onerror=\"document.title = 'owned'\">"
-    arm = record.log.arms["left"]
+    names = (name, "__proto__", "constructor")
     hostile = replace(
-        record,
-        log=replace(record.log, arms={name: arm, "__proto__": arm, "constructor": arm}, name=name),
-        cart=replace(record.cart, name=name),
-        parameters={name: replace(record.parameters["mass"], unit=name)},
-        statuses=(name,) * len(record.time),
+        shown,
+        name=name,
+        cart=replace(shown.cart, name=name),
+        contacts=dict.fromkeys(names, shown.contacts["left"]),
+        wrenches=dict.fromkeys(names, shown.wrenches["left"]),
+        parameters={name: replace(shown.parameters["mass"], unit=name)},
+        statuses=(name,) * len(shown.time),
+        status_of=name,
     )
     seen = visit(write_player(hostile, tmp_path / "hostile.html", name), "t=20")
     assert seen.console == ()

@@ -13,9 +13,9 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from cartgrasp.errors import UsageError
-from cartgrasp.logs.run_log import ArmLog
-from cartgrasp.simulation.record import RunRecord, Series
+from cartgrasp.simulation.record import Series
 from cartgrasp.view import figures, plots
+from cartgrasp.view.shown_run import ShownRun
 
 EVERY_FIGURE = (
     figures.figure_overview,
@@ -37,8 +37,8 @@ def assert_units_everywhere(figure: Figure) -> None:
 
 
 @pytest.mark.parametrize("make", EVERY_FIGURE)
-def test_figures_have_units_on_every_axis_and_become_png(make, record: RunRecord, tmp_path):
-    figure = make(record)
+def test_figures_have_units_on_every_axis_and_become_png(make, shown: ShownRun, tmp_path):
+    figure = make(shown)
     assert_units_everywhere(figure)
     path = figures.save_figure(figure, tmp_path / "figure.png")
     content = path.read_bytes()
@@ -48,38 +48,37 @@ def test_figures_have_units_on_every_axis_and_become_png(make, record: RunRecord
     assert [p.name for p in tmp_path.iterdir()] == ["figure.png"]
 
 
-def test_the_same_run_gives_the_same_file(record: RunRecord, tmp_path):
+def test_the_same_run_gives_the_same_file(shown: ShownRun, tmp_path):
     for kind in ("png", "pdf", "svg"):
         first, second = (
-            figures.save_figure(figures.figure_tracking(record), tmp_path / f"{i}.{kind}").read_bytes() for i in (1, 2)
+            figures.save_figure(figures.figure_tracking(shown), tmp_path / f"{i}.{kind}").read_bytes() for i in (1, 2)
         )
         assert first == second
 
 
-def test_a_suffix_that_is_no_format_is_refused(record: RunRecord, tmp_path):
+def test_a_suffix_that_is_no_format_is_refused(shown: ShownRun, tmp_path):
     with pytest.raises(UsageError, match=r"\.png, \.pdf, \.svg"):
         figures.save_figure(Figure(), tmp_path / "figure.bmp")
 
 
-def test_a_run_without_estimates_has_an_overview_and_no_parameters(bare_record: RunRecord, tmp_path):
-    figure = figures.figure_overview(bare_record)
+def test_a_run_without_estimates_has_an_overview_and_no_parameters(bare: ShownRun, tmp_path):
+    figure = figures.figure_overview(bare)
     assert_units_everywhere(figure)
     assert len(figure.axes) == 5
     figures.save_figure(figure, tmp_path / "bare.png")
     with pytest.raises(UsageError, match="nothing was estimated"):
-        figures.figure_parameters(bare_record)
+        figures.figure_parameters(bare)
 
 
-def test_functions_return_what_they_drew(record: RunRecord):
+def test_functions_return_what_they_drew(shown: ShownRun):
     axes = Figure().subplots()
-    contacts = {arm: log.contact for arm, log in record.log.arms.items()}
     drawn = {
-        "tracking error": plots.draw_tracking_error(axes, record.time, record.tracking_error),
-        "parameter": plots.draw_parameter(axes, record.time, record.parameters["mass"], "mass"),
-        "path": plots.draw_path(axes, record.pose, record.reference_pose),
-        "forces": plots.draw_forces(axes, record.time, record.wrenches),
-        "moments": plots.draw_moments(axes, record.time, record.wrenches),
-        "contacts": plots.draw_contacts(axes, record.time, contacts),
+        "tracking error": plots.draw_tracking_error(axes, shown.time, shown.tracking_error),
+        "parameter": plots.draw_parameter(axes, shown.time, shown.parameters["mass"], "mass"),
+        "path": plots.draw_path(axes, shown.pose, shown.reference_pose),
+        "forces": plots.draw_forces(axes, shown.time, shown.wrenches),
+        "moments": plots.draw_moments(axes, shown.time, shown.wrenches),
+        "contacts": plots.draw_contacts(axes, shown.time, shown.contacts),
     }
     assert {name: len(artists) for name, artists in drawn.items()} == {
         "tracking error": 1,
@@ -92,13 +91,13 @@ def test_functions_return_what_they_drew(record: RunRecord):
     assert all(isinstance(a, Artist) and a.axes is axes for artists in drawn.values() for a in artists)
 
 
-def test_lines_hold_the_data_in_the_unit_of_their_axis(record: RunRecord):
+def test_lines_hold_the_data_in_the_unit_of_their_axis(shown: ShownRun):
     axes = Figure().subplots()
-    (error,) = plots.draw_tracking_error(axes, record.time, record.tracking_error)
-    np.testing.assert_allclose(error.get_ydata(), 100 * record.tracking_error)
-    (left, right) = plots.draw_moments(axes, record.time, record.wrenches)
-    np.testing.assert_array_equal(left.get_ydata(), record.wrenches["left"][:, 5])
-    np.testing.assert_array_equal(right.get_ydata(), record.wrenches["right"][:, 5])
+    (error,) = plots.draw_tracking_error(axes, shown.time, shown.tracking_error)
+    np.testing.assert_allclose(error.get_ydata(), 100 * shown.tracking_error)
+    (left, right) = plots.draw_moments(axes, shown.time, shown.wrenches)
+    np.testing.assert_array_equal(left.get_ydata(), shown.wrenches["left"][:, 5])
+    np.testing.assert_array_equal(right.get_ydata(), shown.wrenches["right"][:, 5])
 
 
 def test_band_is_two_standard_deviations_and_truth_is_dashed():
@@ -128,27 +127,27 @@ def test_labels_of_parameters(name: str, unit: str, label: str):
     assert axes.get_ylabel() == label
 
 
-def test_unknown_or_mixed_components_are_refused(record: RunRecord):
+def test_unknown_or_mixed_components_are_refused(shown: ShownRun):
     axes = Figure().subplots()
     for components in (("fx", "tz"), ("fq",), ()):
         with pytest.raises(UsageError, match="components"):
-            plots.draw_wrenches(axes, record.time, record.wrenches, components)
+            plots.draw_wrenches(axes, shown.time, shown.wrenches, components)
 
 
-def test_missing_samples_leave_gaps(record: RunRecord, tmp_path):
-    pose = record.pose.copy()
+def test_missing_samples_leave_gaps(shown: ShownRun, tmp_path):
+    pose = shown.pose.copy()
     pose[100:200] = np.nan
-    empty = Series(*np.full((3, len(record.time)), np.nan), "kg")
-    gappy = replace(record, pose=pose, parameters=record.parameters | {"mass": empty})
+    empty = Series(*np.full((3, len(shown.time)), np.nan), "kg")
+    gappy = replace(shown, pose=pose, parameters=shown.parameters | {"mass": empty})
     figures.save_figure(figures.figure_overview(gappy), tmp_path / "gaps.png")
-    nowhere = replace(record, pose=np.full_like(pose, np.nan))
+    nowhere = replace(shown, pose=np.full_like(pose, np.nan))
     figures.save_figure(figures.figure_tracking(nowhere), tmp_path / "nowhere.png")
 
 
 @pytest.mark.parametrize("name", ["_left", "$\\frac{", "a$b$c", "line\nbreak\x00", "左腕", "\ud800", "x" * 200])
-def test_names_of_arms_are_drawn_letter_by_letter(name: str, record: RunRecord, tmp_path):
-    arms = {name: ArmLog(record.log.arms["left"].contact, record.wrenches["left"])}
-    figure = figures.figure_arms(replace(record, log=replace(record.log, arms=arms), wrenches={}))
+def test_names_of_arms_are_drawn_letter_by_letter(name: str, shown: ShownRun, tmp_path):
+    left = shown.contacts["left"], shown.wrenches["left"]
+    figure = figures.figure_arms(replace(shown, contacts={name: left[0]}, wrenches={name: left[1]}))
     legend = figure.axes[0].get_legend()
     assert legend is not None
     assert len(legend.get_texts()) == 3

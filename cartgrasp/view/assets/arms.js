@@ -43,6 +43,27 @@ function drawArc(context, x, y, radius, from, sweep, colour) {
   });
 }
 
+// A disc, square, triangle or diamond: arms can be told apart without their colours.
+function drawMark(context, mark, x, y, radius, colour) {
+  context.beginPath();
+  if (mark === 0) context.arc(x, y, radius, 0, 2 * Math.PI);
+  else {
+    const corners = mark === 2 ? 3 : 4;
+    const [size, from] = [mark === 2 ? 1.3 * radius : 1.25 * radius, mark === 1 ? Math.PI / 4 : -Math.PI / 2];
+    for (let k = 0; k < corners; k++) {
+      const angle = from + (2 * Math.PI * k) / corners;
+      context.lineTo(x + size * Math.cos(angle), y + size * Math.sin(angle));
+    }
+    context.closePath();
+  }
+  context.fillStyle = colour;
+  context.strokeStyle = ink.panel;
+  context.lineJoin = "round";
+  context.lineWidth = radius > 4 ? 2 : 1.5;
+  context.fill();
+  context.stroke();
+}
+
 function drawArm(context, pose, sample, arm) {
   const [px, py] = [arm.contact[0][sample.i], arm.contact[1][sample.i]];
   if (!Number.isFinite(px) || !Number.isFinite(py)) return;
@@ -61,14 +82,8 @@ function drawArm(context, pose, sample, arm) {
   const [cosine, sine] = [Math.cos(turn), Math.sin(turn)];
   drawArrow(context, x, y, size * (cosine * fx - sine * fy), -size * (sine * fx + cosine * fy), colour);
   const near = clamp((body.length * camera.scale) / 150, 0.5, 1);
-  if (near > 0.6) drawArc(context, x, y, 17, -turn + Math.PI, momentScale() * mix(arm.moment, sample), colour);
-  context.beginPath();
-  context.arc(x, y, 6 * near, 0, 2 * Math.PI);
-  context.fillStyle = colour;
-  context.strokeStyle = ink.panel;
-  context.lineWidth = 2;
-  context.fill();
-  context.stroke();
+  if (near > 0.6) drawArc(context, x, y, 17, -turn + Math.PI, momentScale() * mix(arm.moment[2], sample), colour);
+  drawMark(context, arm.mark, x, y, 6 * near, colour);
   drawName(context, pose, arm, px, py);
 }
 

@@ -1,6 +1,5 @@
 // The cart seen from above: body, wheels, centre of mass.
 
-
 function drawBody(context, pose, ghost) {
   inCart(context, pose, () => {
     const round = 0.14 * Math.min(body.length, body.width);
@@ -15,8 +14,10 @@ function drawBody(context, pose, ghost) {
     context.fillStyle = ink.body;
     context.strokeStyle = ink["body-edge"];
     context.lineWidth = 1.5 / camera.scale;
-    context.fill();
+    if (run.cart.com) context.fill();
+    else context.setLineDash([2 / camera.scale, 4 / camera.scale]); // an outline that is only guessed
     context.stroke();
+    context.setLineDash([]);
     const size = 0.09 * Math.min(body.length, body.width);
     context.beginPath();
     context.moveTo(body.x1 - 1.9 * size, body.y + size);
@@ -78,18 +79,19 @@ function drawTrueCom(context, pose, x, y) {
   context.stroke();
 }
 
-// Two standard deviations along each axis of {b}; their correlation is not recorded.
+// The ellipse of two standard deviations: the covariance's axes, from the deviations and the correlation.
 function drawEstimatedCom(context, pose, sample) {
   const [px, py] = [parameterOf("com_x"), parameterOf("com_y")];
   if (!px || !py) return;
   const [x, y] = [mix(px.value, sample), mix(py.value, sample)];
-  const [sx, sy] = [2 * mix(px.std, sample), 2 * mix(py.std, sample)];
+  const [sx, sy] = [mix(px.std, sample), mix(py.std, sample)];
   if (!Number.isFinite(x) || !Number.isFinite(y)) return;
   inCart(context, pose, () => {
     context.strokeStyle = context.fillStyle = ink.estimate;
     if (Number.isFinite(sx) && Number.isFinite(sy)) {
+      const [rx, ry, turn] = ellipseOf(sx, sy, mix(run.correlation, sample) || 0);
       context.beginPath();
-      context.ellipse(x, y, Math.abs(sx), Math.abs(sy), 0, 0, 2 * Math.PI);
+      context.ellipse(x, y, rx, ry, turn, 0, 2 * Math.PI);
       context.globalAlpha = 0.16;
       context.fill();
       context.globalAlpha = 1;
@@ -100,4 +102,11 @@ function drawEstimatedCom(context, pose, sample) {
     context.arc(x, y, clamp(0.02 * body.length, 1.5 / camera.scale, 4 / camera.scale), 0, 2 * Math.PI);
     context.fill();
   });
+}
+
+// Radii and turn of the ellipse at two deviations.
+function ellipseOf(sx, sy, correlation) {
+  const [mean, half, both] = [(sx * sx + sy * sy) / 2, (sx * sx - sy * sy) / 2, correlation * sx * sy];
+  const far = Math.hypot(half, both);
+  return [2 * Math.sqrt(mean + far), 2 * Math.sqrt(Math.max(mean - far, 0)), Math.atan2(both, half) / 2];
 }

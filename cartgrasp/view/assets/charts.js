@@ -27,9 +27,9 @@ function rangeOf(spec) {
 }
 
 class Chart {
-  constructor(figure, labelsTime, onSeek) {
+  constructor(figure, onSeek) {
     this.canvas = figure.querySelector("canvas");
-    this.labelsTime = labelsTime;
+    this.labelsTime = false;
     this.still = document.createElement("canvas");
     this.show({ lines: [] });
     const seek = (event) => onSeek(this.timeAt(event.clientX - this.canvas.getBoundingClientRect().left));
@@ -43,6 +43,7 @@ class Chart {
   show(spec) {
     this.spec = spec;
     this.range = rangeOf(spec);
+    this.digits = digitsFor(this.range[1] - this.range[0]);
     this.stale = true;
   }
 
@@ -115,7 +116,18 @@ class Chart {
       trace(context, 0, frameCount - 1, (i) => [this.x(run.time[i]), this.y(line.values[i])]);
       context.stroke();
     }
+    context.setLineDash([]);
+    if (this.spec.marks) this.spec.lines.forEach((line, k) => this.drawMarks(context, line, 20 + 13 * k));
     this.stale = false;
+  }
+
+  // The marks of arms along their lines, which so differ without colours too.
+  drawMarks(context, line, from) {
+    const { left, right } = this.plot;
+    for (let x = left + from; x < right; x += 84) {
+      const y = this.y(mix(line.values, sampleAt(this.timeAt(x))));
+      if (Number.isFinite(y)) drawMark(context, line.mark, x, y, 3.4, ink[line.colour]);
+    }
   }
 
   // Each stretch without a missing sample is one patch.
@@ -125,14 +137,15 @@ class Chart {
     const edge = (i, k) => this.y(band.value[i] + k * band.std[i]);
     for (let first = 0; first < frameCount; first++) {
       let last = first;
-      while (last < frameCount && Number.isFinite(edge(last, 2))) last++;
+      const follows = (i) => i === first || run.time[i] - run.time[i - 1] <= run.gap;
+      while (last < frameCount && Number.isFinite(edge(last, 2)) && follows(last)) last++;
       if (last - first > 1) {
         context.beginPath();
         for (let i = first; i < last; i++) context.lineTo(this.x(run.time[i]), edge(i, 2));
         for (let i = last - 1; i >= first; i--) context.lineTo(this.x(run.time[i]), edge(i, -2));
         context.fill();
       }
-      first = last;
+      first = Math.max(first, last - 1);
     }
     context.globalAlpha = 1;
   }
@@ -154,13 +167,11 @@ class Chart {
     for (const line of this.spec.lines) {
       const y = this.y(mix(line.values, sample));
       if (!Number.isFinite(y) || line.thin) continue;
-      context.beginPath();
-      context.arc(x, y, 3.2, 0, 2 * Math.PI);
-      context.fillStyle = ink[line.colour];
-      context.strokeStyle = ink.panel;
-      context.lineWidth = 1.5;
-      context.fill();
-      context.stroke();
+      drawMark(context, line.mark || 0, x, y, 3.4, ink[line.colour]);
+    }
+    if (this.onDraw) this.onDraw(sample);
+    for (const line of this.spec.lines) {
+      if (line.output) line.output.value = fixed(mix(line.values, sample), this.digits);
     }
   }
 }

@@ -12,30 +12,29 @@ addEventListener("error", (event) => report(event.message));
 addEventListener("securitypolicyviolation", (event) => report("blocked " + event.violatedDirective));
 
 const raw = JSON.parse(element("run").textContent);
-const frameCount = raw.time.length;
+const frameCount = raw.frames;
 
-// A column comes as a list, or as one number that holds throughout; null is a missing sample.
-function column(values) {
-  const list = Array.isArray(values);
-  return Float64Array.from({ length: frameCount }, (_, i) => {
-    const value = list ? values[i] : values;
-    return value === null || value === undefined ? NaN : value;
-  });
+// A column is one number that holds throughout, or [decimals, first, difference, …]; null is a missing sample.
+function column(packed) {
+  if (!Array.isArray(packed)) return new Float64Array(frameCount).fill(packed === null ? NaN : packed);
+  let whole = 0;
+  return Float64Array.from(packed.slice(1), (step) => (step === null ? NaN : (whole += step) / 10 ** packed[0]));
 }
 
 const run = {
-  time: Float64Array.from(raw.time),
+  time: column(raw.time),
   pose: raw.pose.map(column),
-  reference: raw.reference.map(column),
-  speed: column(raw.speed),
-  error: column(raw.error),
+  velocity: raw.velocity.map(column),
+  reference: raw.reference && raw.reference.map(column),
+  error: raw.error === null ? null : column(raw.error),
   casters: raw.casters && raw.casters.map(column),
   arms: raw.arms.map((arm, i) => ({
     name: arm.name,
     colour: "arm" + (i % 6),
+    mark: i % 4,
     contact: arm.contact.map(column),
     force: arm.force.map(column),
-    moment: column(arm.moment),
+    moment: arm.moment.map(column),
   })),
   parameters: raw.parameters.map((p) => ({
     name: p.name,
@@ -45,11 +44,18 @@ const run = {
     std: column(p.std),
     truth: p.truth === null ? null : column(p.truth),
   })),
+  correlation: column(raw.correlation === null ? 0 : raw.correlation),
   cart: raw.cart,
   status: raw.status,
 };
 run.start = run.time[0];
 run.stop = run.time[frameCount - 1];
+
+// Steps of time that are longer are gaps, which no line crosses.
+run.gap = (() => {
+  const steps = run.time.slice(1).map((t, i) => t - run.time[i]).sort();
+  return 4 * (steps[steps.length >> 1] || 1);
+})();
 
 const parameterOf = (name) => run.parameters.find((p) => p.name === name);
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
@@ -87,7 +93,8 @@ const poseAt = (columns, sample) => ({
 });
 
 function fixed(value, digits) {
-  return Number.isFinite(value) ? value.toFixed(digits).replace("-", "\u2212") : "\u2013";
+  if (!Number.isFinite(value)) return "\u2013";
+  return value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "\u2212");
 }
 
 // Digits after the point that suit numbers of this size.

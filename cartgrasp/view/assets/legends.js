@@ -56,10 +56,11 @@ function drawOverview(context, pose, sample) {
   const [left, top] = [camera.width - w - 26, 24];
   const place = (x, y) => [left + (x - extent.x0) * scale, top + h - (y - extent.y0) * scale];
   backdrop(context, left - 12, top - 12, w + 24, h + 24);
+  const [wholeX, wholeY] = run.reference || run.pose;
   context.lineWidth = 1;
   context.strokeStyle = ink.reference;
   context.globalAlpha = 0.6;
-  trace(context, 0, frameCount - 1, (i) => place(run.reference[0][i], run.reference[1][i]));
+  trace(context, 0, frameCount - 1, (i) => place(wholeX[i], wholeY[i]));
   context.stroke();
   context.globalAlpha = 1;
   context.strokeStyle = ink.driven;

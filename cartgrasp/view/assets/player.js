@@ -7,12 +7,6 @@ const seek = (time) => {
   player.time = clamp(time, run.start, run.stop);
   wake();
 };
-const charts = {
-  error: new Chart(element("chart-error"), false, seek),
-  parameter: new Chart(element("chart-parameter"), false, seek),
-  force: new Chart(element("chart-force"), true, seek),
-};
-
 let awake = false;
 function wake() {
   if (awake) return;
@@ -35,14 +29,16 @@ function tick(now) {
 function draw() {
   const sample = sampleAt(player.time);
   drawScene(element("scene"), player.time);
-  for (const chart of Object.values(charts)) chart.draw(player.time, sample);
+  for (const chart of charts) chart.draw(player.time, sample);
   element("scrubber").value = player.time;
   element("scrubber").setAttribute("aria-valuetext", fixed(player.time, 1) + " s");
   element("time").value = fixed(player.time, 2);
-  element("speed").value = fixed(mix(run.speed, sample), 2);
-  element("error").value = fixed(mix(run.error, sample), 2);
+  const [vx, vy] = [mix(run.velocity[0], sample), mix(run.velocity[1], sample)];
+  element("speed").value = fixed((vx < 0 ? -1 : 1) * Math.hypot(vx, vy), 2);
+  if (run.error) element("error").value = fixed(mix(run.error, sample), 2);
+  else element("heading").value = fixed((180 / Math.PI) * mixAngle(run.pose[2], sample), 1);
   drawStatus(sample.i);
-  drawParameterValue(sample);
+  if (chosen()) element("chart-parameter").querySelector("output").value = parameterText(chosen(), sample);
 }
 
 function drawStatus(i) {
@@ -53,16 +49,6 @@ function drawStatus(i) {
 }
 
 const chosen = () => run.parameters[element("parameter").selectedIndex];
-
-function drawParameterValue(sample) {
-  const parameter = chosen();
-  if (!parameter) return;
-  const [value, band] = [mix(parameter.value, sample), 2 * mix(parameter.std, sample)];
-  const digits = digitsFor(Math.abs(value));
-  const truth = parameter.truth ? ", true " + fixed(mix(parameter.truth, sample), digits) : "";
-  const text = fixed(value, digits) + " ± " + fixed(band, digits) + truth + " " + parameter.unit;
-  element("chart-parameter").querySelector("output").value = text;
-}
 
 function setPlaying(playing) {
   if (playing && player.time >= run.stop) player.time = run.start;
@@ -119,54 +105,42 @@ function drawStrip() {
 }
 
 function showParameter() {
-  const parameter = chosen();
-  const lines = parameter.truth ? [{ values: parameter.truth, colour: "truth", dash: [5, 4], thin: true }] : [];
-  lines.push({ values: parameter.value, colour: "estimate" });
-  const bands = [{ value: parameter.value, std: parameter.std, colour: "estimate" }];
-  charts.parameter.show({ lines, bands });
+  parameterChart.show(parameterSpec(chosen()));
   wake();
 }
 
 function describe() {
   const length = run.stop - run.start;
   const arms = run.arms.length === 1 ? "1 arm" : run.arms.length + " arms";
-  element("about").textContent = [raw.cart.name, raw.run, fixed(length, 1) + " s", arms].filter(Boolean).join(" · ");
+  const cart = raw.cart.com ? raw.cart.name : "cart unknown, outline drawn round the contacts";
+  const parts = [cart, raw.run === raw.title ? "" : raw.run, fixed(length, 1) + " s", arms];
+  element("about").textContent = parts.filter(Boolean).join(" · ");
   element("status-box").hidden = !run.status;
+  element("status-of").textContent = run.status ? run.status.of : "";
+  element("error-box").hidden = element("legend-reference").hidden = !run.error;
+  element("heading-box").hidden = Boolean(run.error);
   element("chart-parameter").hidden = !run.parameters.length;
   const known = ["com_x", "com_y"].map(parameterOf);
   const truth = known.every((p) => p && p.truth);
+  element("legend-truth").hidden = !truth && !raw.cart.com;
   element("legend-truth").querySelector("span").textContent = truth ? "CoM, true" : "CoM of the model";
   element("legend-estimate").hidden = !known.every(Boolean);
   element("scrubber").min = run.start;
   element("scrubber").max = run.stop;
 }
 
-function fillCharts() {
-  charts.error.show({ lines: [{ values: run.error, colour: "driven" }], zero: true });
-  const dashes = [[], [4, 3]];
-  const linesOf = ({ force, colour }) => force.map((values, i) => ({ values, colour, dash: dashes[i], thin: i > 0 }));
-  charts.force.show({ lines: run.arms.flatMap(linesOf), zero: true });
-  const add = (text, name) => {
-    const item = document.createElement("span");
-    item.textContent = text;
-    item.className = name ? "" : "component";
-    if (name) item.style.color = "var(--" + name + ")";
-    element("force-legend").append(item);
-  };
-  for (const arm of run.arms) add(arm.name, arm.colour);
-  add("fx solid, fy dashed", "");
+function chooseFirstParameter() {
   for (const parameter of run.parameters) element("parameter").add(new Option(parameter.label));
   const mass = run.parameters.findIndex((p) => p.name === "mass");
-  if (run.parameters.length) {
-    element("parameter").selectedIndex = Math.max(mass, 0);
-    showParameter();
-  }
+  if (!run.parameters.length) return;
+  element("parameter").selectedIndex = Math.max(mass, 0);
+  showParameter();
 }
 
 // At once, not with the next frame: a canvas must never be seen stretched.
 function restyle() {
   readColours();
-  for (const chart of Object.values(charts)) chart.stale = true;
+  for (const chart of charts) chart.stale = true;
   drawStrip();
   draw();
 }
@@ -184,20 +158,27 @@ const KEYS = {
   "=": () => zoomBy(1.25),
   "-": () => zoomBy(0.8),
 };
+Object.keys(PANELS).forEach((name, i) => (KEYS[i + 1] = () => choosePanel(name)));
+
+function choosePanel(name) {
+  showPanel(name);
+  restyle();
+}
 
 function onKey(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select")) return;
-  if (event.key === " " && event.target.closest("button")) return;
+  if (event.key === " " && event.target.closest("button:focus-visible")) return;
   const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!act) return;
   event.preventDefault();
   act(event.shiftKey);
 }
 
-// `#t=12.3&play=1&rate=2&camera=path` opens the page at an instant.
+// `#t=12.3&play=1&rate=2&camera=path&charts=motion` opens the page at an instant.
 function readFragment() {
   const wish = new URLSearchParams(location.hash.slice(1));
   if (wish.has("camera")) setCamera(wish.get("camera"));
+  if (wish.has("charts")) choosePanel(wish.get("charts"));
   if (wish.has("rate")) setRate(Number(wish.get("rate")));
   if (wish.has("t") && Number.isFinite(Number(wish.get("t")))) seek(Number(wish.get("t")));
   if (wish.has("play")) setPlaying(wish.get("play") === "1");
@@ -205,7 +186,10 @@ function readFragment() {
 
 describe();
 readColours();
-fillCharts();
+fillPanels(seek);
+const parameterChart = addChart(element("chart-parameter"), { lines: [] }, seek);
+chooseFirstParameter();
+showPanel("overview");
 element("play").addEventListener("click", () => setPlaying(!player.playing));
 element("scrubber").addEventListener("input", (event) => seek(Number(event.target.value)));
 element("rate").addEventListener("change", (event) => setRate(Number(event.target.value)));
@@ -219,6 +203,9 @@ element("scene").addEventListener("wheel", (event) => {
   event.preventDefault();
   zoomBy(Math.exp(-0.0015 * event.deltaY));
 }, { passive: false });
+for (const button of document.querySelectorAll("[data-panel]")) {
+  button.addEventListener("click", () => choosePanel(button.dataset.panel));
+}
 addEventListener("keydown", onKey);
 addEventListener("hashchange", readFragment);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", restyle);

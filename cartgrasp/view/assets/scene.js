@@ -17,11 +17,11 @@ const typicalForce = (() => {
   const sizes = run.arms.map((arm) => arm.force[0].map((fx, i) => Math.hypot(fx, arm.force[1][i])));
   return Math.max(1, quantile(finite(sizes), 0.95) || 0);
 })();
-const typicalMoment = Math.max(0.1, quantile(finite(run.arms.map((arm) => arm.moment.map(Math.abs))), 0.95) || 0);
+const typicalMoment = Math.max(0.1, quantile(finite(run.arms.map((arm) => arm.moment[2].map(Math.abs))), 0.95) || 0);
 
 const extent = (() => {
-  const [x0, x1] = span(finite([run.pose[0], run.reference[0]]));
-  const [y0, y1] = span(finite([run.pose[1], run.reference[1]]));
+  const along = (i) => span(finite(run.reference ? [run.pose[i], run.reference[i]] : [run.pose[i]]));
+  const [[x0, x1], [y0, y1]] = [along(0), along(1)];
   return x0 <= x1 && y0 <= y1 ? { x0, x1, y0, y1 } : { x0: -1, x1: 1, y0: -1, y1: 1 };
 })();
 
@@ -102,14 +102,15 @@ function drawGrid(context) {
   context.stroke();
 }
 
-// A polyline through points of the screen, broken where a sample is missing.
+// A polyline through points of the screen, broken where samples are missing.
 function trace(context, first, last, point) {
   context.beginPath();
   let open = false;
   for (let i = first; i <= last; i++) {
     const [x, y] = point(i);
+    const gap = i > first && i < frameCount && run.time[i] - run.time[i - 1] > run.gap;
     if (!Number.isFinite(x) || !Number.isFinite(y)) open = false;
-    else if (open) context.lineTo(x, y);
+    else if (open && !gap) context.lineTo(x, y);
     else {
       context.moveTo(x, y);
       open = true;
@@ -119,12 +120,14 @@ function trace(context, first, last, point) {
 
 function drawPaths(context, sample, pose) {
   context.lineJoin = context.lineCap = "round";
-  context.strokeStyle = ink.reference;
-  context.lineWidth = 1.5;
-  context.setLineDash([6, 5]);
-  trace(context, 0, frameCount - 1, (i) => toScreen(run.reference[0][i], run.reference[1][i]));
-  context.stroke();
-  context.setLineDash([]);
+  if (run.reference) {
+    context.strokeStyle = ink.reference;
+    context.lineWidth = 1.5;
+    context.setLineDash([6, 5]);
+    trace(context, 0, frameCount - 1, (i) => toScreen(run.reference[0][i], run.reference[1][i]));
+    context.stroke();
+    context.setLineDash([]);
+  }
   const here = toScreen(pose.x, pose.y);
   context.strokeStyle = ink.driven;
   context.lineWidth = 3;
@@ -137,18 +140,18 @@ function drawScene(canvas, time) {
   if (!width || !height) return;
   const sample = sampleAt(time);
   const pose = poseAt(run.pose, sample);
-  const reference = poseAt(run.reference, sample);
+  const reference = run.reference && poseAt(run.reference, sample);
   aim(pose, width, height);
   drawGrid(context);
   drawPaths(context, sample, pose);
-  if (Number.isFinite(reference.x + reference.y + reference.theta)) drawBody(context, reference, true);
+  if (reference && Number.isFinite(reference.x + reference.y + reference.theta)) drawBody(context, reference, true);
   if (Number.isFinite(pose.x + pose.y + pose.theta)) {
     drawBody(context, pose, false);
     drawWheels(context, pose, sample);
     const [tx, ty] = [parameterOf("com_x"), parameterOf("com_y")];
     const known = tx && ty && tx.truth && ty.truth;
     const com = known ? [mix(tx.truth, sample), mix(ty.truth, sample)] : run.cart.com;
-    if (com.every(Number.isFinite)) drawTrueCom(context, pose, ...com);
+    if (com && com.every(Number.isFinite)) drawTrueCom(context, pose, ...com);
     drawEstimatedCom(context, pose, sample);
     for (const arm of run.arms) drawArm(context, pose, sample, arm);
   }

@@ -1,0 +1,82 @@
+"""`cartgrasp view RUN`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from estimation import CartFilter
+from estimation.log_noise import noise_of_log
+from estimation.replay import replay
+
+from ..cart_file import load_cart
+from ..errors import UsageError
+from ..logs import RunLog, read_log
+from ..model import CartModel
+from ..motion import Estimate
+from ..view.player import write_player
+from ..view.shown_run import ShownRun
+from .output import check_writable, print_json, progress, say
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Where they go; None is not drawn. A page is written where nothing else is asked for."""
+
+    page: Path | None
+    png: Path | None
+    svg: Path | None
+    pdf: Path | None
+    gif: Path | None
+
+    def checked(self, log: Path) -> dict[str, Path]:
+        """By kind; refused before any work if one can't be written or would replace the log."""
+        given = {"png": self.png, "svg": self.svg, "pdf": self.pdf, "gif": self.gif}
+        wanted = {kind: path for kind, path in given.items() if path is not None}
+        for kind, path in wanted.items():
+            if path.suffix.lower() != f".{kind}":
+                raise UsageError(f"--{kind} {path}: give a name that ends in .{kind}")
+        if self.page is not None or not wanted:
+            wanted["page"] = self.page or log.with_suffix(".html")
+        for path in wanted.values():
+            check_writable(path)
+            if path.resolve() == log.resolve():
+                raise UsageError(f"{path}: is the log itself; name another file")
+        return wanted
+
+
+def run(path: Path, cart_path: Path | None, pictures: Pictures, as_json: bool) -> int:
+    wanted = pictures.checked(path)
+    cart = None if cart_path is None else load_cart(cart_path)
+    log = read_log(path).thinned()
+    shown = ShownRun.of_log(log, cart, _estimates(log, cart))
+    _write(shown, wanted, path.name)
+    if as_json:
+        print_json({kind: {"path": str(one), "bytes": one.stat().st_size} for kind, one in wanted.items()})
+    for one in wanted.values():
+        say(f"{one}: {one.stat().st_size / 1e3:.0f} kB")
+    return 0
+
+
+def _estimates(log: RunLog, cart: CartModel | None) -> tuple[Estimate, ...]:
+    if cart is None:
+        return ()
+    cart_filter = CartFilter(cart, list(log.arms), noise=noise_of_log(log, cart))
+    with progress(f"estimating from {log.name}") as tell:
+        return replay(log, cart_filter, tell).estimates
+
+
+def _write(shown: ShownRun, wanted: dict[str, Path], title: str) -> None:
+    page, gif = wanted.get("page"), wanted.get("gif")
+    if page is not None:
+        write_player(shown, page, title)
+    for kind in ("png", "svg", "pdf"):
+        if kind in wanted:
+            from ..view.figures import figure_overview, save_figure
+
+            save_figure(figure_overview(shown), wanted[kind])
+    if gif is not None:
+        from ..view.animation import write_gif
+
+        with progress(f"drawing {gif.name}") as tell:
+            write_gif(shown, gif, tell)

@@ -1,0 +1,110 @@
+"""`ShownRun`: what pictures show of a run, be it simulated or read from a log."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..frames import Array, body_to_world
+from ..logs.alignment import aligned
+from ..logs.run_log import RunLog
+from ..model import CartModel
+from ..motion import Estimate
+from ..simulation.record import RunRecord, Series
+from .from_poses import trailing_headings, velocity_of_poses
+from .outline import Outline, body_outline
+
+EPOCH = 1e6
+"""s; a clock beyond it counts from an epoch, and the picture from the run's start."""
+
+
+@dataclass(frozen=True)
+class ShownRun:
+    """n instants. Poses (n, 3) of {b} in {s}; velocity (n, 3) of its origin, in {b}; contacts (n, 3) in {b} and
+    wrenches (n, 6) in {a} by arm; `com_covariance` (n, 2, 2) in {b}, m²; headings (n, casters) in {b}. A missing
+    sample is NaN. `statuses` are words spread over the run, of what `status_of` names."""
+
+    name: str
+    cart: CartModel | None
+    time: Array
+    pose: Array
+    velocity_b: Array
+    contacts: Mapping[str, Array]
+    wrenches: Mapping[str, Array]
+    reference_pose: Array | None = None
+    parameters: Mapping[str, Series] = field(default_factory=dict)
+    com_covariance: Array | None = None
+    caster_headings: Array | None = None
+    statuses: tuple[str, ...] = ()
+    status_of: str = "Plan"
+
+    @classmethod
+    def of_record(cls, record: RunRecord) -> ShownRun:
+        """A simulated run: motion and wrenches as they really were, where that is known."""
+        arms = record.log.arms
+        return cls(
+            name=record.log.name,
+            cart=record.cart,
+            time=record.time,
+            pose=record.pose,
+            velocity_b=record.velocity @ record.cart.basis_b.T,
+            contacts={arm: log.contact for arm, log in arms.items()},
+            wrenches={arm: np.asarray(record.wrenches.get(arm, log.wrench)) for arm, log in arms.items()},
+            reference_pose=record.reference_pose,
+            parameters=record.parameters,
+            com_covariance=record.com_covariance,
+            caster_headings=record.caster_headings,
+            statuses=record.statuses,
+        )
+
+    @classmethod
+    def of_log(cls, log: RunLog, cart: CartModel | None = None, estimates: Sequence[Estimate] = ()) -> ShownRun:
+        """A log as measured, with the estimates (one a row) of what was learned from it. What it does not hold is told
+        by its poses: velocity by their differences, casters by where their wheels trail."""
+        log = log if cart is None else aligned(log, cart)
+        start = float(log.time[0])
+        spreads = [spread for estimate in estimates if (spread := estimate.com_covariance) is not None]
+        return cls(
+            name=log.name,
+            cart=cart,
+            time=log.time - (start if abs(start) > EPOCH else 0.0),
+            pose=log.pose,
+            velocity_b=_velocity_b(log),
+            contacts={arm: one.contact for arm, one in log.arms.items()},
+            wrenches={arm: one.wrench for arm, one in log.arms.items()},
+            parameters=_parameters(estimates),
+            com_covariance=np.array(spreads) if len(spreads) == len(log) else None,
+            caster_headings=None if cart is None else trailing_headings(log.pose, cart),
+            statuses=tuple(str(estimate.health) for estimate in estimates),
+            status_of="Estimate",
+        )
+
+    @property
+    def outline(self) -> Outline:
+        """Of the cart's body as drawn."""
+        return body_outline(self.cart, self.contacts.values())
+
+    @property
+    def tracking_error(self) -> Array | None:
+        """Distance of {b}'s origin from the reference, (n,), m."""
+        if self.reference_pose is None:
+            return None
+        difference = self.pose[:, :2] - self.reference_pose[:, :2]
+        return np.asarray(np.hypot(difference[:, 0], difference[:, 1]))
+
+
+def _velocity_b(log: RunLog) -> Array:
+    velocity = velocity_of_poses(log.time, log.pose) if log.velocity is None else log.velocity
+    return np.asarray(velocity[:, None, :] @ body_to_world(log.pose[:, 2]))[:, 0]
+
+
+def _parameters(estimates: Sequence[Estimate]) -> dict[str, Series]:
+    if not estimates:
+        return {}
+    found = {}
+    for name, last in estimates[-1].parameters.items():
+        values, deviations = np.array([[e.parameters[name].value, e.parameters[name].std] for e in estimates]).T
+        found[name] = Series(values, deviations, None, last.unit)
+    return found

@@ -1,0 +1,126 @@
+"""The cart from above at one instant: body, wheels, casters, arms with their forces, estimated CoM with its ellipse."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.patches import Ellipse, FancyArrow, Polygon
+from matplotlib.transforms import Affine2D, Transform
+
+from ..frames import Array, rotation_planar
+from ..wheels import CASTER
+from .plots import ARM_MARKERS, OKABE_ITO, PURPLE
+from .shown_run import ShownRun
+
+BODY, EDGE, WHEEL = "#EEF1F4", "#7A8592", "#3C4654"
+FRONT = 4
+ARROW = 0.7
+"""Of the cart's length: how long an arrow the run's large forces have."""
+
+
+def draw_top_view(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
+    """The run at instant `i`, in {s}, m; nothing where the pose is missing."""
+    x, y, theta = run.pose[i].tolist()
+    if not math.isfinite(x + y + theta):
+        return []
+    from_b = Affine2D().rotate(theta).translate(x, y)
+    artists = _body(axes, run, from_b) + _wheels(axes, run, i, from_b)
+    artists += _estimated_com(axes, run, i, from_b) + _arms(axes, run, i)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+    return artists
+
+
+def _body(axes: Axes, run: ShownRun, from_b: Affine2D) -> list[Artist]:
+    x0, x1, y0, y1 = run.outline
+    size, middle = 0.12 * min(x1 - x0, y1 - y0), (y0 + y1) / 2
+    corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+    nose = [(x1 - 2 * size, middle + size), (x1 - size, middle), (x1 - 2 * size, middle - size)]
+    box = Polygon(corners, facecolor=BODY, edgecolor=EDGE, linewidth=0.8, joinstyle="round", zorder=FRONT)
+    front = Polygon(nose, closed=False, fill=False, edgecolor=EDGE, linewidth=1.0, zorder=FRONT)
+    return [_placed(axes, one, from_b) for one in (box, front)]
+
+
+def _wheels(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[Artist]:
+    wheels = () if run.cart is None else run.cart.wheels
+    headings = iter([] if run.caster_headings is None else run.caster_headings[i].tolist())
+    x0, x1, y0, y1 = run.outline
+    size = float(np.clip(0.2 * min(x1 - x0, y1 - y0), 0.05, 0.3))
+    artists = []
+    for wheel in wheels:
+        is_caster = wheel.kind == CASTER
+        heading = next(headings, math.nan) if is_caster else 0.0
+        if not math.isfinite(heading):
+            continue
+        behind = max(wheel.trail, 0.3 * size) if is_caster else 0.0
+        a, b = size / 2, 0.19 * size
+        tyre = Polygon([(-a, -b), (a, -b), (a, b), (-a, b)], facecolor=WHEEL, edgecolor="none", zorder=FRONT + 1)
+        turned = Affine2D().translate(-behind, 0).rotate(heading).translate(wheel.x, wheel.y)
+        artists.append(_placed(axes, tyre, turned + from_b))
+    return artists
+
+
+def _estimated_com(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[Artist]:
+    """The ellipse of two standard deviations; without a covariance its axes are those of {b}."""
+    if not {"com_x", "com_y"} <= run.parameters.keys():
+        return []
+    along, across = run.parameters["com_x"], run.parameters["com_y"]
+    covariance = np.diag([along.std[i] ** 2, across.std[i] ** 2])
+    covariance = covariance if run.com_covariance is None else run.com_covariance[i]
+    com = float(along.value[i]), float(across.value[i])
+    if not np.isfinite([*com, *covariance.ravel()]).all():
+        return []
+    variances, directions = np.linalg.eigh(covariance)
+    height, width = 4 * np.sqrt(np.maximum(variances, 0.0))
+    turn = math.degrees(math.atan2(directions[1, 1], directions[0, 1]))
+    ellipse = Ellipse(com, width, height, angle=turn, facecolor=PURPLE, edgecolor=PURPLE, alpha=0.35, zorder=FRONT + 2)
+    point = from_b.transform(com)
+    dot = axes.plot(*point, color=PURPLE, marker="o", markersize=2.5, zorder=FRONT + 3)
+    return [_placed(axes, ellipse, from_b), *dot]
+
+
+def _arms(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
+    x, y, theta = run.pose[i].tolist()
+    rotation = rotation_planar(theta)
+    x0, x1, _, _ = run.outline
+    scale = ARROW * (x1 - x0) / large_force(run)
+    artists: list[Artist] = []
+    for k, (name, contacts) in enumerate(run.contacts.items()):
+        colour, mark = OKABE_ITO[k % len(OKABE_ITO)], ARM_MARKERS[k % len(ARM_MARKERS)]
+        contact = rotation @ contacts[i, :2] + (x, y)
+        force = scale * rotation @ run.wrenches[name][i, :2]
+        if not np.isfinite(contact).all():
+            continue
+        artists += axes.plot(
+            *contact, color=colour, marker=mark, markersize=4, markeredgecolor="white", zorder=FRONT + 4
+        )
+        if np.isfinite(force).all():
+            artists.append(_arrow(axes, contact, force, colour))
+    return artists
+
+
+def _arrow(axes: Axes, start: Array, along: Array, colour: str) -> Artist:
+    head = min(0.07, 0.5 * float(np.hypot(*along)))
+    width = 0.02 if head > 0.02 else 0.0
+    return axes.add_patch(
+        FancyArrow(
+            *start, *along, width=width, head_width=head, length_includes_head=True, color=colour, zorder=FRONT + 3
+        )
+    )
+
+
+def large_force(run: ShownRun) -> float:
+    """N: one in twenty of the run's is larger."""
+    sizes = np.concatenate([np.hypot(*wrench[:, :2].T) for wrench in run.wrenches.values()])
+    sizes = sizes[np.isfinite(sizes)]
+    return max(1.0, float(np.quantile(sizes, 0.95))) if len(sizes) else 1.0
+
+
+def _placed(axes: Axes, patch: Polygon | Ellipse, from_b: Transform) -> Artist:
+    patch.set_transform(from_b + axes.transData)
+    axes.add_patch(patch)
+    return patch
