@@ -1,7 +1,8 @@
-"""A run as a moving GIF: the top view that plays, with its path."""
+"""A run as a moving GIF: the top view, which follows the cart."""
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from collections.abc import Callable
@@ -10,50 +11,62 @@ from pathlib import Path
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import UsageError
 from ..yaml_file import write_atomically
-from .plots import draw_path, house_style
+from .plots import draw_path, house_style, legend_above
 from .shown_run import ShownRun
 from .top_view import draw_top_view
 
-FRAMES_PER_SECOND = 12
-LONGEST = 20.0
+FRAMES_PER_SECOND = 10
+LONGEST = 12.0
 """s; longer runs are shown faster."""
-DPI = 100
+DPI = 90
 
 
 def write_gif(run: ShownRun, path: str | os.PathLike[str], progress: Callable[[float], None] | None = None) -> Path:
-    """Writes a GIF of at most 20 s; `progress` is told the share done."""
+    """Writes a GIF of at most 12 s; `progress` is told the share done."""
     if Path(path).suffix.lower() != ".gif":
         raise UsageError(f"{path}: a moving picture is written as .gif")
     instants = frames_of(run)
     with house_style(), tempfile.TemporaryDirectory() as folder:
-        figure = Figure(figsize=(4.8, 4.2))
+        figure = Figure(figsize=(4.8, 4.4))
         axes = figure.subplots()
         draw_path(axes, run.pose, run.reference_pose)
-        shown: list[Artist] = []
+        axes.set_adjustable("box")
+        shown = _show(axes, run, int(instants[0]))
+        legend_above(axes)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
 
-        def show(k: int) -> list[Artist]:
+        def step(k: int) -> list[Artist]:
             while shown:
                 shown.pop().remove()
-            i = int(instants[k])
-            shown.extend(draw_top_view(axes, run, i))
-            axes.set_title(f"{run.time[i]:.1f} s", loc="right")
+            shown.extend(_show(axes, run, int(instants[k])))
             if progress is not None:
                 progress(k / len(instants))
             return shown
 
-        for i in {int(instants[0]), int(instants[-1])}:
-            shown.extend(draw_top_view(axes, run, i))
-        axes.autoscale_view()
-        figure.draw_without_rendering()
-        axes.set_autoscale_on(False)
-        moving = FuncAnimation(figure, show, frames=len(instants), cache_frame_data=False)
+        moving = FuncAnimation(figure, step, init_func=lambda: shown, frames=len(instants), cache_frame_data=False)
         drawn = Path(folder) / "run.gif"
         moving.save(str(drawn), writer=PillowWriter(fps=FRAMES_PER_SECOND), dpi=DPI)
         return write_atomically(path, drawn.read_bytes())
+
+
+def _show(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
+    """The cart in the middle; where its pose is missing the view stays."""
+    x0, x1, y0, y1 = run.outline
+    x, y = run.pose[i, :2].tolist()
+    if math.isfinite(x + y):
+        reach = 1.4 * max(x1 - x0, y1 - y0)
+        axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
+    words = f"t = {run.time[i]:.1f} s"
+    if "mass" in run.parameters:
+        mass = run.parameters["mass"]
+        words += f", mass {mass.value[i]:.1f} ± {2 * mass.std[i]:.1f} kg"
+    return [*draw_top_view(axes, run, i), axes.text(0.02, 0.02, words, transform=axes.transAxes, zorder=20)]
 
 
 def frames_of(run: ShownRun) -> np.ndarray:

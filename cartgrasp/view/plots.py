@@ -92,7 +92,7 @@ def draw_parameter(axes: Axes, time: Array, series: Series, name: str, legend: b
     _label_time(axes, f"{_parameter_label(name)} ({_unit(series.unit)})")
     _limit_to_lines(axes, [value] if truth is None else [value, truth], value - band, value + band)
     if legend:
-        _legend(axes)
+        legend_above(axes)
     return artists
 
 
@@ -103,7 +103,7 @@ def draw_motion(axes: Axes, time: Array, columns: Array, names: Sequence[str], l
         artists += axes.plot(time, column, color=MOTION_COLOURS[i], linestyle=COMPONENT_STYLES[i], label=name)
     _label_time(axes, label)
     if len(names) > 1:
-        _legend(axes)
+        legend_above(axes)
     return artists
 
 
@@ -117,7 +117,7 @@ def draw_path(axes: Axes, pose: Array, reference_pose: Array | None = None) -> l
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
-    _legend(axes)
+    legend_above(axes)
     return artists
 
 
@@ -171,7 +171,7 @@ def _draw_arms(axes: Axes, time: Array, columns: Mapping[str, Array], components
         handles.append(Line2D([], [], color=colour, marker=mark, markersize=3.5, label=plain_text(arm, 14)))
     for component, line_style in zip(components, COMPONENT_STYLES, strict=False):
         handles.append(Line2D([], [], color="#555555", linestyle=line_style, label=component))
-    _legend(axes, handles)
+    legend_above(axes, handles)
     return artists
 
 
@@ -187,7 +187,7 @@ def _parameter_label(name: str) -> str:
     return known or (f"{plain_text(effect)}\n{plain_text(parameter)}" if effect else plain_text(name))
 
 
-def _legend(axes: Axes, handles: Sequence[Artist] | None = None) -> None:
+def legend_above(axes: Axes, handles: Sequence[Artist] | None = None) -> None:
     """Above the axes, where it hides nothing, in as many columns as fit half a page."""
     handles = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
     longest = max(len(str(handle.get_label())) for handle in handles)

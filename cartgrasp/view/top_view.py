@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -12,7 +13,7 @@ from matplotlib.transforms import Affine2D, Transform
 
 from ..frames import Array, rotation_planar
 from ..wheels import CASTER
-from .plots import ARM_MARKERS, OKABE_ITO, PURPLE
+from .plots import ARM_MARKERS, OKABE_ITO, PURPLE, plain_text
 from .shown_run import ShownRun
 
 BODY, EDGE, WHEEL = "#EEF1F4", "#7A8592", "#3C4654"
@@ -22,14 +23,14 @@ ARROW = 0.7
 
 
 def draw_top_view(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
-    """The run at instant `i`, in {s}, m; nothing where the pose is missing."""
+    """The run at instant `i`, in {s}, m; nothing where the pose is missing. A body that is only guessed is dotted."""
     x, y, theta = run.pose[i].tolist()
     if not math.isfinite(x + y + theta):
         return []
     from_b = Affine2D().rotate(theta).translate(x, y)
     artists = _body(axes, run, from_b) + _wheels(axes, run, i, from_b)
     artists += _estimated_com(axes, run, i, from_b) + _arms(axes, run, i)
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     return artists
@@ -40,7 +41,8 @@ def _body(axes: Axes, run: ShownRun, from_b: Affine2D) -> list[Artist]:
     size, middle = 0.12 * min(x1 - x0, y1 - y0), (y0 + y1) / 2
     corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
     nose = [(x1 - 2 * size, middle + size), (x1 - size, middle), (x1 - 2 * size, middle - size)]
-    box = Polygon(corners, facecolor=BODY, edgecolor=EDGE, linewidth=0.8, joinstyle="round", zorder=FRONT)
+    known: dict[str, Any] = {"facecolor": BODY} if run.cart else {"fill": False, "linestyle": ":"}
+    box = Polygon(corners, edgecolor=EDGE, linewidth=0.8, joinstyle="round", zorder=FRONT, **known)
     front = Polygon(nose, closed=False, fill=False, edgecolor=EDGE, linewidth=1.0, zorder=FRONT)
     return [_placed(axes, one, from_b) for one in (box, front)]
 
@@ -95,22 +97,17 @@ def _arms(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
         force = scale * rotation @ run.wrenches[name][i, :2]
         if not np.isfinite(contact).all():
             continue
-        artists += axes.plot(
-            *contact, color=colour, marker=mark, markersize=4, markeredgecolor="white", zorder=FRONT + 4
-        )
+        look: dict[str, Any] = {"color": colour, "marker": mark, "markersize": 4, "linestyle": "none"}
+        artists += axes.plot(*contact, label=plain_text(name, 14), zorder=FRONT + 4, **look)
         if np.isfinite(force).all():
-            artists.append(_arrow(axes, contact, force, colour))
+            artists.append(_arrow(axes, contact, force, 0.07 * (x1 - x0), colour))
     return artists
 
 
-def _arrow(axes: Axes, start: Array, along: Array, colour: str) -> Artist:
-    head = min(0.07, 0.5 * float(np.hypot(*along)))
-    width = 0.02 if head > 0.02 else 0.0
-    return axes.add_patch(
-        FancyArrow(
-            *start, *along, width=width, head_width=head, length_includes_head=True, color=colour, zorder=FRONT + 3
-        )
-    )
+def _arrow(axes: Axes, start: Array, along: Array, head: float, colour: str) -> Artist:
+    head = min(head, 0.5 * float(np.hypot(*along)))
+    look: dict[str, Any] = {"length_includes_head": True, "color": colour, "zorder": FRONT + 3}
+    return axes.add_patch(FancyArrow(*start, *along, width=0.25 * head, head_width=head, **look))
 
 
 def large_force(run: ShownRun) -> float:

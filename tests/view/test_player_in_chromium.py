@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import html
 import re
-import shutil
-import subprocess
-from dataclasses import dataclass, replace
+import socketserver
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,57 +18,9 @@ from matplotlib.image import imread
 from cartgrasp.view.player import write_player
 from cartgrasp.view.shown_run import ShownRun
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-dev-shm-usage",
-    "--hide-scrollbars",
-    "--enable-logging=stderr",
-    "--force-device-scale-factor=1",
-    "--window-size=1400,900",
-)
+from .browser import count_of, needs_browser, run_browser, visit
 
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no chromium or google-chrome on the path")
-
-
-@dataclass(frozen=True)
-class Visit:
-    """The page's DOM after some time, and what it wrote on its console."""
-
-    dom: str
-    console: tuple[str, ...]
-
-    def text(self, name: str) -> str:
-        found = re.search(rf'id="{name}"[^>]*>([^<]*)<', self.dom)
-        assert found, f"no element {name}"
-        return html.unescape(found[1])
-
-    def number(self, name: str) -> float:
-        return float(self.text(name).replace("−", "-"))
-
-
-def run_browser(page: Path, fragment: str, *flags: str) -> subprocess.CompletedProcess[str]:
-    assert BROWSER is not None
-    profile = page.parent / f"profile-{len(list(page.parent.iterdir()))}"
-    command = [BROWSER, *FLAGS, f"--user-data-dir={profile}", *flags, f"{page.as_uri()}#{fragment}"]
-    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
-
-
-def visit(page: Path, fragment: str = "", virtual_ms: int = 1000) -> Visit:
-    done = run_browser(page, fragment, f"--virtual-time-budget={virtual_ms}", "--dump-dom")
-    return Visit(done.stdout, tuple(line for line in done.stderr.splitlines() if "CONSOLE" in line))
-
-
-def count_of(colour: str, pixels: np.ndarray) -> int:
-    wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
-    return int((np.abs(pixels[..., :3] - wanted).max(-1) < 0.02).sum())
+pytestmark = needs_browser
 
 
 @pytest.fixture
@@ -204,3 +158,48 @@ def test_policy_stops_what_gets_in(page: Path):
     assert "<title>Two bends</title>" in seen.dom
     assert len(seen.console) >= 2
     assert "blocked" in seen.text("problem")
+
+
+@pytest.mark.parametrize("charts", ["motion", "parameters"])
+def test_tabs_show_their_charts(charts: str, page: Path, shown: ShownRun):
+    seen = visit(page, f"t=20&charts={charts}")
+    assert seen.console == ()
+    for name in ("overview", "motion", "wrenches", "parameters"):
+        hidden = re.search(rf'id="panel-{name}"[^>]*hidden', seen.dom)
+        assert (hidden is None) == (name == charts)
+    count = {"motion": 4, "parameters": len(shown.parameters)}[charts]
+    panel = seen.dom.split(f'id="panel-{charts}"')[1].split('role="tabpanel"')[0]
+    assert panel.count("<figure") == count
+
+
+def test_values_under_the_cursor_are_those_of_the_run(page: Path, shown: ShownRun):
+    seen = visit(page, "t=20&charts=wrenches")
+    i = int(np.searchsorted(shown.time, 20 - 1e-6))
+    found = [float(v.replace("−", "-")) for v in re.findall(r"[ft][xyz]<output[^>]*>([^<]*)<", seen.dom)]
+    wanted = [shown.wrenches[arm][i, k] for arm in ("left", "right") for k in (0, 1, 2, 5, 3, 4)]
+    np.testing.assert_allclose(found, wanted, atol=0.051)
+
+
+@contextmanager
+def eavesdropper() -> Iterator[tuple[str, list[str]]]:
+    """A proxy that answers nothing, and the first line of whatever asked it."""
+    asked: list[str] = []
+
+    class Note(socketserver.StreamRequestHandler):
+        def handle(self) -> None:
+            asked.append(self.rfile.readline().decode("latin-1"))
+
+    with socketserver.ThreadingTCPServer(("127.0.0.1", 0), Note) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"--proxy-server=127.0.0.1:{server.server_address[1]}", asked
+        server.shutdown()
+
+
+def test_no_request_leaves(page: Path, tmp_path):
+    telling = tmp_path / "telling.html"
+    telling.write_text("<img src='http://cartgrasp.invalid/x.png'>", encoding="utf-8")
+    for opened, leaves in ((page, False), (telling, True)):
+        with eavesdropper() as (proxy, asked):
+            run_browser(opened, "t=1&play=1", "--virtual-time-budget=3000", "--dump-dom", proxy)
+        ours = [line for line in asked if not re.search(r"google|gstatic", line)]  # what browsers ask on their own
+        assert bool(ours) == leaves, asked
