@@ -74,7 +74,7 @@ def _write(shown: ShownRun, wanted: dict[str, Path], title: str) -> None:
         if kind in wanted:
             from ..view.figures import figure_overview, save_figure
 
-            save_figure(figure_overview(shown), wanted[kind])
+            save_figure(figure_overview(shown.averaged()), wanted[kind])
     if gif is not None:
         from ..view.animation import write_gif
 

@@ -21,6 +21,9 @@ class Series:
     truth: Array | None
     unit: str
 
+    def at(self, rows: slice) -> Series:
+        return Series(self.value[rows], self.std[rows], None if self.truth is None else self.truth[rows], self.unit)
+
 
 @dataclass(frozen=True)
 class RunRecord:

@@ -53,7 +53,7 @@ def figure_overview(run: ShownRun) -> Figure:
         axes = dict(zip(panels, [*right.subplots(n_rows, 1), *others], strict=True))
         draw_path(path, run.pose, run.reference_pose)
         for instant in SNAPSHOTS:
-            draw_top_view(path, run, round(instant * (len(run.time) - 1)))
+            draw_top_view(path, run, round(instant * (len(run.time) - 1)), mark_size=2.0)
         _draw_motion(run, axes)
         for name in estimated:
             draw_parameter(axes[name], run.time, run.parameters[name], name, legend=name == estimated[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -79,6 +79,34 @@ class ShownRun:
             caster_headings=None if cart is None else trailing_headings(log.pose, cart),
             statuses=tuple(str(estimate.health) for estimate in estimates),
             status_of="Estimate",
+        )
+
+    def averaged(self, rate: float = 20.0) -> ShownRun:
+        """At most about `rate` rows a second, for print: velocities and wrenches averaged, all else as in between."""
+        step = float(np.median(np.diff(self.time))) if len(self.time) > 1 else np.inf
+        size = int(min(1.0 / (rate * step) + 1e-6, len(self.time)))
+        if size < 2:
+            return self
+        n = len(self.time) // size * size
+        rows = slice(size // 2, n, size)
+
+        def mean(columns: Array) -> Array:
+            return np.asarray(columns[:n].reshape(-1, size, columns.shape[1]).mean(axis=1))
+
+        def between(columns: Array | None) -> Array | None:
+            return None if columns is None else columns[rows]
+
+        return replace(
+            self,
+            time=self.time[rows],
+            pose=self.pose[rows],
+            velocity_b=mean(self.velocity_b),
+            contacts={arm: contact[rows] for arm, contact in self.contacts.items()},
+            wrenches={arm: mean(wrench) for arm, wrench in self.wrenches.items()},
+            reference_pose=between(self.reference_pose),
+            parameters={name: series.at(rows) for name, series in self.parameters.items()},
+            com_covariance=between(self.com_covariance),
+            caster_headings=between(self.caster_headings),
         )
 
     @property

@@ -22,14 +22,15 @@ ARROW = 0.7
 """Of the cart's length: how long an arrow the run's large forces have."""
 
 
-def draw_top_view(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
-    """The run at instant `i`, in {s}, m; nothing where the pose is missing. A body that is only guessed is dotted."""
+def draw_top_view(axes: Axes, run: ShownRun, i: int, mark_size: float = 4.0) -> list[Artist]:
+    """The run at instant `i`, in {s}, m, with marks of so many points; nothing where the pose is missing. A body that
+    is only guessed is dotted."""
     x, y, theta = run.pose[i].tolist()
     if not math.isfinite(x + y + theta):
         return []
     from_b = Affine2D().rotate(theta).translate(x, y)
     artists = _body(axes, run, from_b) + _wheels(axes, run, i, from_b)
-    artists += _estimated_com(axes, run, i, from_b) + _arms(axes, run, i)
+    artists += _estimated_com(axes, run, i, from_b) + _arms(axes, run, i, mark_size)
     axes.set_aspect("equal")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
@@ -80,12 +81,11 @@ def _estimated_com(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[
     height, width = 4 * np.sqrt(np.maximum(variances, 0.0))
     turn = math.degrees(math.atan2(directions[1, 1], directions[0, 1]))
     ellipse = Ellipse(com, width, height, angle=turn, facecolor=PURPLE, edgecolor=PURPLE, alpha=0.35, zorder=FRONT + 2)
-    point = from_b.transform(com)
-    dot = axes.plot(*point, color=PURPLE, marker="o", markersize=2.5, zorder=FRONT + 3)
+    dot = axes.plot(*from_b.transform(com), color=PURPLE, marker=".", markersize=2, zorder=FRONT + 3)
     return [_placed(axes, ellipse, from_b), *dot]
 
 
-def _arms(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
+def _arms(axes: Axes, run: ShownRun, i: int, size: float) -> list[Artist]:
     x, y, theta = run.pose[i].tolist()
     rotation = rotation_planar(theta)
     x0, x1, _, _ = run.outline
@@ -97,7 +97,7 @@ def _arms(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
         force = scale * rotation @ run.wrenches[name][i, :2]
         if not np.isfinite(contact).all():
             continue
-        look: dict[str, Any] = {"color": colour, "marker": mark, "markersize": 4, "linestyle": "none"}
+        look: dict[str, Any] = {"color": colour, "marker": mark, "markersize": size, "linestyle": "none"}
         artists += axes.plot(*contact, label=plain_text(name, 14), zorder=FRONT + 4, **look)
         if np.isfinite(force).all():
             artists.append(_arrow(axes, contact, force, 0.07 * (x1 - x0), colour))

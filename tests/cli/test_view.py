@@ -10,7 +10,7 @@ import pytest
 
 from tests.view.browser import needs_browser, visit
 
-from .commands import CART, run
+from .commands import CART, ROOT, run
 from .pushed_cart import HEADER, as_csv, pushed_cart
 
 OWN = "document['title']='owned'"
@@ -66,6 +66,15 @@ def test_what_it_refuses(log, tmp_path, capsys):
     run(capsys, "view", log, "--out", log).refused(2, "is the log itself")
     run(capsys, "view", log, "--out", tmp_path / "nowhere" / "page.html").refused(2, "there is no folder")
     run(capsys, "view", tmp_path / "none.csv").refused(3, "there is no such file")
+
+
+def test_the_snippet_of_the_docs(log, monkeypatch):
+    docs = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
+    (snippet,) = (code for code in re.findall(r"```python\n(.*?)```", docs, re.DOTALL) if "ShownRun" in code)
+    (log.parent / "run.csv").write_text(as_csv(pushed_cart()[:600]), encoding="utf-8")
+    monkeypatch.chdir(log.parent)
+    exec(compile(snippet, "command_line.md", "exec"), {})
+    assert (log.parent / "figure.pdf").read_bytes().startswith(b"%PDF")
 
 
 @needs_browser
