@@ -64,6 +64,7 @@ element("rate").value = "4"; element("rate").dispatchEvent(new Event("change"));
 element("parameter").selectedIndex = 1; element("parameter").dispatchEvent(new Event("change")); draw();
 times.push(element("chart-parameter").querySelector("output").value);
 press(" "); times.push(player.playing); element("play").click(); times.push(player.playing);
+press("3"); times.push(["overview", "wrenches"].map((name) => element("panel-" + name).hidden).join());
 document.title = times.join("|");
 </script></body>"""
 
@@ -75,10 +76,10 @@ def test_keys_and_controls(page: Path):
     assert seen.console == ()
     title = re.search("<title>(.*)</title>", seen.dom)
     assert title
-    *noted, parameter, playing, paused = title[1].split("|")
+    *noted, parameter, playing, paused, hidden = title[1].split("|")
     assert noted == ["0.50", "5.50", "5.00", "59.99", "0.00", "0.04", "0.00", "7.50", "heading", "path", "4"]
     assert re.fullmatch(r"0\.\d{3} ± 0\.\d{3}, true 0\.300 m", parameter)
-    assert (playing, paused) == ("true", "false")
+    assert (playing, paused, hidden) == ("true", "false", "true,false")
 
 
 @pytest.mark.parametrize("camera", ["follow", "heading", "path"])
@@ -102,11 +103,14 @@ def test_dark_scheme_is_dark(page: Path, tmp_path):
 def test_bare_and_gappy_runs_are_shown(bare: ShownRun, tmp_path):
     pose = bare.pose.copy()
     pose[:300] = np.nan
-    page = write_player(replace(bare, pose=pose), tmp_path / "bare.html", "Bare")
+    late = np.where(bare.time < 4, bare.time, bare.time + 3)
+    page = write_player(replace(bare, pose=pose, time=late), tmp_path / "bare.html", "Bare")
     seen = visit(page, "t=1")
     assert seen.console == ()
     assert seen.text("error") == "–"
-    assert visit(page, "t=5").number("error") > 0
+    assert seen.text("speed") != "–"
+    assert visit(page, "t=5").text("speed") == "–"  # no row between 4 and 7 s
+    assert visit(page, "t=8").number("error") > 0
 
 
 def test_one_row_is_a_run_too(shown: ShownRun, tmp_path):

@@ -60,7 +60,7 @@ run.gap = (() => {
 const parameterOf = (name) => run.parameters.find((p) => p.name === name);
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
-// Where a time lies: after frame `i`, by the fraction `f` of the way to the next.
+// Where a time lies: after frame `i`, by the fraction `f` of the way to the next; in a gap nothing is known.
 function sampleAt(time) {
   let low = 0;
   let high = frameCount - 1;
@@ -71,16 +71,18 @@ function sampleAt(time) {
   }
   if (frameCount === 1) return { i: 0, f: 0 };
   if (time >= run.time[high]) return { i: high, f: 0 };
-  return { i: low, f: clamp((time - run.time[low]) / (run.time[high] - run.time[low]), 0, 1) };
+  const step = run.time[high] - run.time[low];
+  const f = clamp((time - run.time[low]) / step, 0, 1);
+  return { i: low, f, gap: f > 0 && step > run.gap };
 }
 
 function mix(values, sample) {
-  const from = values[sample.i];
+  const from = sample.gap ? NaN : values[sample.i];
   return sample.f === 0 ? from : from + sample.f * (values[sample.i + 1] - from);
 }
 
 function mixAngle(values, sample) {
-  const from = values[sample.i];
+  const from = sample.gap ? NaN : values[sample.i];
   if (sample.f === 0) return from;
   const turn = values[sample.i + 1] - from;
   return from + sample.f * Math.atan2(Math.sin(turn), Math.cos(turn));
