@@ -43,7 +43,7 @@ class ShownRun:
     @classmethod
     def of_record(cls, record: RunRecord) -> ShownRun:
         """A simulated run: motion and wrenches as they really were, where that is known."""
-        arms = record.log.arms
+        arms, headings = record.log.arms, record.caster_headings
         return cls(
             name=record.log.name,
             cart=record.cart,
@@ -55,7 +55,7 @@ class ShownRun:
             reference_pose=record.reference_pose,
             parameters=record.parameters,
             com_covariance=record.com_covariance,
-            caster_headings=record.caster_headings,
+            caster_headings=trailing_headings(record.pose, record.cart) if headings is None else headings,
             statuses=record.statuses,
         )
 

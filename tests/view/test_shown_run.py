@@ -50,6 +50,13 @@ def test_a_log_shows_what_the_record_of_its_run_does(record: RunRecord, shown: S
     assert told.tracking_error is None
 
 
+def test_casters_that_a_plant_does_not_have_trail_as_poses_tell(record: RunRecord, shown: ShownRun):
+    found = ShownRun.of_record(replace(record, caster_headings=None)).caster_headings
+    assert found is not None
+    assert shown.caster_headings is not None
+    np.testing.assert_allclose(found[1000:5500], shown.caster_headings[1000:5500], atol=0.05)
+
+
 def test_clocks_of_an_epoch_are_shown_from_the_start(record: RunRecord):
     log = record.log
     late = RunLog(log.time + 1.7e9, log.pose, None, log.arms)
