@@ -17,11 +17,11 @@ Outline = tuple[float, float, float, float]
 
 
 def body_outline(cart: CartModel | None, contacts: Iterable[Array]) -> Outline:
-    """Round wheels and CoM, a box of the same inertia, or, of a cart that isn't known, round {b}'s origin and the
-    contacts (n, 3)."""
+    """Round wheels and CoM, a box of the same inertia, or, of a cart that isn't known, round {b}'s origin and the usual
+    contact of each arm, out of (n, 3)."""
     if cart is None:
-        held = np.vstack([np.zeros(2), *(contact[:, :2] for contact in contacts)])
-        return _round(held[np.isfinite(held).all(axis=1)])
+        known = (contact[np.isfinite(contact[:, :2]).all(axis=1), :2] for contact in contacts)
+        return _round(np.array([(0.0, 0.0), *(np.median(held, axis=0) for held in known if len(held))]))
     (x, y), about_com, mass = cart.inertia.com, cart.inertia.about_com, cart.inertia.mass
     if not cart.wheels:
         half_width = float(np.sqrt(3.0 * about_com / mass / 3.25))

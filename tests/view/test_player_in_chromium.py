@@ -207,3 +207,16 @@ def test_no_request_leaves(page: Path, tmp_path):
             run_browser(opened, "t=1&play=1", "--virtual-time-budget=3000", "--dump-dom", proxy)
         ours = [line for line in asked if not re.search(r"google|gstatic", line)]  # what browsers ask on their own
         assert bool(ours) == leaves, asked
+
+
+def test_absurd_rows_do_not_stop_the_page(shown: ShownRun, tmp_path):
+    pose, contact, wrench = shown.pose.copy(), shown.contacts["left"].copy(), shown.wrenches["left"].copy()
+    for values, row in ((pose, 3000), (contact, 2997), (wrench, 3000)):
+        values[row] = 1e10
+        values[row + 1] = 1e300
+    absurd = replace(shown, pose=pose, contacts={"left": contact}, wrenches={"left": wrench}, cart=None, parameters={})
+    page = write_player(absurd, tmp_path / "absurd.html", "Absurd")
+    for fragment in ("t=30", "t=40&camera=path"):
+        seen = visit(page, fragment)
+        assert seen.console == ()
+        assert seen.number("time") == float(fragment[2:4])

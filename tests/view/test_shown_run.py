@@ -84,3 +84,11 @@ def test_averaged_for_print(shown: ShownRun):
     assert few.averaged() is few
     assert few.tracking_error is not None
     assert few.tracking_error.mean() == pytest.approx(shown.tracking_error.mean(), rel=0.01)
+
+
+def test_a_cart_that_is_not_known_is_drawn_round_where_it_is_usually_held(shown: ShownRun):
+    contact = shown.contacts["left"].copy()
+    contact[:5], contact[5:9] = 1e300, np.nan
+    x0, x1, y0, y1 = replace(shown, cart=None, contacts={"left": contact}).outline
+    assert x0 < -0.25 < 0 < x1 < 1
+    assert y0 < 0 < 0.10 < y1 < 1

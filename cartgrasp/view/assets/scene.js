@@ -7,9 +7,8 @@ const body = (() => {
 
 // Everything the cart reaches: body and contacts; the camera keeps it in view.
 const reach = (() => {
-  const points = finite(run.arms.flatMap((arm) => arm.contact)).map(Math.abs);
-  const corners = [body.x0, body.x1, body.y0, body.y1].map(Math.abs);
-  return corners.concat(points).reduce((a, b) => Math.max(a, b), 0.3);
+  const held = quantile(finite(run.arms.flatMap((arm) => arm.contact)).map(Math.abs), 0.99);
+  return Math.max(0.3, held || 0, ...[body.x0, body.x1, body.y0, body.y1].map(Math.abs));
 })();
 
 // What large forces and moments are in this run; below 1 N and 0.1 N·m it would only blow up noise.
@@ -84,7 +83,7 @@ const forceScale = () => Math.max(0.5 * body.length * camera.scale, 44) / typica
 const momentScale = () => (4 * Math.PI) / 3 / typicalMoment;
 
 function drawGrid(context) {
-  const spacing = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 1000].find((s) => s * camera.scale >= 44) || 1e4;
+  const spacing = roundDown(110 / camera.scale);
   const far = Math.hypot(camera.width, camera.height) / 2 / camera.scale + spacing;
   context.strokeStyle = ink.grid;
   context.lineWidth = 1;
