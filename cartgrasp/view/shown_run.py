@@ -9,13 +9,15 @@ import numpy as np
 
 from ..frames import Array, body_to_world
 from ..logs.alignment import aligned
-from ..logs.run_log import RunLog
+from ..logs.run_log import ArmLog, RunLog
 from ..model import CartModel
 from ..motion import Estimate
 from ..simulation.record import RunRecord, Series
 from .from_poses import trailing_headings, velocity_of_poses
 from .outline import Outline, body_outline
 
+MOST = 1e5
+"""m, N, N·m, m/s: what is larger can't be SI units, and counts as missing."""
 EPOCH = 1e6
 """s; a clock beyond it counts from an epoch, and the picture from the run's start."""
 
@@ -63,7 +65,7 @@ class ShownRun:
     def of_log(cls, log: RunLog, cart: CartModel | None = None, estimates: Sequence[Estimate] = ()) -> ShownRun:
         """A log as measured, with the estimates (one a row) of what was learned from it. What it does not hold is told
         by its poses: velocity by their differences, casters by where their wheels trail."""
-        log = log if cart is None else aligned(log, cart)
+        log = _credible(log if cart is None else aligned(log, cart))
         start = float(log.time[0])
         spreads = [spread for estimate in estimates if (spread := estimate.com_covariance) is not None]
         return cls(
@@ -121,6 +123,15 @@ class ShownRun:
             return None
         difference = self.pose[:, :2] - self.reference_pose[:, :2]
         return np.asarray(np.hypot(difference[:, 0], difference[:, 1]))
+
+
+def _credible(log: RunLog) -> RunLog:
+    def masked(values: Array) -> Array:
+        return np.where(np.abs(values) > MOST, np.nan, values)
+
+    arms = {name: ArmLog(masked(arm.contact), masked(arm.wrench)) for name, arm in log.arms.items()}
+    velocity = None if log.velocity is None else masked(log.velocity)
+    return replace(log, pose=masked(log.pose), velocity=velocity, arms=arms)
 
 
 def _velocity_b(log: RunLog) -> Array:

@@ -16,6 +16,7 @@ import pytest
 from matplotlib.image import imread
 
 from cartgrasp.view.player import write_player
+from cartgrasp.view.player_data import frame_indices
 from cartgrasp.view.shown_run import ShownRun
 
 from .browser import count_of, needs_browser, run_browser, visit
@@ -50,7 +51,7 @@ def test_playing_moves_on_and_stops_at_the_end(page: Path, shown: ShownRun):
     assert 'aria-label="Play"' in ended.dom
 
 
-PRESSES = """<script>
+PRESSES = """
 const pressed = (key, shiftKey) => new KeyboardEvent("keydown", {key, shiftKey, bubbles: true});
 const press = (key, shiftKey) => document.body.dispatchEvent(pressed(key, shiftKey));
 const times = [];
@@ -66,20 +67,41 @@ times.push(element("chart-parameter").querySelector("output").value);
 press(" "); times.push(player.playing); element("play").click(); times.push(player.playing);
 press("3"); times.push(["overview", "wrenches"].map((name) => element("panel-" + name).hidden).join());
 document.title = times.join("|");
-</script></body>"""
+"""
+
+
+def title_after(page: Path, script: str) -> list[str]:
+    """The page's title, in parts, after a script that sets it; the policy is taken out for it."""
+    text = page.read_text(encoding="utf-8").replace("Content-Security-Policy", "none")
+    page.write_text(text.replace("</body>", f"<script>{script}</script></body>"), encoding="utf-8")
+    seen = visit(page)
+    assert seen.console == ()
+    found = re.search("<title>(.*)</title>", seen.dom)
+    assert found
+    return found[1].split("|")
 
 
 def test_keys_and_controls(page: Path):
-    text = page.read_text(encoding="utf-8").replace("Content-Security-Policy", "none")
-    page.write_text(text.replace("</body>", PRESSES), encoding="utf-8")
-    seen = visit(page)
-    assert seen.console == ()
-    title = re.search("<title>(.*)</title>", seen.dom)
-    assert title
-    *noted, parameter, playing, paused, hidden = title[1].split("|")
+    *noted, parameter, playing, paused, hidden = title_after(page, PRESSES)
     assert noted == ["0.50", "5.50", "5.00", "59.99", "0.00", "0.04", "0.00", "7.50", "heading", "path", "4"]
     assert re.fullmatch(r"0\.\d{3} ± 0\.\d{3}, true 0\.300 m", parameter)
     assert (playing, paused, hidden) == ("true", "false", "true,false")
+
+
+def test_ellipses_and_columns_are_those_of_python(page: Path, shown: ShownRun):
+    script = """
+    document.title = [...ellipseOf(0.03, 0.01, -0.6), run.pose[0][700], run.parameters[1].std[700], ...[0, 1, 2].map(
+      (i) => unwrapped(Float64Array.of(3.1, -3.1, NaN, -3, 3.1))[i + (i > 1)])].join("|");
+    """
+    wide, narrow, turn, x, std, *angles = map(float, title_after(page, script))
+    across = -0.6 * 0.03 * 0.01
+    variances, axes = np.linalg.eigh([[0.03**2, across], [across, 0.01**2]])
+    np.testing.assert_allclose([narrow, wide], 2 * np.sqrt(variances), rtol=1e-9)
+    assert np.tan(turn) == pytest.approx(axes[1, 1] / axes[0, 1])
+    row = frame_indices(shown.time)[700]
+    assert x == pytest.approx(shown.pose[row, 0], abs=6e-5)
+    assert std == pytest.approx(shown.parameters["com_x"].std[row], abs=6e-6)
+    np.testing.assert_allclose(angles, [3.1, 2 * np.pi - 3.1, 2 * np.pi - 3.0])
 
 
 @pytest.mark.parametrize("camera", ["follow", "heading", "path"])

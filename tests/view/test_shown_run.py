@@ -92,3 +92,13 @@ def test_a_cart_that_is_not_known_is_drawn_round_where_it_is_usually_held(shown:
     x0, x1, y0, y1 = replace(shown, cart=None, contacts={"left": contact}).outline
     assert x0 < -0.25 < 0 < x1 < 1
     assert y0 < 0 < 0.10 < y1 < 1
+
+
+def test_what_can_not_be_in_si_units_counts_as_missing(record: RunRecord):
+    log, pose = record.log, record.log.pose.copy()
+    pose[100] = 1e300
+    arms = {"left": replace(log.arms["left"], wrench=np.where(np.arange(6) == 2, -2e5, log.arms["left"].wrench))}
+    told = ShownRun.of_log(replace(log, pose=pose, arms=arms), record.cart)
+    assert np.isnan(told.pose[100]).all()
+    assert np.isfinite(np.delete(told.pose, 100, axis=0)).all()
+    np.testing.assert_array_equal(np.isnan(told.wrenches["left"]).all(axis=0), np.arange(6) == 2)
