@@ -7,11 +7,12 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from . import allocation, contact_choice, dynamics, filter_step, plants, start_up, ticks
+from . import allocation, bags, contact_choice, dynamics, filter_step, plants, start_up, ticks
 from .report import document
 
 BENCHMARKS = {
     "allocation": (allocation.run, 200),
+    "bags": (bags.run, 5),
     "contact_choice": (contact_choice.run, 100),
     "dynamics": (dynamics.run, 200),
     "filter_step": (filter_step.run, 200),

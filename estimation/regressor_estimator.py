@@ -152,7 +152,7 @@ class RegressorEstimator:
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one."""
         time = np.array([moment.time for moment in self._moments])
-        if time[-1] - time[0] < BLOCK + LAG:
+        if time[-1] - time[0] < BLOCK + LAG - 1e-6:
             return
         k = int(np.searchsorted(time, time[0] + BLOCK - 1e-6))
         if time[-1] - time[k] < LAG - 1e-6:

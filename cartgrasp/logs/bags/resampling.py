@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...frames import Array
 
-Flags = NDArray[np.bool_]
+FAR = 0.75
+"""Steps: from here on a sample is another row's, be that one there or not."""
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,15 @@ def interpolated(time: Array, rows: Array, at: Array, max_gap: float) -> Resampl
 
 
 def averaged(time: Array, rows: Array, at: Array, max_gap: float) -> Resampled:
-    """Each row the mean of the samples that are nearer to it than to another row, and at most `max_gap / 2` off.
+    """Each row the mean of the samples that are nearer to it than to another row, and at most 3/4 of a usual step off.
 
     So no sample is in two rows, and neighbours share no noise. A row that no sample is near is interpolated; samples
     that are NaN don't count, and fill no row.
     """
     edges = np.concatenate([[-np.inf], (at[1:] + at[:-1]) / 2, [np.inf]])
     row = np.searchsorted(edges, time, side="right") - 1
-    near = np.abs(time - at[row]) <= max_gap / 2
+    reach = min(max_gap / 2, FAR * float(np.median(np.diff(at)))) if len(at) > 1 else max_gap / 2
+    near = np.abs(time - at[row]) <= reach
     row, near_rows = row[near], rows[near]
     present = np.isfinite(near_rows)
     total, count = np.zeros((len(at), rows.shape[1])), np.zeros((len(at), rows.shape[1]))

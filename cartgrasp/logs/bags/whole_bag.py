@@ -24,6 +24,7 @@ from ruamel.yaml.error import YAMLError
 
 from .bag import SALVAGE, Bag, Message, message_kind, storages_in
 from .mcap_sums import check_sums
+from .sqlite_size import check_size
 
 if sys.version_info >= (3, 14):
     from compression import zstd
@@ -93,6 +94,8 @@ class WholeBag(Bag):
     def _check_file(self, file: Path) -> None:
         if file.suffix.lower() == ".mcap":
             check_sums(file)
+        if file.suffix.lower() == ".db3":
+            check_size(file)
         for ending in HIDDEN:
             if file.with_name(file.name + ending).exists() and file.with_name(file.name + ending).stat().st_size:
                 why = f"{file.name}{ending} holds messages that were not put into it; open and close it with sqlite3"

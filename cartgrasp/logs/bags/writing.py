@@ -61,11 +61,11 @@ def mcap_of(log: RunLog) -> bytes:
 
 def _epoch(log: RunLog) -> int:
     """ns to be added to the log's times so that none is negative."""
-    return max(0, math.ceil(-log.time[0])) * NANO if abs(log.time[0]) < LATEST else 0
+    return max(0, math.ceil(-float(log.time[0]))) * NANO
 
 
 def _stamps(log: RunLog, epoch: int) -> list[int]:
-    if not 0 <= log.time[-1] + epoch / NANO < LATEST:
+    if log.time[-1] + epoch / NANO >= LATEST:
         raise DataError(f"{log.name}: its times reach beyond what ROS can stamp, {LATEST:.0f} s; begin them near 0")
     stamps = [round(t * NANO) + epoch for t in log.time.tolist()]
     if any(b <= a for a, b in pairwise(stamps)):
