@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from ..errors import CartgraspError, DataError, PlantError
+from ..errors import CartgraspError, DataError, PlantError, printable
 
 app = typer.Typer(
     name="cartgrasp",
@@ -248,6 +248,5 @@ def _usage(error: TyperException) -> str:
 
 def _say(message: str, status: int) -> int:
     """One line, whatever a file name or a key in it holds."""
-    line = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in message)
-    print(f"cartgrasp: {line}", file=sys.stderr)
+    print(f"cartgrasp: {printable(message)}", file=sys.stderr)
     return status

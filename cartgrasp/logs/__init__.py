@@ -11,7 +11,8 @@ from .emps import read_emps
 from .parquet_log import read_parquet, write_parquet
 from .run_log import ArmLog, RunLog
 
-BAGS = (".mcap", ".db3", ".bag")
+STORAGES = (".mcap", ".db3")
+BAGS = (*STORAGES, ".bag")
 READERS: dict[str, Callable[[Path], RunLog]] = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_emps}
 
 
@@ -50,8 +51,8 @@ def read_log(path: str | Path, topics: str | Path | None = None) -> RunLog:
 
 def is_bag_name(path: Path) -> bool:
     """Whether it is read through a topic map: a bag, or a folder with a recorder's files in it."""
-    if path.is_dir() and path.suffix.lower() not in READERS:
-        return (path / "metadata.yaml").is_file() or any(p.suffix.lower() in BAGS for p in path.iterdir())
+    if path.is_dir():
+        return (path / "metadata.yaml").is_file() or any(p.suffix.lower() in STORAGES for p in path.iterdir())
     return path.suffix.lower() in BAGS
 
 

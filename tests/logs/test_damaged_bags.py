@@ -238,5 +238,9 @@ def test_no_bag_at_all(tmp_path):
         with pytest.raises(LogError, match="no such file"):
             read_log(tmp_path / name)
         (tmp_path / f"folder.{name[4:]}").mkdir()
-        with pytest.raises(LogError, match="a folder"):
+        with pytest.raises(LogError, match="is a folder"):
             read_log(tmp_path / f"folder.{name[4:]}")
+    for name in ("monday.mcap", "tuesday.mcap"):
+        files.write_mcap(tmp_path / name, push(0.2))
+    with pytest.raises(LogError, match=r"holds several bags, monday, tuesday …; name one"):
+        read_log(tmp_path)

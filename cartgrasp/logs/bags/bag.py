@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from ...errors import LogError, Place
+from ...errors import LogError, Place, printable
 
 STORAGES = (".mcap", ".db3")
 SUFFIXES = (".bag", *STORAGES)
@@ -29,7 +30,7 @@ class Bag(ABC):
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.is_ros1 = path.suffix.lower() == ".bag"
+        self.is_ros1 = path.suffix.lower() == ".bag" and not path.is_dir()
         self.kinds: dict[str, str] = {}
         self.lost: list[str] = []
 
@@ -38,7 +39,7 @@ class Bag(ABC):
         """Those of some topics, or all."""
 
     def refuse(self, why: str, topic: str = "") -> LogError:
-        return LogError(Place(str(self.path)), topic, why)
+        return LogError(Place(str(self.path)), printable(topic), printable(why))
 
 
 def storages_in(folder: Path) -> list[Path]:
@@ -51,11 +52,16 @@ def storages_in(folder: Path) -> list[Path]:
     return sorted((p for p in folder.iterdir() if p.suffix.lower() in STORAGES and p.is_file()), key=order)
 
 
-def is_bag(path: Path) -> bool:
-    """Whether a name is a bag's, or a folder a recorder's."""
-    if path.is_dir():
-        return (path / "metadata.yaml").is_file() or bool(storages_in(path))
-    return path.suffix.lower() in SUFFIXES
+def check_one_recording(path: Path) -> None:
+    """A folder without metadata holds one recording where its files' names differ in their numbers only."""
+    if not path.is_dir():
+        return
+    names = {re.sub(r"_\d+$", "", p.stem) for p in storages_in(path)}
+    if not names:
+        raise LogError(Place(str(path)), "", f"a folder without any {' or '.join(STORAGES)}; name a bag")
+    if len(names) > 1:
+        why = f"holds several bags, {', '.join(sorted(names)[:3])} …; name one of them"
+        raise LogError(Place(str(path)), "", printable(why))
 
 
 def message_kind(name: str) -> str:

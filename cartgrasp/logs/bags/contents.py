@@ -12,6 +12,7 @@ from ...frames import Array
 from .bag import Bag
 from .messages import DECODERS, ODOMETRY, OLD_TRANSFORMS, POSE, TRANSFORMS, WRENCH, BadMessageError, Sample, decode
 from .planar_pose import planar
+from .topic_samples import LARGEST
 
 NANO = 1e9
 TF = (TRANSFORMS, OLD_TRANSFORMS)
@@ -140,8 +141,8 @@ def _noise(pose: TopicContent) -> tuple[float, float] | None:
     """Of position and heading, where there are samples enough and some noise."""
     if len(pose.numbers) < FEWEST:
         return None
-    samples = planar(np.array([numbers[:7] for numbers in pose.numbers]))
-    samples = samples[np.isfinite(samples).all(axis=1)]
+    numbers = np.array([numbers[:7] for numbers in pose.numbers])
+    samples = planar(numbers[(np.abs(numbers) <= LARGEST).all(axis=1)])
     if len(samples) < FEWEST:
         return None
     x, y, heading = (_noise_floor(samples[:, k]) for k in range(3))

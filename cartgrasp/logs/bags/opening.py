@@ -6,8 +6,7 @@ import struct
 from pathlib import Path
 
 from ...errors import LogError, Place
-from ..run_log import RunLog
-from .bag import STORAGES, Bag, is_bag, storages_in
+from .bag import SUFFIXES, Bag, check_one_recording, storages_in
 from .mcap_records import HEAD, MAGIC, Op, take_pairs, take_text
 from .reading import BagReading, read_bag_through
 from .salvaged_bag import SalvagedBag
@@ -31,17 +30,14 @@ def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool =
     return read_bag_through(bag, map_file, salvage)
 
 
-def read_bag_log(path: Path) -> RunLog:
-    return read_bag(path).log
-
-
 def open_bag(path: Path, salvage: bool = False) -> Bag:
     """Whole, or what can still be read."""
     if not path.exists():
         raise LogError(Place(str(path)), "", "there is no such file")
-    if not is_bag(path):
-        why = f"a folder without any {' or '.join(STORAGES)}" if path.is_dir() else "no bag"
-        raise LogError(Place(str(path)), "", why)
+    if not path.is_dir() and path.suffix.lower() not in SUFFIXES:
+        raise LogError(Place(str(path)), "", f"is no bag; bags end in {', '.join(SUFFIXES)}, or are folders")
+    if salvage or not (path / "metadata.yaml").is_file():
+        check_one_recording(path)
     if salvage:
         return SalvagedBag(path)
     from .whole_bag import WholeBag

@@ -51,9 +51,8 @@ class _Reading:
         wrenches = {name: self._wrench(name, arm, tracked) for name, arm in map_.arms.items()}
         time = self._clock()
         pose = interpolated(tracked.time, tracked.numbers, time, map_.max_gap)
-        self.steps.add(
-            "pose", "on the log's clock", taken=pose.taken, interpolated=pose.interpolated, masked=pose.masked
-        )
+        figures = {"taken": pose.taken, "interpolated": pose.interpolated, "masked": pose.masked}
+        self.steps.add("pose", "on the log's clock", **figures)
         velocity = self._velocity(tracked, pose.rows, time)
         arms = {}
         for name, arm in map_.arms.items():
@@ -131,24 +130,21 @@ class _Reading:
         if isinstance(map_.clock, str):
             times = self.samples[("pose",) if map_.clock == "pose" else ("arms", map_.clock)].time
             kept = times[(times >= start) & (times <= end)]
-            self.steps.add(
-                "log", f"rows at the stamps of {map_.clock}", rows=len(kept), left_out=len(times) - len(kept)
-            )
+            figures = {"rows": len(kept), "left out": len(times) - len(kept)}
+            self.steps.add("log", f"rows at the stamps of {map_.clock}", **figures)
         else:
-            rows, most = (
-                (end - start) * map_.clock,
-                MOST_ROWS_PER_SAMPLE * max(len(s.time) for s in self.samples.values()),
-            )
-            if rows > most:
-                why = (
-                    f"{end - start:.6g} s would be {rows:.3g} rows, far more than there are samples: a stamp is wrong?"
-                )
-                raise self.map_file.refuse(("clock",), why)
-            kept = start + np.arange(int(rows + 1e-9) + 1) / map_.clock
+            kept = self._even(map_.clock, start, end)
             self.steps.add("log", "rows at an even rate", rows=len(kept), rate_Hz=map_.clock)
         if not len(kept):
             raise self.bag.refuse(f"no stamp of {map_.clock} between {start:.3f} and {end:.3f} s, where all topics are")
-        return np.asarray(kept)
+        return kept
+
+    def _even(self, rate: float, start: float, end: float) -> Array:
+        rows = (end - start) * rate
+        if rows > MOST_ROWS_PER_SAMPLE * max(len(clocked.time) for clocked in self.samples.values()):
+            why = f"{rows:.3g} rows from {start:.6g} to {end:.6g} s, far more than there are samples: is a stamp wrong?"
+            raise self.map_file.refuse(("clock",), why)
+        return np.asarray(start + np.arange(int(rows + 1e-9) + 1) / rate)
 
     def _velocity(self, tracked: Clocked, pose: Array, time: Array) -> Array | None:
         entry, max_gap = self.map_file.map.pose, self.map_file.map.max_gap
@@ -156,9 +152,8 @@ class _Reading:
             return None
         if entry.velocity == "twist":
             twist = self.samples["pose",].numbers[:, 7:]
-            velocity = interpolated(
-                tracked.time, world_velocity(twist, tracked.numbers, np.array(entry.body)), time, max_gap
-            ).rows
+            in_world = world_velocity(twist, tracked.numbers, np.array(entry.body))
+            velocity = interpolated(tracked.time, in_world, time, max_gap).rows
         else:
             assert entry.noise is not None
             noise = (entry.noise.position, entry.noise.position, entry.noise.heading)

@@ -10,11 +10,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap
 
-from ...errors import FileError
+from ...errors import FileError, printable
 from ...yaml_file import StrictModel, file_error, parse_yaml, read_yaml, validate
 
 Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 Positive = Annotated[float, Field(gt=0)]
+FARTHEST = 2**62
 Latency = Annotated[float, Field(ge=-10, le=10)]
 
 
@@ -72,14 +73,14 @@ class ArmEntry(StrictModel):
 
 
 class TopicMap(StrictModel):
-    """All of it; `clock` is `pose` or an arm whose stamps are the log's, or a rate in Hz."""
+    """All of it; `clock` is `pose` or an arm, whose stamps are the log's, or a rate in Hz; `epoch` its zero in ns."""
 
     pose: PoseEntry
     arms: dict[str, ArmEntry] = Field(min_length=1)
     stamps: Literal["header", "receive"] = "header"
     clock: str | Annotated[float, Field(gt=0, le=10_000)] = "pose"
     max_gap: Positive = 0.1
-    epoch: int | None = None
+    epoch: Annotated[int, Field(ge=-FARTHEST, le=FARTHEST)] | None = None
 
     def topics(self) -> Iterator[tuple[tuple[str, ...], str]]:
         """The place in the map and the name of each topic."""
@@ -99,7 +100,7 @@ class MapFile:
         self._check()
 
     def refuse(self, location: tuple[str, ...], why: str) -> FileError:
-        return file_error(self.document, self.name, location, why)
+        return file_error(self.document, self.name, location, printable(why))
 
     def _check(self) -> None:
         for name, arm in self.map.arms.items():

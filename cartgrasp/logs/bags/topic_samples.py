@@ -18,6 +18,7 @@ Key = tuple[str, Frames]
 ALL: Frames = ("", "")
 LARGEST = 1e9
 FARTHEST_NORM = 0.01
+LATEST = 2**62
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,8 @@ class TopicSamples:
     def wrong(self) -> tuple[NDArray[np.bool_], str]:
         """Samples that are no measurements, and why the first is none; NaN is a missing one."""
         too_large = (np.abs(self.numbers) > LARGEST).any(axis=1)
-        norm = np.ones(len(self)) if self.kind == WRENCH else np.linalg.norm(self.numbers[:, 3:7], axis=1)
+        with np.errstate(over="ignore"):
+            norm = np.ones(len(self)) if self.kind == WRENCH else np.linalg.norm(self.numbers[:, 3:7], axis=1)
         odd = np.abs(norm - 1) > FARTHEST_NORM
         if too_large.any() and not odd[: int(np.argmax(too_large))].any():
             row = self.numbers[int(np.argmax(too_large))]
@@ -58,7 +60,9 @@ class _Growing:
 
     def done(self, topic: str) -> TopicSamples:
         rows = np.array(self.rows, dtype=np.int64)
-        return TopicSamples(topic, self.kind, rows[:, 0], rows[:, 1], rows[:, 2], np.array(self.numbers))
+        numbers = np.array(self.numbers)
+        numbers[np.isnan(numbers)] = np.nan  # damaged bits may be one that warns wherever it is used
+        return TopicSamples(topic, self.kind, rows[:, 0], rows[:, 1], rows[:, 2], numbers)
 
 
 def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage: bool) -> dict[Key, TopicSamples]:
@@ -67,6 +71,8 @@ def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage:
     broken: Counter[str] = Counter()
     for message in bag.messages(wanted):
         try:
+            if not 0 <= message.received < LATEST:
+                raise BadMessageError(f"received at {message.received} ns, which is no time")
             samples = decode(message.raw, message.kind, bag.is_ros1)
         except BadMessageError as error:
             if not is_salvage:

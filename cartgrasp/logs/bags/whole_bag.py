@@ -8,7 +8,7 @@ import struct
 import sys
 import zlib
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -52,7 +52,8 @@ class WholeBag(Bag):
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[Message]:
         numbers: Counter[str] = Counter()
-        with self._reading(numbers), self._opened() as readers:
+        last: list[Message] = []
+        with self._reading(last), self._opened() as readers:
             for reader in readers:
                 wanted = [c for c in reader.connections if topics is None or c.topic in topics]
                 expected: Counter[str] = Counter()
@@ -62,7 +63,8 @@ class WholeBag(Bag):
                 for connection, received, raw in reader.messages(wanted) if wanted else ():
                     topic = connection.topic
                     numbers[topic] += 1
-                    yield Message(topic, message_kind(connection.msgtype), numbers[topic], received, bytes(raw))
+                    last[:] = [Message(topic, message_kind(connection.msgtype), numbers[topic], received, bytes(raw))]
+                    yield last[0]
                 for topic, count in expected.items():
                     if numbers[topic] - before[topic] != count:
                         found = numbers[topic] - before[topic]
@@ -102,15 +104,17 @@ class WholeBag(Bag):
                 raise self.refuse(why)
 
     @contextmanager
-    def _reading(self, numbers: Counter[str] | None = None) -> Iterator[None]:
+    def _reading(self, last: Sequence[Message] = ()) -> Iterator[None]:
+        """`last` holds the last message that was read, if there is one."""
         try:
             yield
         except FOREIGN as error:
             lines = str(error).strip().splitlines()
             reason = lines[0].rstrip(".") if lines else type(error).__name__
-            after = ", ".join(f"message {n} of {topic}" for topic, n in (numbers or {}).items())
-            where = f"after {after}: " if after else ""
-            raise self.refuse(f"{where}is damaged or cut off: {reason}; {SALVAGE}") from error
+            where = f"after message {last[0].number}: " if last else ""
+            raise self.refuse(
+                f"{where}is damaged or cut off: {reason}; {SALVAGE}", last[0].topic if last else ""
+            ) from error
 
 
 def definition(kind: str) -> str:

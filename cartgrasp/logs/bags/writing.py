@@ -34,13 +34,12 @@ def write_mcap(log: RunLog, path: str | Path) -> Path:
 
 
 def mcap_of(log: RunLog) -> bytes:
-    from ... import __version__
     from .whole_bag import definition
 
     epoch = _epoch(log)
     stamps = _stamps(log, epoch)
     names = _ros_names(list(log.arms))
-    file = McapFile({METADATA: {MAP_KEY: _map(log, names, epoch)}}, f"cartgrasp {__version__}")
+    file = McapFile({METADATA: {MAP_KEY: _map(log, names, epoch)}}, "cartgrasp")
     odometry = file.channel(ODOMETRY_TOPIC, ODOMETRY, definition(ODOMETRY))
     tf = file.channel(TF_TOPIC, TRANSFORMS, definition(TRANSFORMS))
     wrenches = {arm: file.channel(f"/{names[arm]}/wrench", WRENCH, definition(WRENCH)) for arm in log.arms}
