@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import UsageError
+from ..errors import UsageError, printable
 from ..logs import WRITERS, RunLog, is_bag_name, read_log, write_log
 from ..logs.provenance import provenance
 from ..strict_json import finite
@@ -38,10 +38,10 @@ def run(choice: Choice, as_json: bool) -> int:
         print_json({"log": str(choice.out), "provenance": str(beside), "rows": len(log), "steps": steps, "lost": lost})
     else:
         for step in log.notes.values():
-            print(step)
+            print(printable(step))
         print(f"{choice.out}: {len(log)} rows over {log.duration:.2f} s, arms {', '.join(log.arms)}")
     for what in lost[:MOST_SAID]:
-        say(f"lost: {what}")
+        say(printable(f"lost: {what}"))
     if len(lost) > MOST_SAID:
         say(f"lost: and {len(lost) - MOST_SAID} more; all are in {beside}")
     return 0

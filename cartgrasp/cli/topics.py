@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..errors import UsageError
+from ..errors import UsageError, printable
 from ..logs.bags import open_bag
 from ..logs.bags.contents import contents_of, proposed_map
 from ..yaml_file import write_atomically
@@ -26,10 +26,18 @@ def run(path: Path, out: Path | None, salvage: bool, as_json: bool) -> int:
         rows = []
         for c in contents:
             times = [f"{(t - start) / 1e9:.3f}" if c.count else "" for t in (c.first, c.last)]
-            rows.append([c.name, c.kind.replace("/msg/", "/"), str(c.count), f"{c.rate:.1f}" if c.rate else "", *times])
+            rows.append(
+                [
+                    printable(c.name),
+                    printable(c.kind.rpartition("/")[2]),
+                    str(c.count),
+                    f"{c.rate:.1f}" if c.rate else "",
+                    *times,
+                ]
+            )
         print_table(path.name, ["topic", "type", "messages", "Hz", "first, s", "last, s"], rows, left=2)
     for lost in bag.lost:
-        say(f"lost: {lost}")
+        say(printable(f"lost: {lost}"))
     if proposal is None:
         say("no map is proposed: a topic with poses (Odometry, PoseStamped, TF) and one with WrenchStamped are needed")
     elif out is None:

@@ -86,7 +86,7 @@ def test_a_proposal_states_the_noise_of_poses(capsys, tmp_path):
             messages.append((f"/robot/{arm}/ft", files.WRENCH, ns, reading))
     bag = files.write_mcap(tmp_path / "run.mcap", messages)
     text = run(capsys, "topics", bag, "--json").json["proposal"]
-    for part in ("left:", "right:", "frame: map", "child: base", "velocity: spline"):
+    for part in ("left:", "right:", "frame: map", "child: base", "velocity: none"):
         assert part in text
     position, heading = (
         float(text.split(f"{key}: ")[1].split("}")[0].split(",")[0]) for key in ("position", "heading")

@@ -121,15 +121,14 @@ def proposed_map(contents: Sequence[TopicContent], name: str) -> str | None:
 
 def _pose_lines(pose: TopicContent) -> list[str]:
     noise = _noise(pose)
-    is_odometry = pose.kind == ODOMETRY
-    velocity = "twist" if is_odometry else "spline" if noise else "none"
+    velocity = "twist" if pose.kind == ODOMETRY else "none"
     lines = ["pose:", f"  topic: {_quoted(pose.topic)}"]
     if pose.frames is not None:
         lines += [f"  frame: {_quoted(pose.frames[0])}", f"  child: {_quoted(pose.frames[1])}"]
     lines += [
         "  latency: 0.0          # s, taken off the stamps",
         "  body: [0.0, 0.0, 0.0] # pose x, y, yaw of the cart's frame {b} in the frame that is tracked: m, rad",
-        f"  velocity: {velocity:<12}  # twist (of an Odometry), spline (from poses, at their noise) or none",
+        f"  velocity: {velocity:<12}  # twist (of an Odometry), none, or spline (estimators need none)",
     ]
     if noise is not None:
         said = f"{{position: {noise[0]:.2g}, heading: {noise[1]:.2g}}}"

@@ -111,10 +111,8 @@ class WholeBag(Bag):
         except FOREIGN as error:
             lines = str(error).strip().splitlines()
             reason = lines[0].rstrip(".") if lines else type(error).__name__
-            where = f"after message {last[0].number}: " if last else ""
-            raise self.refuse(
-                f"{where}is damaged or cut off: {reason}; {SALVAGE}", last[0].topic if last else ""
-            ) from error
+            topic, where = (last[0].topic, f"after message {last[0].number}: ") if last else ("", "")
+            raise self.refuse(f"{where}is damaged or cut off: {reason}; {SALVAGE}", topic) from error
 
 
 def definition(kind: str) -> str:
