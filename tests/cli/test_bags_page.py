@@ -44,7 +44,7 @@ def recording(table):
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    table = pushed_cart()
+    table = pushed_cart()[:1000]
     files.write_ros1(tmp_path / "run.bag", recording(table))
     (tmp_path / "simulated.csv").write_text(as_csv(table[:100]))
     (tmp_path / "cart.yaml").write_text(CART)
