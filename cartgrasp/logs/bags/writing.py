@@ -6,17 +6,18 @@ world to the cart and from the cart to each contact. What is missing is sent as 
 
 from __future__ import annotations
 
+import io
 import math
 import re
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from ruamel.yaml.comments import CommentedMap
+from ruamel.yaml import YAML
 
 from ...errors import DataError
 from ...frames import body_to_world
-from ...yaml_file import dump_yaml, write_atomically
+from ...yaml_file import write_atomically
 from ..run_log import RunLog
 from .mcap_file import McapFile
 from .messages import ODOMETRY, TRANSFORMS, WRENCH, Sample, encode, encode_transforms
@@ -115,4 +116,8 @@ def _map(log: RunLog, names: dict[str, str], epoch: int) -> str:
         "max_gap": 1.01 * step,
         "epoch": epoch,
     }
-    return dump_yaml(CommentedMap(document))
+    yaml = YAML(typ="rt")
+    yaml.allow_unicode = False  # else a line break of another script in an arm's name would be one
+    stream = io.StringIO()
+    yaml.dump(document, stream)
+    return stream.getvalue()
