@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from cartgrasp.errors import CartgraspError, LogError
 from cartgrasp.logs import read_log
 from cartgrasp.logs.bags import open_bag, read_bag
+from cartgrasp.logs.bags.messages import DECODERS
+from cartgrasp.logs.bags.whole_bag import ROS1_SUMS
 
 from . import bag_files as files
 from .bag_files import MAP, force_of, push
@@ -223,6 +225,18 @@ def test_messages_of_another_layout(tmp_path):
         read_log(tmp_path / "run.db3")
     reading = read_bag(tmp_path / "run.db3", salvage=True)
     assert reading.lost == ("/left/wrench: 1 samples are damaged",)
+
+
+def test_types_of_ros_1_are_known_by_their_sums(tmp_path):
+    for kind, stated in ROS1_SUMS.items():
+        if kind in files.ROS1.fielddefs:
+            assert stated == files.ROS1.generate_msgdef(kind, ros_version=1)[1]
+    assert set(ROS1_SUMS) == set(DECODERS)
+    path = files.write_ros1(tmp_path / "run.bag", push(0.5))
+    (tmp_path / "topics.yaml").write_text(MAP)
+    path.write_bytes(path.read_bytes().replace(ROS1_SUMS[files.WRENCH].encode(), b"0" * 32))
+    with pytest.raises(LogError, match=r"/left/wrench: its geometry_msgs/msg/WrenchStamped is not the one of ROS"):
+        read_log(path)
 
 
 def test_a_database_that_was_not_closed(tmp_path):
