@@ -9,6 +9,7 @@ from pathlib import Path
 
 from . import (
     allocation,
+    bags,
     contact_choice,
     contact_relaxation,
     dynamics,
@@ -22,6 +23,7 @@ from .report import document
 
 BENCHMARKS = {
     "allocation": (allocation.run, 200),
+    "bags": (bags.run, 5),
     "contact_choice": (contact_choice.run, 100),
     "contact_relaxation": (contact_relaxation.run, 60),
     "dynamics": (dynamics.run, 200),

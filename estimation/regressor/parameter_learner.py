@@ -171,7 +171,7 @@ class ParameterLearner:
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one."""
         time = self._tracker.time
-        if time[-1] - time[0] < BLOCK + LAG:
+        if time[-1] - time[0] < BLOCK + LAG - 1e-6:
             return
         k = int(np.searchsorted(time, time[0] + BLOCK - 1e-6))
         if time[-1] - time[k] < LAG - 1e-6:

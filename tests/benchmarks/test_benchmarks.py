@@ -10,6 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 TITLES = (
     "Allocation at given contacts",
+    "Bags",
     "Choice of contacts",
     "Convex relaxation of the contact choice",
     "Dynamics",
