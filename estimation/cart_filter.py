@@ -11,6 +11,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
@@ -50,10 +52,11 @@ class CartFilter:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
         given = cart, arms, self.noise, self.prior, yaws or {}
         core: AugmentedFilter | LearningFilter
-        if self.noise.force <= EXACT * self.noise.disturbance or cart.memory_names:
-            core = AugmentedFilter(*given)
-        else:
-            core = LearningFilter(ParameterLearner(*given), DrivenMotion(cart, self.noise, self.prior.free(cart)))
+        with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
+            if self.noise.force <= EXACT * self.noise.disturbance or cart.memory_names:
+                core = AugmentedFilter(*given)
+            else:
+                core = LearningFilter(ParameterLearner(*given), DrivenMotion(cart, self.noise, self.prior.free(cart)))
         self._samples = LateSamples(core)
 
     def update(self, measurement: Measurement) -> Estimate:

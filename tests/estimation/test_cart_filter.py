@@ -14,6 +14,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.wheels import Wheel
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior, RegressorEstimator
+from estimation.gaussian import Gaussian
 from estimation.replay import replay
 
 from .runs import CONTACT, simulate, simulate_two_hands
@@ -315,9 +316,10 @@ def test_a_caster_believed_turned_round_is_not_believed_for_long():
     for i in range(300):
         watching.update(Measurement(0.01 * i, np.array([0.005 * i, 0.0, 0.0]), np.array([0.5, 0.0, 0.0])))
         if i == 100:
-            motion = watching._core.motion
-            motion._mean[cart.memory_slice] = np.pi
-            motion._own[cart.memory_slice, cart.memory_slice] = 1e-6
+            belief = watching.belief
+            mean, covariance = belief.mean.copy(), belief.covariance.copy()
+            mean[cart.memory_slice], covariance[cart.memory_slice, cart.memory_slice] = np.pi, 1e-6
+            watching._core._belief = Gaussian(mean, covariance)
     heading = watching.belief.mean[cart.memory_slice][0]
     assert abs(np.angle(np.exp(1j * heading))) < 0.2
 
