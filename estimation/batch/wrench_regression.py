@@ -43,6 +43,8 @@ LONGEST_STEP = 3.0
 """Times the usual step: over a longer one nobody knows what a wrench did."""
 LATENESS_STEP = 1e-4
 """s."""
+AT_ONCE = 32
+"""Columns that are whitened together: more would leave the processor's cache."""
 OUTLYING = 4.0
 """Times its share of the scatter that a stretch may have with full weight."""
 
@@ -104,14 +106,15 @@ class Linearisation:
 
     def whitened(self, columns: Array) -> Array:
         """Columns (m, f, k) times the inverse of the residual's covariance."""
-        (first, second), after = self.by_motion, self.used + 1
-        weighted = self.weights @ columns
-        n = self.factor.bands.shape[1] // first.shape[2]
-        through = np.zeros((n, first.shape[2], columns.shape[2]))
-        np.add.at(through, self.used, np.swapaxes(first, 1, 2) @ weighted)
-        np.add.at(through, after, np.swapaxes(second, 1, 2) @ weighted)
-        missed = self.factor.solve(through)
-        return np.asarray(weighted - self.weights @ (first @ missed[self.used] + second @ missed[after]))
+        from .whitening import whiten
+
+        found = np.empty(columns.shape)
+        rows = (self.used, *self.by_motion, self.weights)
+        for at in range(0, columns.shape[2], AT_ONCE):
+            own = columns[..., at : at + AT_ONCE]
+            room = np.empty((len(self.factor.chain), own.shape[2]))
+            whiten(self.factor.chain, rows, own, room, found[..., at : at + AT_ONCE])
+        return found
 
     @property
     def chi_squared(self) -> float:
@@ -121,8 +124,16 @@ class Linearisation:
 
     def by_block(self, left: Array, right: Array, duration: float) -> Array:
         """`leftᵀ right` (b, k, l), summed over stretches of `duration` (s)."""
-        _, where = np.unique((self.time - self.time[0]) // duration, return_inverse=True)
-        return np.array([np.tensordot(left[rows], right[rows], ((0, 1), (0, 1))) for rows in _runs(where)])
+        f = left.shape[1]
+        flat_left, flat_right = (np.reshape(side, (-1, side.shape[2])) for side in (left, right))
+        return np.array(
+            [flat_left[f * a : f * b].T @ flat_right[f * a : f * b] for a, b in pairwise(self.ends(duration))]
+        )
+
+    def ends(self, duration: float) -> list[int]:
+        """Of stretches of `duration` (s) that have rows: where each begins, and the number of rows."""
+        number = (self.time - self.time[0]) // duration
+        return [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(number)]
 
 
 class WrenchRegression:
@@ -286,12 +297,6 @@ def _delayed(wrench: Array, delay: float) -> Array:
     found = wrench.copy()
     found[:-1] += delay * np.diff(wrench, axis=0)
     return found
-
-
-def _runs(where: np.ndarray) -> list[slice]:
-    """Rows with the same number, which never falls."""
-    ends = [0, *(np.flatnonzero(np.diff(where)) + 1), len(where)]
-    return [slice(a, b) for a, b in pairwise(ends)]
 
 
 def _lateness_slopes(cart: CartModel, log: RunLog) -> Array:

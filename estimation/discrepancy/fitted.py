@@ -20,7 +20,7 @@ from ..prior import Prior
 from .dictionary import Dictionary, build_dictionary
 from .evidence import Base
 from .generic import Course, Dependence, dependences
-from .scatter import FINE_BLOCK, Scatter
+from .scatter import FINE_BLOCK, Scatter, noise_excess
 
 SURE = 12.0
 """Log of the Bayes factor of a dependence that is told."""
@@ -138,7 +138,7 @@ class Fitted:
     @cached_property
     def fine(self) -> Scatter:
         """Over stretches in which a dependence is looked for."""
-        return Scatter.of(self.linearised, FINE_BLOCK)
+        return Scatter.of(self.linearised, self.excess, FINE_BLOCK)
 
     @cached_property
     def dependences(self) -> list[Dependence]:
@@ -160,4 +160,9 @@ class Fitted:
 
     @cached_property
     def scatter(self) -> Scatter:
-        return Scatter.of(self.linearised)
+        return Scatter.of(self.linearised, self.excess)
+
+    @cached_property
+    def excess(self) -> float:
+        """How many times too small the noise variance of long means is believed to be."""
+        return noise_excess(self.linearised)

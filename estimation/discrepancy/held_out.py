@@ -105,7 +105,7 @@ class HeldOut:
     def likelihood(self, fitted: Fitted, better: Fitted) -> float:
         """Log of the ratio of likelihoods of the wrenches that no fit saw, both at the usual delay of samples: at
         another, rows are mixed otherwise and their noise is another."""
-        return 0.5 * (self._surprise(fitted) - self._surprise(better)) / better.scatter.excess
+        return 0.5 * (self._surprise(fitted) - self._surprise(better)) / better.excess
 
     def _surprise(self, fitted: Fitted) -> float:
         trained, total = self.trained(fitted), 0.0

@@ -164,7 +164,7 @@ def _step(
         tell(f"trying {finding.effect.name}")
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
         tried.append((effect, gain.value, fitted.with_added(effect).listening().listening()))
-    excess = min([fitted.scatter.excess, *(model.scatter.excess for *_, model in tried)])
+    excess = min([fitted.excess, *(model.excess for *_, model in tried)])
     again = {f.effect.key: f for f in findings(dictionary, replace(fitted.base, excess=excess))}
     scored = []
     for effect, most, model in tried:
