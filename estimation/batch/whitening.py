@@ -30,15 +30,15 @@ def _add(to: Array, share: float, row: Array) -> None:
 
 @entry
 def whiten(chain: Array, rows: tuple[Ints, Array, Array, Array], columns: Array, through: Array, found: Array) -> None:
-    """`chain` (n d, 2 d) holds the factor's columns from their diagonal on; `rows` which states (m,) the rows stand
-    before, their slopes by the states before and after (m, f, d), and weights (m, f, f). Columns (m, f, k) into `found`
+    """`chain` (n d, 2 d) holds the factor's columns from their diagonal on; `rows` the states (m,) that the rows
+    follow, slopes by these and by those after them (m, f, d), and weights (m, f, f). Columns (m, f, k) into `found`
     (m, f, k), with room for `through` (n d, k)."""
-    used, first, second, weights = rows
+    nodes, first, second, weights = rows
     m, f, d = first.shape
     through[:] = 0.0
     found[:] = 0.0
     for i in range(m):
-        before, after = used[i] * d, used[i] * d + d
+        before, after = nodes[i] * d, nodes[i] * d + d
         for a in range(f):
             for b in range(f):
                 _add(found[i, a], weights[i, a, b], columns[i, b])
@@ -61,7 +61,7 @@ def whiten(chain: Array, rows: tuple[Ints, Array, Array, Array], columns: Array,
         for q in range(through.shape[1]):
             through[j, q] *= share
     for i in range(m):
-        before, after = used[i] * d, used[i] * d + d
+        before, after = nodes[i] * d, nodes[i] * d + d
         for b in range(f):
             for s in range(d):
                 for a in range(f):

@@ -29,6 +29,10 @@ SETTING_STD = {"s": 0.05, "m": 0.05, "rad": 0.001}
 """Of settings that a search found and no linear fit: as fine as it searched."""
 LEAST_SHARE = 0.1
 """Of the squares of the residual, for a dependence that is told."""
+RATE, ENOUGH = 45.0, 2000
+"""Rows a second, and rows, that are as good as more: of a log with twice as many, pairs are looked at."""
+WHOLE = 0.98
+"""Of the rows: so many must be whole for that."""
 CLOSED = 0.25
 """Of the nominal gap above the noise floor: what may be left where the effects explain it."""
 
@@ -203,7 +207,7 @@ def diagnose(
     for log in logs:
         tell(f"smoothing {log.name}")
         check_rows(log, cart)
-        regression = WrenchRegression(log, cart, None)
+        regression = WrenchRegression(log, cart, None, _in_pairs(log))
         checks.append(checked(log, cart, regression))
         whole.append(regression)
     selection = select(whole, cart, arms, tell)
@@ -227,6 +231,12 @@ def _arms(logs: Sequence[RunLog]) -> list[str]:
     if not logs:
         raise UsageError("diagnose: no log is given; at least one is needed")
     return list(dict.fromkeys(arm for log in logs for arm in log.arms))
+
+
+def _in_pairs(log: RunLog) -> bool:
+    rows = log.thinned()
+    whole = np.isfinite(np.column_stack([rows.pose, *(arm.wrench for arm in rows.arms.values())])).all(axis=1)
+    return len(rows) > 2 * max(ENOUGH, RATE * log.duration) and bool(whole.mean() > WHOLE)
 
 
 def _gap(cart: CartModel, selection: Selection) -> Gap:

@@ -13,7 +13,6 @@ from cartgrasp.errors import DataError
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import WheelSet
 
-from ..batch.identification import DELAY
 from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
 from .manoeuvres import held_out, manoeuvres
@@ -110,7 +109,8 @@ class HeldOut:
     def _surprise(self, fitted: Fitted) -> float:
         trained, total = self.trained(fitted), 0.0
         for regression, kept in zip(fitted.regressions, self._kept, strict=True):
-            line = regression.within(kept).with_cart(trained.cart).linearised(trained.cart.parameters, DELAY)
+            own, delay = regression.within(kept).with_cart(trained.cart), regression.usual_delay[0]
+            line = own.linearised(trained.cart.parameters, delay)
             total += line.chi_squared
         return total
 

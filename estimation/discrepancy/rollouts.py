@@ -13,7 +13,7 @@ from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
 from .sideways import planar_wrench
 
-STEP = 0.004
+STEP = 0.005
 """s: the integrator's longest."""
 COORDINATES = ("forward", "sideways", "heading")
 """m, m, rad."""

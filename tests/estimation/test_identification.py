@@ -15,6 +15,7 @@ from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior
 from estimation.batch import identify
 from estimation.batch.block_tridiagonal import BlockTridiagonal
+from estimation.batch.identification import fit
 from estimation.batch.motion_smoother import smooth_motion
 from estimation.batch.physical_fit import PhysicalSet
 from estimation.batch.wrench_record import WrenchRecord
@@ -217,6 +218,20 @@ def test_the_evidence_is_that_of_dense_least_squares():
     assert evidence.blocks.sum(axis=0) * np.outer(scale, scale) == pytest.approx(information, abs=2e-3)
     pull = G.T @ np.linalg.solve(V, residual(first, state))
     assert evidence.pulls.sum(axis=0) * scale == pytest.approx(pull * scale, abs=2e-2)
+
+
+def test_pairs_of_rows_tell_what_rows_tell():
+    log = drawn(3.0, 6, duration=20.0)
+    cart = guess()
+    whole, pairs = (fit(cart, Prior(), [WrenchRegression(log, cart, None, both)]) for both in (False, True))
+    free = whole.covariance.any(axis=0)
+    std, other = (np.sqrt(np.diagonal(f.covariance)[free]) / f.logs[0].noise_excess ** 0.5 for f in (whole, pairs))
+    assert other == pytest.approx(std, rel=0.05)
+    assert np.abs(scores(pairs)).max() < 3.5
+    apart = (pairs.model_parameters - whole.model_parameters)[free]
+    assert np.abs(apart / std).max() < 0.5
+    step = np.diff(log.time)[0]
+    assert pairs.logs[0].delay * 2 * step == pytest.approx(whole.logs[0].delay * step, abs=0.1 * step)
 
 
 def test_smoothed_motion_is_as_wrong_as_it_says():
