@@ -72,17 +72,22 @@ class Evidence:
         n, p = self.pulls.shape
         if n < FEWEST_BLOCKS:
             return self.blocks.sum(axis=0) if n else np.zeros((p, p)), self.pulls.sum(axis=0), 1.0
-        metric = np.linalg.inv(self.blocks.sum(axis=0) + background)
-        expected, scatter = self._scatter(metric)
-        ratio = scatter / np.maximum(expected, 1e-12)
-        usual = max(1.0, float(np.median(ratio)))
-        weights = np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
-        kept = Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+        kept = self.kept(background)
         information = kept.blocks.sum(axis=0)
         expected, scatter = kept._overlapping()._scatter(np.linalg.inv(information + background))
         taught = float(expected.sum())
         excess = float(scatter.sum()) / taught * n / max(n - taught, 1.0) if taught > 0 else 1.0
         return information, kept.pulls.sum(axis=0), max(1.0, excess)
+
+    def kept(self, background: Array) -> Evidence:
+        """With less weight for stretches that contradict themselves."""
+        if len(self.pulls) < FEWEST_BLOCKS:
+            return self
+        expected, scatter = self._scatter(np.linalg.inv(self.blocks.sum(axis=0) + background))
+        ratio = scatter / np.maximum(expected, 1e-12)
+        usual = max(1.0, float(np.median(ratio)))
+        weights = np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
+        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
 
     def _overlapping(self) -> Evidence:
         """Of neighbours together: what is left of a jolt between them has one sign before it, and the other after."""
@@ -150,6 +155,7 @@ class WrenchRegression:
             noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()
         self.noise = noise
         self.colour: NoiseColour | None = None
+        self._loudness = np.ones((cart.constraints.n_free, cart.constraints.n_free))
         with self._sized():
             self._chain = smooth_motion(thinned, cart, noise)
             self.motion = self._chain.paired() if pairs else self._chain
@@ -186,7 +192,8 @@ class WrenchRegression:
         """Takes the wrenches as the cart's sensors are late."""
         rows = self._looked_at(aligned(self.log, self.cart))
         steps = np.diff(rows.time)
-        self._record = WrenchRecord.of(rows, self.cart, self.row_noise)
+        record = WrenchRecord.of(rows, self.cart, self.row_noise)
+        self._record = replace(record, covariance=record.covariance * self._loudness)
         self._neighbours = self._record.of_neighbours(float(np.median(steps)) if len(steps) else 1.0)
 
     @property
@@ -292,6 +299,13 @@ class WrenchRegression:
         """The same, with wrench noise of another colour."""
         other = copy(self)
         other.colour = colour
+        return other
+
+    def louder(self, factor: Array) -> WrenchRegression:
+        """The same, with so many times the noise variance along each free direction (f,)."""
+        other = copy(self)
+        other._loudness = self._loudness * np.sqrt(np.outer(factor, factor))
+        other._listen()
         return other
 
     def within(self, chosen: np.ndarray) -> WrenchRegression:

@@ -63,17 +63,17 @@ class Refiner:
         """From an effect whose amplitudes have values."""
         absent = effect.values.copy()
         absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
-        moves = _moves(effect, amplitudes)
+        steps = moves(effect, amplitudes)
         values, best = absent, self.gain(effect.with_values(absent), amplitudes, std)
         left = EVALUATIONS
-        for halving in range(HALVINGS if moves else 0):
+        for halving in range(HALVINGS if steps else 0):
             improved = True
             while improved and left > 0:
                 improved = False
-                for move in moves:
+                for move in steps:
                     for sign in (1.0, -1.0):
                         tried = move.applied(values, sign / 2**halving)
-                        if tried is None or not _is_open(effect, tried):
+                        if tried is None or not is_open(effect, tried):
                             continue
                         left -= 1
                         found = self.gain(effect.with_values(tried), amplitudes, std)
@@ -86,7 +86,7 @@ class Refiner:
 
 
 @dataclass(frozen=True)
-class _Move:
+class Move:
     """Of one parameter: by a step, or by a power of `FACTOR`; with another that moves the other way, to keep an end."""
 
     which: int
@@ -106,24 +106,24 @@ class _Move:
         return moved
 
 
-def _moves(effect: Effect, amplitudes: np.ndarray) -> list[_Move]:
+def moves(effect: Effect, amplitudes: np.ndarray) -> list[Move]:
     if effect.gate is Gate.FROM:
-        gate = [_Move(0, BLOCK)]
+        gate = [Move(0, BLOCK)]
     elif effect.gate is Gate.WHILE:
-        gate = [_Move(0, BLOCK, against=1), _Move(1, BLOCK)]
+        gate = [Move(0, BLOCK, against=1), Move(1, BLOCK)]
     elif effect.gate is Gate.INSIDE:
-        gate = [_Move(i, CELL / 2) for i in range(4)]
+        gate = [Move(i, CELL / 2) for i in range(4)]
     else:
         gate = []
     rest = [
-        _Move(i, 0.0 if effect.values[i] > 0 else parameter.typical)
+        Move(i, 0.0 if effect.values[i] > 0 else parameter.typical)
         for i, parameter in enumerate(effect.parameters)
         if i >= len(gate) and i not in amplitudes and parameter.grid and not parameter.estimated
     ]
     return gate + rest
 
 
-def _is_open(effect: Effect, values: Array) -> bool:
+def is_open(effect: Effect, values: Array) -> bool:
     if effect.gate is Gate.WHILE:
         return bool(values[1] > 0)
     if effect.gate is Gate.INSIDE:
