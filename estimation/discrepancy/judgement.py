@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from cartgrasp.effects import Effect
 
+from .evidence import Finding
 from .fitted import Fitted
 from .held_out import HeldOut
 
@@ -19,8 +20,13 @@ LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
 LEAST_OF_REST = 0.3
 """Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
-MOST_CHANGE = 0.5
-"""Of its size: what an effect may change by when a quarter of the log is left out."""
+MOST_CHANGE, MOST_DRIFT = 0.5, 0.5
+"""Of its size: what an effect may change by when a quarter of the log is left out; from all to one quarter, beyond
+noise."""
+UNSTEADY = "its size is another in another part of the log"
+FAR_LESS = 0.5
+"""Of the log of the Bayes factor of what is refused as unsteady: what explains less than this of a thing that has no
+name is no better a name for it."""
 OUTSIDE = 1.5
 """Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
 vocabulary."""
@@ -49,10 +55,11 @@ class Judge:
         nowhere_else = "it would be nearly everywhere" if self.held_out.covers(effect) else ""
         return effect.implausible(*self.held_out.rolling) or nowhere_else
 
-    def verdict(self, effect: Effect, score: float, change: float, model: Fitted) -> Verdict:
-        """Of an effect with the log of its Bayes factor, how its size changes over the log, and the fit with it."""
+    def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
+        """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
+        effect = next(one for one in model.cart.effects if one.key == found.effect.key)
         reason = (
-            self.implausible(effect) or self._unsteady(change) or self._outside(model) or self._unsure(effect, score)
+            self.implausible(effect) or self._unsteady(found) or self._outside(model) or self._unsure(effect, score)
         )
         if reason:
             return Verdict(False, reason)
@@ -65,8 +72,8 @@ class Judge:
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share)
 
-    def _unsteady(self, change: float) -> str:
-        return "its size is another in another part of the log" if change > MOST_CHANGE else ""
+    def _unsteady(self, found: Finding) -> str:
+        return UNSTEADY if found.change > MOST_CHANGE or found.drift > MOST_DRIFT else ""
 
     def _outside(self, model: Fitted) -> str:
         follows, closed = self.fitted.periodic, self.fitted.misfit() - model.misfit()

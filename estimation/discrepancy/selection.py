@@ -21,7 +21,16 @@ from .evidence import findings
 from .fitted import Fitted
 from .held_out import HeldOut
 from .isolability import Isolability, isolability
-from .judgement import ENOUGH, LEAST_GAIN, LEAST_LIKELIHOOD, LEAST_OF_REST, Judge, Verdict
+from .judgement import (
+    ENOUGH,
+    FAR_LESS,
+    LEAST_GAIN,
+    LEAST_LIKELIHOOD,
+    LEAST_OF_REST,
+    UNSTEADY,
+    Judge,
+    Verdict,
+)
 from .log_check import moving
 from .refinement import Refiner
 from .sideways import sideways_trials
@@ -173,10 +182,13 @@ def _step(
             most = min(max(most, refitted), MOST_BY_REFIT * most)
         scored.append((most / excess + again[effect.key].occam, effect, model))
     scored.sort(key=lambda one: -one[0])
-    attempts, added, better = [], None, None
+    attempts, added, better, nameless = [], None, None, 0.0
     for score, effect, model in scored:
-        if added is None:
-            verdict = judge.verdict(effect, score, again[effect.key].change, model)
+        if added is None and score < FAR_LESS * nameless:
+            verdict = Verdict(False, "far less probable than what is another in another part of the log")
+        elif added is None:
+            verdict = judge.verdict(again[effect.key], score, model)
+            nameless = max(nameless, score) if verdict.reason == UNSTEADY else nameless
         else:
             verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
         attempt = Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason)

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.effects import ExternalPush, ViscousDrag
+from cartgrasp.effects import ExternalPush, ForceBias, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.batch.wrench_regression import WrenchRegression
 from estimation.discrepancy.certainty import balanced, certain, pulls
+from estimation.discrepancy.evidence import findings
 from estimation.discrepancy.fitted import Fitted
 
 from .runs import simulate
@@ -54,6 +55,20 @@ def test_pulls_cancel_against_the_prior_at_the_best_fit():
     )
     assert std * (each.sum(axis=1) + model.base.pull) == pytest.approx(0.0, abs=0.1)
     assert (std * np.linalg.norm(each, axis=1) > 0.2).all()
+
+
+@pytest.mark.parametrize("grows", [False, True])
+def test_an_offset_that_grows_drifts(grows):
+    """It is nothing at first, and twice its mean in the end; a quarter of the log has a quarter of that at most."""
+    log = pushed(0.0)
+    ((name, arm),) = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] += 6.0 * (2 * log.time / log.time[-1] if grows else 1.0)
+    biased = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    model = Fitted((WrenchRegression(biased, CART, None),), CART)
+    (found,) = findings(model.dictionary([ForceBias()]), model.base)
+    assert found.log_factor > 50
+    assert found.drift > 0.5 if grows else found.drift < 0.15
 
 
 def test_a_direction_with_misfit_is_believed_less():
