@@ -18,9 +18,11 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.motion import ParameterEstimate
+from cartgrasp.wheels import FIXED
 
-from ..batch.wrench_regression import BLOCK
+from ..batch.wrench_regression import BLOCK, WrenchRegression
 from ..parameter_report import ParameterReport
+from ..prior import report_names
 from .dictionary import may_be_amplitudes
 from .fitted import Fitted
 from .manoeuvres import manoeuvres
@@ -29,10 +31,15 @@ from .refinement import Move, Refiner, is_open, moves
 FORM = {"s": 0.05, "m": 0.03}
 """How much less sharp the world is than a step in time or place."""
 FORM_SHARE = 0.05
-"""Of every other value of an effect: how near to one another two forms are that have one name."""
+"""Of every other value of an effect: how near to one another two forms of one name are, and how far one of them seems
+to vary from manoeuvre to manoeuvre where the other is true."""
 OUTLYING = 4.0
 """Times the usual scatter: what an accident counts at most."""
 FIRST, FIRST_SHARE, DOUBLINGS = {"s": 0.04, "m": 0.02}, 0.02, 7
+ROLLING, SETTLING = 0.02, 0.05
+"""m/s, m: below, and so soon after, a wheel's friction has not the value that it keeps; a caster's trail is as long."""
+MOST_LOST = 1.5
+"""Times the deviation: what fewer rows may cost."""
 UNLIKELY = 8.0
 """Difference of logs of likelihoods beyond which nobody looks."""
 FINE = 400
@@ -52,8 +59,30 @@ def certain(fitted: Fitted) -> Certainty:
     for effect in fitted.added:
         moved, found = _settled(fitted, effect)
         fitted, settings = _with(fitted, effect, moved), settings | found
-    fitted = balanced(fitted)
+    fitted = balanced(_rolling(fitted))
     return Certainty(fitted, _parameters(fitted), settings)
+
+
+def _rolling(fitted: Fitted) -> Fitted:
+    """On rows on which all wheels roll, and casters and bristles have settled, where these tell nearly as much."""
+    chosen = tuple(regression.within(settled(regression)) for regression in fitted.regressions)
+    fewer = fitted.on(chosen)
+    before, after = (
+        np.diagonal(f.identification.covariance)[f.free[:-1]]
+        / np.mean([log.noise_excess for log in f.identification.logs])
+        for f in (fitted, fewer)
+    )
+    return fewer if (after < MOST_LOST**2 * before).all() else fitted
+
+
+def settled(regression: WrenchRegression) -> np.ndarray:
+    """Rows (n,) on which no fixed wheel, nor the axle's middle, is near rest or has just been."""
+    motion, tracks = regression.motion, [0.0, *(w.y for w in regression.cart.wheels if w.kind == FIXED)]
+    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))
+    slowest = np.abs(motion.velocity[:, :1] - np.outer(turning, tracks)).min(axis=1)
+    travelled = np.cumsum(np.abs(motion.velocity[:, 0]) * np.diff(motion.time, prepend=motion.time[0]))
+    rested = np.maximum.accumulate(np.where(slowest < ROLLING, travelled, 0.0))
+    return np.asarray((slowest >= ROLLING) & (travelled - rested > SETTLING))
 
 
 def _with(fitted: Fitted, effect: Effect, moved: Effect) -> Fitted:
@@ -79,10 +108,9 @@ def balanced(fitted: Fitted) -> Fitted:
 def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
     own, known = fitted.free[:-1], fitted.identification
     covariance = known.covariance[np.ix_(own, own)]
-    drawn = covariance @ _drawn(fitted)
-    prior = covariance @ fitted.base.information[:-1, :-1] @ covariance
-    robust = np.diagonal(drawn @ drawn.T + prior)
-    wider = np.sqrt(np.maximum(robust / np.diagonal(covariance), 1.0))
+    there, form = (((covariance @ each) ** 2).sum(axis=1) for each in _drawn(fitted))
+    there += np.diagonal(covariance @ fitted.base.information[:-1, :-1] @ covariance)
+    wider = np.sqrt(np.maximum(there, np.diagonal(covariance) + form) / np.diagonal(covariance))
     whole = known.covariance.copy()
     whole[np.ix_(own, own)] = wider[:, None] * covariance * wider
     share = np.ones(len(whole))
@@ -91,36 +119,61 @@ def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
 
 
 def _form(fitted: Fitted) -> Array:
-    """Covariance (p, p) of what an added effect's value would be in another form."""
-    n = sum(len(effect.values) for effect in fitted.added)
-    absent = [parameter.absent for effect in fitted.added for parameter in effect.parameters]
-    size = np.zeros(len(fitted.cart.parameters))
-    size[len(size) - n :] = FORM_SHARE * np.abs(fitted.cart.parameters[len(size) - n :] - absent)
+    """Covariance (p, p) of what added effects' values would be in another form."""
+    own, size = fitted.free[:-1], np.zeros(len(fitted.cart.parameters))
+    size[own] = FORM_SHARE * _shares(fitted)[:-1].sum(axis=1)
     return np.diag(size**2)
 
 
-def pulls(fitted: Fitted) -> list[tuple[Array, Array]]:
-    """Of each log: pulls of its manoeuvres on the free parameters and its delay (p + 1, manoeuvres), and the
-    information about the delay in relation to all (p + 1,)."""
-    found = []
+@dataclass(frozen=True)
+class Pulls:
+    """Of a log's manoeuvres on the free parameters and its delay: those at the best fit (p + 1, manoeuvres), those that
+    added effects would make whose form is a little wrong (p + 1, ...), and the information about the delay in relation
+    to all (p + 1,)."""
+
+    there: Array
+    form: Array
+    late: Array
+
+    def on_parameters(self, background: float) -> tuple[Array, Array]:
+        """With the delay as it fits best: those that are there, as many as are free to differ, and those of forms."""
+        follows = (self.late[:-1] / (self.late[-1] + background))[:, None]
+        n = int(self.there.any(axis=0).sum())
+        there, form = (each[:-1] - follows * each[-1] for each in (self.there, self.form))
+        return there * np.sqrt(n / max(n - 1, 1)), form
+
+
+def pulls(fitted: Fitted) -> list[Pulls]:
+    """Of each log."""
+    found, shares = [], _shares(fitted)
     for (regression, line, delay), told in zip(fitted.linearised, fitted.identification.logs, strict=True):
         evidence = regression.evidence(fitted.cart.parameters, delay).part(fitted.free).kept(fitted.base.information)
         first = line.nodes[line.ends(BLOCK)[:-1]] // regression.size
         number = manoeuvres(regression.motion, not regression.cart.constraints.no_rotation)[first]
-        sums = np.zeros((number.max(initial=0) + 1, len(fitted.free)))
-        np.add.at(sums, number, evidence.pulls)
-        found.append((sums.T / told.noise_excess, evidence.blocks.sum(axis=0)[-1] / told.noise_excess))
+        m, k = number.max(initial=0) + 1, len(fitted.free)
+        there, information = np.zeros((m, k)), np.zeros((m, k, k))
+        np.add.at(there, number, evidence.pulls / told.noise_excess)
+        np.add.at(information, number, evidence.blocks / told.noise_excess)
+        form = FORM_SHARE * np.swapaxes(information @ shares, 0, 1).reshape(k, -1)
+        found.append(Pulls(there.T, form, information.sum(axis=0)[-1]))
     return found
 
 
-def _drawn(fitted: Fitted) -> Array:
-    """Pulls (p, manoeuvres) of all logs, with each log's delay as it fits best, as many as are free to differ."""
-    found = []
-    for each, late in pulls(fitted):
-        n = int(each.any(axis=0).sum())
-        follows = late[:-1] / (late[-1] + fitted.base.information[-1, -1])
-        found.append((each[:-1] - follows[:, None] * each[-1]) * np.sqrt(n / max(n - 1, 1)))
-    return np.concatenate(found, axis=1)
+def _shares(fitted: Fitted) -> Array:
+    """Of each added effect, what it adds to the free parameters and the delay (p + 1, effects)."""
+    places = {name: i for i, name in enumerate(report_names(fitted.cart))}
+    whole = np.zeros((len(fitted.cart.parameters) + 1, len(fitted.added)))
+    for k, effect in enumerate(fitted.added):
+        for key, parameter in zip(effect.keys, effect.parameters, strict=True):
+            whole[places[key], k] = fitted.cart.parameters[places[key]] - parameter.absent
+    return np.asarray(whole[fitted.free])
+
+
+def _drawn(fitted: Fitted) -> tuple[Array, Array]:
+    """Pulls (p, ...) of all logs."""
+    background = float(fitted.base.information[-1, -1])
+    there, form = zip(*(each.on_parameters(background) for each in pulls(fitted)), strict=True)
+    return np.concatenate(there, axis=1), np.concatenate(form, axis=1)
 
 
 def _settled(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:

@@ -49,7 +49,7 @@ def test_times_are_known_as_well_as_they_are_said_to_be(seed):
 def test_pulls_cancel_against_the_prior_at_the_best_fit():
     model = fitted(20.0)
     model = replace(model, start=model.cart.parameters)
-    ((each, _),) = pulls(model)
+    ((each),) = (one.there for one in pulls(model))
     std = np.append(
         np.sqrt(np.diagonal(model.identification.covariance))[model.free[:-1]], model.regressions[0].usual_delay[1]
     )
