@@ -272,6 +272,23 @@ def test_the_nearest_body_is_that_of_a_search(seed):
     assert nearest == pytest.approx(projected(parameters, information, (2.0, 0.09)), abs=3e-3)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_the_nearest_within_bounds_is_that_of_a_search(seed):
+    random = np.random.default_rng(seed)
+    cart = guess(effects=DRAGS)
+    limits = PhysicalSet.of(cart, "a test")
+    parameters = cart.parameters + np.array([0.5, 0.1, 0.1, 1.0, -6.0, 0.3, -0.01]) * random.uniform(0.5, 1.0, 7)
+    root = random.standard_normal((7, 7)) + 3 * np.eye(7)
+    information = root @ root.T
+    nearest = limits.nearest(parameters, np.arange(7), information)
+    bounds = [(None, None)] * 4 + [(0.0, None)] * 2 + [(0.0, 1.0)]
+    found = minimize(
+        lambda p: (p - parameters) @ information @ (p - parameters), cart.parameters, bounds=bounds, tol=1e-12
+    )
+    assert limits.holds(nearest)
+    assert nearest == pytest.approx(found.x, abs=2e-4)
+
+
 def test_a_fit_that_would_be_no_body_is_brought_to_one():
     """Sure of a tiny inertia, and shown one that is smaller still."""
     log = drawn(3.0, 12, duration=6.0)
