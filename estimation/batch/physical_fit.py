@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
@@ -89,11 +90,11 @@ class PhysicalSet:
     def _body(self, phi: Array, lift: Array) -> NonlinearConstraint:
         """Of a step: that the moment of inertia about the CoM is large enough, by Schur's complement."""
 
-        def spare(step: Array) -> float:
+        def spare(step: Any) -> Array:
             mass, x, y, inertia = phi + lift @ step
-            return float(inertia - (1 + EDGE) * self.about_com - (x * x + y * y) / mass)
+            return np.array([inertia - (1 + EDGE) * self.about_com - (x * x + y * y) / mass])
 
-        def slope(step: Array) -> Array:
+        def slope(step: Any) -> Array:
             mass, x, y, _ = phi + lift @ step
             return np.asarray(np.array([(x * x + y * y) / mass**2, -2 * x / mass, -2 * y / mass, 1.0]) @ lift)
 
