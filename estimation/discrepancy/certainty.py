@@ -26,7 +26,7 @@ from ..prior import report_names
 from .dictionary import may_be_amplitudes
 from .fitted import Fitted
 from .manoeuvres import manoeuvres
-from .refinement import Move, Refiner, is_open, moves
+from .refinement import Move, Refiner, is_open, moves, prior_std
 
 FORM = {"s": 0.05, "m": 0.03}
 """How much less sharp the world is than a step in time or place."""
@@ -58,7 +58,7 @@ def certain(fitted: Fitted) -> Certainty:
     settings: dict[str, float] = {}
     for effect in fitted.added:
         moved, found = _settled(fitted, effect)
-        fitted, settings = _with(fitted, effect, moved), settings | found
+        fitted, settings = fitted.with_changed(effect, moved), settings | found
     fitted = balanced(_rolling(fitted))
     return Certainty(fitted, _parameters(fitted), settings)
 
@@ -83,12 +83,6 @@ def settled(regression: WrenchRegression) -> np.ndarray:
     travelled = np.cumsum(np.abs(motion.velocity[:, 0]) * np.diff(motion.time, prepend=motion.time[0]))
     rested = np.maximum.accumulate(np.where(slowest < ROLLING, travelled, 0.0))
     return np.asarray((slowest >= ROLLING) & (travelled - rested > SETTLING))
-
-
-def _with(fitted: Fitted, effect: Effect, moved: Effect) -> Fitted:
-    added = tuple(moved if one is effect else one for one in fitted.added)
-    known = tuple(moved if one.key == moved.key else one for one in fitted.cart.effects)
-    return replace(fitted, added=added, start=replace(fitted.cart, effects=known).parameters)
 
 
 def balanced(fitted: Fitted) -> Fitted:
@@ -184,8 +178,6 @@ def _settled(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
         return effect, {}
     own = next(one for one in fitted.cart.effects if one.key == effect.key)
     refiner, excess = Refiner(fitted.without(effect.key)), max(fitted.excess, 1.0)
-    if len(fitted.added) > 1:  # it was searched for without some of the others
-        own = refiner.refined(own, amplitudes, _prior_std(own, amplitudes))[0]
     values, found = own.values.copy(), dict[str, float]()
     for move in searched:
         parameter = own.parameters[move.which]
@@ -200,17 +192,13 @@ def _settled(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
     return own.with_values(values), found
 
 
-def _prior_std(effect: Effect, amplitudes: np.ndarray) -> Array:
-    return np.array([2 * effect.parameters[i].typical for i in amplitudes])
-
-
 def _posterior(
     refiner: Refiner, effect: Effect, amplitudes: np.ndarray, move: Move, excess: float
 ) -> tuple[float, float]:
     """Mean, from where it is, and standard deviation of a setting, with the amplitudes as they fit best."""
     absent, unit = effect.values.copy(), effect.parameters[move.which].unit
     absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
-    std = _prior_std(effect, amplitudes)
+    std = prior_std(effect, amplitudes)
     first = FIRST.get(unit, FIRST_SHARE * abs(float(effect.values[move.which])))
     best = refiner.gain(effect.with_values(absent), amplitudes, std).value
     known = {0.0: 0.0}

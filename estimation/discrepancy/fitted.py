@@ -96,6 +96,12 @@ class Fitted:
         start = np.append(self.cart.parameters, effect.values)
         return replace(self, added=(*self.added, effect), start=start)
 
+    def with_changed(self, effect: Effect, changed: Effect) -> Fitted:
+        """With another setting of an effect that was added."""
+        added = tuple(changed if one is effect else one for one in self.added)
+        known = tuple(changed if one.key == changed.key else one for one in self.cart.effects)
+        return replace(self, added=added, start=replace(self.cart, effects=known).parameters)
+
     def on(self, regressions: tuple[WrenchRegression, ...]) -> Fitted:
         """The same structure, fitted to other rows."""
         return replace(self, regressions=regressions, start=self.cart.parameters)

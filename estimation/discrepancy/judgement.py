@@ -27,9 +27,9 @@ UNSTEADY = "its size is another in another part of the log"
 FAR_LESS = 0.5
 """Of the log of the Bayes factor of what is refused as unsteady: what explains less than this of a thing that has no
 name is no better a name for it."""
-OUTSIDE = 1.5
+OUTSIDE, OUTSIDE_PASSING = 1.5, 0.5
 """Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
-vocabulary."""
+vocabulary. What acts for a while takes away some turns of anything periodic."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,10 @@ class Judge:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
         reason = (
-            self.implausible(effect) or self._unsteady(found) or self._outside(model) or self._unsure(effect, score)
+            self.implausible(effect)
+            or self._unsteady(found)
+            or self._outside(effect, model)
+            or self._unsure(effect, score)
         )
         if reason:
             return Verdict(False, reason)
@@ -75,11 +78,12 @@ class Judge:
     def _unsteady(self, found: Finding) -> str:
         return UNSTEADY if found.change > MOST_CHANGE or found.drift > MOST_DRIFT else ""
 
-    def _outside(self, model: Fitted) -> str:
+    def _outside(self, effect: Effect, model: Fitted) -> str:
+        enough = OUTSIDE_PASSING if effect.gate.passes else OUTSIDE
         follows, closed = self.fitted.periodic, self.fitted.misfit() - model.misfit()
-        if follows is None or follows.share * self.fitted.misfit(follows.direction) <= OUTSIDE * closed:
+        if follows is None or follows.share * self.fitted.misfit(follows.direction) <= enough * closed:
             return ""
-        return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) far better"
+        return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
         enough = max(ENOUGH_PASSING, BESIDE * self.strongest) if effect.gate.passes else ENOUGH

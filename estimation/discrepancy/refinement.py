@@ -13,7 +13,7 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 
-from .dictionary import BLOCK, CELL, slopes_of
+from .dictionary import BLOCK, CELL, may_be_amplitudes, slopes_of
 from .fitted import Fitted
 
 HALVINGS = 5
@@ -83,6 +83,21 @@ class Refiner:
         values = values.copy()
         values[amplitudes] += best.amplitudes
         return effect.with_values(values), best
+
+
+def searched_again(fitted: Fitted) -> Fitted:
+    """With the settings of all effects but the last, which were searched for without it, where they are best now."""
+    for effect in fitted.added[:-1]:
+        amplitudes = np.flatnonzero(may_be_amplitudes(effect))
+        if any(not effect.parameters[move.which].estimated for move in moves(effect, amplitudes)):
+            known = next(one for one in fitted.cart.effects if one.key == effect.key)
+            refiner = Refiner(fitted.without(effect.key))
+            fitted = fitted.with_changed(effect, refiner.refined(known, amplitudes, prior_std(effect, amplitudes))[0])
+    return fitted
+
+
+def prior_std(effect: Effect, amplitudes: np.ndarray) -> Array:
+    return np.array([2 * effect.parameters[i].typical for i in amplitudes])
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from .judgement import (
     Verdict,
 )
 from .log_check import moving
-from .refinement import Refiner
+from .refinement import Refiner, searched_again
 from .sideways import sideways_trials
 from .vocabulary import trials
 
@@ -109,7 +109,7 @@ def select(
         steps.append(step)
         if better is None:
             break
-        fitted = better
+        fitted = searched_again(better)
         strongest = max(strongest, step.added.log_factor if step.added else 0.0)
     fitted, removed = _pruned(fitted, held_out)
     return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})

@@ -85,6 +85,13 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"effect": StribeckFriction(breakaway=3.0, speed=0.5)}, "far from standstill"),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, "nothing swings"),
         (
+            {
+                "effect": ExternalPush(start=1.0, duration=0.5, force=9.0),
+                "before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.3), {0: 90.0}),
+            },
+            "follows time, periodic",
+        ),
+        (
             {"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.8), {0: 90.0})},
             "follows time, periodic",
         ),
