@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
 
 from .evidence import Finding
 from .fitted import Fitted
@@ -14,8 +15,9 @@ ENOUGH, ENOUGH_PASSING = 7.0, 20.0
 """Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
-BESIDE = 0.15
-"""Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents."""
+BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02}
+"""Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
+hardly like a lasting change."""
 LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
 LEAST_OF_REST = 0.3
@@ -86,5 +88,5 @@ class Judge:
         return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
-        enough = max(ENOUGH_PASSING, BESIDE * self.strongest) if effect.gate.passes else ENOUGH
+        enough = max(ENOUGH_PASSING, BESIDE[effect.gate] * self.strongest) if effect.gate.passes else ENOUGH
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""

@@ -5,7 +5,15 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from cartgrasp.effects import ExternalPush, FloorPatch, LoadSlosh, QuadraticDrag, StribeckFriction, WheelDragImbalance
+from cartgrasp.effects import (
+    ExternalPush,
+    FloorPatch,
+    LoadSlosh,
+    PayloadChange,
+    QuadraticDrag,
+    StribeckFriction,
+    WheelDragImbalance,
+)
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel, WheelSet
@@ -77,6 +85,7 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"proof": Proof(share=-0.01, log_likelihood=50.0)}, "closes -1.0 %"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
+        ({"effect": PayloadChange(time=9.0, mass=3.0), "strongest": 5000.0}, "below 100"),
         ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
         ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(is_everywhere=True)}, "nearly everywhere"),
         ({"effect": WheelDragImbalance(force=4.0, moment=0.1)}, "both wheels drag alike"),
@@ -113,6 +122,12 @@ def test_one_gain_is_enough(proof):
 def test_a_push_is_proven_where_it_is():
     push = ExternalPush(start=1.0, duration=0.5, force=9.0)
     assert judged(push, proof=Proof(share=0.0, share_everywhere=0.2)).is_added
+
+
+def test_a_lasting_change_counts_beside_a_strong_effect():
+    assert judged(
+        PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.0, share_everywhere=0.2), strongest=2000.0
+    ).is_added
 
 
 def test_a_tight_wheel_is_plausible():
