@@ -21,7 +21,7 @@ from cartgrasp.frames import Array
 
 from .dictionary import BLOCK, Dictionary, Trial
 
-LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24)
 """Blocks that something may act for."""
 PARTS = 4
 """Of a log, each of which is left out once."""

@@ -26,9 +26,6 @@ MOST_CHANGE, MOST_DRIFT = 0.5, 0.5
 """Of its size: what an effect may change by when a quarter of the log is left out; from all to one quarter, beyond
 noise."""
 UNSTEADY = "its size is another in another part of the log"
-FAR_LESS = 0.5
-"""Of the log of the Bayes factor of what is refused as unsteady: what explains less than this of a thing that has no
-name is no better a name for it."""
 OUTSIDE, OUTSIDE_PASSING = 1.5, 0.5
 """Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
 vocabulary. What acts for a while takes away some turns of anything periodic."""
@@ -51,6 +48,11 @@ class Judge:
     fitted: Fitted
     held_out: HeldOut
     strongest: float
+
+    def may_be(self, absent: Effect) -> bool:
+        """Whether a search may begin from a setting: one that its grid offers, but no cart like this has, is left."""
+        searched = absent.gate is Gate.ALWAYS and any(p.grid for p in absent.parameters)
+        return not (searched and absent.implausible(*self.held_out.rolling))
 
     def implausible(self, effect: Effect) -> str:
         """Why nobody would call it so on these logs; empty where they would."""

@@ -5,6 +5,7 @@ Each setting is judged by the most that the effect's amplitudes gain there, with
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,8 +34,9 @@ class Gain:
 class Refiner:
     """Around one fit."""
 
-    def __init__(self, fitted: Fitted) -> None:
-        self._fitted = fitted
+    def __init__(self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None) -> None:
+        """`implausible` says of an effect at a setting why it can't be, where it can't."""
+        self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
         self._base: list[tuple[Array, Array]] = []
         information = fitted.base.information.copy()
         for _, line, _ in fitted.linearised:
@@ -74,6 +76,8 @@ class Refiner:
                     for sign in (1.0, -1.0):
                         tried = move.applied(values, sign / 2**halving)
                         if tried is None or not is_open(effect, tried):
+                            continue
+                        if self._implausible(effect.with_values(tried)):
                             continue
                         left -= 1
                         found = self.gain(effect.with_values(tried), amplitudes, std)

@@ -23,7 +23,6 @@ from .held_out import HeldOut
 from .isolability import Isolability, isolability
 from .judgement import (
     ENOUGH,
-    FAR_LESS,
     LEAST_GAIN,
     LEAST_LIKELIHOOD,
     LEAST_OF_REST,
@@ -103,9 +102,10 @@ def select(
     shown: dict[str, Isolability] | None = None
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
-        dictionary = fitted.dictionary(trials(fitted.cart, arms))
+        judge = Judge(fitted, held_out, strongest)
+        dictionary = fitted.dictionary([one for one in trials(fitted.cart, arms) if judge.may_be(one)])
         shown = isolability(dictionary, fitted.base) if shown is None else shown
-        step, better = _step(fitted, dictionary, Judge(fitted, held_out, strongest), tell)
+        step, better = _step(fitted, dictionary, judge, tell)
         steps.append(step)
         if better is None:
             break
@@ -165,7 +165,7 @@ def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.base)
-    refiner = Refiner(fitted)
+    refiner = Refiner(fitted, judge.implausible)
     tried = []
     for finding in screened[:MOST_TRIED]:
         if finding.log_factor < max(WORTH_TRYING, HOPELESS * screened[0].log_factor):
@@ -184,8 +184,8 @@ def _step(
     scored.sort(key=lambda one: -one[0])
     attempts, added, better, nameless = [], None, None, 0.0
     for score, effect, model in scored:
-        if added is None and score < FAR_LESS * nameless:
-            verdict = Verdict(False, "far less probable than what is another in another part of the log")
+        if added is None and score < nameless:  # it explains less of a thing that has no name
+            verdict = Verdict(False, "less probable than what is another in another part of the log")
         elif added is None:
             verdict = judge.verdict(again[effect.key], score, model)
             nameless = max(nameless, score) if verdict.reason == UNSTEADY else nameless
