@@ -129,8 +129,7 @@ class Fitted:
         found = zip(self.regressions, self.delays, strict=True)
         missing = whole + float(np.mean([(r.usual_delay[0] - d) * np.median(np.diff(r.motion.time)) for r, d in found]))
         moved = late[0].with_values(late[0].values + missing - late[0].lateness)
-        added = tuple(moved if effect is late[0] else effect for effect in self.added)
-        return replace(self, added=added, start=self.cart.parameters)
+        return self.with_changed(late[0], moved)
 
     def without(self, key: str) -> Fitted:
         return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)

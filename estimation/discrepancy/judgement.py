@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import Effect, SensorEffect
 from cartgrasp.effects.effect import Gate
 
 from .evidence import Finding
@@ -20,6 +20,8 @@ BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02}
 hardly like a lasting change."""
 LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
+NO_WORSE = 0.005
+"""Of the gap above the noise floor: what noise may make of it."""
 LEAST_OF_REST = 0.3
 """Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
 MOST_CHANGE, MOST_DRIFT = 0.5, 0.5
@@ -33,12 +35,14 @@ vocabulary. What acts for a while takes away some turns of anything periodic."""
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether an effect is added; if not, why; and the share of the gap above the noise floor that it closes on
-    held-out stretches, where it came to that."""
+    """Whether an effect is added; if not, why; the share of the gap above the noise floor that it closes on held-out
+    stretches, where it came to that; whether there is something like it that has no name, so that nothing that explains
+    less is its name."""
 
     is_added: bool
     reason: str
     held_out_gain: float | None = None
+    is_nameless: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,20 +68,31 @@ class Judge:
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
         reason = (
             self.implausible(effect)
+            or self._held(effect, model)
             or self._unsteady(found)
             or self._outside(effect, model)
             or self._unsure(effect, score)
         )
         if reason:
-            return Verdict(False, reason)
+            return Verdict(False, reason, is_nameless=bool(self._held(effect, model) or self._unsteady(found)))
         proof = self.held_out.everywhere if effect.gate.passes else self.held_out
         share, of_rest = proof.gain(self.fitted, model)
         if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
             return Verdict(True, "added", share)
-        if share >= 0 and not effect.gate.passes and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD:
+        if (
+            share >= -NO_WORSE
+            and not effect.gate.passes
+            and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD
+        ):
             return Verdict(True, "added", share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share)
+
+    def _held(self, effect: Effect, model: Fitted) -> str:
+        late = effect.lateness if isinstance(effect, SensorEffect) else 0.0
+        if 0 < late < max((regression.step for regression in model.regressions), default=0.0):
+            return f"{1e3 * late:.0f} ms is less than a sample, as wrenches may be late that are held or averaged"
+        return ""
 
     def _unsteady(self, found: Finding) -> str:
         return UNSTEADY if found.change > MOST_CHANGE or found.drift > MOST_DRIFT else ""

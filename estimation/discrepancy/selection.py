@@ -26,7 +26,6 @@ from .judgement import (
     LEAST_GAIN,
     LEAST_LIKELIHOOD,
     LEAST_OF_REST,
-    UNSTEADY,
     Judge,
     Verdict,
 )
@@ -185,10 +184,10 @@ def _step(
     attempts, added, better, nameless = [], None, None, 0.0
     for score, effect, model in scored:
         if added is None and score < nameless:  # it explains less of a thing that has no name
-            verdict = Verdict(False, "less probable than what is another in another part of the log")
+            verdict = Verdict(False, "less probable than what has no name")
         elif added is None:
             verdict = judge.verdict(again[effect.key], score, model)
-            nameless = max(nameless, score) if verdict.reason == UNSTEADY else nameless
+            nameless = max(nameless, score) if verdict.is_nameless else nameless
         else:
             verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
         attempt = Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason)

@@ -1,6 +1,7 @@
 """Each reason for which an effect is not named, and that nothing else stands in its way."""
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from cartgrasp.effects import (
     PayloadChange,
     QuadraticDrag,
     StribeckFriction,
+    TimeDelay,
     WheelDragImbalance,
 )
 from cartgrasp.inertia import Inertia
@@ -55,6 +57,7 @@ class Fit:
     periodic: object = None
     by_direction: dict = field(default_factory=dict)
     effect: object = None
+    regressions: tuple = (SimpleNamespace(step=0.01),)
 
     @property
     def cart(self):
@@ -79,6 +82,7 @@ def test_what_is_probable_steady_and_gains_is_added():
     ("case", "said"),
     [
         ({"score": 6.9}, "below 7"),
+        ({"effect": TimeDelay(delay=0.009)}, "less than a sample"),
         ({"change": (0.6, 0.1)}, "another part of the log"),
         ({"change": (0.1, 0.6)}, "another part of the log"),
         ({"proof": Proof(share=0.04)}, "closes 4.0 %"),
@@ -128,6 +132,10 @@ def test_a_lasting_change_counts_beside_a_strong_effect():
     assert judged(
         PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.0, share_everywhere=0.2), strongest=2000.0
     ).is_added
+
+
+def test_a_delay_of_some_samples_is_one():
+    assert judged(TimeDelay(delay=0.013)).is_added
 
 
 def test_a_tight_wheel_is_plausible():
