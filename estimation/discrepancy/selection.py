@@ -164,7 +164,7 @@ def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.base)
-    refiner = Refiner(fitted, judge.implausible)
+    refiner = Refiner(fitted, lambda effect: effect.implausible(*judge.held_out.rolling))
     tried = []
     for finding in screened[:MOST_TRIED]:
         if finding.log_factor < max(WORTH_TRYING, HOPELESS * screened[0].log_factor):
