@@ -26,7 +26,9 @@ from .parallel import run_all
 
 DURATION = 12.0
 """s: up to where the cart stops."""
-PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, effects=0.25, std={"rolling_resistance.coefficient": 0.004})
+SPREAD = {"viscous_drag.linear": 0.5, "viscous_drag.angular": 0.25, "rolling_resistance.coefficient": 0.004}
+"""So small beside the guess that a draw is hardly ever negative, which would not be from the prior any more."""
+PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, std=SPREAD)
 MATCHED, WRONG = "matched", "rolling resistance left out"
 MODELS = MATCHED, WRONG
 MOTION, PARAMETERS, POSE, VELOCITY = "NEES of motion", "NEES of parameters", "NIS of pose", "NIS of velocity"
@@ -61,7 +63,7 @@ def believed(model: str) -> tuple[CartModel, Prior]:
     cart = guess()
     if model == MATCHED:
         return cart, PRIOR
-    return CartModel(cart.inertia, cart.constraints, cart.effects[:1]), replace(PRIOR, std={})
+    return CartModel(cart.inertia, cart.constraints, cart.effects[:1]), replace(PRIOR, std={name: std for name, std in SPREAD.items() if "rolling" not in name})
 
 
 def exact_noise(sensors: str) -> FilterNoise:
