@@ -33,7 +33,8 @@ LONG_GAP = 1.0
 class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
-    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Wrenches are
+    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Below
+    `least_speed` (m/s) of {b}'s origin nothing is learned, as in the paper's experiments. Wrenches are
     taken to be of the measurement's time: of those with a `time_delay`, hand over a log by `replay`.
     """
 
@@ -45,9 +46,10 @@ class CartFilter:
         noise: FilterNoise | None = None,
         prior: Prior | None = None,
         yaws: Mapping[str, float] | None = None,
+        least_speed: float = 0.0,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
-        self._learner = ParameterLearner(cart, arms, self.noise, self.prior, yaws or {})
+        self._learner = ParameterLearner(cart, arms, self.noise, self.prior, yaws or {}, least_speed)
         self._motion = DrivenMotion(cart, self.noise, self.prior.free(cart))
         self._started = False
 

@@ -188,6 +188,19 @@ def consistency(
     raise typer.Exit(command.run(out, json, seed, runs))
 
 
+@study.command("hardware")
+def hardware(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the tables and plot.")] = Path("out/hardware"),
+    json: Json = False,
+    seed: Seed = 0,
+    runs: Annotated[int, typer.Option("--runs", min=2, max=1000, help="Recordings of each experiment.")] = 100,
+) -> None:
+    """The paper's hardware experiments on MuJoCo: straight runs, push-pull reversals on casters, heavy loads."""
+    from . import hardware as command
+
+    raise typer.Exit(command.run(out, json, seed, runs))
+
+
 @study.command("discrepancy")
 def study_discrepancy(
     folder: Annotated[Path, typer.Argument(help="Holds logs/NAME/run.csv and cart.yaml.", metavar="FOLDER")],

@@ -63,7 +63,9 @@ def believed(model: str) -> tuple[CartModel, Prior]:
     cart = guess()
     if model == MATCHED:
         return cart, PRIOR
-    return CartModel(cart.inertia, cart.constraints, cart.effects[:1]), replace(PRIOR, std={name: std for name, std in SPREAD.items() if "rolling" not in name})
+    return CartModel(cart.inertia, cart.constraints, cart.effects[:1]), replace(
+        PRIOR, std={name: std for name, std in SPREAD.items() if "rolling" not in name}
+    )
 
 
 def exact_noise(sensors: str) -> FilterNoise:

@@ -27,7 +27,7 @@ from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
 from ..prior import Prior
 from ..wrench_sensing import SensedWrench, WrenchSensing
-from .filtered_row import Recorded, curvature_noise, filtered_row, stands_still
+from .filtered_row import Recorded, curvature_noise, filtered_row, least_speed_in, stands_still
 from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker, Stretch
 from .regression_belief import RegressionBelief
@@ -52,8 +52,9 @@ class ParameterLearner:
         noise: FilterNoise,
         prior: Prior,
         yaws: Mapping[str, float],
+        least_speed: float = 0.0,
     ) -> None:
-        self.cart, self.noise, self.prior = cart, noise, prior
+        self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
         self._free = self.prior.free(cart)
         self._first_covariance = self.prior.covariance(cart)[np.ix_(self._free, self._free)]
         first = Gaussian(cart.parameters[self._free], self._first_covariance)
@@ -174,7 +175,8 @@ class ParameterLearner:
         motion = self._tracker.smoothed().until(k)
         recorded = [one for one in self._recorded[:k] if one is not None]
         memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time, self.theta, self._memory)
-        if len(recorded) == k and not stands_still(motion):
+        moves = not stands_still(motion) and least_speed_in(motion, self.cart) >= self._least_speed
+        if len(recorded) == k and moves:
             self._learn(motion, memory, recorded)
         else:
             self._belief.unlink()
