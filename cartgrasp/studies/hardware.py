@@ -69,7 +69,7 @@ class Experiment:
         return CartModel(Inertia(30.0, (0.3, 0.0), 3.0), effects=effects, wheels=WHEELS, com_height=0.45)
 
 
-RUN = straight(10.0, 0.5, 0.5)
+RUN = chain(straight(10.0, 0.5, 0.5))
 PUSH_PULL = chain(*(chain(straight(way * 2.5, 0.4, 0.5), pause(0.5)) for way in (1, -1) * 4))
 TURNING = chain(*(speed_change(0.45), turn(1.2, 0.3, 0.5), turn(-1.2, 0.3, 0.5), pause(0.5), speed_change(-0.45))) * 3
 STRAIGHT = tuple(Experiment(f"E{i}", mass, RUN) for i, mass in enumerate((15.0, 25.0, 35.0, 45.0), 1))
@@ -158,7 +158,7 @@ def reversal_times(driven: Drive) -> Array:
     """Where the cart, at speed, goes the other way than before, s."""
     u = np.array([motion.velocity[0] for motion in driven.motions])
     at_speed = np.flatnonzero(np.abs(u) >= LEAST_SPEED)
-    return PERIOD * at_speed[1:][np.diff(np.sign(u[at_speed])) != 0]
+    return np.asarray(PERIOD * at_speed[1:][np.diff(np.sign(u[at_speed])) != 0])
 
 
 def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
@@ -176,7 +176,7 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
     true = physical_from_phi(experiment.cart.inertia.phi)
     return Outcome(
         experiment=experiment,
-        time=PERIOD * np.arange(len(driven)),
+        time=np.asarray(PERIOD * np.arange(len(driven))),
         mass=np.array(mass),
         std=np.array(std),
         errors=np.array(errors) - true,

@@ -21,9 +21,9 @@ MOST_SCATTER, MOST_BIAS, COVERAGE, PAPERS = 1.15, 0.1, (0.93, 0.97), 0.5
 CERTAIN = 1.96
 
 
-def inside(outcome: Outcome) -> Array:
+def inside(outcome: Outcome) -> np.ndarray:
     """Whether the last 95 % interval of each run holds the true mass, (runs,)."""
-    return np.abs(outcome.errors[:, 0]) <= CERTAIN * outcome.std[:, -1]
+    return np.asarray(np.abs(outcome.errors[:, 0]) <= CERTAIN * outcome.std[:, -1])
 
 
 def scatter(outcome: Outcome) -> float:
@@ -73,7 +73,7 @@ def reversal_errors(outcome: Outcome) -> Array:
 
 def reversal_rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
     """By REVERSAL_COLUMNS."""
-    told = []
+    told: list[tuple[str, ...]] = []
     for outcome in _of(outcomes, "E5"):
         for begin, (mean, rms, std) in zip(outcome.reversals, reversal_errors(outcome), strict=True):
             told.append((outcome.experiment.casters, f"{begin:.1f}", f"{mean:+.2f}", f"{rms:.2f}", f"{std:.2f}"))
