@@ -7,13 +7,14 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from . import allocation, contact_choice, dynamics, filter_step, plants, start_up, ticks
+from . import allocation, contact_choice, dynamics, estimators, filter_step, plants, start_up, ticks
 from .report import document
 
 BENCHMARKS = {
     "allocation": (allocation.run, 200),
     "contact_choice": (contact_choice.run, 100),
     "dynamics": (dynamics.run, 200),
+    "estimators": (estimators.run, 200),
     "filter_step": (filter_step.run, 200),
     "plants": (plants.run, 20),
     "start_up": (start_up.run, 20),

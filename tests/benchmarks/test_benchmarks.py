@@ -12,6 +12,7 @@ TITLES = (
     "Allocation at given contacts",
     "Choice of contacts",
     "Dynamics",
+    "Estimators",
     "Filter step",
     "Plants",
     "Start-up",
