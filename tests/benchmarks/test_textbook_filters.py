@@ -11,7 +11,7 @@ from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive_cart, guess
 
 pytest.importorskip("filterpy")
 
-from benchmarks.textbook_filters import TextbookEkf, TextbookUkf  # noqa: E402
+from benchmarks.textbook_filters import TextbookEkf, TextbookUkf
 
 ARMS = list(HANDS)
 
