@@ -18,6 +18,7 @@ def draw_square(axes: Axes, found: Consistency) -> None:
     """The mean over the runs by its dimension, and the band that 95 % of the steps should be in."""
     axes.axhspan(found.low, found.high, color=OKABE_ITO[0], alpha=0.2, linewidth=0)
     axes.semilogy(found.time, found.mean, color=OKABE_ITO[1], linewidth=0.7)
+    axes.set_ylim(bottom=0.6 * found.low)
 
 
 def figure_consistency(runs: Sequence[dict[str, Trace]]) -> Figure:
