@@ -39,6 +39,8 @@ PRIOR = Prior(mass=0.6, com=0.15, inertia=0.6, effects=0.5)
 JUMPS, JUMP = 0.01, 0.3
 """Share of velocities that jump, and by how much (m/s, rad/s)."""
 LEAST_SPEED = 0.05
+SEEDS_APART = 1000
+"""By kilogram: no two loads share their noise."""
 WITH, WITHOUT = "casters swing", "casters left out"
 
 
@@ -167,7 +169,7 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
     mass, std, errors = [], [], []
     for i in range(runs):
         estimator = CartFilter(experiment.guess, [HAND], noise=NOISE, prior=PRIOR, least_speed=LEAST_SPEED)
-        log = record(experiment, driven, seed + i)
+        log = record(experiment, driven, seed + i + SEEDS_APART * round(experiment.mass))
         found = [estimator.update(row).parameters["mass"] for row in log.measurements()]
         mass.append([one.value for one in found])
         std.append([one.std for one in found])
