@@ -36,7 +36,8 @@ class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
-    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Wrenches are
+    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Below
+    `least_speed` (m/s) of {b}'s origin a regression learns nothing, as in the paper's experiments. Wrenches are
     taken to be of the measurement's time: of those with a `time_delay`, hand over a log by `replay`.
     """
 
@@ -48,15 +49,18 @@ class CartFilter:
         noise: FilterNoise | None = None,
         prior: Prior | None = None,
         yaws: Mapping[str, float] | None = None,
+        least_speed: float = 0.0,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
         given = cart, arms, self.noise, self.prior, yaws or {}
         core: AugmentedFilter | LearningFilter
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-            if self.noise.force <= EXACT * self.noise.disturbance or cart.memory_names:
+            is_exact = self.noise.force <= EXACT * self.noise.disturbance
+            if least_speed == 0.0 and (is_exact or cart.memory_names):
                 core = AugmentedFilter(*given)
             else:
-                core = LearningFilter(ParameterLearner(*given), DrivenMotion(cart, self.noise, self.prior.free(cart)))
+                learner = ParameterLearner(*given, least_speed)
+                core = LearningFilter(learner, DrivenMotion(cart, self.noise, self.prior.free(cart)))
         self._samples = LateSamples(core)
 
     def update(self, measurement: Measurement) -> Estimate:

@@ -206,6 +206,32 @@ def estimators(
     raise typer.Exit(command.run(out, json, seed, seeds))
 
 
+@study.command("consistency")
+def consistency(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the tables and plot.")] = Path("out/consistency"),
+    json: Json = False,
+    seed: Seed = 0,
+    runs: Annotated[int, typer.Option("--runs", min=2, max=5000, help="Carts drawn.")] = 500,
+) -> None:
+    """Whether the filter's errors are as large as it says, over many carts; and a wrong model, which must fail."""
+    from . import consistency as command
+
+    raise typer.Exit(command.run(out, json, seed, runs))
+
+
+@study.command("hardware")
+def hardware(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the tables and plot.")] = Path("out/hardware"),
+    json: Json = False,
+    seed: Seed = 0,
+    runs: Annotated[int, typer.Option("--runs", min=2, max=1000, help="Recordings of each experiment.")] = 100,
+) -> None:
+    """The paper's hardware experiments on MuJoCo: straight runs, push-pull reversals on casters, heavy loads."""
+    from . import hardware as command
+
+    raise typer.Exit(command.run(out, json, seed, runs))
+
+
 @study.command("discrepancy")
 def study_discrepancy(
     folder: Annotated[Path, typer.Argument(help="Holds logs/NAME/run.csv and cart.yaml.", metavar="FOLDER")],

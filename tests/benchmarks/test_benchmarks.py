@@ -14,6 +14,7 @@ TITLES = (
     "Choice of contacts",
     "Convex relaxation of the contact choice",
     "Dynamics",
+    "Estimators",
     "Filter step",
     "Plants",
     "Start-up",

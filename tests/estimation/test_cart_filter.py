@@ -94,6 +94,19 @@ def test_a_wrong_model_fails_the_same_test():
     assert inside < 0.8 or np.abs(scores).max() > 4.0
 
 
+def test_nothing_is_learned_below_the_least_speed():
+    """A gate above the log's speeds leaves the first guess alone; one below them all but the starts."""
+    log, truth = simulate(TRUTH, 5, duration=4.0)
+    fast = np.abs(truth[:, 3]).max()
+    gated = replay(log, CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN, least_speed=1.01 * fast + 0.1)).last
+    assert gated.parameters["mass"].value == pytest.approx(20.0)
+    assert gated.motion.velocity == pytest.approx(truth[-1, 3:], abs=0.02)
+    some = replay(log, CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN, least_speed=0.05)).last
+    every = replay(log, CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN)).last
+    assert every.parameters["mass"].std < some.parameters["mass"].std < 0.2 * gated.parameters["mass"].std
+    assert some.parameters["mass"].value == pytest.approx(24.0, rel=0.02)
+
+
 @pytest.mark.prove
 def test_consistent_over_500_runs():
     runs = 500
