@@ -9,9 +9,11 @@ from pathlib import Path
 
 from . import (
     allocation,
+    bags,
     contact_choice,
     contact_relaxation,
     dynamics,
+    estimators,
     filter_step,
     plants,
     schedule,
@@ -22,9 +24,11 @@ from .report import document
 
 BENCHMARKS = {
     "allocation": (allocation.run, 200),
+    "bags": (bags.run, 5),
     "contact_choice": (contact_choice.run, 100),
     "contact_relaxation": (contact_relaxation.run, 60),
     "dynamics": (dynamics.run, 200),
+    "estimators": (estimators.run, 200),
     "filter_step": (filter_step.run, 200),
     "plants": (plants.run, 20),
     "schedule": (schedule.run, 20),

@@ -25,6 +25,7 @@ PACKAGES = (
     "cvxpy",
     "filterpy",
     "mujoco-core",
+    "rosbags",
 )
 
 

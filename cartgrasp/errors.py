@@ -21,6 +21,11 @@ class PlantError(CartgraspError):
     """A simulator that can't represent what it is asked to simulate."""
 
 
+def printable(text: str) -> str:
+    """One line that shows, whatever a name in a file holds."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 @dataclass(frozen=True)
 class Place:
     """Where in a file something stands; line and column count from 1."""

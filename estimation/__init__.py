@@ -2,9 +2,20 @@
 
 from .cart_filter import CartFilter
 from .discrepancy import Diagnosis, diagnose
+from .identifiability import Identifiability, identifiability
 from .noise import FilterNoise
 from .paper_filter import PaperFilter
 from .prior import Prior
 from .regressor_estimator import RegressorEstimator
 
-__all__ = ["CartFilter", "Diagnosis", "FilterNoise", "PaperFilter", "Prior", "RegressorEstimator", "diagnose"]
+__all__ = [
+    "CartFilter",
+    "Diagnosis",
+    "FilterNoise",
+    "Identifiability",
+    "PaperFilter",
+    "Prior",
+    "RegressorEstimator",
+    "diagnose",
+    "identifiability",
+]

@@ -1,10 +1,8 @@
-"""The online filter: motion that the recorded wrench drives, and parameters that a regression on motion learns.
+"""The online filter, by what is the more exact: the wrenches, or the motion.
 
-An augmented EKF (8)-(20) takes noise of the wrench that drives it for motion that it did not make, and learns a mass
-that is too large, too surely (errors in variables, physics 11). So the two are kept apart. Parameters are learned by
-`ParameterLearner`, whose rows have the wrench's noise on one side; motion is a Kalman filter that the recorded wrench
-drives, with what is not known of wrench and parameters in its covariance, and no gain of its own on the latter
-(Schmidt 1966). Where a new estimate of the parameters takes the motion, its slopes by them tell.
+Where the noise of wrenches is below what the model leaves out, they drive an augmented EKF: nothing learns more from
+poor poses. So they do where effects have memories (casters' headings), which have to be estimated with the rest. Else
+a regression on the motion learns the parameters (`learning_filter.py`): noisy wrenches would bias the EKF.
 """
 
 from __future__ import annotations
@@ -13,25 +11,33 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
+from .augmented_filter import AugmentedFilter
 from .driven_motion import DrivenMotion
-from .filter_core import FilterCore
 from .gaussian import Gaussian
 from .health import Health, SensorHealth
 from .late_samples import LateSamples
+from .learning_filter import LearningFilter
 from .noise import FilterNoise
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
+
+EXACT = 1.0
+"""1/√s: noise of a wrench sample (N) over the disturbance (N·√s) up to which wrenches count as exact. At 100 Hz the
+density of their noise is then a tenth of it."""
 
 
 class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
-    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Wrenches are
+    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Below
+    `least_speed` (m/s) of {b}'s origin a regression learns nothing, as in the paper's experiments. Wrenches are
     taken to be of the measurement's time: of those with a `time_delay`, hand over a log by `replay`.
     """
 
@@ -43,10 +49,18 @@ class CartFilter:
         noise: FilterNoise | None = None,
         prior: Prior | None = None,
         yaws: Mapping[str, float] | None = None,
+        least_speed: float = 0.0,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
-        learner = ParameterLearner(cart, arms, self.noise, self.prior, yaws or {})
-        core = FilterCore(learner, DrivenMotion(cart, self.noise, self.prior.free(cart)))
+        given = cart, arms, self.noise, self.prior, yaws or {}
+        core: AugmentedFilter | LearningFilter
+        with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
+            is_exact = self.noise.force <= EXACT * self.noise.disturbance
+            if least_speed == 0.0 and (is_exact or cart.memory_names):
+                core = AugmentedFilter(*given)
+            else:
+                learner = ParameterLearner(*given, least_speed)
+                core = LearningFilter(learner, DrivenMotion(cart, self.noise, self.prior.free(cart)))
         self._samples = LateSamples(core)
 
     def update(self, measurement: Measurement) -> Estimate:
@@ -60,15 +74,13 @@ class CartFilter:
 
     @property
     def belief(self) -> Gaussian:
-        """Mean and covariance of pose, nu and effect memory."""
-        return self._core.motion.belief
+        """Mean and covariance of pose, nu and effect memory, and of what else the filter carries after them."""
+        return self._core.belief
 
     @property
     def nis(self) -> Mapping[str, tuple[float, int]]:
         """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
-        core = self._core
-        found = zip(("pose", "velocity"), core.motion.nis.tolist(), core.sizes, strict=True)
-        return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
+        return self._core.nis
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:
@@ -80,7 +92,7 @@ class CartFilter:
         return self._core.estimate()
 
     @property
-    def _core(self) -> FilterCore:
+    def _core(self) -> AugmentedFilter | LearningFilter:
         if self._samples.state.time == -math.inf:
             raise UsageError("filter: no measurement has come yet")
         return self._samples.state

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -25,6 +26,9 @@ class Health(StrEnum):
     LOAD_CHANGED = "load_changed"
     OUTLIERS = "outliers"
     OK = "ok"
+
+
+SENSORS = ("pose", "velocity", "wrench")
 
 
 @dataclass(frozen=True)
@@ -52,3 +56,15 @@ class SensorHealth:
     @property
     def has_outliers(self) -> bool:
         return self.outlying > OUTLYING_SHARE
+
+
+def said(sensors: Mapping[str, SensorHealth], learner: Health) -> Health:
+    """The first that holds, of sensors and of what learns from them."""
+    pose, velocity, wrench = (sensors[name] for name in SENSORS)
+    if pose.is_missed:
+        return Health.STALE
+    if learner == Health.NO_WRENCH or wrench.is_missed:
+        return Health.NO_WRENCH
+    if learner != Health.OK:
+        return learner
+    return Health.OUTLIERS if pose.has_outliers or velocity.has_outliers else Health.OK

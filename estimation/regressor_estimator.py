@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
@@ -31,7 +33,8 @@ class RegressorEstimator:
         yaws: Mapping[str, float] | None = None,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
-        self._samples = LateSamples(ParameterLearner(cart, arms, self.noise, self.prior, yaws or {}))
+        with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
+            self._samples = LateSamples(ParameterLearner(cart, arms, self.noise, self.prior, yaws or {}))
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""

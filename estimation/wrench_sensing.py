@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -14,6 +13,9 @@ from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
+
+MOST_FORCE = 1e6
+"""N, N·m: more is no wrench, nor is NaN."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,6 @@ class WrenchSensing:
                 true, true_by_parameters = self.cart.corrected_wrench(arm, true, parameters)
                 by_parameters = by_parameters + hold.reduced @ true_by_parameters
             value, covariance = value + hold.reduced @ true, covariance + hold.covariance
-        if not arms or not all(map(math.isfinite, value.tolist())):
+        if not arms or not all(abs(number) < MOST_FORCE for number in value.tolist()):
             return None
         return SensedWrench(value, covariance, by_parameters)

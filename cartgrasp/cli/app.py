@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from ..errors import CartgraspError, DataError, PlantError
+from ..errors import CartgraspError, DataError, PlantError, printable
 
 app = typer.Typer(
     name="cartgrasp",
@@ -23,6 +23,7 @@ app.add_typer(study, name="study")
 
 Json = Annotated[bool, typer.Option("--json", help="Print the result alone, as one JSON document.")]
 Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results.")]
+Topics = Annotated[Path | None, typer.Option("--topics", help="Topic map of a bag, topics.yaml.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all noise.")]
 
 
@@ -85,59 +86,90 @@ def export_c(
 
 @app.command()
 def estimate(
-    log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, or the EMPS .mat.", metavar="LOG")],
+    log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or the EMPS .mat.", metavar="LOG")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
     method: Annotated[str, typer.Option("--method", help="filter, regressor, or paper (as printed).")] = "filter",
     out: Annotated[Path | None, typer.Option("--out", help="CSV file for the series over time.")] = None,
+    topics: Topics = None,
     json: Json = False,
 ) -> None:
     """Learn mass, CoM, inertia and effects from a log, online, as the filter would while pushing."""
     from . import estimate as command
 
-    raise typer.Exit(command.run(log, cart, method, out, json))
+    raise typer.Exit(command.run(log, cart, method, out, topics, json))
 
 
 @app.command()
 def view(
-    log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, or the EMPS .mat.", metavar="RUN")],
+    log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or .mat.", metavar="RUN")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: draws the cart, and what is learned.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="The page (else RUN.html, beside the log).")] = None,
     png: Annotated[Path | None, typer.Option("--png", help="An overview, for a talk.")] = None,
     svg: Annotated[Path | None, typer.Option("--svg", help="The same, to edit.")] = None,
     pdf: Annotated[Path | None, typer.Option("--pdf", help="The same, for a paper.")] = None,
     gif: Annotated[Path | None, typer.Option("--gif", help="The top view, moving.")] = None,
+    topics: Topics = None,
     json: Json = False,
 ) -> None:
     """Show a run: an animated page that opens offline, or figures."""
     from . import view as command
 
-    raise typer.Exit(command.run(log, cart, command.Pictures(out, png, svg, pdf, gif), json))
+    raise typer.Exit(command.run(log, cart, topics, command.Pictures(out, png, svg, pdf, gif), json))
 
 
 @app.command()
 def identify(
-    logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, or the EMPS .mat.", metavar="LOG…")],
+    logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, ROS bags, EMPS .mat.", metavar="LOG…")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Folder for cart.yaml with the values put in.")] = None,
+    topics: Topics = None,
     json: Json = False,
 ) -> None:
     """Learn mass, CoM, inertia and effects from whole logs jointly: a batch fit that a physical cart can have."""
     from . import identify as command
 
-    raise typer.Exit(command.run(logs, cart, out, json))
+    raise typer.Exit(command.run(logs, cart, out, topics, json))
 
 
 @app.command()
 def discrepancy(
-    logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, or the EMPS .mat.", metavar="LOG…")],
+    logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, ROS bags, EMPS .mat.", metavar="LOG…")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: the model to be judged.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Folder for the report, figures and cart.yaml.")] = None,
+    topics: Topics = None,
     json: Json = False,
 ) -> None:
     """Find where logs and the model disagree, name the missing effect, add it, and show the gap shrink."""
     from . import discrepancy as command
 
-    raise typer.Exit(command.run(logs, cart, out, json))
+    raise typer.Exit(command.run(logs, cart, out, topics, json))
+
+
+@app.command("topics")
+def list_topics(
+    bag: Annotated[Path, typer.Argument(help="A ROS bag: .mcap, .db3, .bag, or a recorder's folder.", metavar="BAG")],
+    out: Annotated[Path | None, typer.Option("--out", help="Where to write a proposed topics.yaml.")] = None,
+    salvage: Annotated[bool, typer.Option("--salvage", help="Read what can be read of a damaged bag.")] = False,
+    json: Json = False,
+) -> None:
+    """List what a bag holds, and propose a topic map: which topics are a run."""
+    from . import topics as command
+
+    raise typer.Exit(command.run(bag, out, salvage, json))
+
+
+@app.command()
+def convert(
+    source: Annotated[Path, typer.Argument(help="A run log, or a ROS bag.", metavar="IN")],
+    out: Annotated[Path, typer.Option("--out", help="The log to write: .csv, .parquet or .mcap.")],
+    topics: Topics = None,
+    salvage: Annotated[bool, typer.Option("--salvage", help="Read what can be read of a damaged bag.")] = False,
+    json: Json = False,
+) -> None:
+    """Write a log in another form: a bag as CSV or Parquet, a run as MCAP; with where it is from beside it."""
+    from . import convert as command
+
+    raise typer.Exit(command.run(command.Choice(source, out, topics, salvage), json))
 
 
 @study.command("table1")
@@ -192,6 +224,32 @@ def estimators(
     raise typer.Exit(command.run(out, json, seed, seeds))
 
 
+@study.command("consistency")
+def consistency(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the tables and plot.")] = Path("out/consistency"),
+    json: Json = False,
+    seed: Seed = 0,
+    runs: Annotated[int, typer.Option("--runs", min=2, max=5000, help="Carts drawn.")] = 500,
+) -> None:
+    """Whether the filter's errors are as large as it says, over many carts; and a wrong model, which must fail."""
+    from . import consistency as command
+
+    raise typer.Exit(command.run(out, json, seed, runs))
+
+
+@study.command("hardware")
+def hardware(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the tables and plot.")] = Path("out/hardware"),
+    json: Json = False,
+    seed: Seed = 0,
+    runs: Annotated[int, typer.Option("--runs", min=2, max=1000, help="Recordings of each experiment.")] = 100,
+) -> None:
+    """The paper's hardware experiments on MuJoCo: straight runs, push-pull reversals on casters, heavy loads."""
+    from . import hardware as command
+
+    raise typer.Exit(command.run(out, json, seed, runs))
+
+
 @study.command("discrepancy")
 def study_discrepancy(
     folder: Annotated[Path, typer.Argument(help="Holds logs/NAME/run.csv and cart.yaml.", metavar="FOLDER")],
@@ -234,6 +292,5 @@ def _usage(error: TyperException) -> str:
 
 def _say(message: str, status: int) -> int:
     """One line, whatever a file name or a key in it holds."""
-    line = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in message)
-    print(f"cartgrasp: {line}", file=sys.stderr)
+    print(f"cartgrasp: {printable(message)}", file=sys.stderr)
     return status

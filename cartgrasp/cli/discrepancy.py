@@ -11,8 +11,8 @@ from .log_inputs import cart_and_logs
 from .output import print_json, print_table, say, stages
 
 
-def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json: bool) -> int:
-    cart, logs = cart_and_logs(paths, cart_path, out)
+def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, topics: Path | None, as_json: bool) -> int:
+    cart, logs = cart_and_logs(paths, cart_path, out, topics)
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell)
     if out is not None:

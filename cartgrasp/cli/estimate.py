@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from estimation import CartFilter, PaperFilter, RegressorEstimator
+from estimation import CartFilter, PaperFilter, RegressorEstimator, identifiability
 from estimation.log_noise import noise_of_log
 from estimation.replay import Replay, replay
 
@@ -26,13 +26,13 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
 }
 
 
-def run(path: Path, cart_path: Path | None, method: str, out: Path | None, as_json: bool) -> int:
+def run(path: Path, cart_path: Path | None, method: str, out: Path | None, topics: Path | None, as_json: bool) -> int:
     if method not in METHODS:
         raise UsageError(f"--method {method}: unknown; known are {', '.join(METHODS)}")
     cart = cart_of(path, cart_path)
     if out is not None:
         check_writable(out)
-    log = read_log(path)
+    log = read_log(path, topics)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
     if out is not None:
@@ -61,6 +61,9 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 def _print(result: Replay) -> None:
     title = f"After {result.last.time:.2f} s, health: {result.last.health}"
     print_parameters(title, result.last.parameters, "taught by this motion")
+    if result.last.covariance is not None:
+        for one in identifiability(result.last).untaught:
+            print(f"- {one}")
 
 
 def print_parameters(title: str, parameters: Mapping[str, ParameterEstimate], taught: str) -> None:

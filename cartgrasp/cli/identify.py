@@ -13,8 +13,8 @@ from .log_inputs import cart_and_logs
 from .output import print_json, progress, say
 
 
-def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, as_json: bool) -> int:
-    cart, logs = cart_and_logs(paths, cart_path, out)
+def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, topics: Path | None, as_json: bool) -> int:
+    cart, logs = cart_and_logs(paths, cart_path, out, topics)
     with progress(f"identifying {cart.name}") as tell:
         found = fit(logs, cart, progress=tell)
     if as_json:

@@ -12,13 +12,15 @@ from .estimate import cart_of
 from .output import make_folder
 
 
-def cart_and_logs(paths: Sequence[Path], cart_path: Path | None, out: Path | None) -> tuple[CartModel, list[RunLog]]:
-    """The folder `out` is made where it is wanted, before the work whose results go there."""
+def cart_and_logs(
+    paths: Sequence[Path], cart_path: Path | None, out: Path | None, topics: Path | None = None
+) -> tuple[CartModel, list[RunLog]]:
+    """The folder `out` is made where it is wanted, before the work whose results go there; `topics` maps all bags."""
     cart = cart_of(paths[0], cart_path)
     _check_distinct(paths)
     if out is not None:
         make_folder(out)
-    return cart, [read_log(path) for path in paths]
+    return cart, [read_log(path, topics) for path in paths]
 
 
 def _check_distinct(paths: Sequence[Path]) -> None:

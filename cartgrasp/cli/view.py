@@ -45,10 +45,10 @@ class Pictures:
         return wanted
 
 
-def run(path: Path, cart_path: Path | None, pictures: Pictures, as_json: bool) -> int:
+def run(path: Path, cart_path: Path | None, topics: Path | None, pictures: Pictures, as_json: bool) -> int:
     wanted = pictures.checked(path)
     cart = None if cart_path is None else load_cart(cart_path)
-    log = read_log(path).thinned()
+    log = read_log(path, topics).thinned()
     shown = ShownRun.of_log(log, cart, _estimates(log, cart))
     _write(shown, wanted, path.name)
     if as_json:

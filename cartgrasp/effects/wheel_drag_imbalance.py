@@ -21,6 +21,8 @@ LEAST_LEVER = 0.4
 """Of half the track: with a shorter one, both wheels drag."""
 SHORTEST_LEVER = 0.05
 """m, where the track is not known."""
+LONGEST_LEVER = 2.0
+"""Of half the track: no wheel stands farther out, for all that is known of its drag."""
 
 
 @final
@@ -44,4 +46,6 @@ class WheelDragImbalance(CompiledForce):
         lever = abs(self.moment) / max(self.force, 1e-9)
         if lever < max(LEAST_LEVER * half, SHORTEST_LEVER):
             return f"its moment is that of a lever of {lever:.2f} m, so that both wheels drag alike"
+        if lever > LONGEST_LEVER * half > 0:
+            return f"its moment is that of a lever of {lever:.2f} m, where no wheel is"
         return ""

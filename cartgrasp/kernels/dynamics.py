@@ -159,6 +159,16 @@ def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
 
 
 @compiled
+def sum_memory_rates(m: Workspace, point: Point, at: Situation) -> None:
+    """Of what `sum_effects` fills, the memory's rate alone."""
+    for e in range(len(m.effects)):
+        kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
+        if end > begin:
+            own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+            add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
+
+
+@compiled
 def own_of(effect: Ints, constant: float, point: Point, n_free: int) -> Own:
     memory = point.state[3 + n_free + effect[3] : 3 + n_free + effect[4]]
     return Own(memory, point.parameters[effect[1] : effect[2]], constant)

@@ -8,7 +8,7 @@ import math
 
 from cartgrasp.frames import Array
 
-from .dynamics import Inverse, Point, forward, inverse, lifted, own_of, situation, sum_effects
+from .dynamics import Inverse, Point, forward, inverse, lifted, own_of, situation, sum_effects, sum_memory_rates
 from .floor import react
 from .jit import Ints, compiled, entry
 from .vocabulary import add_stiction, settle
@@ -92,7 +92,7 @@ def memories(floats: Array, ints: Ints, given: Array, found: Array) -> None:
             for j in range(k):
                 moved[first + j] = memory[j] + (ahead * m.memory_rate[j, 0] if stage % 4 > 0 else 0.0)
             here = Point(moved, point.time + inside * duration, point.parameters, point.foreign)
-            sum_effects(m, here, situation(m, here, lifted(m.basis, moved[3:])))
+            sum_memory_rates(m, here, situation(m, here, lifted(m.basis, moved[3:])))
             weight = step / 6.0 if stage % 4 in (0, 3) else step / 3.0
             for j in range(k):
                 total[j] = (memory[j] if stage % 4 == 0 else total[j]) + weight * m.memory_rate[j, 0]

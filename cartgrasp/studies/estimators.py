@@ -92,19 +92,32 @@ class Trial:
     answers: dict[str, Answer]
 
 
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """A log, and the true pose and nu (n, 3 + k) at its rows."""
+
+    log: RunLog
+    motion: Array
+
+
 def drive(job: Job, duration: float | None = None) -> RunLog:
     """The log, whole or of a duration (s)."""
-    cart = truth()
+    return drive_cart(truth(), job, duration).log
+
+
+def drive_cart(cart: CartModel, job: Job, duration: float | None = None) -> Drive:
+    """Any cart along the job's path."""
     plant, sensors = ModelPlant(cart), Sensors(cart, SENSORS[job.sensors], job.seed)
     reference, tracker = PathReference(PATHS[job.path], cart.rolling), build_tracker(cart.constraints)
-    rows = []
+    rows, motions = [], []
     for _ in range(round((duration or reference.duration) / PERIOD)):
         now, motion = plant.time, plant.motion
         given = shared(tracker.wrench_b(reference.at(now), motion, cart))
         sensed, felt = sensors.motion(now, motion), sensors.wrenches(now, given)
         rows.append(Measurement(now, sensed.pose, sensed.velocity, felt.wrenches, felt.contacts))
+        motions.append(np.concatenate([motion.pose_sb, motion.velocity]))
         plant.step(given, PERIOD)
-    return RunLog.from_measurements(rows, list(HANDS))
+    return Drive(RunLog.from_measurements(rows, list(HANDS)), np.array(motions))
 
 
 def shared(wrench_b: Array) -> ContactWrenches:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -53,10 +54,15 @@ class Factor:
 
     bands: Array
 
+    @cached_property
+    def chain(self) -> Array:
+        """(n d, 2 d): each column from its diagonal on."""
+        return np.ascontiguousarray(self.bands.T)
+
     def solve(self, right: Array) -> Array:
         """Of a right-hand side (n, d, ...)."""
         flat = right.reshape(self.bands.shape[1], -1)
-        return np.asarray(cho_solve_banded((self.bands, True), flat)).reshape(right.shape)
+        return np.asarray(cho_solve_banded((self.bands, True), flat, check_finite=False)).reshape(right.shape)
 
     @property
     def log_determinant(self) -> float:

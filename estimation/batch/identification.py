@@ -27,8 +27,6 @@ from .physical_fit import PhysicalSet
 from .wrench_regression import WrenchRegression
 
 ROUNDS, SETTLED = 20, 1e-3
-DELAY, DELAY_STD = 0.25, 0.3
-"""Steps: a sampled wrench has 0, a held one 0.5."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +105,7 @@ class _Fit:
         self.first_covariance = prior.covariance(cart)[np.ix_(self.free, self.free)]
         self.source = ", ".join(regression.name for regression in regressions)
         self.excess = np.ones(len(regressions))
+        self.delays, self.delay_std = np.array([regression.usual_delay for regression in regressions]).T
 
     def result(self, start: Array, settled: float) -> Identification:
         parameters, delays, covariance = self._solve(start, settled)
@@ -120,7 +119,7 @@ class _Fit:
         """Parameters (p,), delays (logs,), and the covariance of the free parameters."""
         f = len(self.free)
         parameters = start.copy()
-        delays: Array = np.full(len(self.regressions), DELAY)
+        delays = self.delays.copy()
         limits = PhysicalSet.of(self.cart, self.source)
         for _ in range(ROUNDS):
             information, pull = self._normal(parameters, delays)
@@ -147,18 +146,18 @@ class _Fit:
         weight = np.linalg.inv(self.first_covariance)
         information, pull = np.zeros((f + n, f + n)), np.zeros(f + n)
         information[:f, :f] = weight
-        background = block_diag(weight, [[DELAY_STD**-2]])
         pull[:f] = weight @ (self.first - parameters)[self.free]
         for i, regression in enumerate(self.regressions):
             found = regression.evidence(parameters, float(delays[i]))
+            sure = float(self.delay_std[i]) ** -2
             own = np.append(np.arange(f), f + i)
             part = np.append(self.free, len(parameters))
-            taught, drawn, excess = found.part(part).weighed(background)
+            taught, drawn, excess = found.part(part).weighed(block_diag(weight, np.full((1, 1), sure)))
             self.excess[i] = excess
             information[np.ix_(own, own)] += taught / excess
             pull[own] += drawn / excess
-            information[f + i, f + i] += DELAY_STD**-2
-            pull[f + i] += (DELAY - delays[i]) * DELAY_STD**-2
+            information[f + i, f + i] += sure
+            pull[f + i] += (self.delays[i] - delays[i]) * sure
         return information, pull
 
     def _report(self, parameters: Array, covariance: Array) -> dict[str, ParameterEstimate]:

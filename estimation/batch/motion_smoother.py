@@ -39,7 +39,8 @@ LOOSE = np.array([1e2, 1e1, 1e2])
 @dataclass(frozen=True)
 class SmoothMotion:
     """At the rows of a log: pose (n, 3), nu (n, f), nu' (n, f), and the information about `(pose, nu, nu')` that the
-    measurements hold. `linked` (n - 1,) says which neighbours belong together."""
+    measurements hold (at every row, where these are `paired`). `linked` (n - 1,) says which neighbours belong together.
+    """
 
     time: Array
     pose: Array
@@ -57,6 +58,15 @@ class SmoothMotion:
         one = np.zeros((n, d, f))
         one[n // 2, 3 : 3 + f] = np.eye(f)
         return np.sqrt(np.diagonal(self.information.factor().solve(one)[n // 2, 3 : 3 + f]))
+
+    def paired(self) -> SmoothMotion:
+        """Means of two rows each."""
+        n = len(self.time) // 2
+        columns = (self.time, self.pose, self.velocity, self.acceleration)
+        time, pose, velocity, acceleration = ((c[: 2 * n : 2] + c[1 : 2 * n : 2]) / 2 for c in columns)
+        whole, between = self.linked[: 2 * n - 1 : 2], self.linked[1 : 2 * n - 2 : 2]
+        linked = whole[:-1] & between & whole[1:]
+        return SmoothMotion(time, pose, velocity, acceleration, self.information, linked, self.jerk[: 2 * n - 2 : 2])
 
     @property
     def state(self) -> Array:

@@ -18,13 +18,14 @@ from cartgrasp.frames import Array
 
 from .block_tridiagonal import BlockTridiagonal
 
-TIMES = np.geomspace(0.015, 0.2, 12)
+TIMES = np.geomspace(0.015, 0.2, 24)
 """s: correlation times that are tried."""
 LONGEST = 0.25
 """s."""
 LEAST_WHITE = 0.02
 """Of all: the share of the variance that is white at least."""
-LEAST_COLOUR = 3.0
+WHITE = 0.0145
+"""s: noise that forgets within less may as well be white."""
 FEWEST = 200
 """Differences."""
 MEDIAN_OF_SQUARE = 0.4549
@@ -40,17 +41,16 @@ class NoiseColour:
     slow: float
     time: float
 
-    @property
-    def long_mean(self) -> float:
+    def long_mean(self, step: float) -> float:
         """How many times the variance of long means is what white noise of the whole variance would give, for
-        samples a hundredth of a second apart."""
-        fade = float(np.exp(-0.01 / self.time))
+        samples `step` (s) apart."""
+        fade = float(np.exp(-step / self.time))
         return (self.white + self.slow * (1 + fade) / (1 - fade)) / (self.white + self.slow)
 
 
-def colour_of(time: Array, standard: Array) -> NoiseColour | None:
-    """Of residuals (m, f) in units of their believed deviations; None where there are too few, and where they may as
-    well be white: errors of the smoothed motion are in them too, and remember a little."""
+def colour_of(time: Array, standard: Array, size: int = 1) -> NoiseColour | None:
+    """Of residuals (m, f), means of `size` samples, in units of their believed deviations. None where there are too
+    few, and where they may as well be white: errors of the smoothed motion are in them too, and remember a little."""
     step = float(np.median(np.diff(time)))
     lags = np.unique(np.round(np.geomspace(1, max(2.0, LONGEST / step), 14)).astype(int))
     found = []
@@ -60,20 +60,28 @@ def colour_of(time: Array, standard: Array) -> NoiseColour | None:
             return None
         squares = (standard[lag:] - standard[:-lag])[near] ** 2
         found.append(float(np.median(squares)) / MEDIAN_OF_SQUARE)
-    grown, span = np.array(found), lags * step
-    fits = [(_fitted(grown, span, one), one) for one in TIMES]
+    grown = np.array(found)
+    fits = [(_fitted(grown, lags, _correlation(lags, np.exp(-step / size / one), size)), one) for one in TIMES]
     (shares, _), best = min(fits, key=lambda fit: fit[0][1])
     white, slow, _ = shares
     whole = white + slow
     if whole <= 0:
         return None
     colour = NoiseColour(float(max(white, LEAST_WHITE * whole)), float(slow), float(best))
-    return colour if colour.long_mean > LEAST_COLOUR else None
+    return colour if colour.long_mean(step) > NoiseColour(0.0, 1.0, WHITE).long_mean(step) else None
 
 
-def _fitted(grown: Array, span: Array, time: float) -> tuple[Array, float]:
-    columns = np.column_stack([np.full_like(span, 2.0), 2 * (1 - np.exp(-span / time)), (span / span[-1]) ** 2])
-    shares, misfit = nnls(columns / grown[:, None], np.ones_like(span))
+def _correlation(lags: np.ndarray, fade: float, size: int) -> Array:
+    """Of means of `size` samples that fade from one to the next, at 0 and at lags, as a share of one's variance."""
+    apart = np.subtract.outer(np.arange(size), np.arange(size))
+    between = np.append(0, lags)[:, None, None] * size + apart
+    return np.asarray((fade ** np.abs(between)).mean(axis=(1, 2)))
+
+
+def _fitted(grown: Array, lags: np.ndarray, correlation: Array) -> tuple[Array, float]:
+    slow = 2 * (correlation[0] - correlation[1:])
+    columns = np.column_stack([np.full(len(lags), 2.0), slow, (lags / lags[-1]) ** 2])
+    shares, misfit = nnls(columns / grown[:, None], np.ones(len(lags)))
     return shares, float(misfit)
 
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
@@ -54,21 +56,71 @@ class PhysicalSet:
             return parameters
         if not (np.isfinite(parameters).all() and np.isfinite(information).all()):
             raise self._none()
-        import cvxpy as cp
-
         scale = 1 / np.sqrt(np.diagonal(information))
-        root = np.linalg.cholesky(information * np.outer(scale, scale)).T
-        step = cp.Variable(len(free))
         lift = np.zeros((len(parameters), len(free)))
         lift[free, range(len(free))] = scale
+        quick = self._quickly(parameters, lift, information * np.outer(scale, scale))
+        return self._surely(parameters, free, (lift, information)) if quick is None else quick
+
+    def _quickly(self, parameters: Array, lift: Array, metric: Array) -> Array | None:
+        """As `nearest`, of steps times `lift` (p, f), by bounds alone or one smooth limit beside them; None where that
+        does not settle."""
+        low, high = np.full(len(parameters), -np.inf), np.full(len(parameters), np.inf)
+        low[0], low[N_PHI:], high[N_PHI:] = (1 + EDGE) * self.mass, self.lower, self.upper
+        which, scale = lift.argmax(axis=0), lift.max(axis=0)
+        limits = [((edge - parameters)[which] / scale) for edge in (low, high)]
+        root = np.linalg.cholesky(metric).T
+        step = lsq_linear(root, np.zeros(len(which)), tuple(limits), method="bvls").x
+        nearest = self._bounded(parameters + lift @ step)
+        if not self.holds(nearest):
+            found = minimize(  # type: ignore[call-overload]
+                lambda step: float(step @ metric @ step),
+                step,
+                jac=lambda step: np.asarray(2 * metric @ step),
+                bounds=Bounds(*limits),
+                constraints=self._body(parameters[:N_PHI], lift[:N_PHI]),
+                method="SLSQP",
+                tol=1e-12,
+            )
+            nearest = self._bounded(parameters + lift @ found.x)
+            if not found.success:
+                return None
+        return nearest if self.holds(nearest) else None
+
+    def _body(self, phi: Array, lift: Array) -> NonlinearConstraint:
+        """Of a step: that the moment of inertia about the CoM is large enough, by Schur's complement."""
+
+        def spare(step: Any) -> Array:
+            mass, x, y, inertia = phi + lift @ step
+            return np.array([inertia - (1 + EDGE) * self.about_com - (x * x + y * y) / mass])
+
+        def slope(step: Any) -> Array:
+            mass, x, y, _ = phi + lift @ step
+            return np.asarray(np.array([(x * x + y * y) / mass**2, -2 * x / mass, -2 * y / mass, 1.0]) @ lift)
+
+        return NonlinearConstraint(spare, 0.0, np.inf, jac=slope)
+
+    def _bounded(self, parameters: Array) -> Array:
+        nearest = parameters.copy()
+        nearest[N_PHI:] = np.clip(nearest[N_PHI:], self.lower, self.upper)
+        return nearest
+
+    def _surely(self, parameters: Array, free: np.ndarray, metric: tuple[Array, Array]) -> Array:
+        """By a cone program, which proves what it finds."""
+        import cvxpy as cp
+
+        lift, information = metric
+        scale = lift.max(axis=0)
+        root = np.linalg.cholesky(information * np.outer(scale, scale)).T
+        step = cp.Variable(len(free))
         found = parameters + lift @ step
         limits = [found[0] >= (1 + EDGE) * self.mass]
         if self.turns:
             moments = cp.reshape(found[1:3], (2, 1), order="C")
             second = (found[3] - (1 + EDGE) * self.about_com) * np.eye(2)
             limits.append(cp.bmat([[cp.reshape(found[0], (1, 1), order="C"), moments.T], [moments, second]]) >> 0)
-        limits += [found[N_PHI + i] >= self.lower[i] for i in self._bounded(self.lower, free)]
-        limits += [found[N_PHI + i] <= self.upper[i] for i in self._bounded(self.upper, free)]
+        limits += [found[N_PHI + i] >= self.lower[i] for i in self._limited(self.lower, free)]
+        limits += [found[N_PHI + i] <= self.upper[i] for i in self._limited(self.upper, free)]
         problem = cp.Problem(cp.Minimize(cp.sum_squares(root @ step)), limits)
         try:
             with warnings.catch_warnings():
@@ -78,12 +130,10 @@ class PhysicalSet:
             raise self._none() from error
         if step.value is None:
             raise self._none()
-        nearest = parameters + lift @ step.value
-        nearest[N_PHI:] = np.clip(nearest[N_PHI:], self.lower, self.upper)
-        return np.asarray(nearest)
+        return self._bounded(parameters + lift @ step.value)
 
     def _none(self) -> DataError:
         return DataError(f"{self.source}: no physical cart could be fitted; look for numbers that are not in SI units")
 
-    def _bounded(self, bounds: Array, free: np.ndarray) -> list[int]:
+    def _limited(self, bounds: Array, free: np.ndarray) -> list[int]:
         return [int(i) for i in np.flatnonzero(np.isfinite(bounds)) if N_PHI + i in free]

@@ -14,7 +14,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -37,12 +38,17 @@ BLOCK = 0.5
 FEWEST_BLOCKS = 12
 FEWEST_ROWS = 50
 """Of a log that tells its own noise."""
+DELAY, DELAY_STD = 0.25, 0.3
+"""Steps: a sampled wrench has 0, a held one 0.5."""
 STILL = 3.0
 """Standard deviations of the smoothed velocity within which a cart may stand still."""
 LONGEST_STEP = 3.0
 """Times the usual step: over a longer one nobody knows what a wrench did."""
 LATENESS_STEP = 1e-4
 """s."""
+AVERAGED = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
+AT_ONCE = 32
+"""Columns that are whitened together: more would leave the processor's cache."""
 OUTLYING = 4.0
 """Times its share of the scatter that a stretch may have with full weight."""
 
@@ -66,17 +72,22 @@ class Evidence:
         n, p = self.pulls.shape
         if n < FEWEST_BLOCKS:
             return self.blocks.sum(axis=0) if n else np.zeros((p, p)), self.pulls.sum(axis=0), 1.0
-        metric = np.linalg.inv(self.blocks.sum(axis=0) + background)
-        expected, scatter = self._scatter(metric)
-        ratio = scatter / np.maximum(expected, 1e-12)
-        usual = max(1.0, float(np.median(ratio)))
-        weights = np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
-        kept = Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+        kept = self.kept(background)
         information = kept.blocks.sum(axis=0)
         expected, scatter = kept._overlapping()._scatter(np.linalg.inv(information + background))
         taught = float(expected.sum())
         excess = float(scatter.sum()) / taught * n / max(n - taught, 1.0) if taught > 0 else 1.0
         return information, kept.pulls.sum(axis=0), max(1.0, excess)
+
+    def kept(self, background: Array) -> Evidence:
+        """With less weight for stretches that contradict themselves."""
+        if len(self.pulls) < FEWEST_BLOCKS:
+            return self
+        expected, scatter = self._scatter(np.linalg.inv(self.blocks.sum(axis=0) + background))
+        ratio = scatter / np.maximum(expected, 1e-12)
+        usual = max(1.0, float(np.median(ratio)))
+        weights = np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
+        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
 
     def _overlapping(self) -> Evidence:
         """Of neighbours together: what is left of a jolt between them has one sign before it, and the other after."""
@@ -90,12 +101,12 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Rows `used` (m,) of a log around some parameters: time (m,), residual (m, f), its slopes `by` (m, f, p + 1) as
-    they are in Evidence, weights (m, f, f) of a wrench's own noise, slopes `by_motion` (m, f, d) by the states before
-    and after, and the factor of what wrenches and smoother know of the motion."""
+    """Rows (m,) of a log around some parameters: time (m,), residual (m, f), its slopes `by` (m, f, p + 1) as they are
+    in Evidence, weights (m, f, f) of a wrench's own noise, slopes `by_motion` (m, f, d) by the states of the smoother
+    at `nodes` (m,) and those after, and the factor of what wrenches and smoother know of the motion."""
 
     time: Array
-    used: np.ndarray
+    nodes: np.ndarray
     residual: Array
     by: Array
     weights: Array
@@ -104,14 +115,15 @@ class Linearisation:
 
     def whitened(self, columns: Array) -> Array:
         """Columns (m, f, k) times the inverse of the residual's covariance."""
-        (first, second), after = self.by_motion, self.used + 1
-        weighted = self.weights @ columns
-        n = self.factor.bands.shape[1] // first.shape[2]
-        through = np.zeros((n, first.shape[2], columns.shape[2]))
-        np.add.at(through, self.used, np.swapaxes(first, 1, 2) @ weighted)
-        np.add.at(through, after, np.swapaxes(second, 1, 2) @ weighted)
-        missed = self.factor.solve(through)
-        return np.asarray(weighted - self.weights @ (first @ missed[self.used] + second @ missed[after]))
+        from .whitening import whiten
+
+        found = np.empty(columns.shape)
+        rows = (self.nodes, *self.by_motion, self.weights)
+        for at in range(0, columns.shape[2], AT_ONCE):
+            own = columns[..., at : at + AT_ONCE]
+            room = np.empty((len(self.factor.chain), own.shape[2]))
+            whiten(self.factor.chain, rows, own, room, found[..., at : at + AT_ONCE])
+        return found
 
     @property
     def chi_squared(self) -> float:
@@ -121,32 +133,67 @@ class Linearisation:
 
     def by_block(self, left: Array, right: Array, duration: float) -> Array:
         """`leftᵀ right` (b, k, l), summed over stretches of `duration` (s)."""
-        _, where = np.unique((self.time - self.time[0]) // duration, return_inverse=True)
-        return np.array([np.tensordot(left[rows], right[rows], ((0, 1), (0, 1))) for rows in _runs(where)])
+        f = left.shape[1]
+        flat_left, flat_right = (np.reshape(side, (-1, side.shape[2])) for side in (left, right))
+        return np.array(
+            [flat_left[f * a : f * b].T @ flat_right[f * a : f * b] for a, b in pairwise(self.ends(duration))]
+        )
+
+    def ends(self, duration: float) -> list[int]:
+        """Of stretches of `duration` (s) that have rows: where each begins, and the number of rows."""
+        number = (self.time - self.time[0]) // duration
+        return [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(number)]
 
 
 class WrenchRegression:
-    """A log, its motion smoothed once."""
+    """A log, its motion smoothed once; looked at in pairs of rows, where that is asked for."""
 
-    def __init__(self, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> None:
+    def __init__(self, log: RunLog, cart: CartModel, noise: FilterNoise | None, pairs: bool = False) -> None:
         thinned = log.thinned()
-        self.cart, self.name, self.log = cart, log.name, log
+        self.cart, self.name, self.log, self.size = cart, log.name, log, 2 if pairs else 1
         if noise is None:
             noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()
         self.noise = noise
         self.colour: NoiseColour | None = None
+        self._loudness = np.ones((cart.constraints.n_free, cart.constraints.n_free))
         with self._sized():
-            self.motion = smooth_motion(thinned, cart, noise)
+            self._chain = smooth_motion(thinned, cart, noise)
+            self.motion = self._chain.paired() if pairs else self._chain
             self._listen()
-        steps = np.diff(thinned.time)
+        steps = np.diff(self.motion.time)
         steady = self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
         self._steady = np.append(steady, False)
 
+    @cached_property
+    def rows(self) -> RunLog:
+        """The log, as it is looked at."""
+        return self._looked_at(self.log)
+
+    def _looked_at(self, log: RunLog) -> RunLog:
+        return log.thinned().paired() if self.size > 1 else log.thinned()
+
+    @cached_property
+    def row_noise(self) -> FilterNoise:
+        """Of these rows."""
+        mean = {name: getattr(self.noise, name) / self.size**0.5 for name in AVERAGED}
+        return replace(self.noise, **mean)
+
+    @property
+    def usual_delay(self) -> tuple[float, float]:
+        """By what share of a step wrenches are late, and the standard deviation of it."""
+        return DELAY / self.size, DELAY_STD / self.size
+
+    @property
+    def step(self) -> float:
+        """Between rows of the log, s."""
+        return float(np.median(np.diff(self.motion.time))) / self.size
+
     def _listen(self) -> None:
         """Takes the wrenches as the cart's sensors are late."""
-        thinned = aligned(self.log, self.cart).thinned()
-        steps = np.diff(thinned.time)
-        self._record = WrenchRecord.of(thinned, self.cart, self.noise)
+        rows = self._looked_at(aligned(self.log, self.cart))
+        steps = np.diff(rows.time)
+        record = WrenchRecord.of(rows, self.cart, self.row_noise)
+        self._record = replace(record, covariance=record.covariance * self._loudness)
         self._neighbours = self._record.of_neighbours(float(np.median(steps)) if len(steps) else 1.0)
 
     @property
@@ -185,7 +232,6 @@ class WrenchRegression:
         """Around parameters (p,) and a delay, on rows `used` (all that can be, unless given)."""
         motion, cart = self.motion, self.cart
         used = np.flatnonzero(self._used) if used is None else used
-        n, d = motion.state.shape
         state, inverse = self._inverse(cart, parameters)
         by_node = np.concatenate(
             [inverse.by_state[..., : 3 + motion.velocity.shape[1]], inverse.by_acceleration], axis=2
@@ -201,21 +247,31 @@ class WrenchRegression:
         white = 1.0 if self.colour is None else self.colour.white
         weights = np.linalg.inv(white * self._record.covariance[used] + self._stuck(state, parameters)[used])
 
-        f = recorded.shape[1]
-        known, wide = motion.information, d
+        slopes = (1 - delay) * by_node[used], delay * by_node[after]
+        if self.size > 1:  # the mean of what was missed at both, whatever the delay
+            slopes = by_node[used] / 2, by_node[used] / 2
+        by_motion, factor = self._joint(self.size * used, slopes, weights)
+        return Linearisation(motion.time[used], self.size * used, residual, by, weights, by_motion, factor)
+
+    def _joint(
+        self, nodes: np.ndarray, slopes: tuple[Array, Array], weights: Array
+    ) -> tuple[tuple[Array, Array], Factor]:
+        """Slopes by the states of the chain from `nodes` (m,) to the next, slow noise among them, and the factor of
+        what wrenches and smoother know of these states."""
+        known, chain = self.motion.information, self._chain
+        n, f = len(chain.time), weights.shape[1]
         if self.colour is not None:
-            usual = np.median(self._record.covariance[used], axis=0)
-            known = with_noise_states(known, motion.linked, np.diff(motion.time), usual, self.colour)
-            wide = d + f
-        first, second = np.zeros((n - 1, f, wide)), np.zeros((n - 1, f, wide))
-        first[used, :, :d], second[used, :, :d] = (1 - delay) * by_node[used], delay * by_node[after]
-        first[:, :, d:] = np.eye(f)[:, : wide - d]
-        all_weights = np.zeros((n - 1, f, f))
-        all_weights[used] = weights
+            steps = np.diff(chain.time)
+            usual = np.median(self._record.covariance[nodes // self.size], axis=0)
+            known = with_noise_states(known, chain.linked, steps, usual, self.colour)
+            shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
+            by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)
+            first, second = (np.concatenate(both, axis=2) for both in zip(slopes, by_noise, strict=True))
+            slopes = first, second
+        first, second, all_weights = (np.zeros((n - 1, f, k)) for k in (slopes[0].shape[2], slopes[0].shape[2], f))
+        first[nodes], second[nodes], all_weights[nodes] = *slopes, weights
         joint = known + BlockTridiagonal.of_pairs(first, second, all_weights)
-        return Linearisation(
-            motion.time[used], used, residual, by, weights, (first[used], second[used]), joint.factor()
-        )
+        return slopes, joint.factor()
 
     @property
     def usable(self) -> np.ndarray:
@@ -243,6 +299,13 @@ class WrenchRegression:
         """The same, with wrench noise of another colour."""
         other = copy(self)
         other.colour = colour
+        return other
+
+    def louder(self, factor: Array) -> WrenchRegression:
+        """The same, with so many times the noise variance along each free direction (f,)."""
+        other = copy(self)
+        other._loudness = self._loudness * np.sqrt(np.outer(factor, factor))
+        other._listen()
         return other
 
     def within(self, chosen: np.ndarray) -> WrenchRegression:
@@ -286,12 +349,6 @@ def _delayed(wrench: Array, delay: float) -> Array:
     found = wrench.copy()
     found[:-1] += delay * np.diff(wrench, axis=0)
     return found
-
-
-def _runs(where: np.ndarray) -> list[slice]:
-    """Rows with the same number, which never falls."""
-    ends = [0, *(np.flatnonzero(np.diff(where)) + 1), len(where)]
-    return [slice(a, b) for a, b in pairwise(ends)]
 
 
 def _lateness_slopes(cart: CartModel, log: RunLog) -> Array:

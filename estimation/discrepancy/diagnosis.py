@@ -14,6 +14,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
+from .certainty import Certainty, certain
 from .fitted import SURE
 from .generic import Course, Dependence
 from .held_out import BEYOND_NOISE, HeldOut, joined
@@ -25,10 +26,15 @@ from .where import DIRECTIONS, Disagreement, where
 if TYPE_CHECKING:
     from .report import Report
 
-SETTING_STD = {"s": 0.05, "m": 0.05, "rad": 0.001}
-"""Of settings that a search found and no linear fit: as fine as it searched."""
+SETTING_STD = {"s": 0.003, "m": 0.02, "rad": 0.001}
+SETTING_SHARE = 0.1
+"""Of settings that neither a search nor a linear fit found: delays, trails, angles, stiffnesses."""
 LEAST_SHARE = 0.1
 """Of the squares of the residual, for a dependence that is told."""
+RATE, ENOUGH = 45.0, 2000
+"""Rows a second, and rows, that are as good as more: of a log with twice as many, pairs are looked at."""
+WHOLE = 0.98
+"""Of the rows: so many must be whole for that."""
 CLOSED = 0.25
 """Of the nominal gap above the noise floor: what may be left where the effects explain it."""
 
@@ -92,15 +98,16 @@ class Diagnosis:
     after: tuple[Scatter, Course]
     remaining: tuple[Dependence, ...]
     gap: Gap
+    certainty: Certainty
 
     @cached_property
     def cart(self) -> CartModel:
-        return self.selection.final.cart
+        return self.certainty.fitted.cart
 
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:
         kept = (s for s in self.selection.steps if s.added is not None and s.added.key not in self.selection.removed)
-        return tuple(_named(self.selection, step) for step in kept)
+        return tuple(_named(self, step) for step in kept)
 
     @cached_property
     def where(self) -> tuple[Disagreement, ...]:
@@ -124,7 +131,7 @@ class Diagnosis:
 
     @cached_property
     def parameter_mismatch(self) -> dict[str, dict[str, float]]:
-        found = self.selection.final.identification.parameters
+        found = self.certainty.parameters
         body, told = self.nominal_cart.inertia, {}
         nominal = {"mass": body.mass, "com_x": body.com[0], "com_y": body.com[1], "inertia": body.about_com}
         for effect in self.nominal_cart.effects:
@@ -203,7 +210,7 @@ def diagnose(
     for log in logs:
         tell(f"smoothing {log.name}")
         check_rows(log, cart)
-        regression = WrenchRegression(log, cart, None)
+        regression = WrenchRegression(log, cart, None, _in_pairs(log))
         checks.append(checked(log, cart, regression))
         whole.append(regression)
     selection = select(whole, cart, arms, tell)
@@ -214,7 +221,9 @@ def diagnose(
         for fitted in (selection.nominal, selection.final)
     )
     remaining = [d for d in selection.final.dependences if d.log_factor > SURE and d.share > LEAST_SHARE]
-    return Diagnosis(cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection))
+    return Diagnosis(
+        cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection), certain(selection.final)
+    )
 
 
 MORE_MOTION = (
@@ -227,6 +236,12 @@ def _arms(logs: Sequence[RunLog]) -> list[str]:
     if not logs:
         raise UsageError("diagnose: no log is given; at least one is needed")
     return list(dict.fromkeys(arm for log in logs for arm in log.arms))
+
+
+def _in_pairs(log: RunLog) -> bool:
+    rows = log.thinned()
+    whole = np.isfinite(np.column_stack([rows.pose, *(arm.wrench for arm in rows.arms.values())])).all(axis=1)
+    return len(rows) > 2 * max(ENOUGH, RATE * log.duration) and bool(whole.mean() > WHOLE)
 
 
 def _gap(cart: CartModel, selection: Selection) -> Gap:
@@ -250,21 +265,25 @@ def _gap(cart: CartModel, selection: Selection) -> Gap:
     return Gap(**horizons["1 s"], per_coordinate=per_coordinate, per_horizon=horizons)
 
 
-def _named(selection: Selection, step: Step) -> NamedEffect:
+def _named(diagnosis: Diagnosis, step: Step) -> NamedEffect:
     attempt = step.added
     assert attempt is not None
-    found = selection.final.identification.parameters
-    effect = next(e for e in selection.final.cart.effects if e.key == attempt.key)
+    found, settings = diagnosis.certainty.parameters, diagnosis.certainty.settings
+    effect = next(e for e in diagnosis.cart.effects if e.key == attempt.key)
     parameters = {
         p.name: (
             float(value),
-            found[key].std if p.estimated else SETTING_STD.get(p.unit, 0.1 * abs(float(value))),
+            found[key].std if p.estimated else settings.get(key, _usual_std(p.unit, float(value))),
             p.unit,
         )
         for p, key, value in zip(effect.parameters, effect.keys, effect.values, strict=True)
     }
     share = float(np.clip(attempt.held_out_gain or 0.0, 0.0, 1.0))
     return NamedEffect(effect.name, effect.label, step.probability, parameters, step.confusable, share)
+
+
+def _usual_std(unit: str, value: float) -> float:
+    return SETTING_STD.get(unit, SETTING_SHARE * abs(value))
 
 
 def _phrase(dependence: Dependence, f: int) -> str:

@@ -86,7 +86,7 @@ def build_dictionary(
     for i, (effect, cell) in enumerate(opened):
         scale = np.max([np.abs(own[i]).max(axis=(0, 1), initial=0.0) for own in slopes], axis=0)
         typical = np.array([p.typical for p in effect.parameters])
-        seen = np.flatnonzero((scale * typical > TRACE) & _may_be_amplitudes(effect))
+        seen = np.flatnonzero((scale * typical > TRACE) & may_be_amplitudes(effect))
         if len(seen):
             trials.append(Trial(effect, np.arange(at, at + len(seen)), seen, 2 * typical[seen], cell))
             chosen.append((i, seen))
@@ -104,7 +104,7 @@ def build_dictionary(
     )
 
 
-def _may_be_amplitudes(effect: Effect) -> np.ndarray:
+def may_be_amplitudes(effect: Effect) -> np.ndarray:
     gated = np.arange(len(effect.parameters)) < effect.gate.n_parameters
     return np.asarray(~gated & np.array([not p.grid for p in effect.parameters]))
 

@@ -21,7 +21,7 @@ from cartgrasp.frames import Array
 
 from .dictionary import BLOCK, Dictionary, Trial
 
-LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24)
 """Blocks that something may act for."""
 PARTS = 4
 """Of a log, each of which is left out once."""
@@ -33,8 +33,8 @@ FEWEST_BEFORE = 4
 class Finding:
     """An effect at its most probable setting, with the amplitudes' values; the log of its Bayes factor over all
     settings; half the chi-squared that the best setting takes away; which parameters the amplitudes are, their
-    standard deviations before and after data, and by how much of their size they change, at most, when a part of the
-    log is left out (0 for what acts at a time or a place)."""
+    standard deviations before and after data; by how much of their size they change, at most, when a part of the log is
+    left out, and from one part to another (`drift`; both 0 for what acts at a time or a place)."""
 
     effect: Effect
     log_factor: float
@@ -43,6 +43,7 @@ class Finding:
     prior_std: Array
     std: Array
     change: float = 0.0
+    drift: float = 0.0
 
     @property
     def occam(self) -> float:
@@ -92,11 +93,11 @@ def _best(reduce: _Reduction, trials: Sequence[Trial]) -> Finding:
     values[amplitudes] += mean[best]
     total = float(logsumexp(factor) - np.log(len(factor)))
     most = float(np.concatenate(gains)[best])
-    change = 0.0
+    change = drift = 0.0
     if effect.gate is Gate.ALWAYS:
         chosen = next(trial for trial in trials if trial.effect is effect)
-        change = _change(reduce, chosen, mean[best])
-    return Finding(effect.with_values(values), total, most, amplitudes, trials[0].std, std[best], change)
+        change, drift = _change(reduce, chosen, mean[best]), _drift(reduce, chosen, mean[best])
+    return Finding(effect.with_values(values), total, most, amplitudes, trials[0].std, std[best], change, drift)
 
 
 def _change(reduce: _Reduction, trial: Trial, whole: Array) -> float:
@@ -113,6 +114,27 @@ def _change(reduce: _Reduction, trial: Trial, whole: Array) -> float:
         noise = float(np.trace(spread @ information)) - len(whole)
         found = max(found, float(other @ information @ other) - 9 * max(noise, 0.0))
     return float(np.sqrt(max(found, 0.0) / max(size, 1e-300)))
+
+
+def _drift(reduce: _Reduction, trial: Trial, whole: Array) -> float:
+    """The same, of each part's own size beside those of the others, with one base for all."""
+    own = reduce.gram[:, trial.columns[:, None], reduce.rows(trial.columns)]
+    k, prior = len(whole), np.diag(trial.std**-2.0)
+    metric = reduce.of(own.sum(axis=0))[0] + prior
+    sums = np.array([own[part].sum(axis=0) for part in np.array_split(np.arange(len(own)), PARTS)])
+    apart = np.zeros((PARTS, k, sums.shape[2] + (PARTS - 1) * k))
+    p = reduce.dictionary.n_base
+    apart[:, :, :p], apart[:, :, -1] = sums[:, :, :p], sums[:, :, -1]
+    for i in range(PARTS):
+        apart[i, :, p + i * k : p + (i + 1) * k] = sums[i, :, p:-1]
+    information, pull = reduce.of(apart.reshape(PARTS * k, -1))
+    spread = np.linalg.inv(information + np.kron(np.eye(PARTS), prior))
+    other = (spread @ pull).reshape(PARTS, k) - whole
+    found = 0.0
+    for i in range(PARTS):
+        noise = float(np.trace(spread[i * k : (i + 1) * k, i * k : (i + 1) * k] @ metric))
+        found = max(found, float(other[i] @ metric @ other[i]) - 9 * noise)
+    return float(np.sqrt(max(found, 0.0) / max(float(whole @ metric @ whole), 1e-300)))
 
 
 def _scored(trial: Trial, sums: tuple[Array, Array]) -> tuple[Array, Array, Array, Array]:

@@ -13,14 +13,14 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
-from ..batch.identification import DELAY, DELAY_STD, Identification, fit
+from ..batch.identification import Identification, fit
 from ..batch.noise_colour import colour_of
 from ..batch.wrench_regression import Linearisation, WrenchRegression
 from ..prior import Prior
 from .dictionary import Dictionary, build_dictionary
 from .evidence import Base
 from .generic import Course, Dependence, dependences
-from .scatter import FINE_BLOCK, Scatter
+from .scatter import FINE_BLOCK, Scatter, noise_excess
 
 SURE = 12.0
 """Log of the Bayes factor of a dependence that is told."""
@@ -83,8 +83,9 @@ class Fitted:
         own = self.free[:-1]
         information = np.zeros((len(own) + 1, len(own) + 1))
         information[:-1, :-1] = np.linalg.inv(self.prior.covariance(self.structure)[np.ix_(own, own)])
-        information[-1, -1] = DELAY_STD**-2
-        first = np.append(self.structure.parameters[own], DELAY)
+        delay, std = np.mean([regression.usual_delay for regression in self.regressions], axis=0)
+        information[-1, -1] = std**-2
+        first = np.append(self.structure.parameters[own], delay)
         now = np.append(self.cart.parameters[own], np.mean(self.delays))
         return Base(information, information @ (first - now))
 
@@ -95,6 +96,12 @@ class Fitted:
         start = np.append(self.cart.parameters, effect.values)
         return replace(self, added=(*self.added, effect), start=start)
 
+    def with_changed(self, effect: Effect, changed: Effect) -> Fitted:
+        """With another setting of an effect that was added."""
+        added = tuple(changed if one is effect else one for one in self.added)
+        known = tuple(changed if one.key == changed.key else one for one in self.cart.effects)
+        return replace(self, added=added, start=replace(self.cart, effects=known).parameters)
+
     def on(self, regressions: tuple[WrenchRegression, ...]) -> Fitted:
         """The same structure, fitted to other rows."""
         return replace(self, regressions=regressions, start=self.cart.parameters)
@@ -104,7 +111,7 @@ class Fitted:
         found = []
         for regression, line, _ in self.linearised:
             standard = (np.swapaxes(np.linalg.cholesky(line.weights), 1, 2) @ line.residual[..., None])[..., 0]
-            found.append(regression.coloured(colour_of(line.time, standard)))
+            found.append(regression.coloured(colour_of(line.time, standard, regression.size)))
         return replace(self, regressions=tuple(found), start=self.cart.parameters)
 
     def settled(self) -> Fitted:
@@ -117,12 +124,12 @@ class Fitted:
         late = [effect for effect in self.added if isinstance(effect, SensorEffect) and effect.lateness > 0]
         if not late:
             return self
-        step = float(np.median([np.median(np.diff(r.motion.time)) for r in self.regressions]))
+        step = float(np.median([r.step for r in self.regressions]))
         whole = round(late[0].lateness / step) * step  # what aligning by nearest samples took back
-        missing = whole + (DELAY - float(np.mean(self.delays))) * step
+        found = zip(self.regressions, self.delays, strict=True)
+        missing = whole + float(np.mean([(r.usual_delay[0] - d) * np.median(np.diff(r.motion.time)) for r, d in found]))
         moved = late[0].with_values(late[0].values + missing - late[0].lateness)
-        added = tuple(moved if effect is late[0] else effect for effect in self.added)
-        return replace(self, added=added, start=self.cart.parameters)
+        return self.with_changed(late[0], moved)
 
     def without(self, key: str) -> Fitted:
         return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)
@@ -138,7 +145,7 @@ class Fitted:
     @cached_property
     def fine(self) -> Scatter:
         """Over stretches in which a dependence is looked for."""
-        return Scatter.of(self.linearised, FINE_BLOCK)
+        return Scatter.of(self.linearised, self.excess, FINE_BLOCK)
 
     @cached_property
     def dependences(self) -> list[Dependence]:
@@ -160,4 +167,9 @@ class Fitted:
 
     @cached_property
     def scatter(self) -> Scatter:
-        return Scatter.of(self.linearised)
+        return Scatter.of(self.linearised, self.excess)
+
+    @cached_property
+    def excess(self) -> float:
+        """How many times too small the noise variance of long means is believed to be."""
+        return noise_excess(self.linearised)

@@ -13,7 +13,6 @@ from cartgrasp.errors import DataError
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import WheelSet
 
-from ..batch.identification import DELAY
 from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
 from .manoeuvres import held_out, manoeuvres
@@ -105,12 +104,13 @@ class HeldOut:
     def likelihood(self, fitted: Fitted, better: Fitted) -> float:
         """Log of the ratio of likelihoods of the wrenches that no fit saw, both at the usual delay of samples: at
         another, rows are mixed otherwise and their noise is another."""
-        return 0.5 * (self._surprise(fitted) - self._surprise(better)) / better.scatter.excess
+        return 0.5 * (self._surprise(fitted) - self._surprise(better)) / better.excess
 
     def _surprise(self, fitted: Fitted) -> float:
         trained, total = self.trained(fitted), 0.0
         for regression, kept in zip(fitted.regressions, self._kept, strict=True):
-            line = regression.within(kept).with_cart(trained.cart).linearised(trained.cart.parameters, DELAY)
+            own, delay = regression.within(kept).with_cart(trained.cart), regression.usual_delay[0]
+            line = own.linearised(trained.cart.parameters, delay)
             total += line.chi_squared
         return total
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.effects.effect import Gate
 
+from .evidence import Finding
 from .fitted import Fitted
 from .held_out import HeldOut
 
@@ -13,27 +15,34 @@ ENOUGH, ENOUGH_PASSING = 7.0, 20.0
 """Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
-BESIDE = 0.15
-"""Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents."""
+BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02}
+"""Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
+hardly like a lasting change."""
 LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
+NO_WORSE = 0.005
+"""Of the gap above the noise floor: what noise may make of it."""
 LEAST_OF_REST = 0.3
 """Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
-MOST_CHANGE = 0.5
-"""Of its size: what an effect may change by when a quarter of the log is left out."""
-OUTSIDE = 1.5
+MOST_CHANGE, MOST_DRIFT = 0.5, 0.5
+"""Of its size: what an effect may change by when a quarter of the log is left out; from all to one quarter, beyond
+noise."""
+UNSTEADY = "its size is another in another part of the log"
+OUTSIDE, OUTSIDE_PASSING = 1.5, 0.5
 """Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
-vocabulary."""
+vocabulary. What acts for a while takes away some turns of anything periodic."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether an effect is added; if not, why; and the share of the gap above the noise floor that it closes on
-    held-out stretches, where it came to that."""
+    """Whether an effect is added; if not, why; the share of the gap above the noise floor that it closes on held-out
+    stretches, where it came to that; whether there is something like it that has no name, so that nothing that explains
+    less is its name."""
 
     is_added: bool
     reason: str
     held_out_gain: float | None = None
+    is_nameless: bool = False
 
 
 @dataclass(frozen=True)
@@ -44,36 +53,57 @@ class Judge:
     held_out: HeldOut
     strongest: float
 
+    def may_be(self, absent: Effect) -> bool:
+        """Whether a search may begin from a setting: one that its grid offers, but no cart like this has, is left."""
+        searched = absent.gate is Gate.ALWAYS and any(p.grid for p in absent.parameters)
+        return not (searched and absent.implausible(*self.held_out.rolling))
+
     def implausible(self, effect: Effect) -> str:
         """Why nobody would call it so on these logs; empty where they would."""
         nowhere_else = "it would be nearly everywhere" if self.held_out.covers(effect) else ""
         return effect.implausible(*self.held_out.rolling) or nowhere_else
 
-    def verdict(self, effect: Effect, score: float, change: float, model: Fitted) -> Verdict:
-        """Of an effect with the log of its Bayes factor, how its size changes over the log, and the fit with it."""
+    def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
+        """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
+        effect = next(one for one in model.cart.effects if one.key == found.effect.key)
         reason = (
-            self.implausible(effect) or self._unsteady(change) or self._outside(model) or self._unsure(effect, score)
+            self.implausible(effect)
+            or self._held(effect, model)
+            or self._unsteady(found)
+            or self._outside(effect, model)
+            or self._unsure(effect, score)
         )
         if reason:
-            return Verdict(False, reason)
+            return Verdict(False, reason, is_nameless=bool(self._held(effect, model) or self._unsteady(found)))
         proof = self.held_out.everywhere if effect.gate.passes else self.held_out
         share, of_rest = proof.gain(self.fitted, model)
         if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
             return Verdict(True, "added", share)
-        if share >= 0 and not effect.gate.passes and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD:
+        if (
+            share >= -NO_WORSE
+            and not effect.gate.passes
+            and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD
+        ):
             return Verdict(True, "added", share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share)
 
-    def _unsteady(self, change: float) -> str:
-        return "its size is another in another part of the log" if change > MOST_CHANGE else ""
+    def _held(self, effect: Effect, model: Fitted) -> str:
+        late = effect.lateness if isinstance(effect, SensorEffect) else 0.0
+        if 0 < late < max((regression.step for regression in model.regressions), default=0.0):
+            return f"{1e3 * late:.0f} ms is less than a sample, as wrenches may be late that are held or averaged"
+        return ""
 
-    def _outside(self, model: Fitted) -> str:
+    def _unsteady(self, found: Finding) -> str:
+        return UNSTEADY if found.change > MOST_CHANGE or found.drift > MOST_DRIFT else ""
+
+    def _outside(self, effect: Effect, model: Fitted) -> str:
+        enough = OUTSIDE_PASSING if effect.gate.passes else OUTSIDE
         follows, closed = self.fitted.periodic, self.fitted.misfit() - model.misfit()
-        if follows is None or follows.share * self.fitted.misfit(follows.direction) <= OUTSIDE * closed:
+        if follows is None or follows.share * self.fitted.misfit(follows.direction) <= enough * closed:
             return ""
-        return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) far better"
+        return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
-        enough = max(ENOUGH_PASSING, BESIDE * self.strongest) if effect.gate.passes else ENOUGH
+        enough = max(ENOUGH_PASSING, BESIDE[effect.gate] * self.strongest) if effect.gate.passes else ENOUGH
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""

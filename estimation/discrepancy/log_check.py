@@ -84,7 +84,9 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
         duration=log.duration,
         rate=float(1 / np.median(steps)),
         longest_gap=float(steps.max()),
-        rows_with_wrenches=int(regression.usable.sum()),
+        rows_with_wrenches=int(
+            np.all([np.isfinite(arm.wrench).all(axis=1) for arm in log.arms.values()], axis=0).sum()
+        ),
         noise=noise_of_log(log, cart),
         distance=distance,
         turned=float((np.abs(turning[:-1]) * h).sum()),

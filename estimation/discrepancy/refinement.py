@@ -5,6 +5,7 @@ Each setting is judged by the most that the effect's amplitudes gain there, with
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 
-from .dictionary import BLOCK, CELL, slopes_of
+from .dictionary import BLOCK, CELL, may_be_amplitudes, slopes_of
 from .fitted import Fitted
 
 HALVINGS = 5
@@ -33,8 +34,9 @@ class Gain:
 class Refiner:
     """Around one fit."""
 
-    def __init__(self, fitted: Fitted) -> None:
-        self._fitted = fitted
+    def __init__(self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None) -> None:
+        """`implausible` says of an effect at a setting why it can't be, where it can't."""
+        self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
         self._base: list[tuple[Array, Array]] = []
         information = fitted.base.information.copy()
         for _, line, _ in fitted.linearised:
@@ -63,17 +65,19 @@ class Refiner:
         """From an effect whose amplitudes have values."""
         absent = effect.values.copy()
         absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
-        moves = _moves(effect, amplitudes)
+        steps = moves(effect, amplitudes)
         values, best = absent, self.gain(effect.with_values(absent), amplitudes, std)
         left = EVALUATIONS
-        for halving in range(HALVINGS if moves else 0):
+        for halving in range(HALVINGS if steps else 0):
             improved = True
             while improved and left > 0:
                 improved = False
-                for move in moves:
+                for move in steps:
                     for sign in (1.0, -1.0):
                         tried = move.applied(values, sign / 2**halving)
-                        if tried is None or not _is_open(effect, tried):
+                        if tried is None or not is_open(effect, tried):
+                            continue
+                        if self._implausible(effect.with_values(tried)):
                             continue
                         left -= 1
                         found = self.gain(effect.with_values(tried), amplitudes, std)
@@ -85,8 +89,23 @@ class Refiner:
         return effect.with_values(values), best
 
 
+def searched_again(fitted: Fitted) -> Fitted:
+    """With the settings of all effects but the last, which were searched for without it, where they are best now."""
+    for effect in fitted.added[:-1]:
+        amplitudes = np.flatnonzero(may_be_amplitudes(effect))
+        if any(not effect.parameters[move.which].estimated for move in moves(effect, amplitudes)):
+            known = next(one for one in fitted.cart.effects if one.key == effect.key)
+            refiner = Refiner(fitted.without(effect.key))
+            fitted = fitted.with_changed(effect, refiner.refined(known, amplitudes, prior_std(effect, amplitudes))[0])
+    return fitted
+
+
+def prior_std(effect: Effect, amplitudes: np.ndarray) -> Array:
+    return np.array([2 * effect.parameters[i].typical for i in amplitudes])
+
+
 @dataclass(frozen=True)
-class _Move:
+class Move:
     """Of one parameter: by a step, or by a power of `FACTOR`; with another that moves the other way, to keep an end."""
 
     which: int
@@ -106,24 +125,24 @@ class _Move:
         return moved
 
 
-def _moves(effect: Effect, amplitudes: np.ndarray) -> list[_Move]:
+def moves(effect: Effect, amplitudes: np.ndarray) -> list[Move]:
     if effect.gate is Gate.FROM:
-        gate = [_Move(0, BLOCK)]
+        gate = [Move(0, BLOCK)]
     elif effect.gate is Gate.WHILE:
-        gate = [_Move(0, BLOCK, against=1), _Move(1, BLOCK)]
+        gate = [Move(0, BLOCK, against=1), Move(1, BLOCK)]
     elif effect.gate is Gate.INSIDE:
-        gate = [_Move(i, CELL / 2) for i in range(4)]
+        gate = [Move(i, CELL / 2) for i in range(4)]
     else:
         gate = []
     rest = [
-        _Move(i, 0.0 if effect.values[i] > 0 else parameter.typical)
+        Move(i, 0.0 if effect.values[i] > 0 else parameter.typical)
         for i, parameter in enumerate(effect.parameters)
         if i >= len(gate) and i not in amplitudes and parameter.grid and not parameter.estimated
     ]
     return gate + rest
 
 
-def _is_open(effect: Effect, values: Array) -> bool:
+def is_open(effect: Effect, values: Array) -> bool:
     if effect.gate is Gate.WHILE:
         return bool(values[1] > 0)
     if effect.gate is Gate.INSIDE:

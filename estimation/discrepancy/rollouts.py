@@ -13,7 +13,7 @@ from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
 from .sideways import planar_wrench
 
-STEP = 0.004
+STEP = 0.005
 """s: the integrator's longest."""
 COORDINATES = ("forward", "sideways", "heading")
 """m, m, rad."""
@@ -75,7 +75,7 @@ def noise_floor(
     cart = fitted.cart
     regression = regression.with_cart(cart)
     wrench = _pushes(regression, cart, 0.5)
-    noise = _drawn_noise(regression, fitted.scatter.excess, generator)
+    noise = _drawn_noise(regression, fitted.excess, generator)
     true = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
     jolt = generator.standard_normal((len(first), wrench.shape[1])) * regression.motion.velocity_std
     found = _ends(regression, cart, wrench + noise, first, horizon, jolt)

@@ -35,9 +35,8 @@ class Scatter:
     excess: float
 
     @classmethod
-    def of(cls, linearised: Linearised, duration: float = SCATTER_BLOCK) -> Scatter:
-        mean, information, start, log = _means(linearised, duration)
-        return cls(mean, information, start, log, _excess(linearised))
+    def of(cls, linearised: Linearised, excess: float, duration: float = SCATTER_BLOCK) -> Scatter:
+        return cls(*_means(linearised, duration), excess)
 
     @property
     def misfit(self) -> Array:
@@ -54,8 +53,7 @@ def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array
         group = number % APART
         ones = (group[:, None] == np.arange(APART))[:, None, :, None] * np.eye(f)[None, :, None, :]
         sides = np.concatenate([ones.reshape(len(number), f, APART * f), line.residual[..., None]], axis=2)
-        unit = np.broadcast_to(np.eye(f), (len(number), f, f))
-        sums = line.by_block(unit, line.whitened(sides), duration)
+        sums = np.add.reduceat(line.whitened(sides), line.ends(duration)[:-1], axis=0)
         begins = np.unique(number)
         own = sums[..., :-1].reshape(len(begins), f, APART, f)[np.arange(len(begins)), :, begins % APART]
         information = (own + np.swapaxes(own, 1, 2)) / 2
@@ -66,7 +64,7 @@ def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array
     return (np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
 
 
-def _excess(linearised: Linearised) -> float:
+def noise_excess(linearised: Linearised) -> float:
     """How many times too small the noise variance of long means is believed to be, 1 or more: the median of a spectrum
     between slow misfits and single samples. Coloured noise fills it; what swings at one frequency does not."""
     mean, _, start, log = _means(linearised, EXCESS_BLOCK)

@@ -21,9 +21,16 @@ from .evidence import findings
 from .fitted import Fitted
 from .held_out import HeldOut
 from .isolability import Isolability, isolability
-from .judgement import ENOUGH, LEAST_GAIN, LEAST_LIKELIHOOD, LEAST_OF_REST, Judge, Verdict
+from .judgement import (
+    ENOUGH,
+    LEAST_GAIN,
+    LEAST_LIKELIHOOD,
+    LEAST_OF_REST,
+    Judge,
+    Verdict,
+)
 from .log_check import moving
-from .refinement import Refiner
+from .refinement import Refiner, searched_again
 from .sideways import sideways_trials
 from .vocabulary import trials
 
@@ -94,13 +101,14 @@ def select(
     shown: dict[str, Isolability] | None = None
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
-        dictionary = fitted.dictionary(trials(fitted.cart, arms))
+        judge = Judge(fitted, held_out, strongest)
+        dictionary = fitted.dictionary([one for one in trials(fitted.cart, arms) if judge.may_be(one)])
         shown = isolability(dictionary, fitted.base) if shown is None else shown
-        step, better = _step(fitted, dictionary, Judge(fitted, held_out, strongest), tell)
+        step, better = _step(fitted, dictionary, judge, tell)
         steps.append(step)
         if better is None:
             break
-        fitted = better
+        fitted = searched_again(better)
         strongest = max(strongest, step.added.log_factor if step.added else 0.0)
     fitted, removed = _pruned(fitted, held_out)
     return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})
@@ -134,7 +142,7 @@ def _sideways(
         first = trials[0].finding.effect
         for _ in range(SIDEWAYS_ROUNDS):
             bent = replace(cart, effects=(*cart.effects, *added, first))
-            whole = tuple(WrenchRegression(r.log, bent, r.noise) for r in whole)
+            whole = tuple(WrenchRegression(r.log, bent, r.noise, r.size > 1) for r in whole)
             fitted = _on_moving_rows(whole, cart, (*added, first))
             again = sideways_trials(whole, fitted.cart.without_effect(first.key))
             first = next(t.finding.effect for t in again if type(t.finding.effect) is type(first))
@@ -156,7 +164,7 @@ def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.base)
-    refiner = Refiner(fitted)
+    refiner = Refiner(fitted, lambda effect: effect.implausible(*judge.held_out.rolling))
     tried = []
     for finding in screened[:MOST_TRIED]:
         if finding.log_factor < max(WORTH_TRYING, HOPELESS * screened[0].log_factor):
@@ -164,7 +172,7 @@ def _step(
         tell(f"trying {finding.effect.name}")
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
         tried.append((effect, gain.value, fitted.with_added(effect).listening().listening()))
-    excess = min([fitted.scatter.excess, *(model.scatter.excess for *_, model in tried)])
+    excess = min([fitted.excess, *(model.excess for *_, model in tried)])
     again = {f.effect.key: f for f in findings(dictionary, replace(fitted.base, excess=excess))}
     scored = []
     for effect, most, model in tried:
@@ -173,10 +181,13 @@ def _step(
             most = min(max(most, refitted), MOST_BY_REFIT * most)
         scored.append((most / excess + again[effect.key].occam, effect, model))
     scored.sort(key=lambda one: -one[0])
-    attempts, added, better = [], None, None
+    attempts, added, better, nameless = [], None, None, 0.0
     for score, effect, model in scored:
-        if added is None:
-            verdict = judge.verdict(effect, score, again[effect.key].change, model)
+        if added is None and score < nameless:  # it explains less of a thing that has no name
+            verdict = Verdict(False, "less probable than what has no name")
+        elif added is None:
+            verdict = judge.verdict(again[effect.key], score, model)
+            nameless = max(nameless, score) if verdict.is_nameless else nameless
         else:
             verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
         attempt = Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason)

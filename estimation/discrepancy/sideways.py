@@ -135,7 +135,7 @@ def _excess(whitened: Array) -> float:
 
 def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array, np.ndarray]:
     motion, axle = regression.motion, float(cart.constraints.axle_x or 0.0)
-    pose = regression.log.thinned().pose
+    pose = regression.rows.pose
     seen = np.asarray(np.isfinite(pose[:, :2]).all(axis=1))
     linked = np.asarray(motion.linked & seen[:-1] & seen[1:])
     middle = (motion.pose[:-1, 2] + motion.pose[1:, 2]) / 2
@@ -150,7 +150,7 @@ def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array
     moved = total[spans[:, 1]] - total[spans[:, 0]]
     n = len(spans)
     duration = motion.time[spans[:, 1]] - motion.time[spans[:, 0]]
-    noise = regression.noise
+    noise = regression.row_noise
     covariance = noise.position**2 * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
     turned = noise.heading * np.abs(motion.velocity[spans[:, 0], 0]) * duration
     covariance += np.diag(noise.slip**2 * duration + turned**2 * (motion.time[1] - motion.time[0]) / duration)
@@ -169,7 +169,7 @@ def _velocity(regression: WrenchRegression, cart: CartModel) -> Array:
 
 def planar_wrench(regression: WrenchRegression, cart: CartModel) -> Array:
     """Of all arms in {b} (n, 3), averaged."""
-    log = regression.log.thinned()
+    log = regression.rows
     total = np.zeros((len(log), 3))
     for name, arm in log.arms.items():
         wrench = cart.corrected_wrench(name, _filled(arm.wrench))[0]

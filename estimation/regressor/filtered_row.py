@@ -113,6 +113,11 @@ def stands_still(motion: Stretch) -> bool:
     return bool((motion.velocity**2 < STILL**2 * variance).all())
 
 
+def least_speed_in(motion: Stretch, cart: CartModel) -> float:
+    """Of {b}'s origin, the smallest in the block, m/s."""
+    return float(np.linalg.norm((motion.velocity @ cart.basis_b.T)[:, :2], axis=1).min())
+
+
 def filtered_row(
     cart: CartModel, parameters: Array, motion: Stretch, memory: Array, recorded: Sequence[Recorded], noise: FilterNoise
 ) -> FilteredRow:

@@ -1,8 +1,9 @@
 """The parameters, learned by recursive least squares with both sides through `rate / (s + rate)` (physics 11).
 
 Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
-block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`). Force noise stands on one side
-of a row only, and what is noise in the other is taken off, so that neither biases the mass.
+block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`), what the first could not say at
+once a little later (`second_look.py`). Force noise stands on one side of a row only, and what is noise in the other is
+taken off, so that neither biases the mass.
 """
 
 from __future__ import annotations
@@ -27,10 +28,11 @@ from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
 from ..prior import Prior
 from ..wrench_sensing import SensedWrench, WrenchSensing
-from .filtered_row import Recorded, curvature_noise, filtered_row, stands_still
+from .filtered_row import FilteredRow, Recorded, curvature_noise, filtered_row, least_speed_in, stands_still
 from .load_watch import LoadWatch
-from .motion_tracker import MotionTracker, Stretch
+from .motion_tracker import MotionTracker
 from .regression_belief import RegressionBelief
+from .second_look import AT_ONCE, BLURRED, MOST_WAITING, Block, Waiting, blur, left_after, rest_of
 
 BLOCK, LAG = 0.15, 0.12
 """s: how long a row is, and how much later it is worked out, when its end is smoothed."""
@@ -54,8 +56,9 @@ class ParameterLearner:
         noise: FilterNoise,
         prior: Prior,
         yaws: Mapping[str, float],
+        least_speed: float = 0.0,
     ) -> None:
-        self.cart, self.noise, self.prior = cart, noise, prior
+        self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
         self._free = self.prior.free(cart)
         self._first_covariance = self.prior.covariance(cart)[np.ix_(self._free, self._free)]
         first = Gaussian(cart.parameters[self._free], self._first_covariance)
@@ -66,6 +69,7 @@ class ParameterLearner:
         self._limits = PhysicalSet.of(cart, "regressor")
         self._reporter = ParameterReport(cart, self.prior)
         self._recorded: list[Recorded | None] = []
+        self._waiting: tuple[Waiting, ...] = ()
         self._memory: Array | None = None
         self._calm = self._jolt = np.zeros(cart.constraints.n_free)
         self._started = self._has_wrench = False
@@ -171,7 +175,7 @@ class ParameterLearner:
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one."""
         time = self._tracker.time
-        if time[-1] - time[0] < BLOCK + LAG:
+        if time[-1] - time[0] < BLOCK + LAG - 1e-6:
             return
         k = int(np.searchsorted(time, time[0] + BLOCK - 1e-6))
         if time[-1] - time[k] < LAG - 1e-6:
@@ -179,25 +183,45 @@ class ParameterLearner:
         motion = self._tracker.smoothed().until(k)
         recorded = [one for one in self._recorded[:k] if one is not None]
         memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time, self.theta, self._memory)
-        if len(recorded) == k and not stands_still(motion):
-            self._learn(motion, memory, recorded)
+        moves = not stands_still(motion) and least_speed_in(motion, self.cart) >= self._least_speed
+        if len(recorded) == k and moves:
+            self._learn(Block(motion, memory, recorded))
         else:
             self._belief.unlink()
         self._memory = memory[-1]
         self._tracker.drop(k)
         self._recorded = self._recorded[k:]
 
-    def _learn(self, motion: Stretch, memory: Array, recorded: Sequence[Recorded]) -> None:
-        row = filtered_row(self.cart, self.theta, motion, memory, recorded, self.noise)
-        spread = np.zeros((len(self.theta), len(self._free)))
-        spread[self._free] = np.linalg.cholesky(self.belief.covariance)
-        curved = curvature_noise(self.cart, self.theta, motion, memory, spread)
-        row = replace(row, noise=row.noise + curved)
-        square = self._belief.absorb(row, self.theta)
-        if self._watch.note(float(motion.time[-1]), square):
+    def _learn(self, block: Block) -> None:
+        row, curvature = self._worked_out(block)
+        square = self._belief.absorb(replace(row, noise=row.noise + curvature), self.theta)
+        if (blurred := blur(row, curvature)) > BLURRED:
+            self._waiting = (*self._waiting, Waiting(block, left_after(blurred)))[-MOST_WAITING:]
+        if self._watch.note(float(block.motion.time[-1]), square):
             opened = load_covariance(self.cart, self.prior, float(self.theta[0]))
             self._belief.open(opened[np.ix_(self._free, self._free)])
+            self._waiting = ()
         self._conclude()
+        for _ in range(AT_ONCE):
+            self._look_again()
+
+    def _worked_out(self, block: Block) -> tuple[FilteredRow, Array]:
+        """The row around what is believed now, and the covariance of what it leaves out."""
+        row = filtered_row(self.cart, self.theta, block.motion, block.memory, block.recorded, self.noise)
+        spread = np.zeros((len(self.theta), len(self._free)))
+        spread[self._free] = np.linalg.cholesky(self.belief.covariance)
+        return row, curvature_noise(self.cart, self.theta, block.motion, block.memory, spread)
+
+    def _look_again(self) -> None:
+        """At the oldest block that waits, which is taken in if it is no longer blurred."""
+        if not self._waiting:
+            return
+        first, *others = self._waiting
+        row, curvature = self._worked_out(first.block)
+        if blur(row, curvature) <= BLURRED:
+            self._belief.absorb_rest(rest_of(row, curvature, first.left), self.theta)
+            self._waiting = tuple(others)
+            self._conclude()
 
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is

@@ -88,6 +88,16 @@ class RegressionBelief:
         self._pull[:k] -= np.append(row.feigned[self._free], row.feigned[-1]) / scale
         return square
 
+    def absorb_rest(self, row: FilteredRow, at: Array) -> None:
+        """Takes in a row around parameters (p,) that stands alone, since its neighbours are past."""
+        slopes = np.column_stack([row.slopes[:, self._free], row.slopes[:, -1]])
+        value = row.residual + row.slopes[:, self._free] @ at[self._free]
+        noise = row.noise + row.ends @ (row.after + row.fade**2 * row.before) @ row.ends.T
+        weighed = slopes.T @ np.linalg.inv(noise)
+        k = self._k
+        self._information[:k, :k] += symmetric(weighed @ slopes)
+        self._pull[:k] += weighed @ value - np.append(row.feigned[self._free], row.feigned[-1])
+
     def unlink(self) -> None:
         """The next row does not begin where the last one ended."""
         if self._linked:

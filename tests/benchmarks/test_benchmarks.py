@@ -10,9 +10,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 TITLES = (
     "Allocation at given contacts",
+    "Bags",
     "Choice of contacts",
     "Convex relaxation of the contact choice",
     "Dynamics",
+    "Estimators",
     "Filter step",
     "Plants",
     "Start-up",

@@ -17,7 +17,8 @@ from cartgrasp.errors import CartgraspError, DataError, PlantError, UsageError
 from .commands import CART, PROBLEM, RAIL, problem_file, run, run_apart
 
 STUDIES = (["study", "table1"], ["study", "excitation"], ["study", "robust"])
-COMMANDS = ([], ["demo"], ["simulate"], ["plan"], ["estimate"], ["study"], *STUDIES, ["study", "discrepancy"])
+LOGS = (["estimate"], ["topics"], ["convert"])
+COMMANDS = ([], ["demo"], ["simulate"], ["plan"], *LOGS, ["study"], *STUDIES, ["study", "discrepancy"])
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
@@ -132,7 +133,7 @@ def test_interrupted_within_the_progress_bar(capsys, monkeypatch, tmp_path):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(estimate, "load_cart", lambda path: None)
-    monkeypatch.setattr(estimate, "read_log", lambda path: SimpleNamespace(thinned=lambda: None))
+    monkeypatch.setattr(estimate, "read_log", lambda path, topics: SimpleNamespace(thinned=lambda: None))
     monkeypatch.setattr(estimate, "_replay", stop)
     answer = run(capsys, "estimate", "run.csv", "--cart", "cart.yaml", "--json")
     assert answer.status == 130

@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 
+from cartgrasp.logs import read_log, write_log
 from tests.view.browser import needs_browser, visit
 
 from .commands import CART, ROOT, run
@@ -90,3 +91,12 @@ def test_nothing_of_a_log_runs(log, capsys):
     assert re.search("<title>(.*?)</title>", seen.dom)[1] != "owned"
     assert "<img" not in seen.dom
     assert seen.dom.count("<script") == 2
+
+
+def test_a_bag_is_shown_as_its_log_is(log, capsys):
+    bag = write_log(read_log(log), log.with_suffix(".mcap"))
+    for path, page in ((log, "log.html"), (bag, "bag.html")):
+        assert run(capsys, "view", path, "--out", log.with_name(page)).status == 0
+    shown, again = (data_of(log.with_name(page)) for page in ("log.html", "bag.html"))
+    assert [arm["name"] for arm in again["arms"]] == [arm["name"] for arm in shown["arms"]]
+    assert again["arms"][0]["force"] == shown["arms"][0]["force"]

@@ -14,6 +14,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.wheels import Wheel
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior, RegressorEstimator
+from estimation.gaussian import Gaussian
 from estimation.replay import replay
 
 from .runs import CONTACT, simulate, simulate_two_hands
@@ -91,6 +92,19 @@ def test_a_wrong_model_fails_the_same_test():
     _, nis, scores = consistency(WITH_COULOMB, 2)
     inside, _ = share_inside(nis, 5, 2)
     assert inside < 0.8 or np.abs(scores).max() > 4.0
+
+
+def test_nothing_is_learned_below_the_least_speed():
+    """A gate above the log's speeds leaves the first guess alone; one below them all but the starts."""
+    log, truth = simulate(TRUTH, 5, duration=4.0)
+    fast = np.abs(truth[:, 3]).max()
+    gated = replay(log, CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN, least_speed=1.01 * fast + 0.1)).last
+    assert gated.parameters["mass"].value == pytest.approx(20.0)
+    assert gated.motion.velocity == pytest.approx(truth[-1, 3:], abs=0.02)
+    some = replay(log, CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN, least_speed=0.05)).last
+    every = replay(log, CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN)).last
+    assert every.parameters["mass"].std < some.parameters["mass"].std < 0.2 * gated.parameters["mass"].std
+    assert some.parameters["mass"].value == pytest.approx(24.0, rel=0.02)
 
 
 @pytest.mark.prove
@@ -315,9 +329,10 @@ def test_a_caster_believed_turned_round_is_not_believed_for_long():
     for i in range(300):
         watching.update(Measurement(0.01 * i, np.array([0.005 * i, 0.0, 0.0]), np.array([0.5, 0.0, 0.0])))
         if i == 100:
-            motion = watching._core.motion
-            motion._mean[cart.memory_slice] = np.pi
-            motion._own[cart.memory_slice, cart.memory_slice] = 1e-6
+            belief = watching.belief
+            mean, covariance = belief.mean.copy(), belief.covariance.copy()
+            mean[cart.memory_slice], covariance[cart.memory_slice, cart.memory_slice] = np.pi, 1e-6
+            watching._core._belief = Gaussian(mean, covariance)
     heading = watching.belief.mean[cart.memory_slice][0]
     assert abs(np.angle(np.exp(1j * heading))) < 0.2
 

@@ -15,6 +15,7 @@ from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior
 from estimation.batch import identify
 from estimation.batch.block_tridiagonal import BlockTridiagonal
+from estimation.batch.identification import fit
 from estimation.batch.motion_smoother import smooth_motion
 from estimation.batch.physical_fit import PhysicalSet
 from estimation.batch.wrench_record import WrenchRecord
@@ -219,6 +220,20 @@ def test_the_evidence_is_that_of_dense_least_squares():
     assert evidence.pulls.sum(axis=0) * scale == pytest.approx(pull * scale, abs=2e-2)
 
 
+def test_pairs_of_rows_tell_what_rows_tell():
+    log = drawn(3.0, 6, duration=20.0)
+    cart = guess()
+    whole, pairs = (fit(cart, Prior(), [WrenchRegression(log, cart, None, both)]) for both in (False, True))
+    free = whole.covariance.any(axis=0)
+    std, other = (np.sqrt(np.diagonal(f.covariance)[free]) / f.logs[0].noise_excess ** 0.5 for f in (whole, pairs))
+    assert other == pytest.approx(std, rel=0.05)
+    assert np.abs(scores(pairs)).max() < 3.5
+    apart = (pairs.model_parameters - whole.model_parameters)[free]
+    assert np.abs(apart / std).max() < 0.5
+    step = np.diff(log.time)[0]
+    assert pairs.logs[0].delay * 2 * step == pytest.approx(whole.logs[0].delay * step, abs=0.1 * step)
+
+
 def test_smoothed_motion_is_as_wrong_as_it_says():
     log, truth = simulate(TRUTH, 11, 2.0)
     motion = smooth_motion(log, guess(), FilterNoise(0.0004, 0.0004, 0.005, 0.005))
@@ -255,6 +270,23 @@ def test_the_nearest_body_is_that_of_a_search(seed):
     nearest = limits.nearest(parameters, np.arange(4), information)
     assert limits.holds(nearest)
     assert nearest == pytest.approx(projected(parameters, information, (2.0, 0.09)), abs=3e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_nearest_within_bounds_is_that_of_a_search(seed):
+    random = np.random.default_rng(seed)
+    cart = guess(effects=DRAGS)
+    limits = PhysicalSet.of(cart, "a test")
+    parameters = cart.parameters + np.array([0.5, 0.1, 0.1, 1.0, -6.0, 0.3, -0.01]) * random.uniform(0.5, 1.0, 7)
+    root = random.standard_normal((7, 7)) + 3 * np.eye(7)
+    information = root @ root.T
+    nearest = limits.nearest(parameters, np.arange(7), information)
+    bounds = [(None, None)] * 4 + [(0.0, None)] * 2 + [(0.0, 1.0)]
+    found = minimize(
+        lambda p: (p - parameters) @ information @ (p - parameters), cart.parameters, bounds=bounds, tol=1e-12
+    )
+    assert limits.holds(nearest)
+    assert nearest == pytest.approx(found.x, abs=2e-4)
 
 
 def test_a_fit_that_would_be_no_body_is_brought_to_one():

@@ -1,11 +1,25 @@
 """Each reason for which an effect is not named, and that nothing else stands in its way."""
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from cartgrasp.effects import ExternalPush, FloorPatch, LoadSlosh, QuadraticDrag, StribeckFriction, WheelDragImbalance
+from cartgrasp.effects import (
+    ExternalPush,
+    FloorPatch,
+    LoadSlosh,
+    PayloadChange,
+    QuadraticDrag,
+    StribeckFriction,
+    TimeDelay,
+    WheelDragImbalance,
+)
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel, WheelSet
+from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.generic import Dependence
 from estimation.discrepancy.judgement import Judge
 
@@ -42,14 +56,22 @@ class Fit:
     left: float = 100.0
     periodic: object = None
     by_direction: dict = field(default_factory=dict)
+    effect: object = None
+    regressions: tuple = (SimpleNamespace(step=0.01),)
+
+    @property
+    def cart(self):
+        return CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(self.effect,))
 
     def misfit(self, direction=None):
         return self.left if direction is None else self.by_direction[direction]
 
 
-def judged(effect=None, score=50.0, change=0.1, proof=None, before=None, after=60.0, strongest=0.0):
+def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, after=60.0, strongest=0.0):
     judge = Judge(before or Fit(), proof or Proof(), strongest)
-    return judge.verdict(effect or QuadraticDrag(coefficient=5.0), score, change, Fit(after))
+    effect = effect or QuadraticDrag(coefficient=5.0)
+    none = np.zeros(0)
+    return judge.verdict(Finding(effect, score, score, none, none, none, *change), score, Fit(after, effect=effect))
 
 
 def test_what_is_probable_steady_and_gains_is_added():
@@ -60,16 +82,28 @@ def test_what_is_probable_steady_and_gains_is_added():
     ("case", "said"),
     [
         ({"score": 6.9}, "below 7"),
-        ({"change": 0.6}, "another part of the log"),
+        ({"effect": TimeDelay(delay=0.009)}, "less than a sample"),
+        ({"change": (0.6, 0.1)}, "another part of the log"),
+        ({"change": (0.1, 0.6)}, "another part of the log"),
         ({"proof": Proof(share=0.04)}, "closes 4.0 %"),
         ({"proof": Proof(share=-0.01, log_likelihood=50.0)}, "closes -1.0 %"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
+        ({"effect": PayloadChange(time=9.0, mass=3.0), "strongest": 5000.0}, "below 100"),
         ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
         ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(is_everywhere=True)}, "nearly everywhere"),
         ({"effect": WheelDragImbalance(force=4.0, moment=0.1)}, "both wheels drag alike"),
+        ({"effect": WheelDragImbalance(force=0.1, moment=-0.2)}, "where no wheel is"),
+        ({"effect": ExternalPush(start=1.0, duration=9.0, force=9.0)}, "nobody pushes for 9.0 s"),
         ({"effect": StribeckFriction(breakaway=3.0, speed=0.5)}, "far from standstill"),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, "nothing swings"),
+        (
+            {
+                "effect": ExternalPush(start=1.0, duration=0.5, force=9.0),
+                "before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.3), {0: 90.0}),
+            },
+            "follows time, periodic",
+        ),
         (
             {"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.8), {0: 90.0})},
             "follows time, periodic",
@@ -92,6 +126,16 @@ def test_one_gain_is_enough(proof):
 def test_a_push_is_proven_where_it_is():
     push = ExternalPush(start=1.0, duration=0.5, force=9.0)
     assert judged(push, proof=Proof(share=0.0, share_everywhere=0.2)).is_added
+
+
+def test_a_lasting_change_counts_beside_a_strong_effect():
+    assert judged(
+        PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.0, share_everywhere=0.2), strongest=2000.0
+    ).is_added
+
+
+def test_a_delay_of_some_samples_is_one():
+    assert judged(TimeDelay(delay=0.013)).is_added
 
 
 def test_a_tight_wheel_is_plausible():

@@ -28,6 +28,15 @@ def test_variance_and_time_are_read_off_beside_white_noise_and_a_slow_misfit(tim
     assert found.white == pytest.approx(0.49, rel=0.5)
 
 
+def test_means_of_two_have_the_colour_of_one():
+    """Variances are in units of the mean's, which is believed to be half as large."""
+    noise = autoregression(0.05, np.arange(0, 300, 0.01))
+    pairs = 2**0.5 * (noise[::2] + noise[1::2]) / 2
+    found = colour_of(np.arange(0, 300, 0.02), pairs, size=2)
+    assert found.time == pytest.approx(0.05, rel=0.15)
+    assert found.slow == pytest.approx(2.0, rel=0.15)
+
+
 def test_white_noise_has_no_colour():
     assert colour_of(TIME, np.random.default_rng(2).standard_normal((len(TIME), 2))) is None
 
@@ -42,7 +51,7 @@ def test_long_means_are_as_uncertain_as_a_colour_says():
     rows = np.arange(0, 2000, 0.01)
     noise = 2**0.5 * autoregression(0.05, rows, 1) + 0.5**0.5 * random.standard_normal((len(rows), 1))
     means = noise[: len(rows) // 500 * 500].reshape(-1, 500).mean(axis=1)
-    assert means.var() * 500 == pytest.approx(2.5 * colour.long_mean, rel=0.25)
+    assert means.var() * 500 == pytest.approx(2.5 * colour.long_mean(0.01), rel=0.25)
 
 
 def test_the_states_have_an_autoregression_s_covariance():

@@ -1,9 +1,17 @@
-"""What the online filter goes on with from sample to sample: learner, motion, and how each sensor does."""
+"""The filter for noisy wrenches: a regression learns the parameters, and the recorded wrench drives the motion.
+
+An augmented EKF (8)-(20) takes noise of the wrench that drives it for motion that it did not make, and learns a mass
+that is too large, too surely (errors in variables, physics 11). So the two are kept apart. Parameters are learned by
+`ParameterLearner`, whose rows have the wrench's noise on one side; motion is a Kalman filter that the recorded wrench
+drives, with what is not known of wrench and parameters in its covariance, and no gain of its own on the latter
+(Schmidt 1966). Where a new estimate of the parameters takes the motion, its slopes by them tell.
+"""
 
 from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Mapping
 from typing import Self
 
 import numpy as np
@@ -12,16 +20,16 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
 from .driven_motion import DrivenMotion
-from .health import Health, SensorHealth
+from .gaussian import Gaussian
+from .health import SENSORS, Health, SensorHealth, said
 from .kernels.correction import GATE
 from .regressor.parameter_learner import ParameterLearner
 
 LONG_GAP = 1.0
 """s: after a longer one the motion may be any."""
-SENSORS = ("pose", "velocity", "wrench")
 
 
-class FilterCore:
+class LearningFilter:
     """Samples come in order."""
 
     def __init__(self, learner: ParameterLearner, motion: DrivenMotion) -> None:
@@ -68,14 +76,18 @@ class FilterCore:
 
     @property
     def health(self) -> Health:
-        pose, velocity, wrench = (self.sensors[name] for name in SENSORS)
-        if pose.is_missed:
-            return Health.STALE
-        if self.learner.health == Health.NO_WRENCH or wrench.is_missed:
-            return Health.NO_WRENCH
-        if self.learner.health != Health.OK:
-            return self.learner.health
-        return Health.OUTLIERS if pose.has_outliers or velocity.has_outliers else Health.OK
+        return said(self.sensors, self.learner.health)
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance of pose, nu and effect memory."""
+        return self.motion.belief
+
+    @property
+    def nis(self) -> Mapping[str, tuple[float, int]]:
+        """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
+        found = zip(("pose", "velocity"), self.motion.nis.tolist(), self.sizes, strict=True)
+        return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
 
     def copy(self) -> Self:
         other = copy.copy(self)

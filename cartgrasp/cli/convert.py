@@ -1,0 +1,68 @@
+"""`cartgrasp convert IN [--topics topics.yaml] [--salvage] --out run.csv`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import UsageError, printable
+from ..logs import WRITERS, RunLog, is_bag_name, read_log, write_log
+from ..logs.provenance import provenance
+from ..strict_json import finite
+from ..yaml_file import write_atomically
+from .output import check_writable, print_json, say
+
+MOST_SAID = 20
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The options of the command."""
+
+    source: Path
+    out: Path
+    topics: Path | None
+    salvage: bool
+
+
+def run(choice: Choice, as_json: bool) -> int:
+    _check(choice)
+    log, steps, lost, topic_map = _read(choice)
+    write_log(log, choice.out)
+    document = finite(provenance(choice.source, choice.out, steps, lost, topic_map))
+    beside = choice.out.with_name(f"{choice.out.stem}.provenance.json")
+    write_atomically(beside, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    if as_json:
+        print_json({"log": str(choice.out), "provenance": str(beside), "rows": len(log), "steps": steps, "lost": lost})
+    else:
+        for step in log.notes.values():
+            print(printable(step))
+        print(f"{choice.out}: {len(log)} rows over {log.duration:.2f} s, arms {', '.join(log.arms)}")
+    for what in lost[:MOST_SAID]:
+        say(printable(f"lost: {what}"))
+    if len(lost) > MOST_SAID:
+        say(f"lost: and {len(lost) - MOST_SAID} more; all are in {beside}")
+    return 0
+
+
+def _check(choice: Choice) -> None:
+    check_writable(choice.out)
+    if choice.out.suffix.lower() not in WRITERS:
+        raise UsageError(f"--out {choice.out}: name a file that ends in {', '.join(WRITERS)}")
+    if choice.out.exists() and choice.source.exists() and choice.out.samefile(choice.source):
+        raise UsageError(f"--out {choice.out}: is the source; name another file")
+    if choice.salvage and not is_bag_name(choice.source):
+        raise UsageError(f"--salvage: is for bags; {choice.source} is none")
+
+
+def _read(choice: Choice) -> tuple[RunLog, list[dict[str, Any]], list[str], dict[str, Any] | None]:
+    """The log, the steps that made it, what was lost, and the topic map."""
+    if not is_bag_name(choice.source):
+        return read_log(choice.source, choice.topics), [], [], None
+    from ..logs.bags import read_bag
+
+    reading = read_bag(choice.source, choice.topics, choice.salvage)
+    steps = [{"of": step.of, "what": step.what, **step.figures} for step in reading.steps]
+    return reading.log, steps, list(reading.lost), reading.topic_map.model_dump()

@@ -1,0 +1,48 @@
+"""`cartgrasp topics BAG [--out topics.yaml]`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import UsageError, printable
+from ..logs.bags import open_bag
+from ..logs.bags.contents import contents_of, proposed_map
+from ..yaml_file import write_atomically
+from .output import check_writable, print_json, print_table, say
+
+
+def run(path: Path, out: Path | None, salvage: bool, as_json: bool) -> int:
+    if out is not None:
+        check_writable(out)
+        if out.exists():
+            raise UsageError(f"--out {out}: is there already, perhaps filled in; remove it, or name another place")
+    bag = open_bag(path, salvage)
+    contents = contents_of(bag)
+    start = min((c.first for c in contents if c.count), default=0)
+    proposal = proposed_map(contents, path.name)
+    if as_json:
+        print_json({"topics": [c.as_dict(start) for c in contents], "proposal": proposal, "lost": bag.lost})
+    else:
+        rows = []
+        for c in contents:
+            times = [f"{(t - start) / 1e9:.3f}" if c.count else "" for t in (c.first, c.last)]
+            rows.append(
+                [
+                    printable(c.name),
+                    printable(c.kind.rpartition("/")[2]),
+                    str(c.count),
+                    f"{c.rate:.1f}" if c.rate else "",
+                    *times,
+                ]
+            )
+        print_table(path.name, ["topic", "type", "messages", "Hz", "first, s", "last, s"], rows, left=2)
+    for lost in bag.lost:
+        say(printable(f"lost: {lost}"))
+    if proposal is None:
+        say("no map is proposed: a topic with poses (Odometry, PoseStamped, TF) and one with WrenchStamped are needed")
+    elif out is None:
+        say(f"a map is proposed with --out {path.name}.topics.yaml")
+    else:
+        write_atomically(out, proposal)
+        say(f"fill in what is blank in {out}; then `cartgrasp convert {path} --topics {out} --out run.csv`")
+    return 0

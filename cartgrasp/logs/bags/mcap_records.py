@@ -1,0 +1,82 @@
+"""Records of an MCAP file (mcap.dev/spec): what our writer puts together and the salvage takes apart."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from enum import IntEnum
+from typing import NamedTuple
+
+MAGIC = b"\x89MCAP0\r\n"
+HEAD = struct.Struct("<BQ")
+CHUNK = struct.Struct("<QQQI")
+MESSAGE = struct.Struct("<HIQQ")
+FOOTER = struct.Struct("<QQI")
+END = HEAD.size + FOOTER.size + len(MAGIC)
+"""Bytes of footer and closing magic."""
+
+
+class Op(IntEnum):
+    HEADER = 0x01
+    FOOTER = 0x02
+    SCHEMA = 0x03
+    CHANNEL = 0x04
+    MESSAGE = 0x05
+    CHUNK = 0x06
+    MESSAGE_INDEX = 0x07
+    CHUNK_INDEX = 0x08
+    STATISTICS = 0x0B
+    METADATA = 0x0C
+    METADATA_INDEX = 0x0D
+    SUMMARY_OFFSET = 0x0E
+    DATA_END = 0x0F
+
+
+class Record(NamedTuple):
+    """A record's kind, content, and where it begins."""
+
+    op: int
+    content: bytes
+    at: int
+
+
+def record(op: Op, *parts: bytes) -> bytes:
+    content = b"".join(parts)
+    return HEAD.pack(op, len(content)) + content
+
+
+def text(value: str | bytes) -> bytes:
+    """A text or an array with its length before it."""
+    data = value.encode() if isinstance(value, str) else value
+    return struct.pack("<I", len(data)) + data
+
+
+def pairs(value: dict[str, str]) -> bytes:
+    return text(b"".join(text(part) for item in value.items() for part in item))
+
+
+def records(data: bytes, at: int = 0) -> Iterator[Record]:
+    """Records one after another; ends before the first that goes beyond the data."""
+    while at + HEAD.size <= len(data):
+        op, size = HEAD.unpack_from(data, at)
+        if at + HEAD.size + size > len(data):
+            return
+        yield Record(op, data[at + HEAD.size : at + HEAD.size + size], at)
+        at += HEAD.size + size
+
+
+def take_text(data: bytes, at: int) -> tuple[bytes, int]:
+    """What stands behind its length, and where what follows begins; struct.error where there is too little."""
+    (size,) = struct.unpack_from("<I", data, at)
+    if at + 4 + size > len(data):
+        raise struct.error(f"{size} bytes go beyond the record's end")
+    return data[at + 4 : at + 4 + size], at + 4 + size
+
+
+def take_pairs(data: bytes) -> dict[str, str]:
+    found, at = {}, 0
+    while at < len(data):
+        key, at = take_text(data, at)
+        value, at = take_text(data, at)
+        found[key.decode()] = value.decode()
+    return found

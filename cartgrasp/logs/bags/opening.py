@@ -1,0 +1,77 @@
+"""Which map a bag is read through, and how it is opened."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+from ...errors import LogError, Place
+from .bag import SUFFIXES, Bag, check_one_recording, storages_in
+from .mcap_records import HEAD, MAGIC, Op, take_pairs, take_text
+from .reading import BagReading, read_bag_through
+from .salvaged_bag import SalvagedBag
+from .topic_map import MapFile, beside, load_topic_map, topic_map_from_text
+
+METADATA = "cartgrasp"
+MAP_KEY = "topics.yaml"
+LARGEST_MAP = 1 << 20
+
+
+def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool = False) -> BagReading:
+    """A bag's log with how it came about: through the map `topics`, else through the one that belongs to the bag."""
+    path = Path(path)
+    bag = open_bag(path, salvage)
+    map_file = map_of(path) if topics is None else load_topic_map(topics)
+    if map_file is None:
+        why = (
+            f"no topic map says which topics are a run; `cartgrasp topics {path} --out {beside(path)[0]}` proposes one"
+        )
+        raise LogError(Place(str(path)), "", why)
+    return read_bag_through(bag, map_file, salvage)
+
+
+def open_bag(path: Path, salvage: bool = False) -> Bag:
+    """Whole, or what can still be read."""
+    if not path.exists():
+        raise LogError(Place(str(path)), "", "there is no such file")
+    if not path.is_dir() and path.suffix.lower() not in SUFFIXES:
+        raise LogError(Place(str(path)), "", f"is no bag; bags end in {', '.join(SUFFIXES)}, or are folders")
+    if salvage or not (path / "metadata.yaml").is_file():
+        check_one_recording(path)
+    if salvage:
+        return SalvagedBag(path)
+    from .whole_bag import WholeBag
+
+    return WholeBag(path)
+
+
+def map_of(path: Path) -> MapFile | None:
+    """The map BAG.topics.yaml, else the one in a bag that cartgrasp wrote, else topics.yaml in the folder."""
+    own, common = beside(path)
+    if own.is_file():
+        return load_topic_map(own)
+    embedded = embedded_map(path)
+    if embedded is not None:
+        return topic_map_from_text(embedded, f"{path} (the map in it)")
+    return load_topic_map(common) if common.is_file() else None
+
+
+def embedded_map(path: Path) -> str | None:
+    """The map in a bag's first record of metadata, where cartgrasp writes it."""
+    files = storages_in(path) if path.is_dir() else [path]
+    if len(files) != 1 or files[0].suffix.lower() != ".mcap":
+        return None
+    try:
+        with open(files[0], "rb") as stream:
+            if stream.read(len(MAGIC)) != MAGIC:
+                return None
+            for wanted in (Op.HEADER, Op.METADATA):
+                op, size = HEAD.unpack(stream.read(HEAD.size))
+                if op != wanted or size > LARGEST_MAP:
+                    return None
+                content = stream.read(size)
+        name, at = take_text(content, 0)
+        pairs = take_pairs(take_text(content, at)[0]) if name == METADATA.encode() else {}
+        return pairs.get(MAP_KEY)
+    except (OSError, struct.error, UnicodeDecodeError):
+        return None

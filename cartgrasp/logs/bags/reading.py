@@ -1,0 +1,171 @@
+"""From a bag to a run log, step by step, each with its counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...frames import Array
+from ..run_log import ArmLog, RunLog
+from .bag import Bag
+from .planar_pose import of_body, planar, spline_velocity, tilt, world_velocity
+from .resampling import averaged, held, interpolated
+from .selection import Clocked, Place, Selection
+from .sensor_wrench import at_contact, on_cart
+from .steps import Step, Steps
+from .topic_map import ArmEntry, MapFile, TopicMap
+
+MOST_TILT = 0.35
+FEWEST_TARED = 5
+FARTHEST_STILL, WIDEST_STILL = 0.005, 0.01
+MOST_ROWS_PER_SAMPLE = 50
+
+
+@dataclass(frozen=True)
+class BagReading:
+    """A log, how it came about, and what was lost on the way."""
+
+    log: RunLog
+    topic_map: TopicMap
+    steps: tuple[Step, ...]
+    lost: tuple[str, ...]
+
+
+def read_bag_through(bag: Bag, map_file: MapFile, is_salvage: bool = False) -> BagReading:
+    selection = Selection(bag, map_file, is_salvage)
+    return _Reading(bag, map_file, selection.read(), selection.steps).done()
+
+
+@dataclass(frozen=True)
+class _Reading:
+    bag: Bag
+    map_file: MapFile
+    samples: dict[Place, Clocked]
+    steps: Steps
+
+    def done(self) -> BagReading:
+        map_ = self.map_file.map
+        self._check_steps()
+        tracked = self._tracked()
+        wrenches = {name: self._wrench(name, arm, tracked) for name, arm in map_.arms.items()}
+        time = self._clock()
+        pose = interpolated(tracked.time, tracked.numbers, time, map_.max_gap)
+        figures = {"taken": pose.taken, "interpolated": pose.interpolated, "masked": pose.masked}
+        self.steps.add("pose", "on the log's clock", **figures)
+        velocity = self._velocity(tracked, pose.rows, time)
+        arms = {}
+        for name, arm in map_.arms.items():
+            rows = averaged(wrenches[name].time, wrenches[name].numbers, time, map_.max_gap)
+            figures = {"averaged": rows.taken, "interpolated": rows.interpolated, "masked": rows.masked}
+            self.steps.add(name, "wrenches on the log's clock", **figures)
+            arms[name] = ArmLog(self._contact(name, arm, time), rows.rows)
+        notes = {f"step {i + 1}": str(step) for i, step in enumerate(self.steps.done)}
+        log = RunLog(time, pose.rows, velocity, arms, str(self.bag.path), notes)
+        return BagReading(log, map_, tuple(self.steps.done), tuple(self.bag.lost))
+
+    def _check_steps(self) -> None:
+        for where, clocked in self.samples.items():
+            step = float(np.median(np.diff(clocked.time))) if len(clocked.time) > 1 else 0.0
+            if step > self.map_file.map.max_gap and len(where) < 3:
+                why = f"{'.'.join(where)} has a sample every {step:.3g} s, so all would be gaps; state a longer one"
+                raise self.map_file.refuse(("max_gap",), why)
+
+    def _tracked(self) -> Clocked:
+        """The poses of {b}."""
+        samples, entry = self.samples["pose",], self.map_file.map.pose
+        angle = tilt(samples.numbers)
+        if angle > MOST_TILT:
+            why = f"its frame's z is up to {np.degrees(angle):.0f}° off the vertical; name a frame whose z points up"
+            raise self.map_file.refuse(("pose", "topic"), why)
+        pose = of_body(planar(samples.numbers), np.array(entry.body))
+        turned = pose[:, 2][np.isfinite(pose[:, 2])]
+        wraps = round(float(np.ptp(turned)) / (2 * np.pi)) if len(turned) else 0
+        figures = {"largest_tilt_deg": float(np.degrees(angle)), "whole_turns": wraps}
+        self.steps.add("pose", "planar pose of {b}, yaw unwrapped", **figures)
+        return Clocked(samples.time, pose)
+
+    def _wrench(self, name: str, arm: ArmEntry, tracked: Clocked) -> Clocked:
+        samples = self.samples["arms", name]
+        wrench = on_cart(samples.numbers, arm)
+        if arm.force == "on_sensor":
+            self.steps.add(name, "signs turned: readings are what the sensor feels", samples=len(wrench))
+        if arm.tool is not None:
+            self.steps.add(name, "weight of the tool taken off", mass_kg=arm.tool.mass, samples=len(wrench))
+        if arm.tare is not None:
+            wrench = wrench - self._tare(name, arm.tare, samples.time, wrench, tracked)
+        if any(arm.sensor.position) or any(arm.sensor.rpy):
+            wrench = at_contact(wrench, arm)
+            self.steps.add(name, "from the sensor's frame to the contact frame", samples=len(wrench))
+        return Clocked(samples.time, wrench)
+
+    def _tare(self, name: str, still: list[float], time: Array, wrench: Array, tracked: Clocked) -> Array:
+        """Mean (6,) of the readings in a stretch in which the cart stands still."""
+        where = ("arms", name, "tare")
+        inside = (time >= still[0]) & (time <= still[1]) & np.isfinite(wrench).all(axis=1)
+        if inside.sum() < FEWEST_TARED:
+            raise self.map_file.refuse(where, f"{inside.sum()} readings in it; {FEWEST_TARED} are needed")
+        there = (tracked.time >= still[0]) & (tracked.time <= still[1]) & np.isfinite(tracked.numbers).all(axis=1)
+        poses = tracked.numbers[there]
+        if len(poses) < FEWEST_TARED:
+            raise self.map_file.refuse(where, f"{len(poses)} poses in it: whether the cart stands still can't be told")
+        parts = np.array([np.median(part, axis=0) for part in np.array_split(poses, FEWEST_TARED)])
+        moved, turned = np.ptp(parts, axis=0)[:2].max(), np.ptp(parts[:, 2])
+        if moved > FARTHEST_STILL or turned > WIDEST_STILL:
+            why = f"the cart moves {1e3 * moved:.0f} mm and {turned:.2g} rad in it; name one in which it stands still"
+            raise self.map_file.refuse(where, why)
+        mean = wrench[inside].mean(axis=0)
+        figures = {k: float(v) for k, v in zip(("fx", "fy", "fz", "tx", "ty", "tz"), mean, strict=True)}
+        self.steps.add(name, "tare taken off", readings=int(inside.sum()), **figures)
+        return np.asarray(mean)
+
+    def _clock(self) -> Array:
+        """The log's times: those that the map names, where all topics have begun and none has ended."""
+        map_ = self.map_file.map
+        spans = {where: clocked.span() for where, clocked in self.samples.items() if len(where) < 3}
+        start, end = max(first for first, _ in spans.values()), min(last for _, last in spans.values())
+        if start > end:
+            said = ", ".join(f"{'.'.join(where)} from {a:.3f} to {b:.3f} s" for where, (a, b) in spans.items())
+            raise self.bag.refuse(f"its topics have no time in common: {said}")
+        if isinstance(map_.clock, str):
+            times = self.samples[("pose",) if map_.clock == "pose" else ("arms", map_.clock)].time
+            kept = times[(times >= start) & (times <= end)]
+            figures = {"rows": len(kept), "left out": len(times) - len(kept)}
+            self.steps.add("log", f"rows at the stamps of {map_.clock}", **figures)
+        else:
+            kept = self._even(map_.clock, start, end)
+            self.steps.add("log", "rows at an even rate", rows=len(kept), rate_Hz=map_.clock)
+        if not len(kept):
+            raise self.bag.refuse(f"no stamp of {map_.clock} between {start:.3f} and {end:.3f} s, where all topics are")
+        return kept
+
+    def _even(self, rate: float, start: float, end: float) -> Array:
+        rows = (end - start) * rate
+        if rows > MOST_ROWS_PER_SAMPLE * max(len(clocked.time) for clocked in self.samples.values()):
+            why = f"{rows:.3g} rows from {start:.6g} to {end:.6g} s, far more than there are samples: is a stamp wrong?"
+            raise self.map_file.refuse(("clock",), why)
+        return np.asarray(start + np.arange(int(rows + 1e-9) + 1) / rate)
+
+    def _velocity(self, tracked: Clocked, pose: Array, time: Array) -> Array | None:
+        entry, max_gap = self.map_file.map.pose, self.map_file.map.max_gap
+        if entry.velocity == "none":
+            return None
+        if entry.velocity == "twist":
+            twist = self.samples["pose",].numbers[:, 7:]
+            in_world = world_velocity(twist, tracked.numbers, np.array(entry.body))
+            velocity = interpolated(tracked.time, in_world, time, max_gap).rows
+        else:
+            assert entry.noise is not None
+            noise = (entry.noise.position, entry.noise.position, entry.noise.heading)
+            velocity = spline_velocity(tracked.time, tracked.numbers, noise, time, max_gap)
+            velocity[np.isnan(pose).any(axis=1)] = np.nan
+        self.steps.add("pose", f"velocity by {entry.velocity}", masked=int(np.isnan(velocity).any(axis=1).sum()))
+        return velocity
+
+    def _contact(self, name: str, arm: ArmEntry, time: Array) -> Array:
+        if isinstance(arm.contact, list):
+            return np.tile(np.array(arm.contact), (len(time), 1))
+        samples = self.samples["arms", name, "contact"]
+        rows = held(samples.time, samples.numbers[:, :3], time, self.map_file.map.max_gap)
+        self.steps.add(name, "contact points from TF, held", rows=rows.taken, masked=rows.masked)
+        return rows.rows

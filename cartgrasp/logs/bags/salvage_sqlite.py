@@ -1,0 +1,65 @@
+"""What can still be read of a damaged SQLite bag: the rows of its messages, stepping over pages that are lost."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+
+from .bag import message_kind
+from .sqlite_size import HEADER, page_size, stated_size
+
+Found = tuple[str, str, int, bytes]
+FARTHEST = 1 << 40
+LARGEST = 1 << 31
+NO_LOG = b"\x01\x01"
+ROWS = "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? ORDER BY id"
+
+
+def salvage_sqlite(path: Path, lost: list[str]) -> Iterator[Found]:
+    """From a copy in memory, whose pages that were cut off are blank; what stands in a `-wal` beside it is lost."""
+    database = sqlite3.connect(":memory:")
+    try:
+        database.deserialize(_completed(path.read_bytes(), lost))
+        found = database.execute("SELECT id, name, type FROM topics").fetchall()
+        topics = {i: (str(name), message_kind(str(kind))) for i, name, kind in found}
+        yield from _rows(database, topics, lost)
+    except (sqlite3.Error, MemoryError) as error:
+        lost.append(f"its topics can't be read: {error}")
+    finally:
+        database.close()
+    hidden = path.with_name(path.name + "-wal")
+    if hidden.exists() and hidden.stat().st_size:
+        lost.append(f"what {hidden.name} holds was not read")
+
+
+def _completed(data: bytes, lost: list[str]) -> bytes:
+    """Of its stated size, and without a log that would have to lie beside it."""
+    size = stated_size(data[:HEADER])
+    if size is None or not len(data) < size < LARGEST:
+        size = len(data)
+    else:
+        lost.append(f"{size - len(data)} of {size} bytes are cut off")
+    whole = len(data) if size == len(data) else len(data) // page_size(data) * page_size(data)
+    return data[:18] + NO_LOG + data[20:whole] + bytes(size - whole)
+
+
+def _rows(database: sqlite3.Connection, topics: dict[int, tuple[str, str]], lost: list[str]) -> Iterator[Found]:
+    last, step = 0, 0
+    while last + step <= FARTHEST:
+        try:
+            for number, topic, received, raw in database.execute(ROWS, (last + step,)):
+                if number <= last + step:
+                    raise sqlite3.DatabaseError("rows that are not in order")
+                if step:
+                    lost.append(f"the messages with the ids {last + 1} to {number - 1}: their pages are damaged")
+                last, step = number, 0
+                if topic in topics and isinstance(received, int) and isinstance(raw, bytes):
+                    yield *topics[topic], received, raw
+                else:
+                    lost.append(f"the message with the id {number} belongs to no topic, or is none")
+            break
+        except sqlite3.Error:
+            step = 2 * step or 1
+    if step:
+        lost.append(f"all messages behind the id {last}: their pages are damaged")

@@ -1,0 +1,45 @@
+"""Damaged bags, read on request: what can be read, and a list of what was lost."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from .bag import Bag, Message, storages_in
+from .salvage_mcap import McapSalvage
+from .salvage_ros1 import Ros1Salvage
+from .salvage_sqlite import salvage_sqlite
+
+
+class SalvagedBag(Bag):
+    """Needs no index and no metadata; what no sum protects is taken as it is."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self._found: list[tuple[str, str, int, bytes]] = []
+        files = storages_in(path) if path.is_dir() else [path]
+        for file in files:
+            for found in self._walk(file):
+                self.kinds.setdefault(found[0], found[1])
+
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[Message]:
+        numbers: Counter[str] = Counter()
+        files = storages_in(self.path) if self.path.is_dir() else [self.path]
+        self.lost = []
+        for file in files:
+            for topic, kind, received, raw in self._walk(file):
+                numbers[topic] += 1
+                if kind == self.kinds[topic] and (topics is None or topic in topics):
+                    yield Message(topic, kind, numbers[topic], received, raw)
+
+    def _walk(self, file: Path) -> Iterator[tuple[str, str, int, bytes]]:
+        try:
+            if file.suffix.lower() == ".db3":
+                yield from salvage_sqlite(file, self.lost)
+            elif file.suffix.lower() == ".mcap":
+                yield from McapSalvage(file.read_bytes(), self.lost).messages()
+            else:
+                yield from Ros1Salvage(file.read_bytes(), self.lost).messages()
+        except OSError as error:
+            raise self.refuse(f"can't be read: {error.strerror or error}") from error

@@ -1,0 +1,101 @@
+"""The samples of a bag's topics as arrays, in the order in which they came."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...frames import Array
+from .bag import SALVAGE, Bag
+from .messages import WRENCH, BadMessageError, decode
+
+Frames = tuple[str, str]
+Key = tuple[str, Frames]
+ALL: Frames = ("", "")
+LARGEST = 1e9
+FARTHEST_NORM = 0.01
+LATEST = 2**62
+
+
+@dataclass(frozen=True)
+class TopicSamples:
+    """Message numbers, header stamps and times of receipt in ns, each (n,), and numbers (n, k); `kind`: their type."""
+
+    topic: str
+    kind: str
+    message: NDArray[np.int64]
+    stamp: NDArray[np.int64]
+    received: NDArray[np.int64]
+    numbers: Array
+
+    def __len__(self) -> int:
+        return len(self.stamp)
+
+    def only(self, rows: NDArray[np.bool_]) -> TopicSamples:
+        message, stamp, received = (part[rows] for part in (self.message, self.stamp, self.received))
+        return TopicSamples(self.topic, self.kind, message, stamp, received, self.numbers[rows])
+
+    def wrong(self) -> tuple[NDArray[np.bool_], str]:
+        """Samples that are no measurements, and why the first is none; NaN is a missing one."""
+        too_large = (np.abs(self.numbers) > LARGEST).any(axis=1)
+        with np.errstate(over="ignore"):
+            norm = np.ones(len(self)) if self.kind == WRENCH else np.linalg.norm(self.numbers[:, 3:7], axis=1)
+        odd = np.abs(norm - 1) > FARTHEST_NORM
+        if too_large.any() and not odd[: int(np.argmax(too_large))].any():
+            row = self.numbers[int(np.argmax(too_large))]
+            return too_large | odd, f"holds {row[np.nanargmax(np.abs(row))]:g}, which is no measurement"
+        why = f"its quaternion has the norm {norm[int(np.argmax(odd))]:.3g}, not 1" if odd.any() else ""
+        return too_large | odd, why
+
+
+@dataclass
+class _Growing:
+    kind: str
+    rows: list[tuple[int, int, int]] = field(default_factory=list)
+    numbers: list[tuple[float, ...]] = field(default_factory=list)
+
+    def done(self, topic: str) -> TopicSamples:
+        rows = np.array(self.rows, dtype=np.int64)
+        numbers = np.array(self.numbers)
+        numbers[np.isnan(numbers)] = np.nan  # damaged bits may be one that warns wherever it is used
+        return TopicSamples(topic, self.kind, rows[:, 0], rows[:, 1], rows[:, 2], numbers)
+
+
+def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage: bool) -> dict[Key, TopicSamples]:
+    """By topic and frames: of a TF topic the frames that are wanted, of other topics all, under ALL."""
+    growing: dict[Key, _Growing] = {}
+    broken: Counter[str] = Counter()
+    for message in bag.messages(wanted):
+        try:
+            if not 0 <= message.received < LATEST:
+                raise BadMessageError(f"received at {message.received} ns, which is no time")
+            samples = decode(message.raw, message.kind, bag.is_ros1)
+        except BadMessageError as error:
+            if not is_salvage:
+                raise bag.refuse(f"message {message.number}: {error}; {SALVAGE}", message.topic) from error
+            broken[message.topic] += 1
+            continue
+        frames = wanted[message.topic]
+        for sample in samples:
+            frame = ALL if frames is None else (sample.frame.lstrip("/"), sample.child.lstrip("/"))
+            if frames is None or frame in frames:
+                key = (message.topic, frame)
+                if key not in growing:
+                    growing[key] = _Growing(message.kind)
+                growing[key].rows.append((message.number, sample.stamp, message.received))
+                growing[key].numbers.append(sample.numbers)
+    found = {}
+    for key, parts in growing.items():
+        samples_of = parts.done(key[0])
+        wrong, why = samples_of.wrong()
+        if wrong.any() and not is_salvage:
+            number = samples_of.message[int(np.argmax(wrong))]
+            raise bag.refuse(f"message {number}: {why}; {SALVAGE}", key[0])
+        broken[key[0]] += int(wrong.sum())
+        found[key] = samples_of.only(~wrong)
+    bag.lost.extend(f"{topic}: {count} samples are damaged" for topic, count in broken.items() if count)
+    return found

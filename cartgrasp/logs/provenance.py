@@ -1,0 +1,42 @@
+"""Where a log is from: its source's sum, the topic map, each step with its counts, and what was lost."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+BLOCK = 1 << 20
+
+
+def provenance(
+    source: Path,
+    written: Path,
+    steps: Sequence[Mapping[str, Any]],
+    lost: Sequence[str],
+    topic_map: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """A document beside a log that was written from another."""
+    from .. import __version__
+
+    return {
+        "written_by": f"cartgrasp {__version__}",
+        "log": {"name": written.name, "sha256": sum_of(written)},
+        "source": {"name": source.name, "files": [{"name": p.name, "sha256": sum_of(p)} for p in _files(source)]},
+        "topics": topic_map,
+        "steps": list(steps),
+        "lost": list(lost),
+    }
+
+
+def sum_of(path: Path) -> str:
+    found = hashlib.sha256()
+    with open(path, "rb") as stream:
+        while block := stream.read(BLOCK):
+            found.update(block)
+    return found.hexdigest()
+
+
+def _files(source: Path) -> list[Path]:
+    return sorted(p for p in source.iterdir() if p.is_file()) if source.is_dir() else [source]

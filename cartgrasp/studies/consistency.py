@@ -1,0 +1,113 @@
+"""Whether the filter is right about how wrong it is: NEES and NIS over many carts that are drawn from its prior.
+
+A cart that nobody knows is drawn, driven in curves, and learned from the guess that it was drawn around. Nothing is
+left out of the model, and the filter is told so; so the normalised squares of its errors and innovations are
+chi-squared (Bar-Shalom 2001, 5.4), at each step over the runs. The same runs with rolling resistance left out of the
+filter's model are the counter-proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from estimation import CartFilter, FilterNoise
+from estimation.gaussian import normalised_square
+from estimation.prior import Prior
+
+from ..effects import RollingResistance, ViscousDrag
+from ..frames import Array, wrap_angle
+from ..inertia import N_PHI, Inertia, physical_from_phi
+from ..model import CartModel
+from .estimators import HANDS, SENSORS, Drive, Job, drive_cart, filter_noise, guess
+from .parallel import run_all
+
+DURATION = 12.0
+"""s: up to where the cart stops."""
+SPREAD = {"viscous_drag.linear": 0.5, "viscous_drag.angular": 0.25, "rolling_resistance.coefficient": 0.004}
+"""So small beside the guess that a draw is hardly ever negative, which would not be from the prior any more."""
+PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, std=SPREAD)
+MATCHED, WRONG = "matched", "rolling resistance left out"
+MODELS = MATCHED, WRONG
+MOTION, PARAMETERS, POSE, VELOCITY = "NEES of motion", "NEES of parameters", "NIS of pose", "NIS of velocity"
+SQUARES = MOTION, PARAMETERS, POSE, VELOCITY
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Of a run: each of SQUARES (n,) and its dimension, and the parameters' errors in standard deviations (n, p)."""
+
+    squares: dict[str, Array]
+    dimensions: dict[str, int]
+    scores: Array
+
+
+def drawn_cart(seed: int) -> CartModel:
+    """From PRIOR around the guess; what is no cart is drawn again."""
+    random, first = np.random.default_rng(seed), guess()
+    root = np.linalg.cholesky(PRIOR.covariance(first))
+    while True:
+        values = first.parameters + root @ random.standard_normal(len(root))
+        mass, x, y, about_com = physical_from_phi(values[:N_PHI])
+        if mass > 0 and about_com > 0 and (values[N_PHI:] > 0).all():
+            break
+    linear, angular, coefficient = values[N_PHI:].tolist()
+    effects = ViscousDrag(linear=linear, angular=angular), RollingResistance(coefficient=coefficient)
+    return CartModel(Inertia(float(mass), (float(x), float(y)), float(about_com)), first.constraints, effects)
+
+
+def believed(model: str) -> tuple[CartModel, Prior]:
+    """What a filter begins with."""
+    cart = guess()
+    if model == MATCHED:
+        return cart, PRIOR
+    return CartModel(cart.inertia, cart.constraints, cart.effects[:1]), replace(
+        PRIOR, std={name: std for name, std in SPREAD.items() if "rolling" not in name}
+    )
+
+
+def exact_noise(sensors: str) -> FilterNoise:
+    """What the simulation adds, and nothing else."""
+    return replace(filter_noise(SENSORS[sensors]), disturbance=0.0, slip=0.0)
+
+
+def follow(drive: Drive, cart: CartModel, model: str, noise: FilterNoise) -> Trace:
+    """The filter along a drive of `cart`."""
+    first, prior = believed(model)
+    estimator = CartFilter(first, list(HANDS), noise=noise, prior=prior)
+    motions, motion_covariances, parameters, covariances = [], [], [], []
+    nis: dict[str, list[float]] = {POSE: [], VELOCITY: []}
+    for measurement in drive.log.measurements():
+        estimate, belief = estimator.update(measurement), estimator.belief
+        motions.append(belief.mean)
+        motion_covariances.append(belief.covariance)
+        parameters.append(estimate.model_parameters)
+        covariances.append(estimate.covariance)
+        for name, sensor in ((POSE, "pose"), (VELOCITY, "velocity")):
+            nis[name].append(estimator.nis.get(sensor, (np.nan, 0))[0])
+    off = np.array(motions) - drive.motion
+    off[:, 2] = wrap_angle(off[:, 2])
+    wrong = np.array(parameters) - cart.parameters[: len(parameters[0])]
+    squares = {
+        MOTION: normalised_square(off, np.array(motion_covariances)),
+        PARAMETERS: normalised_square(wrong, np.array(covariances)),
+        **{name: np.array(values) for name, values in nis.items()},
+    }
+    sizes = {MOTION: off.shape[1], PARAMETERS: wrong.shape[1], POSE: 3, VELOCITY: first.constraints.n_free}
+    return Trace(squares, sizes, wrong / np.sqrt(np.diagonal(np.array(covariances), axis1=1, axis2=2)))
+
+
+def trace_both(seed: int) -> dict[str, Trace]:
+    """A cart's drive with each of MODELS."""
+    cart = drawn_cart(seed)
+    drive = drive_cart(cart, Job("curves", "usual", seed), DURATION)
+    return {model: follow(drive, cart, model, exact_noise("usual")) for model in MODELS}
+
+
+def run_seeds(
+    seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None
+) -> list[dict[str, Trace]]:
+    """Each seed's traces, over `workers` processes."""
+    return run_all(trace_both, seeds, workers, progress)

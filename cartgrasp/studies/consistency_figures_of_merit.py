@@ -1,0 +1,89 @@
+"""The study of consistency in numbers: means over the runs, their 95 % bands, and what share of the steps is inside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from estimation.prior import report_names
+
+from ..frames import Array
+from .claims import Claim
+from .consistency import MATCHED, MODELS, SQUARES, WRONG, Trace, believed
+from .estimators import PERIOD
+
+LEAST_SHARE = 0.9
+COLUMNS = ("model", "square", "by dimension, over all steps", "95 % band of a step", "steps inside")
+SCORE_COLUMNS = ("model", "time s")
+SCORE_TIMES = (1.0, 3.0, 6.0, 12.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Consistency:
+    """Of one square over the runs: mean by its dimension at each step that has one (n,), and the band of each."""
+
+    time: Array
+    mean: Array
+    low: float
+    high: float
+
+    @property
+    def inside(self) -> float:
+        return float(((self.mean >= self.low) & (self.mean <= self.high)).mean())
+
+
+def consistency(runs: Sequence[dict[str, Trace]], model: str, square: str) -> Consistency:
+    """Of traces by model."""
+    values = np.array([run[model].squares[square] for run in runs])
+    size = runs[0][model].dimensions[square]
+    seen = np.isfinite(values).all(axis=0)
+    low, high = (float(chi2.ppf(p, size * len(runs))) / (size * len(runs)) for p in (0.025, 0.975))
+    time = PERIOD * np.arange(values.shape[1])
+    return Consistency(time[seen], values[:, seen].mean(axis=0) / size, low, high)
+
+
+def rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
+    """By COLUMNS."""
+    return [_row(model, square, consistency(runs, model, square)) for model in MODELS for square in SQUARES]
+
+
+def _row(model: str, square: str, found: Consistency) -> tuple[str, ...]:
+    band = f"{found.low:.3f} to {found.high:.3f}"
+    return model, square, f"{found.mean.mean():.3f}", band, f"{100 * found.inside:.1f} %"
+
+
+def score_columns() -> tuple[str, ...]:
+    return *SCORE_COLUMNS, *report_names(believed(MATCHED)[0])
+
+
+def score_rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
+    """Rms errors of the model's own parameters in standard deviations, by `score_columns`."""
+    told = []
+    for model in MODELS:
+        scores = np.array([run[model].scores for run in runs])
+        for time in SCORE_TIMES:
+            k = min(round(time / PERIOD), scores.shape[1]) - 1
+            cells = [f"{value:.2f}" for value in np.sqrt((scores[:, k] ** 2).mean(axis=0))]
+            told.append((model, f"{time:g}", *cells, *["-"] * (len(score_columns()) - 2 - len(cells))))
+    return told
+
+
+def claims(runs: Sequence[dict[str, Trace]]) -> list[Claim]:
+    """Each square in its band, and a wrong model that is not."""
+    shares = {model: [consistency(runs, model, square).inside for square in SQUARES] for model in MODELS}
+    told = [
+        Claim(square, f"in its 95 % band at {LEAST_SHARE:.0%} of the steps", f"{share:.1%}", share >= LEAST_SHARE)
+        for square, share in zip(SQUARES, shares[MATCHED], strict=True)
+    ]
+    worst = min(shares[WRONG])
+    return [*told, Claim(WRONG, "fails the same test", f"worst share {worst:.1%}", worst < LEAST_SHARE)]
+
+
+def as_dict(runs: Sequence[dict[str, Trace]], model: str, square: str) -> dict[str, object]:
+    """For `--json`."""
+    found = consistency(runs, model, square)
+    band = [found.low, found.high]
+    return {"model": model, "square": square, "mean": float(found.mean.mean()), "band": band, "inside": found.inside}

@@ -1,0 +1,194 @@
+"""The paper's hardware experiments on MuJoCo: a cart on wheels and casters, noisy forces, velocities that jump.
+
+E1 to E4 are 10 m straight runs with 15 to 45 kg (Fig. 9), E5 is push and pull in turn, with and without the casters'
+swinging round in the estimator's model; two more are heavy loads that turn, at speeds of a ballbot that pushes a
+wheelchair. The plant differs in structure from every model. A controller that knows the cart drives it once with one
+hand; a run is what sensors would have made of that, so that what scatters is their noise alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from estimation import CartFilter, FilterNoise, Prior
+from planning.references import PathReference, Stretch, chain, pause, speed_change, straight, turn
+from planning.tracking import build_tracker
+
+from ..contacts import ContactWrenches
+from ..effects import CasterRealignment, Effect, RollingResistance, ViscousDrag
+from ..frames import Array
+from ..inertia import Inertia, physical_from_phi
+from ..information import WrenchNoise as ForceNoise
+from ..information import fisher_information, parameter_regressor, reduced_noise
+from ..logs import RunLog
+from ..model import CartModel
+from ..motion import Measurement, Motion
+from ..simulation.sensors import SensorNoise, Sensors
+from .parallel import run_all
+from .shopping_cart import FIRM, WHEELS
+
+PERIOD = 0.01
+HAND, POINT = "hand", (-0.25, 0.0, 1.0)
+SENSORS = SensorNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15)
+NOISE = FilterNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15, disturbance=0.05)
+PRIOR = Prior(mass=0.6, com=0.15, inertia=0.6, effects=0.5)
+JUMPS, JUMP = 0.01, 0.3
+"""Share of velocities that jump, and by how much (m/s, rad/s)."""
+LEAST_SPEED = 0.05
+SEEDS_APART = 1000
+"""By kilogram: no two loads share their noise."""
+WITH, WITHOUT = "casters swing", "casters left out"
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """`mass` (kg) along a path, and what the estimator's model has of the casters."""
+
+    name: str
+    mass: float
+    path: tuple[Stretch, ...]
+    casters: str = WITHOUT
+
+    @property
+    def cart(self) -> CartModel:
+        """What is pushed: its load lies off the middle."""
+        drags = ViscousDrag(linear=2.0, angular=0.4), RollingResistance(coefficient=0.015)
+        inertia = Inertia(self.mass, (0.36, 0.05), 0.09 * self.mass)
+        return CartModel(
+            inertia, effects=(*drags, CasterRealignment(swivel_torque=0.12)), wheels=WHEELS, com_height=0.45
+        )
+
+    @property
+    def guess(self) -> CartModel:
+        """What is believed at first, whatever the load."""
+        effects: tuple[Effect, ...] = (ViscousDrag(linear=3.0, angular=1.0), RollingResistance(coefficient=0.02))
+        if self.casters == WITH:
+            effects += (CasterRealignment(swivel_torque=0.06),)
+        return CartModel(Inertia(30.0, (0.3, 0.0), 3.0), effects=effects, wheels=WHEELS, com_height=0.45)
+
+
+RUN = chain(straight(10.0, 0.5, 0.5))
+PUSH_PULL = chain(*(chain(straight(way * 2.5, 0.4, 0.5), pause(0.5)) for way in (1, -1) * 4))
+TURNING = chain(*(speed_change(0.45), turn(1.2, 0.3, 0.5), turn(-1.2, 0.3, 0.5), pause(0.5), speed_change(-0.45))) * 3
+STRAIGHT = tuple(Experiment(f"E{i}", mass, RUN) for i, mass in enumerate((15.0, 25.0, 35.0, 45.0), 1))
+REVERSALS = tuple(Experiment("E5", 29.7, PUSH_PULL, casters) for casters in (WITH, WITHOUT))
+HEAVY = tuple(Experiment(f"{mass:.0f} kg", mass, TURNING, WITH) for mass in (60.0, 80.0))
+EXPERIMENTS = (*STRAIGHT, *REVERSALS, *HEAVY)
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """What truly happens at the control steps: motions and wrenches of the hand (n, 6)."""
+
+    motions: tuple[Motion, ...]
+    wrenches: Array
+
+    def __len__(self) -> int:
+        return len(self.motions)
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Over the runs: mass (runs, n) and its standard deviation over time, and at the end the errors of mass, CoM and
+    inertia (runs, 4); with the true mass, the times (n,) and the reversals' times, and the bound of the mass's standard
+    deviation."""
+
+    experiment: Experiment
+    time: Array
+    mass: Array
+    std: Array
+    errors: Array
+    bound: float
+    reversals: Array
+
+
+def drive(experiment: Experiment) -> Drive:
+    """In MuJoCo."""
+    from ..simulation.mujoco_plant import MujocoPlant
+
+    cart = experiment.cart
+    plant, tracker = MujocoPlant(cart), build_tracker(cart.constraints, FIRM)
+    reference = PathReference(experiment.path, cart.rolling)
+    motions, wrenches = [], []
+    for k in range(round(reference.duration / PERIOD)):
+        motion = plant.motion
+        fx, _, moment = tracker.wrench_b(reference.at(PERIOD * k), motion, cart)
+        wrench = np.array([fx, 0.0, 0.0, 0.0, 0.0, moment + POINT[1] * fx])
+        motions.append(motion)
+        wrenches.append(wrench)
+        plant.step(ContactWrenches({HAND: wrench}, {HAND: np.array(POINT)}), PERIOD)
+    return Drive(tuple(motions), np.array(wrenches))
+
+
+def record(experiment: Experiment, driven: Drive, seed: int) -> RunLog:
+    """As sensors would."""
+    sensors, random = Sensors(experiment.cart, SENSORS, seed), np.random.default_rng([seed, 1])
+    rows = []
+    for k, (motion, wrench) in enumerate(zip(driven.motions, driven.wrenches, strict=True)):
+        now = PERIOD * k
+        seen = sensors.motion(now, motion)
+        felt = sensors.wrenches(now, ContactWrenches({HAND: wrench}, {HAND: np.array(POINT)}))
+        jump = JUMP * random.standard_normal(3) * (random.random() < JUMPS)
+        velocity = None if seen.velocity is None else seen.velocity + jump
+        rows.append(Measurement(now, seen.pose, velocity, felt.wrenches, felt.contacts))
+    return RunLog.from_measurements(rows, [HAND])
+
+
+def mass_bound(experiment: Experiment, driven: Drive) -> float:
+    """Cramér-Rao's, of the standard deviation of the mass, kg: from the true motion of each step at speed, the noise of
+    the wrench and the prior. What the casters do is taken as known."""
+    effects = experiment.cart.effects[:2]
+    cart = replace(experiment.cart, effects=effects)
+    first = replace(experiment.guess, effects=experiment.guess.effects[:2])
+    velocity = np.array([motion.velocity for motion in driven.motions])
+    pose = np.array([motion.pose_sb for motion in driven.motions])
+    middle = (velocity[1:] + velocity[:-1]) / 2
+    fast = np.abs(middle[:, 0]) >= LEAST_SPEED
+    regressor = parameter_regressor(
+        cart, np.hstack([pose[:-1], middle])[fast], (np.diff(velocity, axis=0) / PERIOD)[fast]
+    )
+    noise = reduced_noise(cart, [POINT], ForceNoise(SENSORS.force, SENSORS.moment))
+    information = fisher_information(regressor, noise) + np.linalg.inv(PRIOR.covariance(first))
+    return float(np.sqrt(np.linalg.inv(information)[0, 0]))
+
+
+def reversal_times(driven: Drive) -> Array:
+    """Where the cart, at speed, goes the other way than before, s."""
+    u = np.array([motion.velocity[0] for motion in driven.motions])
+    at_speed = np.flatnonzero(np.abs(u) >= LEAST_SPEED)
+    return np.asarray(PERIOD * at_speed[1:][np.diff(np.sign(u[at_speed])) != 0])
+
+
+def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
+    """One drive, many recordings."""
+    driven = drive(experiment)
+    mass, std, errors = [], [], []
+    for i in range(runs):
+        estimator = CartFilter(experiment.guess, [HAND], noise=NOISE, prior=PRIOR, least_speed=LEAST_SPEED)
+        log = record(experiment, driven, seed + i + SEEDS_APART * round(experiment.mass))
+        found = [estimator.update(row).parameters["mass"] for row in log.measurements()]
+        mass.append([one.value for one in found])
+        std.append([one.std for one in found])
+        last = estimator.estimate.parameters
+        errors.append([last[name].value for name in ("mass", "com_x", "com_y", "inertia")])
+    true = physical_from_phi(experiment.cart.inertia.phi)
+    return Outcome(
+        experiment=experiment,
+        time=np.asarray(PERIOD * np.arange(len(driven))),
+        mass=np.array(mass),
+        std=np.array(std),
+        errors=np.array(errors) - true,
+        bound=mass_bound(experiment, driven),
+        reversals=reversal_times(driven),
+    )
+
+
+def run_experiments(
+    runs: int, seed: int = 0, workers: int = 1, progress: Callable[[float], None] | None = None
+) -> list[Outcome]:
+    """All of them, over `workers` processes."""
+    return run_all(partial(attempt, runs=runs, seed=seed), EXPERIMENTS, workers, progress)

@@ -1,0 +1,166 @@
+"""The hardware study in numbers: scatter beside the Cramér-Rao bound, honesty, and the mass after each reversal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..frames import Array
+from .claims import Claim
+from .hardware import HEAVY, STRAIGHT, WITH, Outcome
+
+COLUMNS = (
+    *("experiment", "model", "mass kg", "bias kg", "sd kg", "told sd kg", "bound kg", "in 95 % interval"),
+    *("CoM x cm", "CoM y cm", "inertia %"),
+)
+REVERSAL_COLUMNS = ("model", "reversal s", "largest mean error kg", "largest rms error kg", "told sd kg")
+AFTER = 4.0
+"""s that a reversal is looked at: casters need 0.3 m, 7 trails, to swing round."""
+MOST_SCATTER, MOST_BIAS, COVERAGE, PAPERS = 1.15, 0.1, (0.93, 0.97), 0.5
+CERTAIN = 1.96
+
+
+def inside(outcome: Outcome) -> np.ndarray:
+    """Whether the last 95 % interval of each run holds the true mass, (runs,)."""
+    return np.asarray(np.abs(outcome.errors[:, 0]) <= CERTAIN * outcome.std[:, -1])
+
+
+def scatter(outcome: Outcome) -> float:
+    """Standard deviation of the last mass over the runs, kg."""
+    return float(outcome.errors[:, 0].std(ddof=1))
+
+
+def rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
+    """By COLUMNS; CoM and inertia are rms errors."""
+    return [_row(outcome) for outcome in outcomes]
+
+
+def _row(outcome: Outcome) -> tuple[str, ...]:
+    what, rms = outcome.experiment, np.sqrt((outcome.errors**2).mean(axis=0))
+    bias, told = outcome.errors[:, 0].mean(), outcome.std[:, -1].mean()
+    sizes = (
+        f"{bias:+.2f}",
+        f"{scatter(outcome):.2f}",
+        f"{told:.2f}",
+        f"{outcome.bound:.2f}",
+        f"{inside(outcome).mean():.0%}",
+    )
+    inertia = 100 * rms[3] / what.cart.inertia.about_com
+    return (
+        what.name,
+        what.casters,
+        f"{what.mass:g}",
+        *sizes,
+        f"{100 * rms[1]:.1f}",
+        f"{100 * rms[2]:.1f}",
+        f"{inertia:.0f}",
+    )
+
+
+def reversal_errors(outcome: Outcome) -> Array:
+    """(reversals, 3): of the mass within AFTER of each, the largest mean error by size, the largest rms error, and what
+    the filter says, kg."""
+    error = outcome.mass - outcome.experiment.mass
+    told = []
+    for begin in outcome.reversals:
+        during = (outcome.time >= begin) & (outcome.time < begin + AFTER)
+        mean = error[:, during].mean(axis=0)
+        rms = np.sqrt((error[:, during] ** 2).mean(axis=0))
+        told.append([mean[np.abs(mean).argmax()], rms.max(), outcome.std[:, during].mean()])
+    return np.array(told).reshape(-1, 3)
+
+
+def reversal_rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
+    """By REVERSAL_COLUMNS."""
+    told: list[tuple[str, ...]] = []
+    for outcome in _of(outcomes, "E5"):
+        for begin, (mean, rms, std) in zip(outcome.reversals, reversal_errors(outcome), strict=True):
+            told.append((outcome.experiment.casters, f"{begin:.1f}", f"{mean:+.2f}", f"{rms:.2f}", f"{std:.2f}"))
+    return told
+
+
+def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
+    """This project's: of straight runs, of reversals with the casters in the model, and of heavy loads."""
+    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT))
+    ratios = [scatter(outcome) / outcome.bound for outcome in straight]
+    biases = [float(outcome.errors[:, 0].mean()) for outcome in straight]
+    covered = float(np.mean([inside(outcome) for outcome in straight]))
+    errors = [reversal_errors(one) for one in _of(outcomes, "E5") if one.experiment.casters == WITH]
+    reversed_by = float(np.abs(np.concatenate(errors)[:, 0]).max())
+    heavy = _of(outcomes, *(experiment.name for experiment in HEAVY))
+    com = [float(np.sqrt((outcome.errors[:, 1:3] ** 2).mean(axis=0)).max()) for outcome in heavy]
+    low, high = COVERAGE
+    return [
+        Claim(
+            "E1 to E4",
+            f"scatter of the mass within {MOST_SCATTER} times the Cramér-Rao bound",
+            ", ".join(f"{ratio:.2f}" for ratio in ratios),
+            max(ratios) <= MOST_SCATTER,
+        ),
+        Claim(
+            "E1 to E4",
+            f"bias of the mass under {MOST_BIAS} kg",
+            ", ".join(f"{bias:+.2f}" for bias in biases),
+            max(map(abs, biases)) < MOST_BIAS,
+        ),
+        Claim(
+            "E1 to E4",
+            f"95 % intervals hold the mass in {low:.0%} to {high:.0%}",
+            f"{covered:.1%}",
+            low <= covered <= high,
+        ),
+        Claim(
+            "E5, casters swing",
+            f"mean mass within {PAPERS} kg within {AFTER:g} s of each reversal",
+            f"{reversed_by:.2f} kg",
+            reversed_by <= PAPERS,
+        ),
+        Claim("60 and 80 kg", "CoM within 2 cm (rms)", ", ".join(f"{100 * c:.1f} cm" for c in com), max(com) <= 0.02),
+    ]
+
+
+def paper_claims(outcomes: Sequence[Outcome]) -> list[Claim]:
+    """The paper's, of its Fig. 9."""
+    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT))
+    errors = [float(np.abs(outcome.errors[:, 0]).mean()) for outcome in straight]
+    without = [one for one in _of(outcomes, "E5") if one.experiment.casters != WITH]
+    over = [float(reversal_errors(one)[:, 0].max()) for one in without]
+    return [
+        Claim(
+            "E1 to E4",
+            f"mass within {PAPERS} kg (mean size of the error)",
+            ", ".join(f"{error:.2f}" for error in errors),
+            max(errors) <= PAPERS,
+            promised=False,
+        ),
+        Claim(
+            "E5, casters left out",
+            "mass too large after a reversal",
+            ", ".join(f"{value:+.2f} kg" for value in over),
+            all(value > 0 for value in over),
+            promised=False,
+        ),
+    ]
+
+
+def _of(outcomes: Sequence[Outcome], *names: str) -> list[Outcome]:
+    return [outcome for outcome in outcomes if outcome.experiment.name in names]
+
+
+def as_dict(outcome: Outcome) -> dict[str, object]:
+    """For `--json`."""
+    return {
+        "experiment": outcome.experiment.name,
+        "model": outcome.experiment.casters,
+        "mass": outcome.experiment.mass,
+        "bias": float(outcome.errors[:, 0].mean()),
+        "sd": scatter(outcome),
+        "told_sd": float(outcome.std[:, -1].mean()),
+        "bound": outcome.bound,
+        "inside": float(inside(outcome).mean()),
+        "reversals": [
+            {"time": float(time), "mean_error": float(mean), "rms_error": float(rms)}
+            for time, (mean, rms, _) in zip(outcome.reversals, reversal_errors(outcome), strict=True)
+        ],
+    }

@@ -1,0 +1,218 @@
+"""How sure the values of a chosen structure are, where its forms are not quite those of the world.
+
+A form that is a little wrong leaves residuals that are no noise, in one direction more than in another, and alike
+within a manoeuvre. Each direction is weighed by what is left along it; and the pulls of whole manoeuvres, which cancel
+at the best fit, say by their scatter how far it may be off: White's (1980) sandwich `A⁻¹ (Σ g gᵀ) A⁻¹`, with stretches
+that belong together in one pull (Liang and Zeger, 1986). The larger deviation of the two counts. Times, places and
+frequencies, which no linear fit gives, have the deviation of their posterior along the line through the best.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.frames import Array
+from cartgrasp.motion import ParameterEstimate
+from cartgrasp.wheels import FIXED
+
+from ..batch.wrench_regression import BLOCK, WrenchRegression
+from ..parameter_report import ParameterReport
+from ..prior import report_names
+from .dictionary import may_be_amplitudes
+from .fitted import Fitted
+from .manoeuvres import manoeuvres
+from .refinement import Move, Refiner, is_open, moves, prior_std
+
+FORM = {"s": 0.05, "m": 0.03}
+"""How much less sharp the world is than a step in time or place."""
+FORM_SHARE = 0.05
+"""Of every other value of an effect: how near to one another two forms of one name are, and how far one of them seems
+to vary from manoeuvre to manoeuvre where the other is true."""
+OUTLYING = 4.0
+"""Times the usual scatter: what an accident counts at most."""
+FIRST, FIRST_SHARE, DOUBLINGS = {"s": 0.04, "m": 0.02}, 0.02, 7
+ROLLING, SETTLING = 0.02, 0.05
+"""m/s, m: below, and so soon after, a wheel's friction has not the value that it keeps; a caster's trail is as long."""
+MOST_LOST = 1.5
+"""Times the deviation: what fewer rows may cost."""
+UNLIKELY = 8.0
+"""Difference of logs of likelihoods beyond which nobody looks."""
+FINE = 400
+
+
+@dataclass(frozen=True)
+class Certainty:
+    """The structure with its directions in balance; its parameters; standard deviations of settings by key."""
+
+    fitted: Fitted
+    parameters: dict[str, ParameterEstimate]
+    settings: dict[str, float]
+
+
+def certain(fitted: Fitted) -> Certainty:
+    settings: dict[str, float] = {}
+    for effect in fitted.added:
+        moved, found = _settled(fitted, effect)
+        fitted, settings = fitted.with_changed(effect, moved), settings | found
+    fitted = balanced(_rolling(fitted))
+    return Certainty(fitted, _parameters(fitted), settings)
+
+
+def _rolling(fitted: Fitted) -> Fitted:
+    """On rows on which all wheels roll, and casters and bristles have settled, where these tell nearly as much."""
+    chosen = tuple(regression.within(settled(regression)) for regression in fitted.regressions)
+    fewer = fitted.on(chosen)
+    before, after = (
+        np.diagonal(f.identification.covariance)[f.free[:-1]]
+        / np.mean([log.noise_excess for log in f.identification.logs])
+        for f in (fitted, fewer)
+    )
+    return fewer if (after < MOST_LOST**2 * before).all() else fitted
+
+
+def settled(regression: WrenchRegression) -> np.ndarray:
+    """Rows (n,) on which no fixed wheel, nor the axle's middle, is near rest or has just been."""
+    motion, tracks = regression.motion, [0.0, *(w.y for w in regression.cart.wheels if w.kind == FIXED)]
+    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))
+    slowest = np.abs(motion.velocity[:, :1] - np.outer(turning, tracks)).min(axis=1)
+    travelled = np.cumsum(np.abs(motion.velocity[:, 0]) * np.diff(motion.time, prepend=motion.time[0]))
+    rested = np.maximum.accumulate(np.where(slowest < ROLLING, travelled, 0.0))
+    return np.asarray((slowest >= ROLLING) & (travelled - rested > SETTLING))
+
+
+def balanced(fitted: Fitted) -> Fitted:
+    """With the noise along each free direction as large as what is left there."""
+    scatter, found = fitted.scatter, []
+    for k, regression in enumerate(fitted.regressions):
+        own = scatter.log == k
+        variance = np.diagonal(np.linalg.inv(scatter.information[own]), axis1=1, axis2=2)
+        chi = scatter.mean[own] ** 2 / variance
+        usual = np.median(chi, axis=0) / chi2.median(1)
+        found.append(
+            regression.louder(np.maximum(np.minimum(chi, OUTLYING * np.maximum(usual, 1.0)).mean(axis=0), 1.0))
+        )
+    return replace(fitted, regressions=tuple(found), start=fitted.cart.parameters)
+
+
+def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
+    own, known = fitted.free[:-1], fitted.identification
+    covariance = known.covariance[np.ix_(own, own)]
+    there, form = (((covariance @ each) ** 2).sum(axis=1) for each in _drawn(fitted))
+    there += np.diagonal(covariance @ fitted.base.information[:-1, :-1] @ covariance)
+    wider = np.sqrt(np.maximum(there, np.diagonal(covariance) + form) / np.diagonal(covariance))
+    whole = known.covariance.copy()
+    whole[np.ix_(own, own)] = wider[:, None] * covariance * wider
+    share = np.ones(len(whole))
+    share[own] = np.sqrt(np.diagonal(whole)[own] * np.diagonal(fitted.base.information)[:-1])
+    return ParameterReport(fitted.structure, fitted.prior).of(known.model_parameters, whole + _form(fitted), share)
+
+
+def _form(fitted: Fitted) -> Array:
+    """Covariance (p, p) of what added effects' values would be in another form."""
+    own, size = fitted.free[:-1], np.zeros(len(fitted.cart.parameters))
+    size[own] = FORM_SHARE * _shares(fitted)[:-1].sum(axis=1)
+    return np.diag(size**2)
+
+
+@dataclass(frozen=True)
+class Pulls:
+    """Of a log's manoeuvres on the free parameters and its delay: those at the best fit (p + 1, manoeuvres), those that
+    added effects would make whose form is a little wrong (p + 1, ...), and the information about the delay in relation
+    to all (p + 1,)."""
+
+    there: Array
+    form: Array
+    late: Array
+
+    def on_parameters(self, background: float) -> tuple[Array, Array]:
+        """With the delay as it fits best: those that are there, as many as are free to differ, and those of forms."""
+        follows = (self.late[:-1] / (self.late[-1] + background))[:, None]
+        n = int(self.there.any(axis=0).sum())
+        there, form = (each[:-1] - follows * each[-1] for each in (self.there, self.form))
+        return there * np.sqrt(n / max(n - 1, 1)), form
+
+
+def pulls(fitted: Fitted) -> list[Pulls]:
+    """Of each log."""
+    found, shares = [], _shares(fitted)
+    for (regression, line, delay), told in zip(fitted.linearised, fitted.identification.logs, strict=True):
+        evidence = regression.evidence(fitted.cart.parameters, delay).part(fitted.free).kept(fitted.base.information)
+        first = line.nodes[line.ends(BLOCK)[:-1]] // regression.size
+        number = manoeuvres(regression.motion, not regression.cart.constraints.no_rotation)[first]
+        m, k = number.max(initial=0) + 1, len(fitted.free)
+        there, information = np.zeros((m, k)), np.zeros((m, k, k))
+        np.add.at(there, number, evidence.pulls / told.noise_excess)
+        np.add.at(information, number, evidence.blocks / told.noise_excess)
+        form = FORM_SHARE * np.swapaxes(information @ shares, 0, 1).reshape(k, -1)
+        found.append(Pulls(there.T, form, information.sum(axis=0)[-1]))
+    return found
+
+
+def _shares(fitted: Fitted) -> Array:
+    """Of each added effect, what it adds to the free parameters and the delay (p + 1, effects)."""
+    places = {name: i for i, name in enumerate(report_names(fitted.cart))}
+    whole = np.zeros((len(fitted.cart.parameters) + 1, len(fitted.added)))
+    for k, effect in enumerate(fitted.added):
+        for key, parameter in zip(effect.keys, effect.parameters, strict=True):
+            whole[places[key], k] = fitted.cart.parameters[places[key]] - parameter.absent
+    return np.asarray(whole[fitted.free])
+
+
+def _drawn(fitted: Fitted) -> tuple[Array, Array]:
+    """Pulls (p, ...) of all logs."""
+    background = float(fitted.base.information[-1, -1])
+    there, form = zip(*(each.on_parameters(background) for each in pulls(fitted)), strict=True)
+    return np.concatenate(there, axis=1), np.concatenate(form, axis=1)
+
+
+def _settled(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
+    """An effect with times in the middle of where they may be, and its settings' deviations."""
+    amplitudes = np.flatnonzero(may_be_amplitudes(effect))
+    searched = [move for move in moves(effect, amplitudes) if not effect.parameters[move.which].estimated]
+    if not searched:
+        return effect, {}
+    own = next(one for one in fitted.cart.effects if one.key == effect.key)
+    refiner, excess = Refiner(fitted.without(effect.key)), max(fitted.excess, 1.0)
+    values, found = own.values.copy(), dict[str, float]()
+    for move in searched:
+        parameter = own.parameters[move.which]
+        offset, std = _posterior(refiner, own, amplitudes, move, excess)
+        if own.gate.passes and offset != 0.0:
+            moved = replace(move, step=offset).applied(values, 1.0)
+            values = values if moved is None else moved
+        floor = FORM.get(parameter.unit, FORM_SHARE * abs(float(values[move.which])))
+        found[own.keys[move.which]] = float(np.hypot(std, floor))
+    if own.gate is Gate.WHILE:  # its start moves one end, its duration the other
+        found[own.keys[1]] = float(np.hypot(found[own.keys[0]], found[own.keys[1]]))
+    return own.with_values(values), found
+
+
+def _posterior(
+    refiner: Refiner, effect: Effect, amplitudes: np.ndarray, move: Move, excess: float
+) -> tuple[float, float]:
+    """Mean, from where it is, and standard deviation of a setting, with the amplitudes as they fit best."""
+    absent, unit = effect.values.copy(), effect.parameters[move.which].unit
+    absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
+    std = prior_std(effect, amplitudes)
+    first = FIRST.get(unit, FIRST_SHARE * abs(float(effect.values[move.which])))
+    best = refiner.gain(effect.with_values(absent), amplitudes, std).value
+    known = {0.0: 0.0}
+    for sign in (1.0, -1.0):
+        for k in range(DOUBLINGS):
+            offset = sign * first * 2**k
+            tried = replace(move, step=offset).applied(absent, 1.0)
+            if tried is None or not is_open(effect, tried) or (effect.with_values(tried).values != tried).any():
+                break
+            known[offset] = (refiner.gain(effect.with_values(tried), amplitudes, std).value - best) / excess
+            if known[offset] < -UNLIKELY:
+                break
+    at = np.array(sorted(known))
+    fine = np.linspace(at[0], at[-1], FINE) if len(at) > 1 else at
+    weight = np.exp(np.interp(fine, at, [known[one] for one in at]))
+    mean = float(weight @ fine / weight.sum())
+    return mean, float(np.sqrt(weight @ (fine - mean) ** 2 / weight.sum()))

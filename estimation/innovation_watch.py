@@ -1,0 +1,73 @@
+"""How much to trust a surprising sample, and whether innovations keep to what is believed."""
+
+from __future__ import annotations
+
+import copy
+from typing import Self
+
+import numpy as np
+
+from .health import HOLD_OFF, MEMORY, MOST_RESETS, Health
+
+SMOOTHING = 0.01
+"""Share of a new sample in the level: slower than a caster's turning round, which is loud for a moment too."""
+LOUD = 2.7
+SETTLING_SAMPLES = 100
+GATE = 25.0
+
+
+class InnovationWatch:
+    """Follows normalised innovations (1 in the mean when the model fits). When they get loud, the load is taken to
+    have changed (a reset of the parameters' covariance); when that happens too often, it is the model that does not
+    fit, and the filter is called inconsistent."""
+
+    def __init__(self) -> None:
+        self.last: dict[str, tuple[float, int]] = {}
+        self.level = 1.0
+        self._samples = 0
+        self._time = -np.inf
+        self._resets: tuple[float, ...] = ()
+        self._outliers = 0.0
+
+    def copy(self) -> Self:
+        other = copy.copy(self)
+        other.last = dict(self.last)
+        return other
+
+    def noise_scale(self, sensor: str, nis: float, size: int) -> float:
+        """By how much to widen the noise of a sample with this NIS: outliers pull, but can't tear."""
+        self.last[sensor] = (nis, size)
+        if sensor == "wrench":
+            return 1.0
+        self._samples += 1
+        self.level += SMOOTHING * (min(nis / size, GATE) - self.level)
+        is_outlier = nis > GATE * size
+        self._outliers += SMOOTHING * (float(is_outlier) - self._outliers)
+        return nis / (GATE * size) if is_outlier else 1.0
+
+    def wants_reset(self, time: float) -> bool:
+        """Whether the parameters should be opened now."""
+        self._time = time
+        self._resets = tuple(t for t in self._resets if time - t < MEMORY)
+        may = self._samples >= SETTLING_SAMPLES and not self._just_reset and len(self._resets) < MOST_RESETS
+        if not may or self.level < LOUD:
+            return False
+        self._resets = (*self._resets, time)
+        self.level = 1.0
+        return True
+
+    @property
+    def _just_reset(self) -> bool:
+        return bool(self._resets) and self._time - self._resets[-1] < HOLD_OFF
+
+    def note_gap(self) -> None:
+        self._samples = 0
+        self.level = 1.0
+
+    @property
+    def health(self) -> Health:
+        if len(self._resets) >= MOST_RESETS:
+            return Health.INCONSISTENT
+        if self._just_reset:
+            return Health.LOAD_CHANGED
+        return Health.OUTLIERS if self._outliers > 0.1 else Health.OK

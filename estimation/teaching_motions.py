@@ -1,0 +1,81 @@
+"""Motions that a person can ask of a cart, and what each would teach of its parameters (physics 13)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cartgrasp.frames import Array, body_to_world
+from cartgrasp.information import WrenchNoise, fisher_information, parameter_regressor, reduced_noise
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
+
+PERIOD, DURATION = 0.02, 12.0
+SPEED, YAW_RATE = 0.5, 0.5
+CLEARLY = 0.8
+"""Of a variance: from how much less left on a motion is better than a simpler one."""
+REACH = 0.3
+"""m: levers of two hands at a handle."""
+
+
+@dataclass(frozen=True)
+class TeachingMotion:
+    """`says` what to do; (u, w, r) in {b} over time (n, 3)."""
+
+    says: str
+    twist_b: Array
+
+    def information(self, cart: CartModel, noise: WrenchNoise) -> Array:
+        """Fisher information (p, p) of the cart's parameters, held by two hands with noisy wrenches."""
+        velocity = self.twist_b @ np.linalg.pinv(cart.basis_b).T
+        velocity = np.asarray(np.where(np.abs(velocity) < 1e-12, 0.0, velocity), dtype=float)
+        acceleration = np.gradient(velocity, PERIOD, axis=0)
+        pose = np.zeros((len(velocity), 3))
+        for i in range(len(pose) - 1):
+            pose[i + 1] = pose[i] + PERIOD * body_to_world(pose[i, 2]) @ cart.basis_b @ velocity[i]
+        time = np.asarray(PERIOD * np.arange(len(pose)), dtype=float)
+        memory = cart.memory_along(pose, velocity, time)
+        regressor = parameter_regressor(cart, np.hstack([pose, velocity, memory]), acceleration)
+        hands = [(-REACH, REACH, 1.0), (-REACH, -REACH, 1.0)]
+        return fisher_information(regressor, reduced_noise(cart, hands, noise)) * noise.rate * PERIOD
+
+
+def _motion(says: str, forward: ArrayLike = 0.0, aside: ArrayLike = 0.0, turning: ArrayLike = 0.0) -> TeachingMotion:
+    time = np.arange(0.0, DURATION, PERIOD)
+    return TeachingMotion(says, np.stack([np.broadcast_to(part, time.shape) for part in (forward, aside, turning)], -1))
+
+
+def teaching_motions() -> tuple[TeachingMotion, ...]:
+    """From the simplest on."""
+    time = np.arange(0.0, DURATION, PERIOD)
+    wave, other = np.sin(2 * np.pi * time / 3.0), np.sin(2 * np.pi * time / 4.4)
+    slow = np.sin(2 * np.pi * time / DURATION)
+    return (
+        _motion("roll straight at a steady speed", SPEED),
+        _motion("speed up and brake on a straight line, forwards", SPEED * (0.6 + 0.4 * wave)),
+        _motion("roll straight at several speeds, forwards and backwards", SPEED * slow),
+        _motion("push forwards and backwards on a straight line", SPEED * wave),
+        _motion("turn left and right on the spot", turning=YAW_RATE * wave),
+        _motion("drive a steady curve", SPEED, turning=YAW_RATE),
+        _motion("drive curves to both sides at a changing speed", SPEED * (0.6 + 0.4 * wave), turning=YAW_RATE * other),
+        _motion("drive curves forwards and backwards", SPEED * wave, turning=YAW_RATE * other),
+        _motion("push it sideways to and fro", aside=SPEED * wave),
+        _motion("push it sideways while it turns", aside=SPEED * wave, turning=YAW_RATE * other),
+    )
+
+
+def remedy(estimate: Estimate, free: np.ndarray, direction: Array, noise: WrenchNoise) -> str | None:
+    """The motion after which the least would be left of the variance of `direction @ change of parameters`, (p,), those
+    but the free ones being known; None where none leaves less than a half. Of alike ones, the simplest."""
+    if estimate.covariance is None:
+        return None
+    cart, v, part = estimate.cart(), direction[free], np.ix_(free, free)
+    known = np.linalg.inv(estimate.covariance[part])
+    best, least = None, 0.5 * float(v @ np.linalg.solve(known, v))
+    for motion in teaching_motions():
+        after = float(v @ np.linalg.solve(known + motion.information(cart, noise)[part], v))
+        if after < CLEARLY * least:
+            best, least = motion.says, after
+    return best
