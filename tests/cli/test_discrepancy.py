@@ -273,5 +273,5 @@ def test_a_reader_that_goes_away_loses_no_report(monkeypatch, tmp_path):
     monkeypatch.setattr(discrepancy, "diagnose", lambda *a: found)
     monkeypatch.setattr(discrepancy, "print_json", broken)
     with pytest.raises(BrokenPipeError):
-        discrepancy.run([tmp_path / "run.csv"], None, tmp_path / "out", True)
+        discrepancy.run([tmp_path / "run.csv"], None, tmp_path / "out", None, as_json=True)
     assert saved == [tmp_path / "out"]
