@@ -28,7 +28,8 @@ from cartgrasp.motion import Estimate, Measurement, Motion
 from .filtering import exponential_step, innovation, predicted, updated
 from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
-from .innovation_watch import GATE, InnovationWatch
+from .innovation_watch import InnovationWatch
+from .kernels.correction import GATE
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior

@@ -66,8 +66,6 @@ class CartFilter:
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
-        if not math.isfinite(measurement.time):
-            raise UsageError(f"measurement: time {measurement.time} is not finite")
         if not self._samples.take(measurement):
             return replace(self.estimate, health=Health.CLOCK)
         return self.estimate

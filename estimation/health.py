@@ -7,9 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-HOLD_OFF = 1.5
-"""s after a reset in which a load is called changed, and nothing is reset again."""
-MOST_RESETS, MEMORY = 3, 20.0
 TIME_OUT = 0.5
 """s without a usable sample after which a sensor that spoke before is missed."""
 OUTLYING_SHARE, SMOOTHING = 0.1, 0.05

@@ -5,15 +5,14 @@ from __future__ import annotations
 import copy
 from typing import Self
 
-import numpy as np
-
-from .health import HOLD_OFF, MEMORY, MOST_RESETS, Health
+from .health import OUTLYING_SHARE, Health
+from .kernels.correction import GATE
+from .resets import Resets
 
 SMOOTHING = 0.01
 """Share of a new sample in the level: slower than a caster's turning round, which is loud for a moment too."""
 LOUD = 2.7
 SETTLING_SAMPLES = 100
-GATE = 25.0
 
 
 class InnovationWatch:
@@ -25,8 +24,7 @@ class InnovationWatch:
         self.last: dict[str, tuple[float, int]] = {}
         self.level = 1.0
         self._samples = 0
-        self._time = -np.inf
-        self._resets: tuple[float, ...] = ()
+        self._resets = Resets()
         self._outliers = 0.0
 
     def copy(self) -> Self:
@@ -47,18 +45,13 @@ class InnovationWatch:
 
     def wants_reset(self, time: float) -> bool:
         """Whether the parameters should be opened now."""
-        self._time = time
-        self._resets = tuple(t for t in self._resets if time - t < MEMORY)
-        may = self._samples >= SETTLING_SAMPLES and not self._just_reset and len(self._resets) < MOST_RESETS
+        self._resets = self._resets.at(time)
+        may = self._samples >= SETTLING_SAMPLES and self._resets.are_allowed
         if not may or self.level < LOUD:
             return False
-        self._resets = (*self._resets, time)
+        self._resets = self._resets.one_more()
         self.level = 1.0
         return True
-
-    @property
-    def _just_reset(self) -> bool:
-        return bool(self._resets) and self._time - self._resets[-1] < HOLD_OFF
 
     def note_gap(self) -> None:
         self._samples = 0
@@ -66,8 +59,6 @@ class InnovationWatch:
 
     @property
     def health(self) -> Health:
-        if len(self._resets) >= MOST_RESETS:
-            return Health.INCONSISTENT
-        if self._just_reset:
-            return Health.LOAD_CHANGED
-        return Health.OUTLIERS if self._outliers > 0.1 else Health.OK
+        if self._resets.health is Health.OK and self._outliers > OUTLYING_SHARE:
+            return Health.OUTLIERS
+        return self._resets.health

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Generic, Protocol, Self, TypeVar
 
+from cartgrasp.errors import UsageError
 from cartgrasp.motion import Measurement
 
 REACH = 0.3
@@ -46,6 +48,8 @@ class LateSamples(Generic[T]):
 
     def take(self, measurement: Measurement) -> bool:
         """Whether the sample could be taken in: not where it is of before all that is kept."""
+        if not math.isfinite(measurement.time):
+            raise UsageError(f"measurement: time {measurement.time} is not finite")
         if measurement.time >= self.state.time - 1e-9:
             self._go_on(measurement)
             return True

@@ -61,10 +61,10 @@ class LearningFilter:
             motion.take(None, measurement.velocity)
             self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
         motion.learn(learner.theta, learner.covariance)
-        is_pushed = bool(measurement.wrenches) and learner.sensed is not None
-        if is_pushed and learner.sensed is not None:
-            motion.push(learner.sensed)
-        self._note_sensors(measurement, is_pushed)
+        sensed = learner.sensed if measurement.wrenches else None
+        if sensed is not None:
+            motion.push(sensed)
+        self._note_sensors(measurement, sensed is not None)
 
     @property
     def sizes(self) -> tuple[int, int]:

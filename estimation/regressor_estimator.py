@@ -38,8 +38,6 @@ class RegressorEstimator:
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
-        if not math.isfinite(measurement.time):
-            raise UsageError(f"measurement: time {measurement.time} is not finite")
         if not self._samples.take(measurement):
             return replace(self.estimate, health=Health.CLOCK)
         return self.estimate

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from ..health import HOLD_OFF, MEMORY, MOST_RESETS, Health
+from ..health import Health
+from ..resets import Resets
 from .regression_belief import GATE
 
 ROWS = 7
@@ -25,8 +24,7 @@ class LoadWatch:
         self._limit = 2.0 * float(gammainccinv(ROWS * n / 2, FALSE_ALARM))
         self._squares: tuple[float, ...] = ()
         self._seen = 0
-        self._time = -np.inf
-        self._resets: tuple[float, ...] = ()
+        self._resets = Resets()
         self._outliers = 0.0
         self.ratio = 0.0
 
@@ -37,25 +35,18 @@ class LoadWatch:
         self.ratio = square / (GATE * self._n)
         self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
         self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
-        may = self._seen >= SETTLING_ROWS and not self._just_reset and len(self._resets) < MOST_RESETS
+        may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
         if not may or sum(self._squares) < self._limit:
             return False
-        self._resets, self._squares = (*self._resets, time), ()
+        self._resets, self._squares = self._resets.one_more(), ()
         return True
 
     def go_on(self, time: float) -> None:
         """Nothing new up to a time."""
-        self._time = time
-        self._resets = tuple(t for t in self._resets if time - t < MEMORY)
-
-    @property
-    def _just_reset(self) -> bool:
-        return bool(self._resets) and self._time - self._resets[-1] < HOLD_OFF
+        self._resets = self._resets.at(time)
 
     @property
     def health(self) -> Health:
-        if len(self._resets) >= MOST_RESETS:
-            return Health.INCONSISTENT
-        if self._just_reset:
-            return Health.LOAD_CHANGED
-        return Health.OUTLIERS if self._outliers > OUTLYING_SHARE else Health.OK
+        if self._resets.health is Health.OK and self._outliers > OUTLYING_SHARE:
+            return Health.OUTLIERS
+        return self._resets.health

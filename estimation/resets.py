@@ -1,0 +1,40 @@
+"""When a load was taken to have changed, and what that says of the estimator's health."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .health import Health
+
+HOLD_OFF = 1.5
+"""s after a reset in which a load is called changed, and nothing is reset again."""
+MOST_RESETS, MEMORY = 3, 20.0
+"""So many in so long (s), and it is the model that does not fit."""
+
+
+@dataclass(frozen=True)
+class Resets:
+    """Those that are remembered at a time, `now` (s)."""
+
+    times: tuple[float, ...] = ()
+    now: float = -math.inf
+
+    def at(self, time: float) -> Resets:
+        """Later, with nothing new."""
+        return Resets(tuple(t for t in self.times if time - t < MEMORY), time)
+
+    def one_more(self) -> Resets:
+        """Now."""
+        return Resets((*self.times, self.now), self.now)
+
+    @property
+    def are_allowed(self) -> bool:
+        return self.health is Health.OK
+
+    @property
+    def health(self) -> Health:
+        if len(self.times) >= MOST_RESETS:
+            return Health.INCONSISTENT
+        is_recent = bool(self.times) and self.now - self.times[-1] < HOLD_OFF
+        return Health.LOAD_CHANGED if is_recent else Health.OK
