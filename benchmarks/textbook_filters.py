@@ -3,6 +3,7 @@ recorded wrench is a known input, and its noise is in Q."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from estimation.wrench_sensing import WrenchSensing
 BROKEN = np.linalg.LinAlgError, ValueError, OverflowError
 
 
-class Textbook:
+class Textbook(ABC):
     """What the two share: a step of the model, and what is seen of it. `diverged` stays once it is true."""
 
     def __init__(self, cart: CartModel, arms: list[str], noise: FilterNoise, prior: Prior) -> None:
@@ -55,11 +56,11 @@ class Textbook:
             lift = self.cart.planar_wrench(np.eye(len(sensed.value))).T
             self._noise_b = lift @ sensed.covariance @ lift.T
 
-    def _predict(self, step: float) -> None:
-        raise NotImplementedError
+    @abstractmethod
+    def _predict(self, step: float) -> None: ...
 
-    def _correct(self, seen: Array) -> None:
-        raise NotImplementedError
+    @abstractmethod
+    def _correct(self, seen: Array) -> None: ...
 
     @property
     def phi(self) -> Gaussian:

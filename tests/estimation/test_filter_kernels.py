@@ -14,6 +14,7 @@ from cartgrasp.wheels import Wheel
 from estimation import FilterNoise, Prior
 from estimation.driven_motion import DrivenMotion, Push
 from estimation.kernels import correction
+from estimation.kernels.tracked_motion import PATH_FLOOR
 from estimation.regressor.motion_tracker import MotionTracker
 from estimation.wrench_sensing import SensedWrench
 
@@ -180,7 +181,7 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     found = tracker.smoothed()
     n, h, jerk = 31, 0.01, 9.0
     block = np.array([[h**5 / 20, h**4 / 8, h**3 / 6], [h**4 / 8, h**3 / 3, h**2 / 2], [h**3 / 6, h**2 / 2, h]]) * jerk
-    block[0, 0] += driven_floor()
+    block[0, 0] += PATH_FLOOR**2
     forth = np.array([[1, h, h * h / 2], [0, 1, h], [0, 0, 1]])
     information, pull = np.zeros((3 * n, 3 * n)), np.zeros(3 * n)
     information[:3, :3] = np.diag(1 / (np.array([0.001**2, 1.0, 9.0]) + 1e-10))
@@ -199,12 +200,6 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     np.testing.assert_allclose(
         np.sqrt(found.velocity_covariance[:, 0, 0]), np.sqrt(np.diag(covariance)[1::3]), rtol=1e-3
     )
-
-
-def driven_floor():
-    from estimation.kernels.tracked_motion import PATH_FLOOR
-
-    return PATH_FLOOR**2
 
 
 def test_a_tracker_makes_room_and_forgets():

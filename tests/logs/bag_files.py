@@ -111,17 +111,21 @@ def write_mcap(path, messages, compression="zstd", chunk_size=4096):
     return path
 
 
-def write_ros1(path, messages, compression=None):
-    writer = Ros1Writer(path)
-    if compression is not None:
-        writer.set_compression(compression)
+def written(path, writer, messages, types, serialize):
     with writer:
         connections = {}
         for topic, kind, received, value in messages:
             if topic not in connections:
-                connections[topic] = writer.add_connection(topic, kind, typestore=ROS1)
-            writer.write(connections[topic], received, ROS1.serialize_ros1(typed(ROS1, kind, value), kind))
+                connections[topic] = writer.add_connection(topic, kind, typestore=types)
+            writer.write(connections[topic], received, serialize(typed(types, kind, value), kind))
     return path
+
+
+def write_ros1(path, messages, compression=None):
+    writer = Ros1Writer(path)
+    if compression is not None:
+        writer.set_compression(compression)
+    return written(path, writer, messages, ROS1, ROS1.serialize_ros1)
 
 
 def write_folder(path, messages, storage="sqlite3", compression=None):
@@ -129,13 +133,7 @@ def write_folder(path, messages, storage="sqlite3", compression=None):
     writer = Ros2Writer(path, version=8, storage_plugin=StoragePlugin[storage.upper()])
     if compression is not None:
         writer.set_compression(*compression)
-    with writer:
-        connections = {}
-        for topic, kind, received, value in messages:
-            if topic not in connections:
-                connections[topic] = writer.add_connection(topic, kind, typestore=ROS2)
-            writer.write(connections[topic], received, ROS2.serialize_cdr(typed(ROS2, kind, value), kind))
-    return path
+    return written(path, writer, messages, ROS2, ROS2.serialize_cdr)
 
 
 def write_old_sqlite(path, messages):
