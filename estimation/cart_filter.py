@@ -67,7 +67,7 @@ class CartFilter:
     def nis(self) -> Mapping[str, tuple[float, int]]:
         """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
         core = self._core
-        found = zip(("pose", "velocity"), core.motion.nis.tolist(), core.sizes, strict=True)
+        found = zip(("pose", "velocity"), core.motion.now.nis.tolist(), core.sizes, strict=True)
         return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
 
     @property

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 HOLD_OFF = 1.5
 """s after a reset in which a load is called changed, and nothing is reset again."""
@@ -27,8 +27,7 @@ class Health(StrEnum):
     OK = "ok"
 
 
-@dataclass(frozen=True)
-class SensorHealth:
+class SensorHealth(NamedTuple):
     """The last usable sample's `time`, its `ratio`, the normalised innovation squared over the gate beyond which it
     counts less, and the `outlying` share of the last samples; whether nothing has come for too long."""
 

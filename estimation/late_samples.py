@@ -49,12 +49,10 @@ class LateSamples(Generic[T]):
         if measurement.time >= self.state.time - 1e-9:
             self._go_on(measurement)
             return True
-        while self._kept and self._kept[-1].state.time > measurement.time:
-            if len(self._kept) == 1:
-                return False
-            self._kept.pop()
-        if not self._kept:
+        if not self._kept or self._kept[0].state.time > measurement.time:
             return False
+        while self._kept[-1].state.time > measurement.time:
+            self._kept.pop()
         last = self._kept[-1]
         self.state = last.state.copy()
         first = last.seen - self._forgotten

@@ -46,7 +46,8 @@ class LoadWatch:
     def go_on(self, time: float) -> None:
         """Nothing new up to a time."""
         self._time = time
-        self._resets = tuple(t for t in self._resets if time - t < MEMORY)
+        if self._resets:
+            self._resets = tuple(t for t in self._resets if time - t < MEMORY)
 
     @property
     def _just_reset(self) -> bool:

@@ -8,6 +8,7 @@ of a row only, and what is noise in the other is taken off, so that neither bias
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Self
@@ -69,29 +70,25 @@ class ParameterLearner:
         self._memory: Array | None = None
         self._calm = self._jolt = np.zeros(cart.constraints.n_free)
         self._started = self._has_wrench = False
+        self.time = -math.inf  # of the last measurement
         self.sensed: SensedWrench | None = None  # of the last measurement with wrenches
         self._conclude()
 
     def take(self, measurement: Measurement) -> None:
         """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
-        time = measurement.time
+        time = float(measurement.time)
         self._sensing.note_contacts(measurement)
         gap = time - self.time
         if not self._started or gap > LONG_GAP:
             self._start(time, measurement.pose)
             self._tracker.take(None, measurement.velocity)
         else:
-            self._go_on(gap, time)
-            self._tracker.take(measurement.pose, measurement.velocity)
+            self._go_on(gap, measurement)
+        self.time = self._tracker.last_time
         if measurement.wrenches:
             self._take_wrenches(measurement)
         self._take_row()
         self._watch.go_on(time)
-
-    @property
-    def time(self) -> float:
-        """Of the last measurement; minus infinity before the first."""
-        return self._tracker.last_time
 
     @property
     def motion(self) -> Motion:
@@ -140,10 +137,12 @@ class ParameterLearner:
         self._belief.unlink()
         self._started = bool(np.isfinite(pose[2]))  # without a heading nobody knows where anything pushes
 
-    def _go_on(self, gap: float, time: float) -> None:
+    def _go_on(self, gap: float, measurement: Measurement) -> None:
+        time = measurement.time
         if gap <= 1e-9:
+            self._tracker.take(measurement.pose, measurement.velocity)
             return
-        self._tracker.next(time, self._jolt)
+        self._tracker.next(time, self._jolt, measurement.pose, measurement.velocity)
         self._jolt = self._calm
         held = self._recorded[-1]
         self._recorded.append(held if held is not None and time - held.time < HELD else None)

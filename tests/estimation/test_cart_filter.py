@@ -316,8 +316,8 @@ def test_a_caster_believed_turned_round_is_not_believed_for_long():
         watching.update(Measurement(0.01 * i, np.array([0.005 * i, 0.0, 0.0]), np.array([0.5, 0.0, 0.0])))
         if i == 100:
             motion = watching._core.motion
-            motion._mean[cart.memory_slice] = np.pi
-            motion._own[cart.memory_slice, cart.memory_slice] = 1e-6
+            motion.now.mean[cart.memory_slice] = np.pi
+            motion.now.own[cart.memory_slice, cart.memory_slice] = 1e-6
     heading = watching.belief.mean[cart.memory_slice][0]
     assert abs(np.angle(np.exp(1j * heading))) < 0.2
 
