@@ -9,7 +9,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .correction import add_congruence, take_pose, take_velocity
+from .correction import GATE, add_congruence, take_pose, take_velocity
 from .jit import compiled, entry
 
 PATH_FLOOR = 1e-6
@@ -18,13 +18,14 @@ PATH_FLOOR = 1e-6
 
 class Moment(NamedTuple):
     """Views of a row: mean (d,) and covariance (d, d) as believed, the same two as predicted from the moment before,
-    and the transition (d, d) from there."""
+    and the transition (d, d) from there; and by how much (1,) the worst sample missed its gate, NaN where none came."""
 
     mean: Array
     covariance: Array
     ahead: Array
     ahead_covariance: Array
     forth: Array
+    worst: Array
 
 
 class Known(NamedTuple):
@@ -39,12 +40,13 @@ class Known(NamedTuple):
 
 
 def moment(row: Array, d: int) -> Moment:
-    """Of a row (2 d + 3 d²,)."""
+    """Of a row (2 d + 3 d² + 1,)."""
     mean, at = row[:d], d
     covariance, at = row[at : at + d * d].reshape((d, d)), at + d * d
     ahead, at = row[at : at + d], at + d
     ahead_covariance, at = row[at : at + d * d].reshape((d, d)), at + d * d
-    return Moment(mean, covariance, ahead, ahead_covariance, row[at : at + d * d].reshape((d, d)))
+    forth, at = row[at : at + d * d].reshape((d, d)), at + d * d
+    return Moment(mean, covariance, ahead, ahead_covariance, forth, row[at:])
 
 
 def known_of(known: Array, f: int) -> Known:
@@ -65,6 +67,7 @@ def follow(rows: Array, i: int, step: float, known: Array, news: Array) -> None:
     d = 3 + 2 * f
     before, now, c = _moment(rows[i - 1], d), _moment(rows[i], d), _known_of(known, f)
     _predict(before, now, step, c, news[6:])
+    now.worst[0] = math.nan
     _take(now, c, news)
 
 
@@ -78,8 +81,11 @@ def take(rows: Array, i: int, known: Array, news: Array) -> None:
 @compiled
 def _take(now: Moment, c: Known, news: Array) -> None:
     nothing, none = np.zeros((len(now.mean), 1)), np.zeros((1, 1))
-    take_pose(now.mean, now.covariance, nothing, none, news[:3], c.variances[:3])
-    take_velocity(now.mean, now.covariance, nothing, none, news[3:6], c.variances[3:], c.project)
+    pose = take_pose(now.mean, now.covariance, nothing, none, news[:3], c.variances[:3])
+    velocity = take_velocity(now.mean, now.covariance, nothing, none, news[3:6], c.variances[3:], c.project)
+    for miss in (pose / (3 * GATE), velocity / (len(c.project) * GATE)):
+        if not math.isnan(miss) and not miss < now.worst[0]:
+            now.worst[0] = miss
 
 
 @compiled

@@ -60,7 +60,7 @@ class MotionTracker:
         known.variances[:3], known.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
         known.across_b[:] = cart.rolling.across_b
         known.densities[:] = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
-        self._time, self._rows = np.zeros(ROOM), np.zeros((ROOM, 2 * self._d + 3 * self._d**2))
+        self._time, self._rows = np.zeros(ROOM), np.zeros((ROOM, 2 * self._d + 3 * self._d**2 + 1))
         self._news, self.last_time = np.zeros(6 + f), -math.inf
 
     @property
@@ -81,7 +81,7 @@ class MotionTracker:
         variance[:3] = np.where(known, kernels.known_of(self._known, self._free).variances[:3], variance[:3])
         first = kernels.moment(self._rows[0], self._d)
         first.mean[:3], first.mean[3:] = np.where(known, pose, 0.0), 0.0
-        first.covariance[:] = np.diag(variance + LEAST_VARIANCE)
+        first.covariance[:], first.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
         self._n, self._time[0], self.last_time = 1, time, time
 
     def next(self, time: float, jolt: Array, pose: Array | None, velocity: Array | None) -> None:
@@ -111,6 +111,11 @@ class MotionTracker:
         kernels.smooth(self._rows, mean, covariance)
         pose, velocity, acceleration = np.split(mean, [3, 3 + self._free], axis=1)
         return Stretch(self.time.copy(), pose, velocity, acceleration, covariance[:, self._nu, self._nu])
+
+    def is_torn(self, k: int) -> bool:
+        """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""
+        missed = self._rows[: k + 1, -1]
+        return int((missed > 1.0).sum()) * 2 > int(np.isfinite(missed).sum())
 
     def drop(self, k: int) -> None:
         """The first k moments."""

@@ -178,7 +178,7 @@ class ParameterLearner:
         motion = self._tracker.smoothed().until(k)
         recorded = [one for one in self._recorded[:k] if one is not None]
         memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time, self.theta, self._memory)
-        if len(recorded) == k and not stands_still(motion):
+        if len(recorded) == k and not self._tracker.is_torn(k) and not stands_still(motion):
             self._learn(motion, memory, recorded)
         else:
             self._belief.unlink()
