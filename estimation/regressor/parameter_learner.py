@@ -63,7 +63,7 @@ class ParameterLearner:
         self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
         self._tracker = MotionTracker(cart, self.noise)
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
-        self._watch = LoadWatch(cart.constraints.n_free)
+        self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self._reporter = ParameterReport(cart, self.prior)
         self._recorded: list[Recorded | None] = []
@@ -192,10 +192,10 @@ class ParameterLearner:
         spread[self._free] = np.linalg.cholesky(self.belief.covariance)
         curved = curvature_noise(self.cart, self.theta, motion, memory, spread)
         row = replace(row, noise=row.noise + curved)
-        square = self._belief.absorb(row, self.theta)
-        if self._watch.note(float(motion.time[-1]), square):
-            opened = load_covariance(self.cart, self.prior, float(self.theta[0]))
-            self._belief.open(opened[np.ix_(self._free, self._free)])
+        surprise = self._belief.absorb(row, self.theta)
+        load = load_covariance(self.cart, self.prior, float(self.theta[0]))[np.ix_(self._free, self._free)]
+        if self._watch.note(float(motion.time[-1]), surprise, load):
+            self._belief.open(load)
         self._conclude()
 
     def _conclude(self) -> None:

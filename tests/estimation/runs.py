@@ -1,5 +1,7 @@
 """Logs for the estimators' tests, made by an integrator of the tests' own from hand-written reduced dynamics."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from cartgrasp.logs import ArmLog, RunLog
@@ -28,6 +30,7 @@ def push(time, curved=True):
     return float(forward), float(swing) if curved else 0.0
 
 
+@lru_cache(maxsize=4)
 def integrate(cart, forces, duration, change=None):
     """Truth (n, 5) and reduced wrenches (n, 2) of a cart (m, dx, dy, I, linear, angular, coulomb) pushed with
     `forces(time, state) -> (fx, tau)`, held over each step. `change`: a time from which on it is another cart."""
