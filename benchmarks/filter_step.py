@@ -1,14 +1,15 @@
-"""One step of the online filter at 100 Hz, beside the paper's as printed and the algebra of filterpy's EKF."""
+"""One step of the online filter at 100 Hz, beside the paper's as printed and the algebra of filterpy's EKF and UKF."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.util import find_spec
 
 import numpy as np
 
 from cartgrasp import CartModel, ContactWrenches, Measurement
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import Effect, RollingResistance, ViscousDrag
 from cartgrasp.roles import Estimator
 from cartgrasp.simulation.plant import ModelPlant
 from cartgrasp.simulation.sensors import Sensors
@@ -22,27 +23,31 @@ PERIOD = 0.01
 LENGTH = 200  # measurements; then a new filter begins
 BURST = 5
 POINT = np.array([-0.25, 0.1, 1.0])
-OURS = "CartFilter, viscous_drag"
-FILTERPY = "filterpy EKF, algebra alone"
+OURS = "CartFilter, two effects"
+EKF, PARTED, UKF = (f"filterpy {kind}, algebra alone" for kind in ("EKF", "EKF, three updates", "UKF"))
 NOTE = """Each measurement holds pose, velocity and one arm's wrench, of a loaded shopping cart that is pushed round
-curves. filterpy's EKF gets a fixed transition, no model, and the same three updates, so its row is the price of
-its algebra alone, for the state of `CartFilter, viscous_drag`."""
+curves. States are pose, nu and memory with the parameters that are learned. filterpy's filters get as many as
+`CartFilter, two effects` has, a fixed transition and no model, so their rows are the price of their algebra alone:
+for an update with pose and velocity as six numbers, and for one each with pose, velocity and wrench."""
 
 
 def run(rounds: int) -> Result:
     log = _log()
-    simple = _only_drag(first_guess())
-    with_effects = "CartFilter, and rolling_resistance, caster_realignment"
-    makes: dict[str, Callable[[], Estimator]] = {
-        OURS: lambda: CartFilter(simple, noise=NOISE),
-        with_effects: lambda: CartFilter(first_guess(), noise=NOISE),
-        "PaperFilter": lambda: PaperFilter(simple, noise=NOISE),
+    carts = {
+        OURS: _with_only(first_guess(), ViscousDrag, RollingResistance),
+        "CartFilter, and caster_realignment": first_guess(),
+        "CartFilter, viscous_drag alone": _with_only(first_guess(), ViscousDrag),
     }
-    competitors = {name: _stepping(make, log) for name, make in makes.items()}
-    n = _size(CartFilter(simple, noise=NOISE), log)
-    states = {OURS: n, with_effects: _size(CartFilter(first_guess(), noise=NOISE), log), "PaperFilter": 10}
+    states = {name: _size(CartFilter(cart, noise=NOISE), log) for name, cart in carts.items()}
+    competitors = {name: _stepping(partial(CartFilter, cart, noise=NOISE), log) for name, cart in carts.items()}
+    competitors["PaperFilter"] = _stepping(
+        lambda: PaperFilter(_with_only(first_guess(), ViscousDrag), noise=NOISE), log
+    )
+    states["PaperFilter"] = 10
     if find_spec("filterpy") is not None:
-        competitors[FILTERPY], states[FILTERPY] = _filterpy(n), n
+        n = states[OURS]
+        competitors |= {EKF: _ekf(n, ((0, 6),)), PARTED: _ekf(n, ((0, 3), (3, 2), (n - 2, 2))), UKF: _ukf(n)}
+        states |= dict.fromkeys((EKF, PARTED, UKF), n)
     columns = {"states": {name: str(size) for name, size in states.items()}}
     table = timed_table("A step", interleave(competitors, rounds, BURST), OURS, "µs", columns)
     return Result("Filter step", NOTE, (table,))
@@ -62,12 +67,12 @@ def _stepping(make: Callable[[], Estimator], log: list[Measurement]) -> Competit
 
 def _size(online: CartFilter, log: list[Measurement]) -> int:
     online.update(log[0])
-    return len(online.belief.mean)
+    return len(online.belief.mean) + len(online.prior.free(online.cart))
 
 
-def _only_drag(cart: CartModel) -> CartModel:
+def _with_only(cart: CartModel, *kinds: type[Effect]) -> CartModel:
     for effect in cart.effects:
-        if not isinstance(effect, ViscousDrag):
+        if not isinstance(effect, kinds):
             cart = cart.without_effect(effect.key)
     return cart
 
@@ -86,21 +91,33 @@ def _log() -> list[Measurement]:
     return log
 
 
-def _filterpy(n: int) -> Competitor:
-    from filterpy.kalman import ExtendedKalmanFilter  # type: ignore[import-not-found]
+def _ekf(n: int, blocks: tuple[tuple[int, int], ...]) -> Competitor:
+    """Updates with blocks of the state: where each begins, and its size."""
+    from filterpy.kalman import ExtendedKalmanFilter
 
     online = ExtendedKalmanFilter(dim_x=n, dim_z=3)
     online.Q *= 1e-3
-    parts = []
-    for start, size in ((0, 3), (3, 2), (n - 2, 2)):
-        H = np.zeros((size, n))
-        H[:, start : start + size] = np.eye(size)
-        parts.append((np.zeros((size, 1)), H, np.eye(size)))
+    parts = [(np.zeros((size, 1)), np.eye(n)[start : start + size], np.eye(size)) for start, size in blocks]
 
     def step(_: int) -> object:
         online.predict()
         for z, H, R in parts:
             online.update(z, lambda _, H=H: H, lambda x, H=H: H @ x, R=R)
+        return online.x
+
+    return step
+
+
+def _ukf(n: int) -> Competitor:
+    from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
+
+    points = MerweScaledSigmaPoints(n, alpha=0.1, beta=2.0, kappa=0.0)
+    online = UnscentedKalmanFilter(n, 6, PERIOD, hx=lambda x: x[:6], fx=lambda x, _: x, points=points)
+    online.Q *= 1e-3
+
+    def step(_: int) -> object:
+        online.predict()
+        online.update(np.zeros(6))
         return online.x
 
     return step

@@ -22,7 +22,8 @@ STAY = np.zeros(2)
 
 class CompiledDynamics:
     """For one structure: effects, wheels, the basis of free velocities (3, f), `sizes` (how much memory, how many
-    parameters). `floats` and `ints` are the workspace that kernels unpack."""
+    parameters). `floats` and `ints` are the workspace that kernels unpack; `n_sums` and `most_stictions` say how long a
+    row of `entries.effects` is."""
 
     floats: Array
     ints: Ints
@@ -39,8 +40,8 @@ class CompiledDynamics:
         self.n_state = 3 + self.n_free + self.n_memory
         table = np.column_stack([wheels.positions, wheels.is_caster])
         self.floats, self.ints = pack(effects, (table, wheels.pivots), basis_b, sizes, (GRAVITY, smoothing_speed))
-        self._n_wheels, self._n_sums = len(table), sums_size(self.n_memory, self.n_parameters)
-        self._most_stictions = len(effects) * (2 * len(table) + 2) + self.n_memory
+        self._n_wheels, self.n_sums = len(table), sums_size(self.n_memory, self.n_parameters)
+        self.most_stictions = len(effects) * (2 * len(table) + 2) + self.n_memory
 
     def rates(self, point: Point, push: Push, foreign: Array | None = None) -> tuple[Array, ...]:
         """Rate (..., n) and its partials by state, wrench and parameters."""
@@ -73,7 +74,7 @@ class CompiledDynamics:
     def sums(self, point: Point, foreign: Array | None = None) -> Array:
         """The sums (..., size) of what effects add; `parts` says what stands where."""
         found, _ = self._effects(point, foreign)
-        return found[..., : self._n_sums]
+        return found[..., : self.n_sums]
 
     def floor(self, point: Point, com_height: Array, foreign: Array | None = None) -> Array:
         """Rows (..., n_wheels + 1, 7) as `kernels.floor.react` has them."""
@@ -89,12 +90,12 @@ class CompiledDynamics:
     def settled(self, point: Point) -> Array:
         """The memory (..., k) when it has come to rest."""
         found, _ = self._effects(point)
-        return found[..., self._n_sums : self._n_sums + self.n_memory]
+        return found[..., self.n_sums : self.n_sums + self.n_memory]
 
     def stiction(self, point: Point) -> Array:
         """Wrenches (..., 3, k)."""
         found, n = self._effects(point)
-        first = self._n_sums + self.n_memory
+        first = self.n_sums + self.n_memory
         columns = found[..., first : first + 3 * n].reshape(*found.shape[:-1], n, 3)
         return np.swapaxes(columns, -1, -2)
 
@@ -109,7 +110,7 @@ class CompiledDynamics:
 
     def _effects(self, point: Point, foreign: Array | None = None) -> tuple[Array, int]:
         given = self._given(point, foreign=foreign)
-        found = np.empty((*given.shape[:-1], self._n_sums + self.n_memory + 3 * self._most_stictions))
+        found = np.empty((*given.shape[:-1], self.n_sums + self.n_memory + 3 * self.most_stictions))
         return found, entries.effects(self.floats, self.ints, _rows(given), _rows(found))
 
     def _given(self, point: Point, rest: tuple[Array, ...] = (), foreign: Array | None = None) -> Array:

@@ -87,7 +87,8 @@ class CartFilter:
 
     @property
     def estimate(self) -> Estimate:
-        return self._core.estimate()
+        found, ahead = self._core.estimate(), self._samples.ahead
+        return replace(found, time=found.time - ahead) if ahead else found
 
     @property
     def _core(self) -> AugmentedFilter | LearningFilter:

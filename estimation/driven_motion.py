@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -16,146 +15,126 @@ from cartgrasp.motion import Motion
 
 from .gaussian import Gaussian
 from .kernels import driven_motion as kernels
+from .kernels.driven_block import new_block, parts
+from .kernels.driven_motion import HELD, MAX_STEP
 from .noise import FilterNoise
 from .wrench_sensing import SensedWrench
 
-MAX_STEP = 0.01
-HELD = 0.1
-"""s: for how long a wrench is taken to go on."""
 UNKNOWN_FORCE = 100.0
-POISED = 12.0
-"""e-foldings of an instability after which nothing is poised there any more."""
-STICTION_MEMORY = 0.1
-"""s: how long a stuck friction force keeps its value."""
-NOTHING = np.full(3, np.nan)
-
-
-@dataclass(frozen=True)
-class Push:
-    """A reduced wrench (k,) and the covariance of its noise (k, k), from a time (s) on, some `spacing` (s) after the
-    one before."""
-
-    time: float
-    value: Array
-    covariance: Array
-    spacing: float
 
 
 class DrivenMotion:
     """What is believed of the state: `mean + slopes @ (parameters - theirs) ± own`, over `(pose, nu, memory)`."""
 
     def __init__(self, cart: CartModel, noise: FilterNoise, free: np.ndarray) -> None:
-        self.cart, self.noise, self._free = cart, noise, free
-        n, k = len(cart.state_names), cart.constraints.n_free
-        self.time, self.nis = math.nan, np.full(2, np.nan)
-        self._mean, self._own, self._slopes = np.zeros(n), np.zeros((n, n)), np.zeros((n, len(free)))
-        self._theta, self._beside = cart.parameters, np.zeros((len(free), len(free)))
-        self._lift = np.ascontiguousarray(cart.planar_wrench(np.eye(k)).T)
-        self._project = np.ascontiguousarray(np.linalg.pinv(cart.basis_b))
-        self._variances = np.diag(noise.pose_covariance).copy(), np.diag(noise.velocity_covariance).copy()
-        disturbance = np.array([1.0, 1.0, noise.lever]) * noise.disturbance
-        roots = np.diag(disturbance)
-        rest = np.zeros(n)
-        rest[2] = noise.slip**2
-        rest[cart.memory_slice] = (noise.swivel * cart.memory_spread / USUAL_SPREAD) ** 2
-        self._disturbed = roots, rest, noise.sideways(cart) * np.array(cart.rolling.across_b, dtype=float)
+        self.cart, self._free, self._nu = cart, free, cart.velocity_slice
+        self._in_kernels = cart.is_compiled and not cart.slip_compliance
         self._sticks = cart.stiction(cart.state(), cart.parameters, 0.0).shape[-1] > 0
-        scale = {0: [1.0, 1.0, noise.lever], 1: [1.0, noise.lever], 2: [1.0]}[cart.constraints.n_rows]
-        self._unknown = Push(-math.inf, np.zeros(k), np.diag(np.square(scale)) * UNKNOWN_FORCE**2, HELD)
-        self._push = self._unknown
-        self._poise = np.zeros(len(cart.memory_names))
+        n, k, m = len(cart.state_names), cart.constraints.n_free, len(cart.memory_names)
+        first = cart.dynamics.n_sums + m
+        end = first + 3 * cart.dynamics.most_stictions
+        self._plan = np.array([n, k, m, len(cart.parameters), len(free), first, end, self._sticks, *free], np.int64)
+        self._block = new_block(self._plan)
+        self.now = parts(self._block, self._plan)
+        self._seen, self.time = np.full(6, np.nan), math.nan
+        self._theta = self.now.theta[:] = cart.parameters
+        self._set_constants(noise)
+        self._let_go()
+
+    def _set_constants(self, noise: FilterNoise) -> None:
+        cart, now, scales = self.cart, self.now, np.array([1.0, 1.0, noise.lever])
+        scale = scales[{0: [0, 1, 2], 1: [0, 2], 2: [0]}[cart.constraints.n_rows]]
+        now.unknown[:] = np.diag(scale * UNKNOWN_FORCE) ** 2
+        now.lift[:], now.project[:] = cart.planar_wrench(np.eye(len(scale))).T, np.linalg.pinv(cart.basis_b)
+        now.variances[:3], now.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
+        now.disturbance[:] = np.diag(scales * noise.disturbance) ** 2
+        now.rest[2] = noise.slip**2
+        now.rest[cart.memory_slice] = (noise.swivel * cart.memory_spread / USUAL_SPREAD) ** 2
+        now.creep[:], now.spread[:] = noise.sideways(cart) * np.array(cart.rolling.across_b), cart.memory_spread
 
     @property
     def belief(self) -> Gaussian:
         """Mean and whole covariance."""
-        whole = self._own + self._slopes @ self._beside @ self._slopes.T
-        return Gaussian(self._mean.copy(), whole)
+        now = self.now
+        return Gaussian(now.mean.copy(), now.own + now.slopes @ now.beside @ now.slopes.T)
 
     def copy(self) -> Self:
         other = copy.copy(self)
-        other._mean, other._own, other._slopes = self._mean.copy(), self._own.copy(), self._slopes.copy()
-        other.nis, other._poise = self.nis.copy(), self._poise.copy()
+        other._block, other._seen = self._block.copy(), self._seen.copy()
+        other.now = parts(other._block, self._plan)
         return other
 
     def start(self, time: float, pose: Array) -> None:
         """From a pose that may be NaN in parts, with any velocity."""
-        known, cart = np.isfinite(pose), self.cart
-        self._mean = cart.state(np.where(known, pose, 0.0))
-        variances = np.zeros(len(self._mean))
-        variances[:3] = np.where(known, self._variances[0], 100.0)
+        known, cart, now = np.isfinite(pose), self.cart, self.now
+        now.mean[:] = cart.state(np.where(known, pose, 0.0))
+        variances = np.zeros(len(now.mean))
+        variances[:3] = np.where(known, now.variances[0], 100.0)
         variances[cart.velocity_slice] = 1.0
-        variances[cart.memory_slice] = cart.memory_spread**2
-        self._own, self._slopes = np.diag(variances), np.zeros_like(self._slopes)
-        self._push, self.time = self._unknown, time
+        variances[cart.memory_slice] = now.spread**2
+        now.own[:], now.slopes[:], now.nis[:] = np.diag(variances), 0.0, np.nan
+        self._let_go()
+        self.time = time
 
     def coast(self, time: float) -> None:
         """Over a long gap: anything may have happened."""
-        variance = 1.0 + (time - self.time) ** 2
-        self._own, self._slopes = variance * np.eye(len(self._mean)), np.zeros_like(self._slopes)
-        self._push, self.time = self._unknown, time
+        now = self.now
+        now.own[:], now.slopes[:] = (1.0 + (time - self.time) ** 2) * np.eye(len(now.mean)), 0.0
+        self._let_go()
+        self.time = time
 
     @property
     def motion(self) -> Motion:
-        return Motion(self._mean[:3].copy(), self._mean[self.cart.velocity_slice].copy())
+        mean = self.now.mean.copy()
+        return Motion(mean[:3], mean[self._nu])
 
     def learn(self, theta: Array, covariance: Array) -> None:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""
         if theta is self._theta:
             return
-        self._mean += self._slopes @ (theta - self._theta)[self._free]
-        self._theta, self._beside = theta, np.ascontiguousarray(covariance[np.ix_(self._free, self._free)])
-
-    def advance(self, time: float) -> None:
-        """With nothing measured but the last push."""
-        gap = time - self.time
-        n = math.ceil(gap / MAX_STEP - 1e-6)
-        for i in range(n):
-            self._step(self.time + i * gap / n, gap / n)
-        self.time = time
-
-    def take(self, pose: Array | None, velocity: Array | None) -> None:
-        """Measured at the time that has come, NaN where missing."""
-        seen = (
-            NOTHING if pose is None else np.array(pose, dtype=float),
-            NOTHING if velocity is None else np.array(velocity, dtype=float),
-        )
-        belief = self._mean, self._own, self._slopes
-        kernels.take(belief, self._beside, seen, self._variances, self._project, self.nis)
+        now, free = self.now, self._free
+        now.mean[:] += now.slopes @ (theta - now.theta)[free]
+        now.theta[:], now.beside[:], self._theta = theta, covariance[np.ix_(free, free)], theta
 
     def push(self, wrench: SensedWrench) -> None:
         """From now on."""
-        self._push = Push(self.time, wrench.value, wrench.covariance, min(self.time - self._push.time, HELD))
+        now, time = self.now, self.time
+        now.pushed[:] = time, min(time - now.pushed[0], HELD)
+        now.push[:], now.push_covariance[:] = wrench.value, wrench.covariance
 
-    def _step(self, time: float, step: float) -> None:
-        cart, push = self.cart, self._push
-        if time - push.time > HELD:
-            push = self._unknown
-        flow = cart.rate(self._mean, self._lift @ push.value, self._theta, time)
-        roots, rest, creep = self._disturbed
-        if self._sticks:
-            stiction = cart.stiction(self._mean, self._theta, time)
-            roots = np.hstack([roots, STICTION_MEMORY**0.5 * stiction])
-        kernels.predict(
-            (self._mean, self._own, self._slopes),
-            (flow.value, flow.by_state, flow.by_parameters[:, self._free], flow.by_wrench),
-            (roots, rest, creep),
-            (self._lift, push.covariance * max(push.spacing / step, 1.0)),
-            step,
-        )
-        if len(self._poise):
-            self._note_poise(np.diagonal(flow.by_state)[cart.memory_slice], step)
-            if (self._poise > POISED).any():
-                self._topple(cart.settled_memory(self._mean, self._theta, time))
+    def advance(self, time: float, pose: Array | None = None, velocity: Array | None = None) -> None:
+        """With nothing measured on the way but the last push; then takes in what was measured at that time, NaN where
+        missing."""
+        seen, span = self._seen, (self.time, time)
+        seen[:3] = math.nan if pose is None else pose
+        seen[3:] = math.nan if velocity is None else velocity
+        if self._in_kernels:
+            floats, ints = self.cart.dynamics.floats, self.cart.dynamics.ints
+            kernels.drive(floats, ints, self._block, self._plan, seen, span)
+        else:
+            self._go(span)
+            kernels.take(self._block, self._plan, seen)
+        self.time = time
 
-    def _note_poise(self, growth: Array, step: float) -> None:
-        """Counts the e-foldings by which each memory has been unstable where it is believed to be."""
-        self._poise = np.where(growth > 0, self._poise + growth * step, 0.0)
+    def _go(self, span: tuple[float, float]) -> None:
+        """What `kernels.drive` does, of effects without kernels."""
+        cart, now = self.cart, self.now
+        count = math.ceil((span[1] - span[0]) / MAX_STEP - 1e-6)
+        for i in range(count):
+            step = (span[1] - span[0]) / count
+            time = span[0] + i * step
+            if time - now.pushed[0] > HELD:
+                self._let_go()
+            rate = cart.rate(now.mean, now.lift @ now.push, now.theta, time)
+            flow = np.concatenate(
+                [part.ravel() for part in (rate.value, rate.by_state, rate.by_wrench, rate.by_parameters)]
+            )
+            stuck = cart.stiction(now.mean, now.theta, time).T.ravel() if self._sticks else np.zeros(0)
+            if kernels.predict(self._block, self._plan, flow, stuck, step):
+                kernels.topple(self._block, self._plan, cart.settled_memory(now.mean, now.theta, time))
 
-    def _topple(self, settled: Array) -> None:
-        """A caster doesn't stay turned against its way: a memory believed poised for too long is where it settles."""
-        for i in np.flatnonzero(self._poise > POISED):
-            k = self.cart.memory_slice.start + i
-            self._mean[k], self._slopes[k] = settled[i], 0.0
-            self._own[k, :] = self._own[:, k] = 0.0
-            self._own[k, k] = self.cart.memory_spread[i] ** 2
-            self._poise[i] = 0.0
+    def _let_go(self) -> None:
+        """From now on the push may be any."""
+        now = self.now
+        now.pushed[:] = -math.inf, HELD
+        now.push[:], now.push_covariance[:] = 0.0, now.unknown

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 TIME_OUT = 0.5
 """s without a usable sample after which a sensor that spoke before is missed."""
@@ -28,8 +28,7 @@ class Health(StrEnum):
 SENSORS = ("pose", "velocity", "wrench")
 
 
-@dataclass(frozen=True)
-class SensorHealth:
+class SensorHealth(NamedTuple):
     """The last usable sample's `time`, its `ratio`, the normalised innovation squared over the gate beyond which it
     counts less, and the `outlying` share of the last samples; whether nothing has come for too long."""
 

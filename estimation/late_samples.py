@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, Protocol, Self, TypeVar
 
 from cartgrasp.errors import UsageError
@@ -13,6 +13,8 @@ REACH = 0.3
 """s: how late a sample may be."""
 EVERY = 0.1
 """s between states that are kept."""
+SET_BACK = 0.5
+"""s: for how long nothing but refused samples come, one after the other, when the clock was set back."""
 
 
 class Rewindable(Protocol):
@@ -45,11 +47,28 @@ class LateSamples(Generic[T]):
         self._kept: list[Kept[T]] = []
         self._samples: list[Measurement] = []
         self._forgotten = 0
+        self._refused: tuple[float, float] | None = None  # first and last in a row
+        self.ahead = 0.0  # s: of the samples' clock
 
     def take(self, measurement: Measurement) -> bool:
-        """Whether the sample could be taken in: not where it is of before all that is kept."""
+        """Whether the sample could be taken in: not where it is of before all that is kept. When the clock was set
+        back, time goes on from where it was, so much `ahead`."""
         if not math.isfinite(measurement.time):
             raise UsageError(f"measurement: time {measurement.time} is not finite")
+        if self.ahead:
+            measurement = replace(measurement, time=measurement.time + self.ahead)
+        if self._take(measurement):
+            self._refused = None
+            return True
+        first, last = self._refused or (measurement.time, measurement.time)
+        self._refused = (first if last <= measurement.time else measurement.time), measurement.time
+        if measurement.time - self._refused[0] < SET_BACK:
+            return False
+        gap = self.state.time + SET_BACK - measurement.time
+        self.ahead += gap
+        return self._take(replace(measurement, time=measurement.time + gap))
+
+    def _take(self, measurement: Measurement) -> bool:
         if measurement.time >= self.state.time - 1e-9:
             self._go_on(measurement)
             return True

@@ -35,30 +35,26 @@ class LearningFilter:
     def __init__(self, learner: ParameterLearner, motion: DrivenMotion) -> None:
         self.learner, self.motion = learner, motion
         self.sensors = dict.fromkeys(SENSORS, SensorHealth())
-        self._started = False
+        self.time = -math.inf  # of the last sample
+        self._gates, self._started = GATE * np.array(self.sizes, dtype=float), False
 
     @property
     def cart(self) -> CartModel:
         return self.learner.cart
 
-    @property
-    def time(self) -> float:
-        """Of the last sample; minus infinity before the first."""
-        return self.learner.time
-
     def take(self, measurement: Measurement) -> None:
         """Predicts to the measurement's time, and takes in what it holds."""
         learner, motion = self.learner, self.motion
         learner.take(measurement)
+        self.time = learner.time
         if self._started:
             if measurement.time - motion.time > LONG_GAP:
                 motion.coast(measurement.time)
-            motion.advance(measurement.time)
-            motion.take(measurement.pose, measurement.velocity)
+            motion.advance(measurement.time, measurement.pose, measurement.velocity)
         else:
             pose = np.full(3, np.nan) if measurement.pose is None else np.asarray(measurement.pose, dtype=float)
             motion.start(measurement.time, pose)
-            motion.take(None, measurement.velocity)
+            motion.advance(measurement.time, None, measurement.velocity)
             self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
         motion.learn(learner.theta, learner.covariance)
         sensed = learner.sensed if measurement.wrenches else None
@@ -86,7 +82,7 @@ class LearningFilter:
     @property
     def nis(self) -> Mapping[str, tuple[float, int]]:
         """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
-        found = zip(("pose", "velocity"), self.motion.nis.tolist(), self.sizes, strict=True)
+        found = zip(("pose", "velocity"), self.motion.now.nis.tolist(), self.sizes, strict=True)
         return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
 
     def copy(self) -> Self:
@@ -97,7 +93,7 @@ class LearningFilter:
 
     def _note_sensors(self, measurement: Measurement, is_pushed: bool) -> None:
         time, sensors = measurement.time, self.sensors
-        pose, velocity = (nis / (GATE * size) for nis, size in zip(self.motion.nis.tolist(), self.sizes, strict=True))
+        pose, velocity = (self.motion.now.nis / self._gates).tolist()
         if measurement.pose is not None and not math.isfinite(pose) and np.isfinite(measurement.pose).all():
             pose = 0.0  # where it began
         sensors["pose"] = sensors["pose"].seen(time, pose)

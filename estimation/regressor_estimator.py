@@ -57,7 +57,8 @@ class RegressorEstimator:
         learner = self._learner
         if learner.time == -math.inf:
             raise UsageError("regressor: no measurement has come yet")
-        return learner.estimate(learner.motion, learner.health)
+        found, ahead = learner.estimate(learner.motion, learner.health), self._samples.ahead
+        return replace(found, time=found.time - ahead) if ahead else found
 
     @property
     def _learner(self) -> ParameterLearner:

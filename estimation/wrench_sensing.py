@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -18,8 +17,7 @@ MOST_FORCE = 1e6
 """N, N·m: more is no wrench, nor is NaN."""
 
 
-@dataclass(frozen=True)
-class SensedWrench:
+class SensedWrench(NamedTuple):
     """Reduced wrench (n_free,), its noise covariance, and its partials (n_free, p) by the parameters."""
 
     value: Array
@@ -27,11 +25,16 @@ class SensedWrench:
     by_parameters: Array
 
 
-@dataclass(frozen=True)
-class Hold:
-    """Where an arm holds, what takes its wrench (6,) to the reduced one, and the noise of that."""
+class Hold(NamedTuple):
+    """Where an arm holds, and what takes its wrench (6,) to the reduced one."""
 
     contact: list[float]
+    reduced: Array
+
+
+class Grip(NamedTuple):
+    """Of all arms: what takes their n wrenches (6 n,) to the reduced one, and the noise of that."""
+
     reduced: Array
     covariance: Array
 
@@ -44,10 +47,9 @@ class WrenchSensing:
         self._arms = None if arms is None else tuple(arms)
         self._seen: tuple[str, ...] = ()
         self._holds: dict[str, Hold] = {}
+        self._grip: Grip | None = None
         self._corrects = bool(cart.sensor_effects)
-        n = cart.constraints.n_free
-        self._calm, self._sure = np.zeros(n), np.zeros((n, n))
-        self._nothing = np.zeros((n, len(cart.parameters)))
+        self._nothing = np.zeros((cart.constraints.n_free, len(cart.parameters)))
 
     def copy(self) -> Self:
         other = copy.copy(self)
@@ -61,22 +63,32 @@ class WrenchSensing:
             known = self._holds.get(arm)
             if (known is None or known.contact != numbers) and np.isfinite(point).all():
                 reduced = self.cart.basis_b.T @ grasp_map_planar(point, self.yaws.get(arm, 0.0))
-                self._holds[arm] = Hold(numbers, reduced, reduced @ self._noise @ reduced.T)
+                self._holds[arm], self._grip = Hold(numbers, reduced), None
 
     def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
         """None where an arm's wrench or contact is missing: the total is then not known."""
-        arms = self._arms or tuple(dict.fromkeys((*self._seen, *measurement.wrenches)))
-        self._seen = arms
-        value, covariance, by_parameters = self._calm, self._sure, self._nothing
-        for arm in arms:
-            recorded, hold = measurement.wrenches.get(arm), self._holds.get(arm)
-            if recorded is None or hold is None:
-                return None
-            true = np.asarray(recorded, dtype=float)
-            if self._corrects:
-                true, true_by_parameters = self.cart.corrected_wrench(arm, true, parameters)
-                by_parameters = by_parameters + hold.reduced @ true_by_parameters
-            value, covariance = value + hold.reduced @ true, covariance + hold.covariance
-        if not arms or not all(abs(number) < MOST_FORCE for number in value.tolist()):
+        recorded = measurement.wrenches
+        arms = self._arms or tuple(dict.fromkeys((*self._seen, *recorded)))
+        if arms != self._seen:
+            self._seen, self._grip = arms, None
+        if not arms or any(recorded.get(arm) is None for arm in arms):
             return None
-        return SensedWrench(value, covariance, by_parameters)
+        grip = self._grip = self._grip or self._gripped()
+        if grip is None:
+            return None
+        true, by_parameters = [recorded[arm] for arm in arms], self._nothing
+        if self._corrects:
+            corrected = [self.cart.corrected_wrench(arm, np.asarray(recorded[arm]), parameters) for arm in arms]
+            true = [wrench for wrench, _ in corrected]
+            by_parameters = grip.reduced @ np.concatenate([by for _, by in corrected])
+        value = grip.reduced @ np.concatenate(true)
+        is_wrench = all(abs(number) < MOST_FORCE for number in value.tolist())
+        return SensedWrench(value, grip.covariance, by_parameters) if is_wrench else None
+
+    def _gripped(self) -> Grip | None:
+        """None where a contact is not known."""
+        holds = [self._holds.get(arm) for arm in self._seen]
+        reduced = [hold.reduced for hold in holds if hold is not None]
+        if len(reduced) < len(holds):
+            return None
+        return Grip(np.hstack(reduced), np.add.reduce([r @ self._noise @ r.T for r in reduced]))

@@ -146,8 +146,22 @@ def eliminate(matrix: Array, right: Array) -> None:
 
 
 @compiled
-def symmetric(matrix: Array) -> Array:
-    return 0.5 * (matrix + matrix.T)
+def add_congruence(matrix: Array, covariance: Array, total: Array) -> None:
+    """Adds `M P Mᵀ` to a symmetric total, which stays so to the last bit."""
+    n, m = matrix.shape
+    half = np.zeros((n, m))
+    for i in range(n):
+        for p in range(m):
+            value = matrix[i, p]
+            if value != 0.0:
+                for q in range(m):
+                    half[i, q] += value * covariance[p, q]
+    for i in range(n):
+        for j in range(i + 1):
+            value = total[i, j]
+            for q in range(m):
+                value += half[i, q] * matrix[j, q]
+            total[i, j] = total[j, i] = value
 
 
 @compiled

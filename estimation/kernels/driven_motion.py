@@ -1,5 +1,10 @@
 """A step of the motion that recorded wrenches drive, with the parameters considered: known to within a covariance,
-and not taught by it (Schmidt 1966)."""
+and not taught by it (Schmidt 1966).
+
+All that is believed and known stands in one block of memory, as in `driven_block.py`. Where a cart's effects all have
+kernels, `drive` asks them for the rate, so that a sample is one call; `predict` and `take` are for those whose rate
+comes from elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -8,75 +13,151 @@ import math
 import numpy as np
 
 from cartgrasp.frames import Array
+from cartgrasp.kernels import entries
+from cartgrasp.kernels.jit import DIGEST
 
-from .correction import eliminate, take_pose, take_velocity
-from .jit import compiled, entry
+from .correction import add_congruence, eliminate, take_pose, take_velocity
+from .driven_block import N_SIZES, Driven, parts
+from .jit import Indices, compiled, entry_with
+
+MAX_STEP = 0.01
+HELD = 0.1
+"""s: for how long a wrench is taken to go on."""
+POISED = 12.0
+"""e-foldings of an instability after which nothing is poised there any more."""
+STICTION_MEMORY = 0.1
+"""s: how long a stuck friction force keeps its value."""
+
+entry = entry_with(DIGEST)
+unpack = compiled(parts)
 
 
 @entry
-def predict(
-    belief: tuple[Array, Array, Array],
-    flow: tuple[Array, Array, Array, Array],
-    disturbed: tuple[Array, Array, Array],
-    pushed: tuple[Array, Array],
-    step: float,
-) -> None:
-    """Mean (n,), own covariance (n, n) and slopes by the parameters (n, f), in place. `flow`: the rate (n,) and its
-    partials by state, parameters (n, f) and wrench (n, 3). `disturbed`: roots of the densities of disturbing wrenches
-    (3, q), densities of the rest of the state on its diagonal (n,), and of creep along a direction (2,) of {b}.
-    `pushed`: planar wrenches of the reduced one's axes (3, k), and the covariance (k, k) of a reduced wrench that is
-    held all the step long.
+def drive(floats: Array, ints: Indices, block: Array, plan: Indices, seen: Array, span: tuple[float, float]) -> None:
+    """From a time to another with nothing measured on the way but the last push; then takes in what is `seen` (6,).
+    `floats` and `ints` are the cart's workspace."""
+    d = unpack(block, plan)
+    n, p, k = len(d.mean), len(d.theta), len(d.push)
+    given, asked = np.zeros((1, n + 1 + p + 5 + k)), np.empty((1, n + 1 + p))
+    flow, found = np.empty((1, n * (1 + n + 3 + p))), np.empty((1, plan[6]))
+    first = plan[5]
+    count = math.ceil((span[1] - span[0]) / MAX_STEP - 1e-6)
+    for i in range(count):
+        step = (span[1] - span[0]) / count
+        time = span[0] + i * step
+        if time - d.pushed[0] > HELD:
+            _let_go(d)
+        _ask(d, time, asked[0])
+        given[0, : n + 1 + p] = asked[0]
+        for j in range(3):
+            given[0, n + 1 + p + j] = 0.0
+            for a in range(k):
+                given[0, n + 1 + p + j] += d.lift[j, a] * d.push[a]
+        given[0, n + 4 + p : n + 4 + p + k] = 1.0
+        entries.rates(floats, ints, given, flow)
+        stuck = entries.effects(floats, ints, asked, found) if plan[7] > 0 else 0
+        _predict(d, flow[0], found[0, first : first + 3 * stuck], plan[N_SIZES:], step)
+        if _is_poised(d):
+            _ask(d, time, asked[0])
+            entries.effects(floats, ints, asked, found)
+            _topple(d, found[0, first - len(d.poise) : first])
+    _take(d, seen)
 
-    The step is `(I - F h/2)⁻¹ h f` and the transition `(I - F h/2)⁻¹ (I + F h/2)`: of second order, and stable where F
-    is stiff."""
-    mean, own, carried = belief
-    rate, by_state, by_parameters, by_wrench = flow
-    n, f = carried.shape
-    k = pushed[1].shape[0]
-    density = _density(mean[2], by_wrench, disturbed)
+
+@entry
+def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float) -> bool:
+    """`flow`: the rate (n,), its partials by state (n, n), wrench (n, 3) and parameters (n, p), one after the other;
+    `stuck`: wrenches (3,), one after the other, that Coulomb effects may give besides. Returns whether a memory is
+    poised."""
+    d = unpack(block, plan)
+    _predict(d, flow, stuck, plan[N_SIZES:], step)
+    return _is_poised(d)
+
+
+@entry
+def take(block: Array, plan: Indices, seen: Array) -> None:
+    """A pose (3,) and a velocity (3,), NaN where missing."""
+    _take(unpack(block, plan), seen)
+
+
+@entry
+def topple(block: Array, plan: Indices, settled: Array) -> None:
+    """To where the memories (m,) settle."""
+    _topple(unpack(block, plan), settled)
+
+
+@compiled
+def _let_go(d: Driven) -> None:
+    """From now on the push may be any."""
+    d.pushed[0], d.pushed[1] = -math.inf, HELD
+    d.push[:] = 0.0
+    d.push_covariance[:] = d.unknown
+
+
+@compiled
+def _ask(d: Driven, time: float, row: Array) -> None:
+    n = len(d.mean)
+    row[:n], row[n], row[n + 1 :] = d.mean, time, d.theta
+
+
+@compiled
+def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float) -> None:
+    """The step is `(I - F h/2)⁻¹ h f` and the transition `(I - F h/2)⁻¹ (I + F h/2)`: of second order, and stable where
+    F is stiff."""
+    n, p, f, k = len(d.mean), len(d.theta), len(free), len(d.push)
+    by_state = flow[n : n + n * n].reshape((n, n))
+    by_wrench = flow[n + n * n : n * (4 + n)].reshape((n, 3))
+    by_parameters = flow[n * (4 + n) :].reshape((n, p))
+    noise = 0.5 * step * _density(d, by_wrench, stuck)
     half = np.empty((n, n))
     ahead = np.empty((n, n + 1 + f + k))
     for i in range(n):
         for j in range(n):
             half[i, j], ahead[i, j] = -0.5 * step * by_state[i, j], 0.5 * step * by_state[i, j]
         half[i, i], ahead[i, i] = 1.0 + half[i, i], 1.0 + ahead[i, i]
-        ahead[i, n] = step * rate[i]
-        for p in range(f):
-            ahead[i, n + 1 + p] = step * by_parameters[i, p]
+        ahead[i, n] = step * flow[i]
+        for q in range(f):
+            ahead[i, n + 1 + q] = step * by_parameters[i, free[q]]
         for a in range(k):
             value = 0.0
             for j in range(3):
-                value += by_wrench[i, j] * pushed[0][j, a]
+                value += by_wrench[i, j] * d.lift[j, a]
             ahead[i, n + 1 + f + a] = step * value
     eliminate(half, ahead)
-    added = _congruence(ahead[:, :n], own + 0.5 * step * density)
-    driven = _congruence(ahead[:, n + 1 + f :], pushed[1])
-    moved = carried.copy()
+    shares = max(d.pushed[1] / step, 1.0)
+    own = d.own + noise
+    add_congruence(ahead[:, :n], own, noise)
+    add_congruence(ahead[:, n + 1 + f :], shares * d.push_covariance, noise)
+    moved = d.slopes.copy()
     for i in range(n):
-        mean[i] += ahead[i, n]
+        d.mean[i] += ahead[i, n]
         for j in range(n):
-            own[i, j] = added[i, j] + driven[i, j] + 0.5 * step * density[i, j]
-        for p in range(f):
-            value = ahead[i, n + 1 + p]
+            d.own[i, j] = noise[i, j]
+        for q in range(f):
+            value = ahead[i, n + 1 + q]
             for j in range(n):
-                value += ahead[i, j] * moved[j, p]
-            carried[i, p] = value
+                value += ahead[i, j] * moved[j, q]
+            d.slopes[i, q] = value
+    first = n - len(d.poise)
+    for i in range(len(d.poise)):
+        growth = by_state[first + i, first + i]
+        d.poise[i] = d.poise[i] + growth * step if growth > 0 else 0.0
 
 
 @compiled
-def _density(heading: float, by_wrench: Array, disturbed: tuple[Array, Array, Array]) -> Array:
-    roots, rest, creep = disturbed
-    n, q = len(rest), roots.shape[1]
-    reach = np.zeros((n, q))
-    for i in range(n):
-        for c in range(q):
+def _density(d: Driven, by_wrench: Array, stuck: Array) -> Array:
+    disturbance = d.disturbance.copy()
+    for c in range(len(stuck) // 3):
+        for i in range(3):
             for j in range(3):
-                reach[i, c] += by_wrench[i, j] * roots[j, c]
-    density = _congruence(reach, np.eye(q))
+                disturbance[i, j] += STICTION_MEMORY * stuck[3 * c + i] * stuck[3 * c + j]
+    n = len(d.rest)
+    density = np.zeros((n, n))
+    add_congruence(by_wrench, disturbance, density)
     for i in range(n):
-        density[i, i] += rest[i]
-    cosine, sine = math.cos(heading), math.sin(heading)
-    sideways = (cosine * creep[0] - sine * creep[1], sine * creep[0] + cosine * creep[1])
+        density[i, i] += d.rest[i]
+    cosine, sine = math.cos(d.mean[2]), math.sin(d.mean[2])
+    sideways = (cosine * d.creep[0] - sine * d.creep[1], sine * d.creep[0] + cosine * d.creep[1])
     for i in range(2):
         for j in range(2):
             density[i, j] += sideways[i] * sideways[j]
@@ -84,35 +165,24 @@ def _density(heading: float, by_wrench: Array, disturbed: tuple[Array, Array, Ar
 
 
 @compiled
-def _congruence(matrix: Array, covariance: Array) -> Array:
-    """`M P Mᵀ`, symmetric to the last bit."""
-    n, m = matrix.shape
-    half, whole = np.zeros((n, m)), np.empty((n, n))
-    for i in range(n):
-        for p in range(m):
-            value = matrix[i, p]
-            if value != 0.0:
-                for q in range(m):
-                    half[i, q] += value * covariance[p, q]
-    for i in range(n):
-        for j in range(i + 1):
-            value = 0.0
-            for q in range(m):
-                value += half[i, q] * matrix[j, q]
-            whole[i, j] = whole[j, i] = value
-    return whole
+def _is_poised(d: Driven) -> bool:
+    return bool((d.poise > POISED).any())
 
 
-@entry
-def take(
-    belief: tuple[Array, Array, Array],
-    beside: Array,
-    seen: tuple[Array, Array],
-    variances: tuple[Array, Array],
-    project: Array,
-    nis: Array,
-) -> None:
-    """A pose and a velocity (3,), NaN where missing; `nis` (2,) is filled."""
-    mean, own, carried = belief
-    nis[0] = take_pose(mean, own, carried, beside, seen[0], variances[0])
-    nis[1] = take_velocity(mean, own, carried, beside, seen[1], variances[1], project)
+@compiled
+def _topple(d: Driven, settled: Array) -> None:
+    """A caster doesn't stay turned against its way: a memory believed poised for too long is where it settles."""
+    for a in range(len(d.poise)):
+        if d.poise[a] > POISED:
+            i = len(d.mean) - len(d.poise) + a
+            d.mean[i], d.slopes[i] = settled[a], 0.0
+            d.own[i, :] = 0.0
+            d.own[:, i] = 0.0
+            d.own[i, i] = d.spread[a] ** 2
+            d.poise[a] = 0.0
+
+
+@compiled
+def _take(d: Driven, seen: Array) -> None:
+    d.nis[0] = take_pose(d.mean, d.own, d.slopes, d.beside, seen[:3], d.variances[:3])
+    d.nis[1] = take_velocity(d.mean, d.own, d.slopes, d.beside, seen[3:], d.variances[3:], d.project)

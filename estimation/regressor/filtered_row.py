@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,8 +60,7 @@ class Weights:
         return cls(linear, left * gain, float(np.exp(-RATE * (time[-1] - time[0]))))
 
 
-@dataclass(frozen=True)
-class Recorded:
+class Recorded(NamedTuple):
     """The sensed reduced wrench of a moment, worked out at `parameters` (p,); `time` is its sample's, which may be some
     moments old."""
 

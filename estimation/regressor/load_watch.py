@@ -1,14 +1,27 @@
-"""Whether the load has changed: a chi-squared test over the last rows."""
+"""Whether the load has changed: two tests over the last rows.
+
+A chi-squared test sees whatever fits badly, at once. A load that is put on pulls many rows the same way, each by
+little: for every moment of the last seconds, the evidence that the parameters changed then by a load is
+`log p(rows | changed) - log p(rows | not)`, with the load normal. Without a change its exponential is a martingale of
+mean 1, so it is beyond 1 / alarm with a probability of less than the alarm (Ville 1939).
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
+from cartgrasp.frames import Array
+
 from ..health import Health
 from ..resets import Resets
-from .regression_belief import GATE
+from .regression_belief import GATE, Surprise
 
 ROWS = 7
 """Of a block of the test: a second of rows."""
-FALSE_ALARM = 1e-7
+FALSE_ALARM, FALSE_LOAD = 1e-7, 1e-6
+"""Of the one test, each row; of the other, for each moment."""
+STARTS = 40
+"""Rows over which a change is looked for."""
 SETTLING_ROWS = 14
 OUTLYING_SHARE, SMOOTHING = 0.1, 0.1
 
@@ -17,29 +30,43 @@ class LoadWatch:
     """Sums normalised squares of rows with n components. When they are too large the load is taken to have changed;
     when that happens too often, it is the model that does not fit."""
 
-    def __init__(self, n: int) -> None:
+    def __init__(self, n: int, free: int) -> None:
         from scipy.special import gammainccinv
 
         self._n = n
         self._limit = 2.0 * float(gammainccinv(ROWS * n / 2, FALSE_ALARM))
         self._squares: tuple[float, ...] = ()
+        self._pulls, self._information = np.zeros((0, free)), np.zeros((0, free, free))
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
         self.ratio = 0.0
 
-    def note(self, time: float, square: float) -> bool:
-        """Whether the parameters should be opened now."""
+    def note(self, time: float, surprise: Surprise, load: Array) -> bool:
+        """Whether the parameters should be opened now; `load` (f, f) is the covariance of what a load changes."""
+        square = surprise.square
         self.go_on(time)
+        self._pulls = np.vstack([self._pulls, np.zeros(len(load))])[-STARTS:] + surprise.pull
+        self._information = np.concatenate([self._information, np.zeros((1, *load.shape))])[-STARTS:]
+        self._information = self._information + surprise.information
         self._seen += 1
         self.ratio = square / (GATE * self._n)
         self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
         self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
-        if not may or sum(self._squares) < self._limit:
+        if not may or (sum(self._squares) < self._limit and self._evidence(load) < -np.log(FALSE_LOAD)):
             return False
         self._resets, self._squares = self._resets.one_more(), ()
+        self._pulls, self._information = self._pulls[:0], self._information[:0]
         return True
+
+    def _evidence(self, load: Array) -> float:
+        """Of the most likely moment."""
+        variances, directions = np.linalg.eigh(load)
+        root = directions * np.sqrt(np.maximum(variances, 0.0))
+        pulls, known = self._pulls @ root, np.eye(len(load)) + root.T @ self._information @ root
+        gain = (pulls * np.linalg.solve(known, pulls[..., None])[..., 0]).sum(axis=-1)
+        return float((gain - np.linalg.slogdet(known)[1]).max() / 2)
 
     def go_on(self, time: float) -> None:
         """Nothing new up to a time."""

@@ -26,14 +26,8 @@ JERK = 3.0
 UNKNOWN = (10.0, 1.0, 3.0)
 """Standard deviations of pose, nu and nu' before anything is measured."""
 LEAST_VARIANCE = 1e-10
-NOTHING = np.full(3, np.nan)
 ROOM = 64
 """Moments that there is room for at first."""
-
-
-Rows = tuple[Array, Array, Array, Array, Array]
-"""Of moments: transition from the one before (n, d, d), mean (n, d) and covariance (n, d, d) as predicted, and the same
-two as believed."""
 
 
 @dataclass(frozen=True)
@@ -58,20 +52,16 @@ class MotionTracker:
     """Holds the last moments: `(pose, nu, nu')` as predicted from the moment before, and with what was measured."""
 
     def __init__(self, cart: CartModel, noise: FilterNoise) -> None:
-        self._noise, self._free = noise, cart.constraints.n_free
-        self._nu = slice(3, 3 + self._free)
-        basis = np.ascontiguousarray(cart.basis_b)
-        self._wheels = basis, np.array(cart.rolling.across_b, dtype=float)
-        self._project = np.ascontiguousarray(np.linalg.pinv(basis))
-        self._variances = np.diag(noise.pose_covariance).copy(), np.diag(noise.velocity_covariance).copy()
-        self._densities = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
-        d, self._n = 3 + 2 * self._free, 0
-        self._time = np.zeros(ROOM)
-        self._rows: Rows = (
-            np.zeros((ROOM, d, d)),
-            *(np.zeros((ROOM, d)), np.zeros((ROOM, d, d))),
-            *(np.zeros((ROOM, d)), np.zeros((ROOM, d, d))),
-        )
+        f = self._free = cart.constraints.n_free
+        self._nu, self._d, self._n = slice(3, 3 + f), 3 + 2 * f, 0
+        self._known = np.zeros(6 * f + 11)
+        known = kernels.known_of(self._known, f)
+        known.basis[:], known.project[:] = cart.basis_b, np.linalg.pinv(cart.basis_b)
+        known.variances[:3], known.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
+        known.across_b[:] = cart.rolling.across_b
+        known.densities[:] = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
+        self._time, self._rows = np.zeros(ROOM), np.zeros((ROOM, 2 * self._d + 3 * self._d**2 + 1))
+        self._news, self.last_time = np.zeros(6 + f), -math.inf
 
     @property
     def time(self) -> Array:
@@ -79,63 +69,65 @@ class MotionTracker:
         return self._time[: self._n]
 
     @property
-    def last_time(self) -> float:
-        """Minus infinity before the first."""
-        return float(self._time[self._n - 1]) if self._n else -math.inf
-
-    @property
     def now(self) -> Gaussian:
         """What is believed of the last moment."""
-        return Gaussian(self._rows[3][self._n - 1].copy(), self._rows[4][self._n - 1].copy())
+        last = kernels.moment(self._rows[self._n - 1], self._d)
+        return Gaussian(last.mean.copy(), last.covariance.copy())
 
     def start(self, time: float, pose: Array) -> None:
         """Anew, with a pose that may be NaN in parts."""
         known = np.isfinite(pose)
-        mean = np.zeros(3 + 2 * self._free)
-        mean[:3] = np.where(known, pose, 0.0)
         variance = np.square(np.repeat(UNKNOWN, [3, self._free, self._free]))
-        variance[:3] = np.where(known, self._variances[0], variance[:3])
-        self._n, self._time[0] = 1, time
-        self._rows[3][0], self._rows[4][0] = mean, np.diag(variance + LEAST_VARIANCE)
+        variance[:3] = np.where(known, kernels.known_of(self._known, self._free).variances[:3], variance[:3])
+        first = kernels.moment(self._rows[0], self._d)
+        first.mean[:3], first.mean[3:] = np.where(known, pose, 0.0), 0.0
+        first.covariance[:], first.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
+        self._n, self._time[0], self.last_time = 1, time, time
 
-    def next(self, time: float, jolt: Array) -> None:
-        """A later moment, with nothing measured; `jolt` (f,) is by how much nu' may have changed at the last one."""
+    def next(self, time: float, jolt: Array, pose: Array | None, velocity: Array | None) -> None:
+        """A later moment, with what was measured, NaN where missing; `jolt` (f,) is by how much nu' may have changed at
+        the last one."""
         i = self._n
         if i == len(self._time):
             self._make_room()
-        kernels.follow(self._rows, i, time - self._time[i - 1], self._wheels, self._densities, jolt)
-        self._time[i] = time
-        self._n = i + 1
+        self._news[6:] = jolt
+        kernels.follow(self._rows, i, time - self.last_time, self._known, self._told(pose, velocity))
+        self._n, self._time[i], self.last_time = i + 1, time, time
 
     def take(self, pose: Array | None, velocity: Array | None) -> None:
-        """Measured at the last moment, NaN where missing."""
-        seen = (
-            NOTHING if pose is None else np.array(pose, dtype=float),
-            NOTHING if velocity is None else np.array(velocity, dtype=float),
-        )
-        kernels.take(self._rows, self._n - 1, seen, self._variances, self._project)
+        """Measured at the last moment, too."""
+        kernels.take(self._rows, self._n - 1, self._known, self._told(pose, velocity))
 
     def copy(self) -> Self:
         other = copy.copy(self)
-        a, b, c, d, e = (part.copy() for part in self._rows)
-        other._time, other._rows = self._time.copy(), (a, b, c, d, e)
+        other._time, other._rows, other._news = self._time.copy(), np.empty_like(self._rows), self._news.copy()
+        other._rows[: self._n] = self._rows[: self._n]
         return other
 
     def smoothed(self) -> Stretch:
         """Each moment with what was measured after it, too."""
-        n, d = self._n, 3 + 2 * self._free
+        n, d = self._n, self._d
         mean, covariance = np.empty((n, d)), np.empty((n, d, d))
         kernels.smooth(self._rows, mean, covariance)
         pose, velocity, acceleration = np.split(mean, [3, 3 + self._free], axis=1)
         return Stretch(self.time.copy(), pose, velocity, acceleration, covariance[:, self._nu, self._nu])
 
+    def is_torn(self, k: int) -> bool:
+        """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""
+        missed = self._rows[: k + 1, -1]
+        return int((missed > 1.0).sum()) * 2 > int(np.isfinite(missed).sum())
+
     def drop(self, k: int) -> None:
         """The first k moments."""
-        for part in (self._time, *self._rows):
+        for part in (self._time, self._rows):
             part[: self._n - k] = part[k : self._n].copy()
         self._n -= k
 
+    def _told(self, pose: Array | None, velocity: Array | None) -> Array:
+        news = self._news
+        news[:3] = math.nan if pose is None else pose
+        news[3:6] = math.nan if velocity is None else velocity
+        return news
+
     def _make_room(self) -> None:
-        self._time = np.concatenate([self._time, np.zeros_like(self._time)])
-        a, b, c, d, e = (np.concatenate([part, np.zeros_like(part)]) for part in self._rows)
-        self._rows = a, b, c, d, e
+        self._time, self._rows = (np.concatenate([part, np.zeros_like(part)]) for part in (self._time, self._rows))

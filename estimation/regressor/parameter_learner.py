@@ -9,6 +9,7 @@ taken off, so that neither biases the mass.
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Self
@@ -65,7 +66,7 @@ class ParameterLearner:
         self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
         self._tracker = MotionTracker(cart, self.noise)
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
-        self._watch = LoadWatch(cart.constraints.n_free)
+        self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self._reporter = ParameterReport(cart, self.prior)
         self._recorded: list[Recorded | None] = []
@@ -73,29 +74,25 @@ class ParameterLearner:
         self._memory: Array | None = None
         self._calm = self._jolt = np.zeros(cart.constraints.n_free)
         self._started = self._has_wrench = False
+        self.time = -math.inf  # of the last measurement
         self.sensed: SensedWrench | None = None  # of the last measurement with wrenches
         self._conclude()
 
     def take(self, measurement: Measurement) -> None:
         """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
-        time = measurement.time
+        time = float(measurement.time)
         self._sensing.note_contacts(measurement)
         gap = time - self.time
         if not self._started or gap > LONG_GAP:
             self._start(time, measurement.pose)
             self._tracker.take(None, measurement.velocity)
         else:
-            self._go_on(gap, time)
-            self._tracker.take(measurement.pose, measurement.velocity)
+            self._go_on(gap, measurement)
+        self.time = self._tracker.last_time
         if measurement.wrenches:
             self._take_wrenches(measurement)
         self._take_row()
         self._watch.go_on(time)
-
-    @property
-    def time(self) -> float:
-        """Of the last measurement; minus infinity before the first."""
-        return self._tracker.last_time
 
     @property
     def motion(self) -> Motion:
@@ -144,10 +141,12 @@ class ParameterLearner:
         self._belief.unlink()
         self._started = bool(np.isfinite(pose[2]))  # without a heading nobody knows where anything pushes
 
-    def _go_on(self, gap: float, time: float) -> None:
+    def _go_on(self, gap: float, measurement: Measurement) -> None:
+        time = measurement.time
         if gap <= 1e-9:
+            self._tracker.take(measurement.pose, measurement.velocity)
             return
-        self._tracker.next(time, self._jolt)
+        self._tracker.next(time, self._jolt, measurement.pose, measurement.velocity)
         self._jolt = self._calm
         held = self._recorded[-1]
         self._recorded.append(held if held is not None and time - held.time < HELD else None)
@@ -184,7 +183,7 @@ class ParameterLearner:
         recorded = [one for one in self._recorded[:k] if one is not None]
         memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time, self.theta, self._memory)
         moves = not stands_still(motion) and least_speed_in(motion, self.cart) >= self._least_speed
-        if len(recorded) == k and moves:
+        if len(recorded) == k and moves and not self._tracker.is_torn(k):
             self._learn(Block(motion, memory, recorded))
         else:
             self._belief.unlink()
@@ -194,12 +193,12 @@ class ParameterLearner:
 
     def _learn(self, block: Block) -> None:
         row, curvature = self._worked_out(block)
-        square = self._belief.absorb(replace(row, noise=row.noise + curvature), self.theta)
+        surprise = self._belief.absorb(replace(row, noise=row.noise + curvature), self.theta)
         if (blurred := blur(row, curvature)) > BLURRED:
             self._waiting = (*self._waiting, Waiting(block, left_after(blurred)))[-MOST_WAITING:]
-        if self._watch.note(float(block.motion.time[-1]), square):
-            opened = load_covariance(self.cart, self.prior, float(self.theta[0]))
-            self._belief.open(opened[np.ix_(self._free, self._free)])
+        load = load_covariance(self.cart, self.prior, float(self.theta[0]))[np.ix_(self._free, self._free)]
+        if self._watch.note(float(block.motion.time[-1]), surprise, load):
+            self._belief.open(load)
             self._waiting = ()
         self._conclude()
         for _ in range(AT_ONCE):

@@ -7,7 +7,7 @@ block ended. The latter is handed from row to row, so that neighbours' common no
 from __future__ import annotations
 
 import copy
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -24,6 +24,15 @@ GATE = 12.0
 """Normalised squares, by component, beyond which a row pulls less."""
 ABSURD = 1e6
 """And beyond which it is no measurement."""
+
+
+class Surprise(NamedTuple):
+    """Of a row: its normalised square, and what it says of a change of the free parameters (f,) since before it, as
+    information (f, f) and its product with the change."""
+
+    square: float
+    pull: Array
+    information: Array
 
 
 class RegressionBelief:
@@ -59,8 +68,8 @@ class RegressionBelief:
         covariance = _inverse(self._information)
         return Gaussian(covariance @ self._pull, covariance)
 
-    def absorb(self, row: FilteredRow, at: Array) -> float:
-        """Takes in a row around parameters (p,); returns its normalised square."""
+    def absorb(self, row: FilteredRow, at: Array) -> Surprise:
+        """Takes in a row around parameters (p,)."""
         if not self._linked:
             self._link(row.before)
         k, n = self._k, self._n
@@ -70,11 +79,14 @@ class RegressionBelief:
         H = np.hstack([slopes, -row.fade * row.ends])
         own = row.noise + row.ends @ row.after @ row.ends.T
         news = value - H @ now.mean
-        square = float(normalised_square(news, H @ now.covariance @ H.T + own))
+        spread = H @ now.covariance @ H.T + own
+        square = float(normalised_square(news, spread))
+        scale = max(1.0, square / (GATE * n))
+        asked = np.linalg.solve(scale * spread, slopes[:, :-1]).T
+        surprise = Surprise(square, asked @ news, asked @ slopes[:, :-1])
         if not square < ABSURD * n:
             self.unlink()
-            return square
-        scale = max(1.0, square / (GATE * n))
+            return Surprise(square, 0.0 * surprise.pull, 0.0 * surprise.information)
         self._forget(slopes, scale * own, now)
         whole = np.zeros((k + 2 * n, k + 2 * n))
         whole[: k + n, : k + n] = self._information
@@ -86,7 +98,7 @@ class RegressionBelief:
         past, left = np.arange(k, k + n), np.r_[0:k, k + n : k + 2 * n]
         self._information, self._pull = _without(whole, pull, past, left)
         self._pull[:k] -= np.append(row.feigned[self._free], row.feigned[-1]) / scale
-        return square
+        return surprise
 
     def absorb_rest(self, row: FilteredRow, at: Array) -> None:
         """Takes in a row around parameters (p,) that stands alone, since its neighbours are past."""

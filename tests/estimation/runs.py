@@ -1,5 +1,7 @@
 """Logs for the estimators' tests, made by an integrator of the tests' own from hand-written reduced dynamics."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from cartgrasp.logs import ArmLog, RunLog
@@ -28,11 +30,14 @@ def push(time, curved=True):
     return float(forward), float(swing) if curved else 0.0
 
 
-def integrate(cart, forces, duration):
+@lru_cache(maxsize=4)
+def integrate(cart, forces, duration, change=None):
     """Truth (n, 5) and reduced wrenches (n, 2) of a cart (m, dx, dy, I, linear, angular, coulomb) pushed with
-    `forces(time, state) -> (fx, tau)`, held over each step."""
+    `forces(time, state) -> (fx, tau)`, held over each step. `change`: a time from which on it is another cart."""
     state, states, wrenches = np.zeros(5), [], []
     for k in range(round(duration / STEP)):
+        if change is not None and k == round(change[0] / STEP):
+            cart = change[1]
         fx, tau = forces(k * STEP, state)
         states.append(state)
         wrenches.append([fx, tau])
@@ -81,9 +86,9 @@ def weave(time, state):
     return 80.0 * (speed - state[3]), 40.0 * (heading - state[2]) - 25.0 * state[4]
 
 
-def simulate_two_hands(cart, seed=0, duration=30.0, noise=(0.0005, 0.005, 3.0)):
+def simulate_two_hands(cart, seed=0, duration=30.0, noise=(0.0005, 0.005, 3.0), change=None):
     """A log of a cart pushed by two hands with feedback; the moment is given by unlike forward forces."""
-    truth, wrenches = integrate(cart, weave, duration)
+    truth, wrenches = integrate(cart, weave, duration, change)
     hands = {}
     for name, side in (("left", 0.25), ("right", -0.25)):
         wrench = np.zeros((len(truth), 6))

@@ -69,6 +69,14 @@ def test_every_sample_stands_where_it_belongs_or_is_refused(samples):
     assert {id(m) for m in taken} == {id(m) for m in kept.state.told}
 
 
+def test_what_is_refused_leaves_the_reach_as_it_is():
+    kept = LateSamples(Diary())
+    for k in range(200):
+        assert kept.take(Measurement(0.01 * k))
+        assert not kept.take(Measurement(0.01 * k - 0.5))
+    assert kept.take(Measurement(2.0 - REACH))
+
+
 @ONLINE
 def test_out_of_order_is_as_in_order(online):
     log, _ = simulate(TRUTH, 3, duration=5.0)

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import block_diag
+from scipy.stats import multivariate_normal
 
 from cartgrasp.effects import RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
@@ -23,8 +25,9 @@ from estimation.regressor.filtered_row import (
     curvature_noise,
     filtered_row,
 )
+from estimation.regressor.load_watch import LoadWatch
 from estimation.regressor.motion_tracker import Stretch
-from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief
+from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief, Surprise
 from estimation.replay import replay
 from estimation.wrench_sensing import SensedWrench
 
@@ -276,3 +279,21 @@ def test_late_wrenches_are_told_from_held_ones():
 def test_what_is_known_stays():
     drag = learned(drawn(3, 3.0), prior=Prior(known=frozenset({"viscous_drag"}))).last.parameters["viscous_drag.linear"]
     assert (drag.value, drag.std, drag.identifiable) == (2.0, 0.0, False)
+
+
+def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
+    """Of rows since each moment, stacked: with the load's covariance, or without."""
+    random = np.random.default_rng(0)
+    root = random.standard_normal((3, 2))
+    load, watch, rows = root @ root.T, LoadWatch(2, 3), []
+    for _ in range(5):
+        slopes, news, spread = random.standard_normal((2, 3)), random.standard_normal(2), np.diag([0.5, 2.0])
+        rows.append((slopes, news, spread))
+        asked = np.linalg.solve(spread, slopes).T
+        watch.note(0.0, Surprise(1.0, asked @ news, asked @ slopes), load)
+    ratios = []
+    for first in range(5):
+        slopes, news, spreads = (list(part) for part in zip(*rows[first:], strict=True))
+        H, r, S = np.vstack(slopes), np.concatenate(news), block_diag(*spreads)
+        ratios.append(multivariate_normal.logpdf(r, cov=S + H @ load @ H.T) - multivariate_normal.logpdf(r, cov=S))
+    assert watch._evidence(load) == pytest.approx(max(ratios), abs=1e-9)

@@ -1,0 +1,92 @@
+"""What stands where in the block of a driven motion: a call then hands over one array, and a copy is one, too."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .jit import Indices
+
+N_SIZES = 8
+"""Numbers of a plan before the indices of the free parameters: how many states, reduced wrenches, memories, parameters
+and free ones; where stiction begins in a row of `entries.effects`, and where it ends; 1 where anything sticks."""
+
+
+class Driven(NamedTuple):
+    """Believed: mean (n,), own covariance (n, n), slopes by the free parameters (n, f); how poised each memory is (m,);
+    the last NIS (2,). Of others: parameters (p,) and the free ones' covariance (f, f). The last push: its time and what
+    was between it and the one before (2,), the reduced wrench (k,) and its covariance (k, k).
+
+    Known: the covariance of an `unknown` push; what lifts a reduced wrench to {b} (3, k), and what projects a velocity
+    onto nu (k, 3); variances of pose and velocity (6,); densities of disturbing wrenches (3, 3), of the rest of the
+    state on its diagonal (n,), and of creep along a direction (2,) of {b}; and each memory's `spread` (m,)."""
+
+    mean: Array
+    own: Array
+    slopes: Array
+    poise: Array
+    nis: Array
+    theta: Array
+    beside: Array
+    pushed: Array
+    push: Array
+    push_covariance: Array
+    unknown: Array
+    lift: Array
+    project: Array
+    variances: Array
+    disturbance: Array
+    rest: Array
+    creep: Array
+    spread: Array
+
+
+def new_block(plan: Indices) -> Array:
+    n, k, m, p, f = plan[:5].tolist()
+    return np.zeros(2 * n + n * n + n * f + 2 * m + 2 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2)
+
+
+def parts(block: Array, plan: Indices) -> Driven:
+    """Views."""
+    n, k, m, p, f = plan[0], plan[1], plan[2], plan[3], plan[4]
+    mean, at = block[:n], n
+    own, at = block[at : at + n * n].reshape((n, n)), at + n * n
+    slopes, at = block[at : at + n * f].reshape((n, f)), at + n * f
+    poise, at = block[at : at + m], at + m
+    nis, at = block[at : at + 2], at + 2
+    theta, at = block[at : at + p], at + p
+    beside, at = block[at : at + f * f].reshape((f, f)), at + f * f
+    pushed, at = block[at : at + 2], at + 2
+    push, at = block[at : at + k], at + k
+    push_covariance, at = block[at : at + k * k].reshape((k, k)), at + k * k
+    unknown, at = block[at : at + k * k].reshape((k, k)), at + k * k
+    lift, at = block[at : at + 3 * k].reshape((3, k)), at + 3 * k
+    project, at = block[at : at + 3 * k].reshape((k, 3)), at + 3 * k
+    variances, at = block[at : at + 6], at + 6
+    disturbance, at = block[at : at + 9].reshape((3, 3)), at + 9
+    rest, at = block[at : at + n], at + n
+    creep, at = block[at : at + 2], at + 2
+    spread = block[at : at + m]
+    return Driven(
+        mean,
+        own,
+        slopes,
+        poise,
+        nis,
+        theta,
+        beside,
+        pushed,
+        push,
+        push_covariance,
+        unknown,
+        lift,
+        project,
+        variances,
+        disturbance,
+        rest,
+        creep,
+        spread,
+    )
