@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 from typing import Self
 
@@ -27,7 +28,7 @@ from .given_contacts import REACH_TOLERANCE
 from .objectives import Cost
 from .plan import ChoiceProof, Plan
 from .plan_inputs import real_numbers
-from .quadratic_program import QPSolution, QuadraticProgram, Residuals
+from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals
 from .switching_cost import Switching
 from .terms import Terms
 
@@ -131,15 +132,16 @@ class CompiledPlanning:
 
     def _plan(self, points: Array, wrench: Point, choice: ChoiceProof | None, start: float) -> Plan:
         """Of what the allocation holds."""
-        found, template, n = self._allocation, self._terms.template, self._n
-        answer, cost = found.answer(), found.cost
+        found = self._allocation
+        answer = found.answer()
         answer.setflags(write=False)  # plans show it
         numbers: list[float] = answer[-N_NUMBERS:].tolist()
-        self.last = answer[:n], points
+        self.last = answer[: self._n], points
         if points is not self._shown_points:
             self._shown_points = points
             self._shown = {name: points[i] for i, name in enumerate(self._terms.sets)}
         fields = {
+            "status": OPTIMAL,
             "wrenches": {name: answer[part] for name, part in self._parts},
             "contacts": self._shown.copy(),
             "yaws": self._terms.yaws,
@@ -150,15 +152,16 @@ class CompiledPlanning:
             "solve_time": time.perf_counter() - start,
             "solver": SOLVER,
             "message": "",
-            "prove": lambda: _proof(template, (points, wrench, cost), answer[:n], answer[n:-N_NUMBERS]),
+            "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer),
         }
         return Plan.optimal(fields)
 
 
 def _proof(
-    template: AllocationTemplate, asked: tuple[Array, Point, Cost], x: Array, y: Array
+    template: AllocationTemplate, asked: tuple[Array, Point, Cost], answer: Array
 ) -> tuple[QuadraticProgram, QPSolution]:
     """The program that was solved, built the general way, with its solution checked in numpy."""
     points, wrench, cost = asked
     program = template.program(template.contact_rows(points), template.basis_b.T @ np.array(wrench), cost)
+    x, y = answer[: template.n], answer[template.n : -N_NUMBERS]
     return program, QPSolution.checked(program, x, y, (), SOLVER)
