@@ -46,7 +46,7 @@ class CompiledAllocation:
         self._floats, self._ints = Sizes(*sizes).allocate()
         self._workspace: Workspace = views(self._floats, self._ints)
         self._answer = self._floats[len(self._floats) - sizes[0] - sizes[1] - len(self._workspace.found) :]
-        self._active = self._workspace.active
+        self._active, self._found = self._workspace.active, self._workspace.found
         self._template, self._points = template, None
         self._entries = np.zeros((0, 0), dtype=bool)
         self._load_contact_rows(template)
@@ -137,6 +137,10 @@ class CompiledAllocation:
     def answer(self) -> Array:
         """A copy of what was found: wrenches (6n,), multipliers as of a `QPSolution`, residuals and the effort."""
         return self._answer.copy()
+
+    def numbers(self) -> list[float]:
+        """The last of the answer: residuals and the effort."""
+        return self._found.tolist()  # type: ignore[no-any-return]
 
     @property
     def active(self) -> tuple[str, ...]:

@@ -135,7 +135,7 @@ class CompiledPlanning:
         found = self._allocation
         answer = found.answer()
         answer.setflags(write=False)  # plans show it
-        numbers: list[float] = answer[-N_NUMBERS:].tolist()
+        *residuals, effort = found.numbers()
         self.last = answer[: self._n], points
         if points is not self._shown_points:
             self._shown_points = points
@@ -145,10 +145,10 @@ class CompiledPlanning:
             "wrenches": {name: answer[part] for name, part in self._parts},
             "contacts": self._shown.copy(),
             "yaws": self._terms.yaws,
-            "effort": numbers.pop(),
+            "effort": effort,
             "active": found.active,
-            "residuals": Residuals._make(numbers),
-            "choice": choice or ChoiceProof(numbers[4], 0.0, 1),
+            "residuals": Residuals._make(residuals),
+            "choice": choice or ChoiceProof(residuals[4], 0.0, 1),
             "solve_time": time.perf_counter() - start,
             "solver": SOLVER,
             "message": "",
