@@ -11,7 +11,6 @@ State: `(pose, nu, memory | free parameters | reduced wrench)`.
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -33,6 +32,7 @@ from .kernels.correction import GATE
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior
+from .shallow import shallow
 from .wrench_sensing import WrenchSensing
 from .wrench_walk import WrenchWalk
 
@@ -109,8 +109,8 @@ class AugmentedFilter:
             self._sensors[name] = self._sensors[name].seen(measurement.time, nis / (GATE * size))
 
     def copy(self) -> Self:
-        other = copy.copy(self)
-        other._watch, other._walk, other._sensing = self._watch.copy(), copy.copy(self._walk), self._sensing.copy()
+        other = shallow(self)
+        other._watch, other._walk, other._sensing = self._watch.copy(), shallow(self._walk), self._sensing.copy()
         other._poise, other._sensors = self._poise.copy(), dict(self._sensors)
         return other
 

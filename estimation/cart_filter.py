@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -66,9 +65,9 @@ class CartFilter:
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
-        if not self._samples.take(measurement):
-            return replace(self.estimate, health=Health.CLOCK)
-        return self.estimate
+        is_taken = self._samples.take(measurement)
+        found = self.estimate
+        return found if is_taken else found._replace(health=Health.CLOCK)
 
     @property
     def belief(self) -> Gaussian:
@@ -88,7 +87,7 @@ class CartFilter:
     @property
     def estimate(self) -> Estimate:
         found, ahead = self._core.estimate(), self._samples.ahead
-        return replace(found, time=found.time - ahead) if ahead else found
+        return found._replace(time=found.time - ahead) if ahead else found
 
     @property
     def _core(self) -> AugmentedFilter | LearningFilter:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -38,9 +37,9 @@ class RegressorEstimator:
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
-        if not self._samples.take(measurement):
-            return replace(self.estimate, health=Health.CLOCK)
-        return self.estimate
+        is_taken = self._samples.take(measurement)
+        found = self.estimate
+        return found if is_taken else found._replace(health=Health.CLOCK)
 
     @property
     def belief(self) -> Gaussian:
@@ -58,7 +57,7 @@ class RegressorEstimator:
         if learner.time == -math.inf:
             raise UsageError("regressor: no measurement has come yet")
         found, ahead = learner.estimate(learner.motion, learner.health), self._samples.ahead
-        return replace(found, time=found.time - ahead) if ahead else found
+        return found._replace(time=found.time - ahead) if ahead else found
 
     @property
     def _learner(self) -> ParameterLearner:
