@@ -82,6 +82,7 @@ class AugmentedFilter:
         self._walk = WrenchWalk(self._wrench_variance(UNKNOWN_FORCE))
         self._poise = np.zeros(len(cart.memory_names))
         self._belief: Gaussian | None = None
+        self._physical: tuple[Gaussian, Array] | None = None  # of a belief
         self._sensors = dict.fromkeys(SENSORS, SensorHealth())
         self.time = -math.inf
         self._started = self._has_wrench = False
@@ -148,8 +149,10 @@ class AugmentedFilter:
     def _physical_block(self) -> Array:
         """The parameters to linearise at and to report. Where what is believed is no body, the belief itself stays as
         it is: pushed inside at every step, it would count each push as news."""
-        part = self.layout.parameters
-        return self._block.nearest_physical(self.belief.mean[part], self.belief.covariance[part, part])
+        belief, part = self.belief, self.layout.parameters
+        if self._physical is None or self._physical[0] is not belief:
+            self._physical = belief, self._block.nearest_physical(belief.mean[part], belief.covariance[part, part])
+        return self._physical[1]
 
     # --- prediction ------------------------------------------------------------------------------------------
 
@@ -198,8 +201,7 @@ class AugmentedFilter:
         walk, fade = self._walk.at(time)
         rate[layout.wrench] = -fade * wrench
         jacobian[where, where] = -fade
-        if block is not believed:
-            rate[rows] += jacobian[rows, layout.parameters] @ (believed - block)
+        rate[rows] += jacobian[rows, layout.parameters] @ (believed - block)
         self._note_poise(np.diagonal(jacobian)[cart.memory_slice], step)
         stiction = cart.stiction(state, theta, time)
         density = self._density(state[2], flow.by_wrench[cart.velocity_slice], stiction)
