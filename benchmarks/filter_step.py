@@ -33,9 +33,8 @@ wrenches are exact, and where casters' headings are states; else the parameters 
 is worked out in one step of 15: that is in p99, not in the median.
 
 filterpy's filters get as many states as `CartFilter, two effects` has, a fixed transition and no model, so their rows
-are the price of their algebra alone. Three updates, with pose, velocity and wrench, do the same job: each sensor has its
-gate, and may be missing. One with pose and velocity as six numbers, which takes the wrench as an exact input, does less.
-"""
+are the price of their algebra alone. Three updates, with pose, velocity and wrench, do the same job: each sensor has
+its gate, and may be missing. One with pose and velocity as six numbers does less: it takes the wrench as exact."""
 
 
 def run(rounds: int) -> Result:
