@@ -115,6 +115,13 @@ class AugmentedFilter:
         other._poise, other._sensors = self._poise.copy(), dict(self._sensors)
         return other
 
+    def ahead(self, samples: Sequence[Measurement]) -> Self:
+        """A copy that has seen later motion."""
+        other = self.copy()
+        for sample in samples:
+            other.take(sample)
+        return other
+
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:
         return self._sensors

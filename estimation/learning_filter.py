@@ -10,11 +10,12 @@ drives, with what is not known of wrench and parameters in its covariance, and n
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Self
 
 import numpy as np
 
+from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
@@ -23,7 +24,7 @@ from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
 from .kernels.correction import GATE
 from .regressor.parameter_learner import ParameterLearner
-from .seen import NOTHING_SEEN
+from .seen import NOTHING_SEEN, seen_in
 from .shallow import shallow
 
 LONG_GAP = 1.0
@@ -48,20 +49,32 @@ class LearningFilter:
         learner, motion = self.learner, self.motion
         learner.take(measurement)
         self.time = learner.time
-        if self._started:
-            if measurement.time - motion.time > LONG_GAP:
-                motion.coast(measurement.time)
-            motion.advance(measurement.time, learner.seen)
-        else:
-            pose = learner.seen[:3]
-            motion.start(measurement.time, pose)
-            motion.advance(measurement.time, np.concatenate([NOTHING_SEEN[:3], learner.seen[3:]]))
-            self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
+        self._move(measurement.time, learner.seen)
         motion.learn(learner.theta, learner.covariance)
         sensed = learner.sensed if measurement.wrenches else None
         if sensed is not None:
             motion.push(sensed)
         self._note_sensors(measurement, sensed is not None)
+
+    def _move(self, time: float, seen: Array) -> None:
+        motion = self.motion
+        if self._started:
+            if time - motion.time > LONG_GAP:
+                motion.coast(time)
+            motion.advance(time, seen)
+        else:
+            motion.start(time, seen[:3])
+            motion.advance(time, np.concatenate([NOTHING_SEEN[:3], seen[3:]]))
+            self._started = math.isfinite(seen[2])  # without a heading nobody knows where anything pushes
+
+    def ahead(self, samples: Sequence[Measurement]) -> Self:
+        """A copy that has seen later motion, and learned nothing."""
+        other = shallow(self)
+        other.motion, other.sensors = self.motion.copy(), dict(self.sensors)
+        for sample in samples:
+            other._move(sample.time, seen_in(sample))
+            other._note_sensors(sample, False)
+        return other
 
     @property
     def sizes(self) -> tuple[int, int]:

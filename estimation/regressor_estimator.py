@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from .regressor.parameter_learner import ParameterLearner
 
 class RegressorEstimator:
     """Learns while the cart is pushed, as `CartFilter` does and with its arguments, and what it learns."""
+
+    aligns: ClassVar[bool] = False
 
     def __init__(
         self,
