@@ -46,7 +46,7 @@ def run(rounds: int) -> Result:
     }
     makers = {name: partial(CartFilter, cart, noise=NOISE) for name, cart in carts.items()}
     makers["CartFilter, two effects, exact wrenches"] = partial(CartFilter, carts[OURS], noise=EXACT)
-    states = {name: _size(make(), log) for name, make in makers.items()}
+    states = {name: _size(make()) for name, make in makers.items()}
     competitors = {name: _stepping(make, log) for name, make in makers.items()}
     competitors["PaperFilter"] = _stepping(
         lambda: PaperFilter(_with_only(first_guess(), ViscousDrag), noise=NOISE), log
@@ -73,9 +73,8 @@ def _stepping(make: Callable[[], Estimator], log: list[Measurement]) -> Competit
     return lambda _: next(walk)
 
 
-def _size(online: CartFilter, log: list[Measurement]) -> int:
-    online.update(log[0])
-    return len(online.belief.mean) + len(online.prior.free(online.cart))
+def _size(online: CartFilter) -> int:
+    return len(online.cart.state_names) + len(online.prior.free(online.cart))
 
 
 def _with_only(cart: CartModel, *kinds: type[Effect]) -> CartModel:

@@ -99,8 +99,8 @@ class DrivenMotion:
 
     def push(self, wrench: SensedWrench) -> None:
         """From now on."""
-        now, time = self.now, self.time
-        now.pushed[:] = time, min(time - now.pushed[0], HELD)
+        now = self.now
+        now.pushed[1], now.pushed[0] = now.pushed[0], self.time
         now.push[:], now.push_covariance[:] = wrench.value, wrench.covariance
 
     def advance(self, time: float, seen: Array = NOTHING_SEEN) -> None:
@@ -135,5 +135,5 @@ class DrivenMotion:
     def _let_go(self) -> None:
         """From now on the push may be any."""
         now = self.now
-        now.pushed[:] = -math.inf, HELD
+        now.pushed[:] = -math.inf
         now.push[:], now.push_covariance[:] = 0.0, now.unknown

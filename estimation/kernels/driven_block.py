@@ -17,8 +17,8 @@ and free ones; where stiction begins in a row of `entries.effects`, and where it
 
 class Driven(NamedTuple):
     """Believed: mean (n,), own covariance (n, n), slopes by the free parameters (n, f); how poised each memory is (m,);
-    the last NIS (2,). Of others: parameters (p,) and the free ones' covariance (f, f). The last push: its time and what
-    was between it and the one before (2,), the reduced wrench (k,) and its covariance (k, k).
+    the last NIS (2,). Of others: parameters (p,) and the free ones' covariance (f, f). The last push: its time and that
+    of the one before (2,), the reduced wrench (k,) and its covariance (k, k).
 
     Known: the covariance of an `unknown` push; what lifts a reduced wrench to {b} (3, k), and what projects a velocity
     onto nu (k, 3); variances of pose and velocity (6,); densities of disturbing wrenches (3, 3), of the rest of the

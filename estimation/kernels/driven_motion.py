@@ -91,7 +91,7 @@ def topple(block: Array, plan: Indices, settled: Array) -> None:
 @compiled
 def _let_go(d: Driven) -> None:
     """From now on the push may be any."""
-    d.pushed[0], d.pushed[1] = -math.inf, HELD
+    d.pushed[0] = d.pushed[1] = -math.inf
     d.push[:] = 0.0
     for a in range(len(d.push)):
         copy(d.unknown[a], d.push_covariance[a])
@@ -127,7 +127,8 @@ def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, r
         for j in range(n):
             own[i, j] = d.own[i, j] + noise[i, j]
     add_congruence(ahead[:, :n], own, noise, rest)
-    shares = max(d.pushed[1] / step, 1.0)
+    held = d.pushed[0] - d.pushed[1]
+    shares = max((held if held < HELD else HELD) / step, 1.0)
     pushed, rest = carved(room, k, k)
     for a in range(k):
         for c in range(k):

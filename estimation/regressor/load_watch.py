@@ -74,6 +74,5 @@ class LoadWatch:
 
     @property
     def health(self) -> Health:
-        if self._resets.health is Health.OK and self._outliers > OUTLYING_SHARE:
-            return Health.OUTLIERS
-        return self._resets.health
+        said = self._resets.health
+        return Health.OUTLIERS if said is Health.OK and self._outliers > OUTLYING_SHARE else said

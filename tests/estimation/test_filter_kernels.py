@@ -168,7 +168,7 @@ def test_wrench_noise_spreads_as_many_runs_do():
     motion = started(cart=cart)
     for k in range(30):
         motion.push(SensedWrench(np.array([30.0, 2.0]), noise, np.zeros((2, 0))))
-        motion.now.pushed[1] = 0.01
+        motion.now.pushed[1] = motion.time - 0.01
         motion.advance(0.01 * (k + 1))
     states, theta = np.tile(started(cart=cart).belief.mean, (400, 1)), np.tile(cart.parameters, (400, 1))
     for _ in range(30):
