@@ -9,7 +9,7 @@ import tempfile
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from ruamel.yaml import YAML
@@ -78,8 +78,8 @@ def validate(model: type[Model], document: CommentedMap, name: str, prefix: Sequ
         first = min(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
         location = _keys(document, first["loc"], is_missing=first["type"] == "missing")
         why = _why(first)
-        if first["type"] == "extra_forbidden" and len(location) == 1:
-            why = f"unknown key{did_you_mean(str(location[0]), model.model_fields)}"
+        if first["type"] == "extra_forbidden":
+            why = f"unknown key{did_you_mean(str(location[-1]), _known_keys(model, location))}"
         raise file_error(document, name, location, why, prefix) from error
 
 
@@ -183,6 +183,22 @@ def _keys(document: Any, location: Sequence[str | int], is_missing: bool) -> lis
     return [*found, location[-1]] if is_missing else found
 
 
+def _known_keys(model: type[BaseModel], location: Sequence[str | int]) -> list[str]:
+    """What may stand where the last of `location` does; items of lists and of mappings are steps within a field."""
+    models = [model]
+    for part in location[:-1]:
+        fields = [one.model_fields[part] for one in models if part in one.model_fields]
+        models = [inner for field in fields for inner in _models(field.annotation)] if fields else models
+    return [name for one in models for name in one.model_fields]
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """Those in a type, whatever lists and unions are around them."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models(part)]
+
+
 def _place(document: Any, name: str, location: Sequence[str | int]) -> Place:
     line, column = _start(document)
     node = document
@@ -218,7 +234,6 @@ def _quoted(problem: str | None) -> str:
 def _why(error: Any) -> str:
     given = error.get("input")
     reasons = {
-        "extra_forbidden": "unknown key; remove it or mend its spelling",
         "missing": "is missing; add it",
         "finite_number": f"{given} is not a finite number",
         "float_type": f"{given!r} is not a number",

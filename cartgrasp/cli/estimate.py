@@ -27,8 +27,6 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
 
 
 def run(path: Path, cart_path: Path | None, method: str, out: Path | None, topics: Path | None, as_json: bool) -> int:
-    if method not in METHODS:
-        raise UsageError(f"--method {method}: unknown; known are {', '.join(METHODS)}")
     cart = cart_of(path, cart_path)
     if out is not None:
         check_writable(out)
