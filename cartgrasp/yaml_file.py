@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import io
 import os
-import tempfile
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -119,32 +118,6 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     known = list(known)
     close = difflib.get_close_matches(word, known, n=1)
     return f"; did you mean {close[0]}?" if close else f"; known are {', '.join(known) or 'none'}"
-
-
-def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path:
-    """Writes aside, then renames: readers see the old file or the new one."""
-    path = Path(path)
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    try:
-        return _written(path, data)
-    except OSError as error:
-        why = f"can't be written: {error.strerror or error}; mend that, or name another place"
-        raise FileError(Place(str(path)), "", why) from error
-
-
-def _written(path: Path, data: bytes) -> Path:
-    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(aside, 0o644)
-        os.replace(aside, path)
-    except BaseException:
-        Path(aside).unlink(missing_ok=True)
-        raise
-    return path
 
 
 def _refuse_odd_shapes(document: CommentedMap, name: str) -> None:

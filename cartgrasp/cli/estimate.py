@@ -16,7 +16,7 @@ from ..logs import RunLog, read_log
 from ..logs.emps import rail_cart
 from ..model import CartModel
 from ..motion import ParameterEstimate
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, progress
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
