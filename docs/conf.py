@@ -14,10 +14,11 @@ import cartgrasp  # noqa: E402
 project = "cartgrasp"
 author = "The cartgrasp authors"
 version = release = cartgrasp.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "mathml"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-html_math_renderer = "mathml"
+html_math_renderer = "svg"
+smartquotes = False
 html_theme = "furo"
 html_title = "cartgrasp"
 html_copy_source = False
@@ -31,6 +32,7 @@ nitpick_ignore_regex = [("py:.*", ".*")]
 
 def setup(app):
     app.connect("autodoc-process-docstring", plain)
+    app.connect("autodoc-process-signature", short)
 
 
 def plain(app, what, name, value, options, lines):
@@ -38,3 +40,9 @@ def plain(app, what, name, value, options, lines):
     parts = "\n".join(lines).split("`")
     parts[::2] = (re.sub(r"([*|_\\])", r"\\\1", part) for part in parts[::2])
     lines[:] = "``".join(parts).split("\n")
+
+
+def short(app, what, name, value, options, signature, returned):
+    """Signatures with our name for arrays of floats."""
+    spelt = "ndarray[tuple[Any, ...], dtype[float64]]"
+    return tuple(text and text.replace(spelt, "Array") for text in (signature, returned))

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 import cartgrasp as cg
-from cartgrasp.information import WrenchNoise
 from planning.references import PathReference, pause, speed_change
 
 from ..cli.commands import ROOT
