@@ -1,8 +1,8 @@
 """The code blocks of a page, and how they are run: one after another, in one folder, as a reader would.
 
 `python` is run in one namespace, a line of `sh` that begins with `cartgrasp` as a command, another one as it stands
-(`# exit status 2` behind it says how it ends); `text` is what the block before it printed, and the complaint if that was
-to end with a status above 1; `yaml` must be YAML. A comment on the line before a block says otherwise:
+(`# exit status 2` behind it says how it ends); `text` is what the block before it printed, and the complaint if that
+was to end with a status above 1; `yaml` must be YAML. A comment on the line before a block says otherwise:
 
     <!-- file: NAME -->              the block is written to NAME
     <!-- given: a, b -->             names that the page's reader has, made by `given.py`

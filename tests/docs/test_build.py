@@ -14,7 +14,7 @@ for name in ("sphinx", "furo", "myst_parser", "ziamath"):
     pytest.importorskip(name, reason="the pages need the extra `docs`")
 
 LOADED = re.compile(r"<(?:script|img|link|iframe|source)[^>]*?\b(?:src|href)=\"([^\"]*)\"")
-NAMES = "load_cart Arm WrenchPlanner plan_or_hold CartFilter diagnose with_effect read_log Measurement".split()
+NAMES = ["load_cart", "Arm", "WrenchPlanner", "plan_or_hold", "CartFilter", "diagnose", "with_effect", "Measurement"]
 
 
 @pytest.fixture(scope="module")
