@@ -7,6 +7,7 @@ was to end with a status above 1; `yaml` must be YAML. A comment on the line bef
     <!-- file: NAME -->              the block is written to NAME
     <!-- given: a, b -->             names that the page's reader has, made by `given.py`
     <!-- numbers vary -->            of a `text` block: only its words are compared
+    <!-- slow: how slow -->          it is run by `make prove` alone, and what follows it is compared there
     <!-- not run: why -->
 
 A block without a language is a drawing.
@@ -33,7 +34,7 @@ BLOCK = re.compile(
     r"(?:^<!-- (?P<mark>[^\n]*) -->\n)?^```(?P<language>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL
 )
 LANGUAGES = ("python", "sh", "text", "yaml", "c", "")
-MARKS = ("", "file", "given", "numbers vary", "not run")
+MARKS = ("", "file", "given", "numbers vary", "slow", "not run")
 COMMAND = re.compile(r"^(cartgrasp|make|pip|python|import|from) \S", re.MULTILINE)
 
 
@@ -69,11 +70,14 @@ def blocks(page: Path) -> list[Block]:
 class Reader:
     """Does in a folder what the blocks of a page say."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.names, self.printed = folder, {}, ""
+    def __init__(self, folder: Path, has_time: bool = False) -> None:
+        self.folder, self.has_time = folder, has_time
+        self.names: dict[str, object] = {}
+        self.printed: str | None = ""
 
     def follow(self, block: Block) -> None:
-        if block.kind == "not run":
+        if block.kind == "not run" or (block.kind == "slow" and not self.has_time):
+            self.printed = None
             return
         if block.kind == "given":
             self.names |= {name: getattr(given, name)(self.folder) for name in block.said.split(", ")}
@@ -106,6 +110,8 @@ class Reader:
         return done.stdout
 
     def _compare(self, block: Block) -> None:
+        if self.printed is None:
+            return
         said, printed = ([line.rstrip() for line in text.strip().splitlines()] for text in (block.text, self.printed))
         if block.kind == "numbers vary":
             said, printed = ([without_numbers(line) for line in lines] for lines in (said, printed))

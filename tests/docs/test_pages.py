@@ -23,14 +23,15 @@ def files(tmp_path_factory):
     return folder
 
 
+@pytest.mark.parametrize("has_time", [False, pytest.param(True, marks=pytest.mark.prove)], ids=["", "slow too"])
 @pytest.mark.parametrize("page", WITH_CODE, ids=lambda page: page.name)
-def test_snippets(page, files, tmp_path, monkeypatch):
+def test_snippets(page, has_time, files, tmp_path, monkeypatch):
     needed = NEEDS.get(page.name)
     if needed and importlib.util.find_spec(needed) is None:
         pytest.skip(f"{needed} is not installed")
     folder = shutil.copytree(files, tmp_path / "reader")
     monkeypatch.chdir(folder)
     monkeypatch.setenv("COLUMNS", "80")
-    reader = Reader(folder)
+    reader = Reader(folder, has_time)
     for block in blocks(page):
         reader.follow(block)
