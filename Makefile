@@ -14,7 +14,7 @@ PYTHON := python3 python3.11 python3.12 python3.13
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test prove sealed lint format bench lock clean
+.PHONY: help setup demo test prove sealed lint format docs bench lock clean
 
 help:
 	@echo "make setup    make .venv from the lock and install cartgrasp into it, editable"
@@ -24,6 +24,7 @@ help:
 	@echo "make sealed   name effects hidden in generated logs, and score what was named (SEEDS=0:4; hours)"
 	@echo "make lint     ruff check, ruff format --check, mypy --strict"
 	@echo "make format   let ruff format and mend what it can"
+	@echo "make docs     build the documentation into out/docs"
 	@echo "make bench    run the benchmarks (installs a few more solvers)"
 	@echo "make lock     resolve pyproject.toml anew into both lock files (LOCKFLAGS=--upgrade for newer versions)"
 	@echo "make clean    remove outputs and caches (.venv stays)"
@@ -94,6 +95,10 @@ format: setup
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+docs: setup
+	$(ENV) $(BIN)/python -m sphinx -W --keep-going -n -q -b html docs out/docs
+	@echo "Open out/docs/index.html"
+
 bench: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/python -m benchmarks
 
@@ -105,7 +110,7 @@ lock: | $(BIN)/pip
 	@[ -x $(BIN)/uv ] || $(PIP_INSTALL) uv
 	@index=$${PIP_INDEX_URL:-$$($(BIN)/pip config get global.index-url 2>/dev/null)}; \
 	[ -z "$$index" ] || export UV_DEFAULT_INDEX="$$index"; \
-	$(COMPILE) --extra dev --extra parquet --extra arms -o requirements.txt && \
+	$(COMPILE) --extra dev --extra docs --extra parquet --extra arms -o requirements.txt && \
 	$(COMPILE) --extra bench --constraint requirements.txt -o requirements-bench.txt
 
 clean:

@@ -1,18 +1,24 @@
 """Push passive carts with one or several arms: hold, push, and learn the load while pushing."""
 
-from .arms import Arm, Friction
-from .cart_file import load_cart
-from .constraints import RollingConstraints
-from .contacts import ContactSet, ContactWrenches, Segment, grasp_map_planar, grasp_map_spatial
-from .effects import KNOWN_EFFECTS
-from .errors import CartgraspError, DataError, FileError, LogError, UsageError
-from .inertia import Inertia
-from .joint_torques import JointTorques
-from .logs import RunLog, read_log, write_log
-from .model import CartModel
-from .motion import Estimate, Measurement, Motion, ParameterEstimate, Reference
-from .reach import Reach
-from .wheels import Wheel
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .arms import Arm, Friction
+    from .cart_file import load_cart
+    from .constraints import RollingConstraints
+    from .contacts import ContactSet, ContactWrenches, Segment, grasp_map_planar, grasp_map_spatial
+    from .effects import KNOWN_EFFECTS
+    from .errors import CartgraspError, DataError, FileError, LogError, UsageError
+    from .inertia import Inertia
+    from .joint_torques import JointTorques
+    from .logs import RunLog, read_log, write_log
+    from .model import CartModel
+    from .motion import Estimate, Measurement, Motion, ParameterEstimate, Reference
+    from .reach import Reach
+    from .wheels import Wheel
 
 __version__ = "0.1.0"
 
@@ -46,3 +52,32 @@ __all__ = [
     "read_log",
     "write_log",
 ]
+
+_HOMES = {
+    "arms": "Arm Friction",
+    "cart_file": "load_cart",
+    "constraints": "RollingConstraints",
+    "contacts": "ContactSet ContactWrenches Segment grasp_map_planar grasp_map_spatial",
+    "effects": "KNOWN_EFFECTS",
+    "errors": "CartgraspError DataError FileError LogError UsageError",
+    "inertia": "Inertia",
+    "joint_torques": "JointTorques",
+    "logs": "RunLog read_log write_log",
+    "model": "CartModel",
+    "motion": "Estimate Measurement Motion ParameterEstimate Reference",
+    "reach": "Reach",
+    "wheels": "Wheel",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """A name is imported when it is first asked for, so that `cartgrasp --help` needs no numpy."""
+    for home, names in _HOMES.items():
+        if name in names.split():
+            value = globals()[name] = getattr(import_module(f".{home}", __name__), name)
+            return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

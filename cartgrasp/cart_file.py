@@ -17,6 +17,7 @@ from .errors import CartgraspError, FileError
 from .inertia import Inertia
 from .model import CartModel
 from .wheels import Wheel
+from .writing import write_atomically
 from .yaml_file import (
     StrictModel,
     did_you_mean,
@@ -26,7 +27,6 @@ from .yaml_file import (
     plain,
     read_yaml,
     validate,
-    write_atomically,
 )
 
 Location = Sequence[str | int]

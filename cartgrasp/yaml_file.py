@@ -5,11 +5,10 @@ from __future__ import annotations
 import difflib
 import io
 import os
-import tempfile
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from ruamel.yaml import YAML
@@ -78,8 +77,8 @@ def validate(model: type[Model], document: CommentedMap, name: str, prefix: Sequ
         first = min(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
         location = _keys(document, first["loc"], is_missing=first["type"] == "missing")
         why = _why(first)
-        if first["type"] == "extra_forbidden" and len(location) == 1:
-            why = f"unknown key{did_you_mean(str(location[0]), model.model_fields)}"
+        if first["type"] == "extra_forbidden":
+            why = f"unknown key{did_you_mean(str(location[-1]), _known_keys(model, location))}"
         raise file_error(document, name, location, why, prefix) from error
 
 
@@ -121,32 +120,6 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"; did you mean {close[0]}?" if close else f"; known are {', '.join(known) or 'none'}"
 
 
-def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path:
-    """Writes aside, then renames: readers see the old file or the new one."""
-    path = Path(path)
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    try:
-        return _written(path, data)
-    except OSError as error:
-        why = f"can't be written: {error.strerror or error}; mend that, or name another place"
-        raise FileError(Place(str(path)), "", why) from error
-
-
-def _written(path: Path, data: bytes) -> Path:
-    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(aside, 0o644)
-        os.replace(aside, path)
-    except BaseException:
-        Path(aside).unlink(missing_ok=True)
-        raise
-    return path
-
-
 def _refuse_odd_shapes(document: CommentedMap, name: str) -> None:
     """An alias may hold itself, or multiply without end; and a key may be nothing, or a mapping."""
     waiting: list[tuple[Any, int]] = [(document, 0)]
@@ -181,6 +154,22 @@ def _keys(document: Any, location: Sequence[str | int], is_missing: bool) -> lis
             found.append(part)
             node = node[part]
     return [*found, location[-1]] if is_missing else found
+
+
+def _known_keys(model: type[BaseModel], location: Sequence[str | int]) -> list[str]:
+    """What may stand where the last of `location` does; items of lists and of mappings are steps within a field."""
+    models = [model]
+    for part in location[:-1]:
+        fields = [one.model_fields[part] for one in models if part in one.model_fields]
+        models = [inner for field in fields for inner in _models(field.annotation)] if fields else models
+    return [name for one in models for name in one.model_fields]
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """Those in a type, whatever lists and unions are around them."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models(part)]
 
 
 def _place(document: Any, name: str, location: Sequence[str | int]) -> Place:
@@ -218,7 +207,6 @@ def _quoted(problem: str | None) -> str:
 def _why(error: Any) -> str:
     given = error.get("input")
     reasons = {
-        "extra_forbidden": "unknown key; remove it or mend its spelling",
         "missing": "is missing; add it",
         "finite_number": f"{given} is not a finite number",
         "float_type": f"{given!r} is not a number",

@@ -22,7 +22,7 @@ LONGEST = 400
 FORBIDDEN_MODULES = ("pickle", "cPickle", "dill", "cloudpickle", "joblib", "marshal", "shelve", "yaml")
 FORBIDDEN_CALLS = ("eval", "exec", "__import__")
 FORBIDDEN_KEYWORDS = (("allow_pickle", True), ("typ", "unsafe"))
-HEAVY = ("mujoco", "matplotlib", "cvxpy", "scipy", "numba", "pinocchio")
+HEAVY = ("numpy", "pydantic", "ruamel", "mujoco", "matplotlib", "cvxpy", "scipy", "numba", "pinocchio")
 
 
 @dataclass(frozen=True)
@@ -213,6 +213,17 @@ def test_importing_cartgrasp_is_light():
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == []
+
+
+def test_every_name_of_the_package_is_there():
+    import cartgrasp
+
+    assert cartgrasp.load_cart is cartgrasp.cart_file.load_cart
+    assert {name for names in cartgrasp._HOMES.values() for name in names.split()} == set(cartgrasp.__all__)
+    assert all(getattr(cartgrasp, name) is not None for name in cartgrasp.__all__)
+    assert set(cartgrasp.__all__) <= set(dir(cartgrasp))
+    with pytest.raises(AttributeError, match="no attribute 'lod_cart'"):
+        cartgrasp.lod_cart  # noqa: B018
 
 
 # --- the checker bites --------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,20 +12,17 @@ import typer
 from typer.exceptions import TyperException
 
 from ..errors import CartgraspError, DataError, PlantError, printable
+from .options import Course, Json, Method, Plant, Salvage, Seed, Topics
+from .study_commands import study
 
 app = typer.Typer(
     name="cartgrasp",
     help="Push passive carts with one or several arms, and learn the load while pushing.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "color": False if os.environ.get("NO_COLOR") else None},
 )
-study = typer.Typer(help="Named, repeatable studies.", no_args_is_help=True)
 app.add_typer(study, name="study")
-
-Json = Annotated[bool, typer.Option("--json", help="Print the result alone, as one JSON document.")]
-Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results.")]
-Topics = Annotated[Path | None, typer.Option("--topics", help="Topic map of a bag, topics.yaml.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all noise.")]
 
 
 @app.command()
@@ -32,7 +30,7 @@ def demo(
     out: Annotated[Path, typer.Option("--out", help="Folder for log, figures and player.")] = Path("out/demo"),
     json: Json = False,
     seed: Seed = 0,
-    quick: Annotated[bool, typer.Option("--quick", help="A shorter path, for a first look.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", metavar="", help="A shorter path, for a first look.")] = False,
 ) -> None:
     """Two arms push a cart of unknown load along a curved path in MuJoCo, and learn it on the way."""
     from . import demo as command
@@ -45,12 +43,12 @@ def simulate(
     cart: Annotated[Path, typer.Option("--cart", help="The true cart, cart.yaml.")],
     out: Annotated[Path, typer.Option("--out", help="Folder for run.csv, figures and player.")] = Path("out/run"),
     guess: Annotated[Path | None, typer.Option("--guess", help="What is believed at first (else --cart).")] = None,
-    path: Annotated[str, typer.Option("--path", help="straight, curves or push-pull.")] = "curves",
-    plant: Annotated[str, typer.Option("--plant", help="model or mujoco.")] = "model",
+    path: Annotated[Course, typer.Option("--path", metavar="<name>", help="straight, curves or push-pull.")] = "curves",
+    plant: Annotated[Plant, typer.Option("--plant", metavar="<name>", help="model or mujoco.")] = "model",
     arms: Annotated[int, typer.Option("--arms", min=1, max=4, help="How many arms push.")] = 2,
     speed: Annotated[float, typer.Option("--speed", help="Forward speed, m/s.")] = 0.6,
     force_noise: Annotated[float, typer.Option("--force-noise", help="Of the force sensors, N.")] = 3.0,
-    learn: Annotated[bool, typer.Option(help="Whether to estimate the parameters.")] = True,
+    learn: Annotated[bool, typer.Option(metavar="", help="Whether to estimate the parameters.")] = True,
     seed: Seed = 0,
     json: Json = False,
 ) -> None:
@@ -88,7 +86,7 @@ def export_c(
 def estimate(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or the EMPS .mat.", metavar="LOG")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
-    method: Annotated[str, typer.Option("--method", help="filter, regressor, or paper (as printed).")] = "filter",
+    method: Annotated[Method, typer.Option("--method", help="paper: its filter as printed.")] = "filter",
     out: Annotated[Path | None, typer.Option("--out", help="CSV file for the series over time.")] = None,
     topics: Topics = None,
     json: Json = False,
@@ -149,7 +147,7 @@ def discrepancy(
 def list_topics(
     bag: Annotated[Path, typer.Argument(help="A ROS bag: .mcap, .db3, .bag, or a recorder's folder.", metavar="BAG")],
     out: Annotated[Path | None, typer.Option("--out", help="Where to write a proposed topics.yaml.")] = None,
-    salvage: Annotated[bool, typer.Option("--salvage", help="Read what can be read of a damaged bag.")] = False,
+    salvage: Salvage = False,
     json: Json = False,
 ) -> None:
     """List what a bag holds, and propose a topic map: which topics are a run."""
@@ -163,103 +161,13 @@ def convert(
     source: Annotated[Path, typer.Argument(help="A run log, or a ROS bag.", metavar="IN")],
     out: Annotated[Path, typer.Option("--out", help="The log to write: .csv, .parquet or .mcap.")],
     topics: Topics = None,
-    salvage: Annotated[bool, typer.Option("--salvage", help="Read what can be read of a damaged bag.")] = False,
+    salvage: Salvage = False,
     json: Json = False,
 ) -> None:
     """Write a log in another form: a bag as CSV or Parquet, a run as MCAP; with where it is from beside it."""
     from . import convert as command
 
     raise typer.Exit(command.run(command.Choice(source, out, topics, salvage), json))
-
-
-@study.command("table1")
-def table1(
-    out: Annotated[Path, typer.Option("--out", help="Folder for the table and plots.")] = Path("out/table1"),
-    json: Json = False,
-    seed: Seed = 0,
-    rows: Annotated[str, typer.Option("--rows", help="Tests to run, such as 1,5,11 (all by default).")] = "",
-) -> None:
-    """All eleven rows of Table I with and without estimation, and each claim of the paper checked."""
-    from . import table1 as command
-
-    raise typer.Exit(command.run(out, json, seed, rows))
-
-
-@study.command("excitation")
-def excitation(
-    out: Annotated[Path, typer.Option("--out", help="Folder for the table and plot.")] = Path("out/excitation"),
-    json: Json = False,
-    seed: Seed = 0,
-    seeds: Annotated[int, typer.Option("--seeds", min=1, max=100, help="Runs of each way.")] = 3,
-) -> None:
-    """Fixed contacts, periodic switching, and chosen contacts and motion: what each teaches, and what it costs."""
-    from . import excitation as command
-
-    raise typer.Exit(command.run(out, json, seed, seeds))
-
-
-@study.command("robust")
-def robust(
-    out: Annotated[Path, typer.Option("--out", help="Folder for the table and plot.")] = Path("out/robust"),
-    json: Json = False,
-    seed: Seed = 0,
-    seeds: Annotated[int, typer.Option("--seeds", min=1, max=100, help="Carts drawn.")] = 8,
-) -> None:
-    """Margins for what is not known yet of a load: how they shrink as it is learned, what they save and cost."""
-    from . import robust as command
-
-    raise typer.Exit(command.run(out, json, seed, seeds))
-
-
-@study.command("estimators")
-def estimators(
-    out: Annotated[Path, typer.Option("--out", help="Folder for the tables.")] = Path("out/estimators"),
-    json: Json = False,
-    seed: Seed = 0,
-    seeds: Annotated[int, typer.Option("--seeds", min=2, max=100, help="Logs of each kind.")] = 4,
-) -> None:
-    """Filter, regressor, the paper's form and the batch fit on the same logs: which is better when."""
-    from . import estimators as command
-
-    raise typer.Exit(command.run(out, json, seed, seeds))
-
-
-@study.command("consistency")
-def consistency(
-    out: Annotated[Path, typer.Option("--out", help="Folder for the tables and plot.")] = Path("out/consistency"),
-    json: Json = False,
-    seed: Seed = 0,
-    runs: Annotated[int, typer.Option("--runs", min=2, max=5000, help="Carts drawn.")] = 500,
-) -> None:
-    """Whether the filter's errors are as large as it says, over many carts; and a wrong model, which must fail."""
-    from . import consistency as command
-
-    raise typer.Exit(command.run(out, json, seed, runs))
-
-
-@study.command("hardware")
-def hardware(
-    out: Annotated[Path, typer.Option("--out", help="Folder for the tables and plot.")] = Path("out/hardware"),
-    json: Json = False,
-    seed: Seed = 0,
-    runs: Annotated[int, typer.Option("--runs", min=2, max=1000, help="Recordings of each experiment.")] = 100,
-) -> None:
-    """The paper's hardware experiments on MuJoCo: straight runs, push-pull reversals on casters, heavy loads."""
-    from . import hardware as command
-
-    raise typer.Exit(command.run(out, json, seed, runs))
-
-
-@study.command("discrepancy")
-def study_discrepancy(
-    folder: Annotated[Path, typer.Argument(help="Holds logs/NAME/run.csv and cart.yaml.", metavar="FOLDER")],
-    jobs: Annotated[int | None, typer.Option("--jobs", min=1, max=64, help="Processes (else as cores).")] = None,
-    json: Json = False,
-) -> None:
-    """The discrepancy workflow on each log of a folder, into logs/NAME/out; what has its report is left alone."""
-    from . import study_discrepancy as command
-
-    raise typer.Exit(command.run(folder, jobs, json))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -286,7 +194,9 @@ def _usage(error: TyperException) -> str:
     """What typer says, and where help is."""
     context = getattr(error, "ctx", None)
     command = "cartgrasp" if context is None else context.command_path
-    why = " ".join(error.format_message().split()).rstrip(".") or "a command is missing"
+    why = " ".join(error.format_message().split()).replace("Value error, ", "").rstrip(".") or "a command is missing"
+    if likely := getattr(error, "possibilities", None):
+        why = f"{error.message}. Did you mean {', '.join(likely)}?"
     return f"{why}; see `{command} --help`"
 
 

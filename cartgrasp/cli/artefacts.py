@@ -11,23 +11,19 @@ from ..simulation.record import RunRecord
 from ..view.figures import figure_arms, figure_overview, figure_parameters, figure_tracking, save_figure
 from ..view.player import write_player
 from ..view.shown_run import ShownRun
-from ..yaml_file import write_atomically
+from ..writing import together, write_atomically
 
 
 def save_run(record: RunRecord, out: Path, title: str, prefix: str = "") -> list[Path]:
-    """Writes the run's files into a folder, each aside and then renamed."""
+    """Writes the run's files into a folder, all at one go."""
     run = ShownRun.of_record(record)
     figures = {"overview": figure_overview, "tracking": figure_tracking, "arms": figure_arms}
     if record.parameters:
         figures["parameters"] = figure_parameters
-    written = [write_log(record.log, out / f"{prefix}run.csv"), _write_truth(record, out / f"{prefix}truth.csv")]
-    for name, draw in figures.items():
-        path = out / f"{prefix}{name}.png"
-        save_figure(draw(run), path)
-        written.append(path)
-    page = out / f"{prefix}player.html"
-    write_player(run, page, title)
-    return [*written, page]
+    with together():
+        written = [write_log(record.log, out / f"{prefix}run.csv"), _write_truth(record, out / f"{prefix}truth.csv")]
+        written += [save_figure(draw(run), out / f"{prefix}{name}.png") for name, draw in figures.items()]
+        return [*written, write_player(run, out / f"{prefix}player.html", title)]
 
 
 def _write_truth(record: RunRecord, path: Path) -> Path:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..studies.consistency import MODELS, SQUARES, run_seeds
-from ..studies.consistency_figures_of_merit import COLUMNS, as_dict, claims, rows, score_columns, score_rows
+from ..studies.consistency_figures_of_merit import COLUMNS, SCORE_COLUMNS, as_dict, claims, rows, score_rows
 from ..studies.consistency_plots import save_plots
 from .output import make_folder, progress
 from .study_report import Section, StudyReport, usual_workers
@@ -20,7 +20,7 @@ def run(out: Path, as_json: bool, seed: int, runs: int) -> int:
     sections = [
         Section("Normalised squares, means over the runs", COLUMNS, rows(found), left=2),
         Section.of_claims("Claims", promised),
-        Section("Parameters: rms errors in standard deviations", score_columns(), score_rows(found)),
+        Section("Parameters: rms errors in standard deviations", SCORE_COLUMNS, score_rows(found), left=2),
     ]
     squares = [as_dict(found, model, square) for model in MODELS for square in SQUARES]
     document = {"seed": seed, "runs": runs, "squares": squares}

@@ -11,7 +11,7 @@ from ..errors import UsageError, printable
 from ..logs import WRITERS, RunLog, is_bag_name, read_log, write_log
 from ..logs.provenance import provenance
 from ..strict_json import finite
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .output import check_writable, print_json, say
 
 MOST_SAID = 20

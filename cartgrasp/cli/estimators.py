@@ -20,7 +20,7 @@ def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
     sections = [
         Section("When which is better (above 1: the regressor)", BETTER_COLUMNS, better_rows(trials), left=2),
         Section.of_claims("Claims", promised),
-        Section(TITLE, COLUMNS, rows(trials), left=3),
+        Section(TITLE, COLUMNS, rows(trials), left=2),
     ]
     document = {"seed": seed, "seeds": seeds, "trials": [as_dict(trial) for trial in trials]}
     made_by = f"--seed {seed} --seeds {seeds}"

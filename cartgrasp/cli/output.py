@@ -21,18 +21,41 @@ def print_json(document: Any) -> None:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> None:
-    """A table that fits 80 columns where its text does; the first `left` columns are text."""
+    """As wide as the terminal at most (80 in a pipe); the first `left` columns are text, and only there, and in
+    headings, may a line break between words."""
+    from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(title=escape(title), title_justify="left", header_style="bold", expand=False)
-    for i, column in enumerate(columns):
-        table.add_column(escape(column), justify="left" if i < left else "right", overflow="fold")
+    console = Console()
+    widths, gap = _widths(columns, rows, console.width)
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0), header_style="bold")
+    for i, (column, width) in enumerate(zip(columns, widths, strict=True)):
+        table.add_column(escape(column), justify="left" if i < left else "right", overflow="fold", width=width)
     for row in rows:
         table.add_row(*(escape(cell) for cell in row))
-    console = Console()
-    console.print(table, width=None if console.is_terminal else 100)
+    console.print(Text(title, "italic"))
+    console.print(table)
+
+
+def _widths(columns: Sequence[str], rows: Sequence[Sequence[str]], room: int) -> tuple[list[int], int]:
+    """Of the columns and of the gap between them. The widest columns are narrowed until all fit, none below its longest
+    word unless nothing else is left."""
+    from rich.cells import cell_len
+
+    cells = [[column, *(row[i] for row in rows)] for i, column in enumerate(columns)]
+    widths = [max(map(cell_len, column)) for column in cells]
+    words = [max((cell_len(word) for cell in column for word in cell.split()), default=1) for column in cells]
+    gap = 2 if sum(words) + 2 * (len(words) - 1) <= room else 1
+    for least in (words, [1] * len(words)):
+        while sum(widths) + gap * (len(widths) - 1) > room:
+            wide = [i for i, width in enumerate(widths) if width > least[i]]
+            if not wide:
+                break
+            widths[max(wide, key=widths.__getitem__)] -= 1
+    return widths, gap
 
 
 def say(message: str) -> None:
@@ -43,27 +66,26 @@ def say(message: str) -> None:
 def progress(what: str) -> Iterator[Callable[[float], None]]:
     """A bar on stderr, where that is a terminal, with the time left; the caller tells the share done."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(what, total=1.0)
+    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task(escape(what), total=1.0)
         yield lambda share: bar.update(task, completed=share)
 
 
 @contextmanager
 def stages(what: str) -> Iterator[Callable[[str], None]]:
-    """A spinner on stderr, where that is a terminal; the caller tells what is being done."""
+    """A spinner on stderr, where that is a terminal, with the time taken; the caller tells what is being done."""
     from rich.console import Console
     from rich.markup import escape
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status(escape(what)) as status:
-        yield lambda stage: status.update(escape(f"{what}: {stage}"))
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task(escape(what))
+        yield lambda stage: bar.update(task, description=escape(f"{what}: {stage}"))
 
 
 def make_folder(path: Path) -> Path:

@@ -16,7 +16,7 @@ from ..constraints import RollingConstraints
 from ..errors import UsageError
 from ..simulation.sensors import SensorNoise
 from ..studies.run_figures import RunFigures
-from ..studies.scenario import FIRST_GUESS, LEARNING, MODEL_PLANT, MUJOCO_PLANT, Scenario
+from ..studies.scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
 from ..studies.shopping_cart import FIRM, push_and_pull
 from .artefacts import save_run
 from .output import make_folder, print_json, progress, say
@@ -61,8 +61,6 @@ def build_scenario(choice: Choice) -> Scenario:
     """The run that the options describe."""
     truth = load_cart(choice.cart)
     guess = truth if choice.guess is None else load_cart(choice.guess)
-    if choice.plant not in (MODEL_PLANT, MUJOCO_PLANT):
-        raise UsageError(f"--plant {choice.plant}: unknown; known are {MODEL_PLANT}, {MUJOCO_PLANT}")
     if guess.constraints != truth.constraints:
         raise UsageError("--guess: its constraints differ from those of --cart; the structure must be the same")
     if not choice.force_noise >= 0:
@@ -115,6 +113,4 @@ def _path(name: str, speed: float, constraints: RollingConstraints) -> tuple[Str
         return chain(
             speed_change(speed, ACCELERATION), pause(2.0), *curves, speed_change(-speed, ACCELERATION), pause(0.5)
         )
-    if name == "push-pull":
-        return push_and_pull()
-    raise UsageError(f"--path {name}: unknown; known are straight, curves, push-pull")
+    return push_and_pull()

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..studies.claims import CLAIM_COLUMNS, Claim, all_kept, markdown_table
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .output import print_json, print_table, say
 
 MOST_WORKERS = 8

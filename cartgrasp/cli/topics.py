@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import UsageError, printable
 from ..logs.bags import open_bag
 from ..logs.bags.contents import contents_of, proposed_map
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, say
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from ..errors import LogError, Place
 from ..frames import Array
-from ..yaml_file import did_you_mean, write_atomically
+from ..writing import write_atomically
+from ..yaml_file import did_you_mean
 from .run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS, ArmLog, RunLog
 
 ARM_COLUMNS = CONTACT_COLUMNS + WRENCH_COLUMNS

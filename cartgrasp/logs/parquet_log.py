@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import LogError, Place, UsageError
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .csv_log import check_columns, log_from_table
 from .run_log import RunLog
 

@@ -17,8 +17,8 @@ from .estimators import PERIOD
 
 LEAST_SHARE = 0.9
 COLUMNS = ("model", "square", "by dimension, over all steps", "95 % band of a step", "steps inside")
-SCORE_COLUMNS = ("model", "time s")
 SCORE_TIMES = (1.0, 3.0, 6.0, 12.0)
+SCORE_COLUMNS = ("model", "parameter", *(f"{time:g} s" for time in SCORE_TIMES))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,19 +55,15 @@ def _row(model: str, square: str, found: Consistency) -> tuple[str, ...]:
     return model, square, f"{found.mean.mean():.3f}", band, f"{100 * found.inside:.1f} %"
 
 
-def score_columns() -> tuple[str, ...]:
-    return *SCORE_COLUMNS, *report_names(believed(MATCHED)[0])
-
-
 def score_rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
-    """Rms errors of the model's own parameters in standard deviations, by `score_columns`."""
-    told = []
+    """Rms errors of each model's own parameters in standard deviations, by SCORE_COLUMNS."""
+    told: list[tuple[str, ...]] = []
     for model in MODELS:
         scores = np.array([run[model].scores for run in runs])
-        for time in SCORE_TIMES:
-            k = min(round(time / PERIOD), scores.shape[1]) - 1
-            cells = [f"{value:.2f}" for value in np.sqrt((scores[:, k] ** 2).mean(axis=0))]
-            told.append((model, f"{time:g}", *cells, *["-"] * (len(score_columns()) - 2 - len(cells))))
+        steps = [min(round(time / PERIOD), scores.shape[1]) - 1 for time in SCORE_TIMES]
+        rms = np.sqrt((scores[:, steps] ** 2).mean(axis=0))
+        names = report_names(believed(model)[0])
+        told += [(model, name, *(f"{v:.2f}" for v in rms[:, i])) for i, name in enumerate(names)]
     return told
 
 

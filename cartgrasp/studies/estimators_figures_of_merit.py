@@ -14,8 +14,7 @@ from .estimators import BATCH, FILTER, PATHS, REGRESSOR, SENSORS, WAYS, Trial, t
 
 PHYSICAL = ("mass", "com_x", "com_y", "inertia")
 COLUMNS = (
-    "path",
-    "sensors",
+    "path, sensors",
     "estimator",
     "mass kg",
     "bias kg",
@@ -70,7 +69,7 @@ def _row(path: str, sensors: str, way: str, trials: Sequence[Trial]) -> tuple[st
     found = score(case(trials, path, sensors), way)
     mass, com_x, com_y, inertia = found.errors
     sizes = (f"{mass:.3g}", f"{found.bias[0]:+.2g}", f"{100 * com_x:.2g}", f"{100 * com_y:.2g}", f"{inertia:.2g}")
-    return path, sensors, way, *sizes, f"{found.z:.2g}", f"{1e6 * found.step_time:.0f}"
+    return f"{path}, {sensors}", way, *sizes, f"{found.z:.2g}", f"{1e6 * found.step_time:.0f}"
 
 
 def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:

@@ -17,7 +17,7 @@ from estimation.discrepancy import diagnose
 from ..cart_file import load_cart
 from ..errors import CartgraspError, UsageError
 from ..logs import read_log
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .claims import Claim
 from .parallel import run_all
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from PIL import Image
 
 from ..errors import UsageError
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .plots import draw_path, house_style, legend_above
 from .shown_run import ShownRun
 from .top_view import draw_top_view
@@ -31,7 +31,7 @@ def write_gif(run: ShownRun, path: str | os.PathLike[str], progress: Callable[[f
     if Path(path).suffix.lower() != ".gif":
         raise UsageError(f"{path}: a moving picture is written as .gif")
     instants = frames_of(run)
-    with house_style(), tempfile.TemporaryDirectory() as folder:
+    with house_style():
         figure = Figure(figsize=(4.8, 4.4))
         axes = figure.subplots()
         draw_path(axes, run.pose, run.reference_pose)
@@ -40,19 +40,18 @@ def write_gif(run: ShownRun, path: str | os.PathLike[str], progress: Callable[[f
         legend_above(axes)
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
-
-        def step(k: int) -> list[Artist]:
+        frames = []
+        for k, i in enumerate(instants.tolist()):
             while shown:
                 shown.pop().remove()
-            shown.extend(_show(axes, run, int(instants[k])))
+            shown.extend(_show(axes, run, i))
+            frames.append(_picture(figure))
             if progress is not None:
                 progress(k / len(instants))
-            return shown
-
-        moving = FuncAnimation(figure, step, init_func=lambda: shown, frames=len(instants), cache_frame_data=False)
-        drawn = Path(folder) / "run.gif"
-        moving.save(str(drawn), writer=PillowWriter(fps=FRAMES_PER_SECOND), dpi=DPI)
-        return write_atomically(path, drawn.read_bytes())
+    content = io.BytesIO()
+    pause = 1000 // FRAMES_PER_SECOND
+    frames[0].save(content, "GIF", save_all=True, append_images=frames[1:], duration=pause, loop=0)
+    return write_atomically(path, content.getvalue())
 
 
 def _show(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
@@ -67,6 +66,15 @@ def _show(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
         mass = run.parameters["mass"]
         words += f", mass {mass.value[i]:.1f} ± {2 * mass.std[i]:.1f} kg"
     return [*draw_top_view(axes, run, i), axes.text(0.02, 0.02, words, transform=axes.transAxes, zorder=20)]
+
+
+def _picture(figure: Figure) -> Image.Image:
+    """With colours of its own, as GIFs have them."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="rgba", dpi=DPI)
+    width, height = (round(DPI * side) for side in figure.get_size_inches().tolist())
+    picture = Image.frombytes("RGBA", (width, height), drawn.getvalue())
+    return picture.convert("P", palette=Image.Palette.ADAPTIVE)
 
 
 def frames_of(run: ShownRun) -> np.ndarray:

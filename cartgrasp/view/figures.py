@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import UsageError
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .plots import (
     draw_contacts,
     draw_forces,

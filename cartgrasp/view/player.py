@@ -17,7 +17,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from ..yaml_file import write_atomically
+from ..writing import write_atomically
 from .player_data import player_data
 from .shown_run import ShownRun
 

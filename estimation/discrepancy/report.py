@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cartgrasp.strict_json import finite
-from cartgrasp.yaml_file import write_atomically
+from cartgrasp.writing import together, write_atomically
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -55,15 +55,17 @@ class Report:
         }
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
-        """Writes all into a folder, which is made; each file is whole or not there."""
+        """Writes all into a folder, which is made, all at one go; the last is report.json."""
         from .page import figures, page
 
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         drawn = figures(self.diagnosis)
-        for name, svg in drawn.items():
-            write_atomically(folder / f"{name}.svg", svg)
-        self.diagnosis.cart.save(folder / "cart.yaml")
-        write_atomically(folder / "report.html", page(self, drawn))
-        write_atomically(folder / "report.json", json.dumps(finite(self.as_dict()), indent=1, allow_nan=False) + "\n")
+        with together():
+            for name, svg in drawn.items():
+                write_atomically(folder / f"{name}.svg", svg)
+            self.diagnosis.cart.save(folder / "cart.yaml")
+            write_atomically(folder / "report.html", page(self, drawn))
+            document = json.dumps(finite(self.as_dict()), indent=1, allow_nan=False)
+            write_atomically(folder / "report.json", document + "\n")
         return folder

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from importlib import metadata, resources
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import osqp
 from scipy import sparse
 
 from cartgrasp.errors import UsageError
+from cartgrasp.writing import write_folder
 
 from .problem_code import EmbeddedProblem, header, source
 
@@ -25,18 +24,7 @@ def export_c(problem: EmbeddedProblem, folder: str | os.PathLike[str], wrench: t
     `make check` plans."""
     folder = Path(folder)
     check_free(folder)
-    try:
-        folder.absolute().parent.mkdir(parents=True, exist_ok=True)
-        aside = Path(tempfile.mkdtemp(dir=folder.absolute().parent, prefix=f".{folder.name}.", suffix=".part"))
-        try:
-            _fill(aside, problem, wrench)
-            aside.chmod(0o755)
-            _swap(aside, folder)
-        finally:
-            shutil.rmtree(aside, ignore_errors=True)
-    except OSError as error:
-        raise UsageError(f"{folder}: can't be written: {error.strerror or error}; name another folder") from error
-    return folder
+    return write_folder(folder, lambda aside: _fill(aside, problem, wrench))
 
 
 def check_free(folder: Path) -> None:
@@ -80,12 +68,3 @@ def _write_osqp(problem: EmbeddedProblem, folder: Path) -> None:
         (folder / name).unlink(missing_ok=True)
     licence = next(file for file in metadata.files("osqp") or () if file.name == "LICENSE")
     (folder / "LICENSE").write_text(licence.read_text(), encoding="utf-8")
-
-
-def _swap(aside: Path, folder: Path) -> None:
-    """A rename onto a folder works only where that is empty, so an earlier export moves out of the way first."""
-    old = aside.with_suffix(".old")
-    if folder.exists():
-        os.replace(folder, old)
-    os.replace(aside, folder)
-    shutil.rmtree(old, ignore_errors=True)

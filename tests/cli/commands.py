@@ -9,7 +9,10 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+from typer.main import get_command
+
 from cartgrasp.cli import main
+from cartgrasp.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 CART = """\
@@ -127,6 +130,14 @@ def run_apart(*arguments, **environment):
     command = [sys.executable, "-m", "cartgrasp", *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", env=env, timeout=60)
     return Answer(done.returncode, done.stdout, done.stderr)
+
+
+def command_tree(command=None, path=()):
+    """Every command and group, the whole first: its words and what typer makes of it."""
+    command = command or get_command(app)
+    yield path, command
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from command_tree(inner, (*path, name))
 
 
 def problem_file(folder, problem=PROBLEM, cart=CART):

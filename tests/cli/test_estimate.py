@@ -209,7 +209,7 @@ def test_refusals_are_one_line(capsys, tmp_path, weaving):
         log.write_text(content)
         run(capsys, *arguments).refused(3, place)
     log.write_text(good)
-    run(capsys, *arguments, "--method", "magic").refused(2, "--method magic", "filter")
+    run(capsys, *arguments, "--method", "magic").refused(2, "--method", "magic", "filter")
     run(capsys, *arguments, "--out", tmp_path / "nowhere" / "s.csv").refused(2, "--out", "nowhere")
     run(capsys, *arguments, "--out", tmp_path).refused(2, "--out", "is a folder")
     (tmp_path / "cart.yaml").write_text(GUESS.replace("mass: 18.0", "mass: -18.0"))

@@ -172,7 +172,7 @@ MISTAKES = [
         *(7, 5, "constraints.2.no_rotation", "stands twice"),
     ),
     (SHORT + "wheels:\n  - {kind: fixed, x: 0}\n", 5, 5, "wheels.0.y", "is missing"),
-    (SHORT + "wheels:\n  - {kind: fixed, x: 0, y: 0, z: 1}\n", 5, 31, "wheels.0.z", "unknown key"),
+    (SHORT + "wheels:\n  - {kind: fixed, x: 0, y: 0, z: 1}\n", 5, 31, "wheels.0.z", "unknown key; known are kind"),
     (SHORT + "wheels:\n  - {kind: steered, x: 0, y: 0}\n", 5, 6, "wheels.0.kind", "neither fixed nor caster"),
     (SHORT + "wheels:\n  - {kind: caster, x: 0, y: 0, trail: -1}\n", 5, 32, "wheels.0.trail", "is negative"),
     (

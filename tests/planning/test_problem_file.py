@@ -117,7 +117,7 @@ def test_a_cart_within_the_file(tmp_path):
         ("weights: [1, 1, 1, ", "weights: [1, 1, ", "9:5: arms.0.weights", "at least 6"),
         ("yaw: 0.1", "yaw: .nan", "6:5: arms.0.yaw", "nan is not a finite number"),
         ("yaw: 0.1", "yaw: north", "6:5: arms.0.yaw", "'north' is not a number"),
-        ("yaw: 0.1", "jaw: 0.1", "6:5: arms.0.jaw", "unknown key"),
+        ("yaw: 0.1", "jaw: 0.1", "6:5: arms.0.jaw", "unknown key; did you mean yaw?"),
         ("min_hand_distance: 0.1", "min_hand_distance: -1", "13:1: min_hand_distance", "-1 is negative"),
         (
             "min_hand_distance: 0.1",
@@ -250,7 +250,7 @@ def test_a_plan_from_a_file_is_relaxed_as_it_allows(tmp_path):
         ("{bound: 20}", "{bound: 20, axis: [0, 0, 0]}", "19:3: cart_limits.internal_force", "not a direction"),
         ("relax: 50", "relax: .inf", "20:1: relax", "inf is not a finite"),
         ("period: 0.01", "period: 0", "21:1: period", "0 is not > 0"),
-        ("tip_over:", "tipover:", "18:3: cart_limits.tipover", "unknown key"),
+        ("tip_over:", "tipover:", "18:3: cart_limits.tipover", "unknown key; did you mean tip_over?"),
     ],
 )
 def test_a_mistake_in_another_limit_has_a_place(tmp_path, old, new, place, why):

@@ -92,7 +92,7 @@ CONFIDENCE = "confidence: {probability: 0.95, std: {mass: 1.0, com_x: 0.02}}\n"
 @pytest.mark.parametrize(
     ("text", "place", "why"),
     [
-        ("objective: {worst_hand: {weight: 1}}\n", "6:13: objective.worst_hand", "unknown key"),
+        ("objective: {worst_hand: {weight: 1}}\n", "6:13: objective.worst_hand", "mean worst_arm?"),
         ("objective: {worst_arm: {}}\n", "6:13: objective.worst_arm.weight", "is missing"),
         ("objective: {worst_arm: {weight: 0}}\n", "6:25: objective.worst_arm.weight", "0 is not > 0"),
         ("objective: {smoothness: {rate: -1}}\n", "6:26: objective.smoothness.rate", "-1 is negative"),

@@ -19,10 +19,10 @@ from cartgrasp.studies.consistency import (
 )
 from cartgrasp.studies.consistency_figures_of_merit import (
     COLUMNS,
+    SCORE_COLUMNS,
     claims,
     consistency,
     rows,
-    score_columns,
     score_rows,
 )
 from cartgrasp.studies.consistency_plots import save_plots
@@ -58,7 +58,7 @@ def test_figures(tmp_path):
     assert found.mean[7] == pytest.approx(np.mean([run[MATCHED].squares[MOTION][7] for run in runs]) / 5)
     assert found.inside == pytest.approx(0.95, abs=0.04)
     assert {len(row) for row in rows(runs)} == {len(COLUMNS)}
-    assert {len(row) for row in score_rows(runs)} == {len(score_columns())}
+    assert {len(row) for row in score_rows(runs)} == {len(SCORE_COLUMNS)}
     assert save_plots(runs, tmp_path).stat().st_size > 1000
 
 

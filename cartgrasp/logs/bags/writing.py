@@ -17,7 +17,7 @@ from ruamel.yaml import YAML
 
 from ...errors import DataError
 from ...frames import body_to_world
-from ...yaml_file import write_atomically
+from ...writing import write_atomically
 from ..run_log import RunLog
 from .mcap_file import McapFile
 from .messages import ODOMETRY, TRANSFORMS, WRENCH, Sample, encode, encode_transforms

@@ -1,0 +1,48 @@
+"""How Sphinx makes these pages: `make docs`. They load nothing from anywhere."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "docs")]
+
+import cartgrasp  # noqa: E402
+
+project = "cartgrasp"
+author = "The cartgrasp authors"
+version = release = cartgrasp.__version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas"]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+html_math_renderer = "svg"
+smartquotes = False
+html_theme = "furo"
+html_title = "cartgrasp"
+html_copy_source = False
+html_show_sourcelink = False
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
+autodoc_member_order = "bysource"
+nitpick_ignore_regex = [("py:.*", ".*")]
+"""Types in signatures: not each is on the page of the API. Links between pages stay strict."""
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", plain)
+    app.connect("autodoc-process-signature", short)
+
+
+def plain(app, what, name, value, options, lines):
+    """Docstrings are no reStructuredText: what is between backticks is code, the rest stands as it is."""
+    parts = "\n".join(lines).split("`")
+    parts[::2] = (re.sub(r"([*|_\\])", r"\\\1", part) for part in parts[::2])
+    lines[:] = "``".join(parts).split("\n")
+
+
+def short(app, what, name, value, options, signature, returned):
+    """Signatures with our name for arrays of floats."""
+    spelt = "ndarray[tuple[Any, ...], dtype[float64]]"
+    return tuple(text and text.replace(spelt, "Array") for text in (signature, returned))
