@@ -16,6 +16,8 @@ from ..noise import FilterNoise
 FLOOR_SHARE = 0.002
 """Of the forces at work: what a model leaves out at every sample."""
 FORCE_FLOOR = 1e-3
+MISTIMED = 0.1
+"""Of the step between rows: how well a sample's time is known, so that where the wrench jumps, less is known of it."""
 NEIGHBOURS, OWN = 0.15, 0.03
 """s: how far around a row neighbours count, and how near they share its noise."""
 
@@ -45,7 +47,8 @@ class WrenchRecord:
         covariance = np.einsum("anfi,ij,angj->nfg", maps, noise.wrench_covariance, maps)
         total = np.einsum("anfi,ani->nf", maps, wrenches)
         size = max(float(np.sqrt((total**2).mean(axis=0).max())), FORCE_FLOOR)
-        covariance[:] += (FLOOR_SHARE * size) ** 2 * np.eye(total.shape[1])
+        missed = np.hypot(FLOOR_SHARE * size, MISTIMED * _jumps(total, seen))
+        covariance += missed[..., None] ** 2 * np.eye(total.shape[1])
         return cls(tuple(log.arms), seen, maps, wrenches, covariance)
 
     def of_neighbours(self, step: float) -> WrenchRecord:
@@ -79,6 +82,13 @@ class WrenchRecord:
             nearest = recorded + (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
             found += grasp @ cart.corrected_wrench(arm, nearest)[1]
         return found
+
+
+def _jumps(total: Array, seen: np.ndarray) -> Array:
+    """From each row to the next or from the one before, whichever is larger (n, f)."""
+    jump = np.abs(np.diff(total, axis=0)) * (seen[1:] & seen[:-1])[:, None]
+    none = np.zeros((1, total.shape[1]))
+    return np.asarray(np.maximum(np.vstack([jump, none]), np.vstack([none, jump])))
 
 
 def _held(contact: Array) -> Array:
