@@ -220,7 +220,7 @@ def diagnose(
         tell(f"smoothing {log.name}")
         check_rows(log, cart)
         log = without_glitches(log)
-        regression = WrenchRegression(log, cart, None, _in_pairs(log))
+        regression = WrenchRegression(log, cart, None, _in_pairs(log)).wary()
         checks.append(checked(log, cart, regression))
         whole.append(regression)
     selection = select(whole, cart, arms, tell)

@@ -2,7 +2,8 @@
 
 A name stands for many forms: friction of bristles or of a step, drag at the origin or at the CoM, a carpet's ramp. What
 a form leaves looks like a small second effect. So from one manoeuvre to the next the size of an added effect is free by
-a share, and the line along which its force acts by a lever; both are unknowns beside the parameters.
+a share, and the line along which its force acts by a lever; both are unknowns beside the parameters. So is how sharply
+the smoothed motion bends, which looks like a small delay, or like something that swings and is damped at once.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ SHARE = 0.1
 """Of its size: how far an effect may be from ours in one manoeuvre."""
 LEVER = 0.05
 """m: how far beside our line of action its force may act there."""
+BLUR = 0.5
+"""Times second differences of wrenches, those of a motion smoothed over a row more or less."""
 TRACE = 1e-9
 SIZES = np.array([0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0])
 """Times SHARE or LEVER: what a family of forms may come to on some logs."""
@@ -30,8 +33,8 @@ ROUNDS = 2
 
 @dataclass(frozen=True)
 class Forms:
-    """Of a log: what other forms, each of one deviation, add to its rows (m, f, k), and of which family each is: of one
-    effect's shares, or of its levers (k,)."""
+    """Of a log: what other forms, each of one deviation, add to its rows (m, f, k), and of which family each is (k,): of
+    one effect's shares, of its levers, or of the smoothing."""
 
     columns: Array
     family: np.ndarray
@@ -43,7 +46,7 @@ class Forms:
         rows = line.nodes // regression.size
         number = manoeuvres(regression.motion, turns)[rows]
         inside = number[:, None] == np.unique(number)
-        parts, family = [np.zeros((*line.residual.shape, 0))], list[int]()
+        parts, family = [BLUR * regression.bends()[..., None]], [-1]
         for k, (effect, trace) in enumerate(traces):
             if np.abs(trace).max(initial=0.0) < TRACE:
                 continue
@@ -57,8 +60,6 @@ class Forms:
 
     def taken(self, line: Linearisation) -> float:
         """Of the residual's chi-squared: what they take away."""
-        if not self.columns.shape[2]:
-            return 0.0
         sides = np.concatenate([self.columns, line.residual[..., None]], axis=2)
         sums = np.tensordot(self.columns, line.whitened(sides), ((0, 1), (0, 1)))
         information, pull = sums[:, :-1], sums[:, -1]

@@ -142,7 +142,7 @@ def _sideways(
         first = trials[0].finding.effect
         for _ in range(SIDEWAYS_ROUNDS):
             bent = replace(cart, effects=(*cart.effects, *added, first))
-            whole = tuple(WrenchRegression(r.log, bent, r.noise, r.size > 1) for r in whole)
+            whole = tuple(WrenchRegression(r.log, bent, r.noise, r.size > 1).wary() for r in whole)
             fitted = _on_moving_rows(whole, cart, (*added, first))
             again = sideways_trials(whole, fitted.cart.without_effect(first.key))
             first = next(t.finding.effect for t in again if type(t.finding.effect) is type(first))
