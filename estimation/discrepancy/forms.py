@@ -33,8 +33,8 @@ ROUNDS = 2
 
 @dataclass(frozen=True)
 class Forms:
-    """Of a log: what other forms, each of one deviation, add to its rows (m, f, k), and of which family each is (k,): of
-    one effect's shares, of its levers, or of the smoothing."""
+    """Of a log: what other forms, each of one deviation, add to its rows (m, f, k), and of which family each is (k,):
+    one effect's shares, its levers, or the smoothing."""
 
     columns: Array
     family: np.ndarray
