@@ -14,7 +14,7 @@ PYTHON := python3 python3.11 python3.12 python3.13
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test prove sealed lint format docs bench lock clean
+.PHONY: help setup demo test prove sealed floors lint format docs bench lock clean
 
 help:
 	@echo "make setup    make .venv from the lock and install cartgrasp into it, editable"
@@ -22,6 +22,7 @@ help:
 	@echo "make test     run the tests"
 	@echo "make prove    run the long proofs that make test leaves out"
 	@echo "make sealed   name effects hidden in generated logs, and score what was named (SEEDS=0:4; hours)"
+	@echo "make floors   from which share of its usual size on an effect is named (SEEDS, SHARES; hours)"
 	@echo "make lint     ruff check, ruff format --check, mypy --strict"
 	@echo "make format   let ruff format and mend what it can"
 	@echo "make docs     build the documentation into out/docs"
@@ -75,16 +76,23 @@ prove: setup
 
 # Diagnoses that are there are kept, so what was interrupted goes on; after a change of the workflow, remove them first.
 SEEDS := 0:4
+SHARES := 1,0.5,0.25,0.125
 SEALED := out/sealed
 sealed: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED)
-	@for method in err sindy; do \
+	@for method in err sindy everything; do \
 	    echo && echo "General method: $$method" && \
 	    $(ENV) $(BIN)/python -m benchmarks.sealed baselines $(SEALED) --method $$method && \
 	    $(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED) --reports out-$$method || exit 1; \
 	done
+
+FLOORS := out/floors
+floors: setup $(READY_FOR_BENCH)
+	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(FLOORS) --seeds $(SEEDS) --cases single --shares $(SHARES)
+	$(ENV) $(BIN)/cartgrasp study discrepancy $(FLOORS)
+	$(ENV) $(BIN)/python -m benchmarks.sealed score $(FLOORS)
 
 lint: setup
 	$(BIN)/ruff check .

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from .frames import Array
 from .inertia import N_PHI, physical_jacobian
@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from .model import CartModel
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(NamedTuple):
     """Pose (..., 3) of {b} in {s} and free velocities nu (..., n_free) of the cart."""
 
     pose_sb: Array
@@ -56,8 +55,7 @@ class ParameterEstimate:
     identifiable: bool
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(NamedTuple):
     """What an estimator knows at `time`: the motion, the parameters by name, and its own health. `structure` is the
     cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated, `covariance` (p, p) is
     theirs (None where an estimator has none)."""

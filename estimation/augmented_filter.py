@@ -11,7 +11,6 @@ State: `(pose, nu, memory | free parameters | reduced wrench)`.
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -33,6 +32,7 @@ from .kernels.correction import GATE
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior
+from .shallow import shallow
 from .wrench_sensing import WrenchSensing
 from .wrench_walk import WrenchWalk
 
@@ -82,6 +82,7 @@ class AugmentedFilter:
         self._walk = WrenchWalk(self._wrench_variance(UNKNOWN_FORCE))
         self._poise = np.zeros(len(cart.memory_names))
         self._belief: Gaussian | None = None
+        self._physical: tuple[Gaussian, Array] | None = None  # of a belief
         self._sensors = dict.fromkeys(SENSORS, SensorHealth())
         self.time = -math.inf
         self._started = self._has_wrench = False
@@ -109,9 +110,16 @@ class AugmentedFilter:
             self._sensors[name] = self._sensors[name].seen(measurement.time, nis / (GATE * size))
 
     def copy(self) -> Self:
-        other = copy.copy(self)
-        other._watch, other._walk, other._sensing = self._watch.copy(), copy.copy(self._walk), self._sensing.copy()
+        other = shallow(self)
+        other._watch, other._walk, other._sensing = self._watch.copy(), shallow(self._walk), self._sensing.copy()
         other._poise, other._sensors = self._poise.copy(), dict(self._sensors)
+        return other
+
+    def ahead(self, samples: Sequence[Measurement]) -> Self:
+        """A copy that has seen later motion."""
+        other = self.copy()
+        for sample in samples:
+            other.take(sample)
         return other
 
     @property
@@ -148,8 +156,10 @@ class AugmentedFilter:
     def _physical_block(self) -> Array:
         """The parameters to linearise at and to report. Where what is believed is no body, the belief itself stays as
         it is: pushed inside at every step, it would count each push as news."""
-        part = self.layout.parameters
-        return self._block.nearest_physical(self.belief.mean[part], self.belief.covariance[part, part])
+        belief, part = self.belief, self.layout.parameters
+        if self._physical is None or self._physical[0] is not belief:
+            self._physical = belief, self._block.nearest_physical(belief.mean[part], belief.covariance[part, part])
+        return self._physical[1]
 
     # --- prediction ------------------------------------------------------------------------------------------
 
@@ -198,8 +208,7 @@ class AugmentedFilter:
         walk, fade = self._walk.at(time)
         rate[layout.wrench] = -fade * wrench
         jacobian[where, where] = -fade
-        if block is not believed:
-            rate[rows] += jacobian[rows, layout.parameters] @ (believed - block)
+        rate[rows] += jacobian[rows, layout.parameters] @ (believed - block)
         self._note_poise(np.diagonal(jacobian)[cart.memory_slice], step)
         stiction = cart.stiction(state, theta, time)
         density = self._density(state[2], flow.by_wrench[cart.velocity_slice], stiction)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
 from .augmented_filter import AugmentedFilter
+from .delayed_wrenches import Core, DelayedWrenches, longest_delay
 from .driven_motion import DrivenMotion
 from .gaussian import Gaussian
 from .health import Health, SensorHealth
@@ -37,9 +38,11 @@ class CartFilter:
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
     `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Below
-    `least_speed` (m/s) of {b}'s origin a regression learns nothing, as in the paper's experiments. Wrenches are
-    taken to be of the measurement's time: of those with a `time_delay`, hand over a log by `replay`.
+    `least_speed` (m/s) of {b}'s origin a regression learns nothing, as in the paper's experiments. Where the cart has
+    a `time_delay`, parameters are as much behind, and the motion is not.
     """
+
+    aligns: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -53,7 +56,7 @@ class CartFilter:
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
         given = cart, arms, self.noise, self.prior, yaws or {}
-        core: AugmentedFilter | LearningFilter
+        core: Core
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
             is_exact = self.noise.force <= EXACT * self.noise.disturbance
             if least_speed == 0.0 and (is_exact or cart.memory_names):
@@ -61,14 +64,14 @@ class CartFilter:
             else:
                 learner = ParameterLearner(*given, least_speed)
                 core = LearningFilter(learner, DrivenMotion(cart, self.noise, self.prior.free(cart)))
-        self._samples = LateSamples(core)
+        self._samples = LateSamples(DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
 
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
-        if not self._samples.take(measurement):
-            return replace(self.estimate, health=Health.CLOCK)
-        return self.estimate
+        is_taken = self._samples.take(measurement)
+        found = self.estimate
+        return found if is_taken else found._replace(health=Health.CLOCK)
 
     @property
     def belief(self) -> Gaussian:
@@ -88,10 +91,10 @@ class CartFilter:
     @property
     def estimate(self) -> Estimate:
         found, ahead = self._core.estimate(), self._samples.ahead
-        return replace(found, time=found.time - ahead) if ahead else found
+        return found._replace(time=found.time - ahead) if ahead else found
 
     @property
-    def _core(self) -> AugmentedFilter | LearningFilter:
+    def _core(self) -> DelayedWrenches | Core:
         if self._samples.state.time == -math.inf:
             raise UsageError("filter: no measurement has come yet")
         return self._samples.state

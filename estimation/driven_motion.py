@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import Self
 
@@ -18,6 +17,8 @@ from .kernels import driven_motion as kernels
 from .kernels.driven_block import new_block, parts
 from .kernels.driven_motion import HELD, MAX_STEP
 from .noise import FilterNoise
+from .seen import NOTHING_SEEN
+from .shallow import shallow
 from .wrench_sensing import SensedWrench
 
 UNKNOWN_FORCE = 100.0
@@ -36,7 +37,7 @@ class DrivenMotion:
         self._plan = np.array([n, k, m, len(cart.parameters), len(free), first, end, self._sticks, *free], np.int64)
         self._block = new_block(self._plan)
         self.now = parts(self._block, self._plan)
-        self._seen, self.time = np.full(6, np.nan), math.nan
+        self.time = math.nan
         self._theta = self.now.theta[:] = cart.parameters
         self._set_constants(noise)
         self._let_go()
@@ -59,8 +60,8 @@ class DrivenMotion:
         return Gaussian(now.mean.copy(), now.own + now.slopes @ now.beside @ now.slopes.T)
 
     def copy(self) -> Self:
-        other = copy.copy(self)
-        other._block, other._seen = self._block.copy(), self._seen.copy()
+        other = shallow(self)
+        other._block = self._block.copy()
         other.now = parts(other._block, self._plan)
         return other
 
@@ -98,16 +99,14 @@ class DrivenMotion:
 
     def push(self, wrench: SensedWrench) -> None:
         """From now on."""
-        now, time = self.now, self.time
-        now.pushed[:] = time, min(time - now.pushed[0], HELD)
+        now = self.now
+        now.pushed[1], now.pushed[0] = now.pushed[0], self.time
         now.push[:], now.push_covariance[:] = wrench.value, wrench.covariance
 
-    def advance(self, time: float, pose: Array | None = None, velocity: Array | None = None) -> None:
-        """With nothing measured on the way but the last push; then takes in what was measured at that time, NaN where
-        missing."""
-        seen, span = self._seen, (self.time, time)
-        seen[:3] = math.nan if pose is None else pose
-        seen[3:] = math.nan if velocity is None else velocity
+    def advance(self, time: float, seen: Array = NOTHING_SEEN) -> None:
+        """With nothing measured on the way but the last push; then takes in what is `seen` (6,) at that time: pose and
+        velocity, NaN where missing."""
+        span = self.time, time
         if self._in_kernels:
             floats, ints = self.cart.dynamics.floats, self.cart.dynamics.ints
             kernels.drive(floats, ints, self._block, self._plan, seen, span)
@@ -136,5 +135,5 @@ class DrivenMotion:
     def _let_go(self) -> None:
         """From now on the push may be any."""
         now = self.now
-        now.pushed[:] = -math.inf, HELD
+        now.pushed[:] = -math.inf
         now.push[:], now.push_covariance[:] = 0.0, now.unknown

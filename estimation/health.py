@@ -56,7 +56,7 @@ class SensorHealth(NamedTuple):
 
 def said(sensors: Mapping[str, SensorHealth], learner: Health) -> Health:
     """The first that holds, of sensors and of what learns from them."""
-    pose, velocity, wrench = (sensors[name] for name in SENSORS)
+    pose, velocity, wrench = sensors["pose"], sensors["velocity"], sensors["wrench"]
     if pose.is_missed:
         return Health.STALE
     if learner == Health.NO_WRENCH or wrench.is_missed:

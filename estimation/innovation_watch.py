@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Self
 
 from .health import OUTLYING_SHARE, Health
 from .kernels.correction import GATE
 from .resets import Resets
+from .shallow import shallow
 
 SMOOTHING = 0.01
 """Share of a new sample in the level: slower than a caster's turning round, which is loud for a moment too."""
@@ -28,7 +28,7 @@ class InnovationWatch:
         self._outliers = 0.0
 
     def copy(self) -> Self:
-        other = copy.copy(self)
+        other = shallow(self)
         other.last = dict(self.last)
         return other
 
@@ -49,7 +49,7 @@ class InnovationWatch:
         may = self._samples >= SETTLING_SAMPLES and self._resets.are_allowed
         if not may or self.level < LOUD:
             return False
-        self._resets = self._resets.one_more()
+        self._resets = self._resets.one_more(time)
         self.level = 1.0
         return True
 

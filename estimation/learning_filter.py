@@ -9,13 +9,13 @@ drives, with what is not known of wrench and parameters in its covariance, and n
 
 from __future__ import annotations
 
-import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Self
 
 import numpy as np
 
+from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
@@ -24,6 +24,8 @@ from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
 from .kernels.correction import GATE
 from .regressor.parameter_learner import ParameterLearner
+from .seen import NOTHING_SEEN, seen_in
+from .shallow import shallow
 
 LONG_GAP = 1.0
 """s: after a longer one the motion may be any."""
@@ -36,7 +38,7 @@ class LearningFilter:
         self.learner, self.motion = learner, motion
         self.sensors = dict.fromkeys(SENSORS, SensorHealth())
         self.time = -math.inf  # of the last sample
-        self._gates, self._started = GATE * np.array(self.sizes, dtype=float), False
+        self._gates, self._started = [GATE * size for size in self.sizes], False
 
     @property
     def cart(self) -> CartModel:
@@ -47,20 +49,32 @@ class LearningFilter:
         learner, motion = self.learner, self.motion
         learner.take(measurement)
         self.time = learner.time
-        if self._started:
-            if measurement.time - motion.time > LONG_GAP:
-                motion.coast(measurement.time)
-            motion.advance(measurement.time, measurement.pose, measurement.velocity)
-        else:
-            pose = np.full(3, np.nan) if measurement.pose is None else np.asarray(measurement.pose, dtype=float)
-            motion.start(measurement.time, pose)
-            motion.advance(measurement.time, None, measurement.velocity)
-            self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
+        self._move(measurement.time, learner.seen)
         motion.learn(learner.theta, learner.covariance)
         sensed = learner.sensed if measurement.wrenches else None
         if sensed is not None:
             motion.push(sensed)
         self._note_sensors(measurement, sensed is not None)
+
+    def _move(self, time: float, seen: Array) -> None:
+        motion = self.motion
+        if self._started:
+            if time - motion.time > LONG_GAP:
+                motion.coast(time)
+            motion.advance(time, seen)
+        else:
+            motion.start(time, seen[:3])
+            motion.advance(time, np.concatenate([NOTHING_SEEN[:3], seen[3:]]))
+            self._started = math.isfinite(seen[2])  # without a heading nobody knows where anything pushes
+
+    def ahead(self, samples: Sequence[Measurement]) -> Self:
+        """A copy that has seen later motion, and learned nothing."""
+        other = shallow(self)
+        other.motion, other.sensors = self.motion.copy(), dict(self.sensors)
+        for sample in samples:
+            other._move(sample.time, seen_in(sample))
+            other._note_sensors(sample, False)
+        return other
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -86,17 +100,16 @@ class LearningFilter:
         return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
 
     def copy(self) -> Self:
-        other = copy.copy(self)
+        other = shallow(self)
         other.learner, other.motion = self.learner.copy(), self.motion.copy()
         other.sensors = dict(self.sensors)
         return other
 
     def _note_sensors(self, measurement: Measurement, is_pushed: bool) -> None:
         time, sensors = measurement.time, self.sensors
-        pose, velocity = (self.motion.now.nis / self._gates).tolist()
+        pose, velocity = self.motion.now.nis.tolist()
         if measurement.pose is not None and not math.isfinite(pose) and np.isfinite(measurement.pose).all():
             pose = 0.0  # where it began
-        sensors["pose"] = sensors["pose"].seen(time, pose)
-        sensors["velocity"] = sensors["velocity"].seen(time, velocity)
-        wrench = self.learner.surprise if is_pushed else math.nan
-        sensors["wrench"] = sensors["wrench"].seen(time, wrench)
+        sensors["pose"] = sensors["pose"].seen(time, pose / self._gates[0])
+        sensors["velocity"] = sensors["velocity"].seen(time, velocity / self._gates[1])
+        sensors["wrench"] = sensors["wrench"].seen(time, self.learner.surprise if is_pushed else math.nan)

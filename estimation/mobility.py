@@ -16,6 +16,7 @@ With none, `(1/m, dx/I, dy/I, 1/I)`; on a rail the one thing to know is `1/m`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, final
 
 import numpy as np
@@ -36,7 +37,7 @@ class BodyLimits:
     com_y: tuple[float, float]
     inertia: tuple[float, float]
 
-    @property
+    @cached_property
     def widest_inertia(self) -> float:
         """The largest inertia about {b}'s origin, kg·m²."""
         return self.inertia[1] + self.mass[1] * (max(map(abs, self.com_x)) ** 2 + max(map(abs, self.com_y)) ** 2)
@@ -56,7 +57,8 @@ class Chart(Protocol):
         ...
 
     def bounds(self, i: int, coordinates: Array, limits: BodyLimits) -> tuple[float, float]:
-        """Range of coordinate `i` that keeps the body within limits, given the others; in the order of `clamped`."""
+        """Range of coordinate `i` that keeps the body within limits, given the others (4 and more); in the order of
+        `clamped`."""
         ...
 
     clamped: tuple[int, ...]
@@ -78,11 +80,13 @@ class AxleChart:
     clamped: tuple[int, ...] = (2, 1, 0, 3)
 
     def __init__(self, axle_x: float, angle: float = 0.0) -> None:
-        self._axle_x, self._turn = axle_x, rotation_planar(-angle)
+        self._axle_x = axle_x
+        turn = rotation_planar(-angle)
+        _, (self._sine, self._cosine) = turn.tolist()
         # phi about the axle: m dx - m a, and J - 2 a m dx + a² m
         self._to_axle = np.eye(4)
         self._to_axle[1, 0], self._to_axle[3, 0], self._to_axle[3, 1] = -axle_x, axle_x**2, -2 * axle_x
-        self._to_axle[1:3] = self._turn @ self._to_axle[1:3]
+        self._to_axle[1:3] = turn @ self._to_axle[1:3]
         self._from_axle = np.linalg.inv(self._to_axle)
 
     def coordinates(self, phi: Array) -> Array:
@@ -96,8 +100,8 @@ class AxleChart:
         return np.asarray(self._from_axle @ np.array([c / determinant, g / c, b / determinant, a / determinant]))
 
     def bounds(self, i: int, coordinates: Array, limits: BodyLimits) -> tuple[float, float]:
-        a, b = coordinates[:2]
-        c = max(coordinates[2], 1 / limits.widest_inertia)
+        a, b, c = coordinates[:3].tolist()
+        c = max(c, 1 / limits.widest_inertia)
         least = limits.inertia[0]
         if i == 2:
             return 1 / limits.widest_inertia, 1 / least
@@ -113,11 +117,13 @@ class AxleChart:
         low, high = self._com_range(limits)[0]
         return max(low * to_g, -most), min(high * to_g, most)
 
-    def _com_range(self, limits: BodyLimits) -> Array:
+    def _com_range(self, limits: BodyLimits) -> tuple[tuple[float, float], tuple[float, float]]:
         """Low and high of the CoM along and across the wheels, from the axle."""
-        ranges = np.array([limits.com_x, limits.com_y]) - [[self._axle_x], [0.0]]
-        middle = ranges.mean(axis=1)
-        return np.asarray(ranges + (self._turn @ middle - middle)[:, None])
+        (back, front), (right, left) = limits.com_x, limits.com_y
+        x, y = (back + front) / 2 - self._axle_x, (right + left) / 2
+        along, across = self._cosine * x - self._sine * y, self._sine * x + self._cosine * y
+        reach, width = (front - back) / 2, (left - right) / 2
+        return (along - reach, along + reach), (across - width, across + width)
 
     def jacobian(self, coordinates: Array) -> Array:
         a, b, c, g = coordinates

@@ -8,6 +8,7 @@ six velocities and poses measured (10); the wrench taken as exact. `M' = P M` of
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,6 +30,8 @@ BLOW_UP = 1e6
 
 class PaperFilter:
     """The literal form of (8)-(20), with the same interface as `CartFilter`."""
+
+    aligns: ClassVar[bool] = False
 
     def __init__(
         self,

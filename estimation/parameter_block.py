@@ -75,19 +75,15 @@ class ParameterBlock:
 
     def _conditioned(self, block: Array, covariance: Array) -> Array:
         """Each coordinate that is out of bounds put on its bound, one after the other."""
+        full = self._coordinates(block)
         for k, i in self._clamped:
-            low, high = self._bounds(i, block)
-            value = block[k]
+            low, high = self._chart.bounds(i, full, self._limits) if i < N_PHI else self._effect_bounds[i - N_PHI]
+            value = full[i]
             if not low <= value <= high:
                 spread = covariance[:, k] / covariance[k, k]
                 block = block + spread * (min(max(value, low), high) - value)
+                full = self._coordinates(block)
         return block
-
-    def _bounds(self, i: int, block: Array) -> tuple[float, float]:
-        """Of the model's coordinate `i`, given the others."""
-        if i < N_PHI:
-            return self._chart.bounds(i, self._coordinates(block)[:N_PHI], self._limits)
-        return self._effect_bounds[i - N_PHI]
 
     def _coordinates(self, block: Array) -> Array:
         full = self._full.copy()

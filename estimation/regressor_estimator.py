@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from .regressor.parameter_learner import ParameterLearner
 class RegressorEstimator:
     """Learns while the cart is pushed, as `CartFilter` does and with its arguments, and what it learns."""
 
+    aligns: ClassVar[bool] = False
+
     def __init__(
         self,
         cart: CartModel,
@@ -38,9 +40,9 @@ class RegressorEstimator:
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
-        if not self._samples.take(measurement):
-            return replace(self.estimate, health=Health.CLOCK)
-        return self.estimate
+        is_taken = self._samples.take(measurement)
+        found = self.estimate
+        return found if is_taken else found._replace(health=Health.CLOCK)
 
     @property
     def belief(self) -> Gaussian:
@@ -58,7 +60,7 @@ class RegressorEstimator:
         if learner.time == -math.inf:
             raise UsageError("regressor: no measurement has come yet")
         found, ahead = learner.estimate(learner.motion, learner.health), self._samples.ahead
-        return replace(found, time=found.time - ahead) if ahead else found
+        return found._replace(time=found.time - ahead) if ahead else found
 
     @property
     def _learner(self) -> ParameterLearner:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -20,9 +20,10 @@ from .paper_filter import DIVERGED
 
 
 class CartEstimator(Estimator, Protocol):
-    """An estimator that says of which cart."""
+    """An estimator that says of which cart, and whether it brings late wrenches back itself."""
 
     cart: CartModel
+    aligns: ClassVar[bool]
 
 
 @dataclass(frozen=True)
@@ -60,10 +61,11 @@ def replay(
     progress: Callable[[float], None] | None = None,
     until: float | None = None,
 ) -> Replay:
-    """Every row of the log in turn, its wrenches at the time when they happened, then on to `until` (s); `progress` is
+    """Every row of the log in turn, its wrenches of the time when they happened, then on to `until` (s); `progress` is
     told the share done."""
     estimates = []
-    for i, measurement in enumerate(aligned(log, estimator.cart).measurements()):
+    told = log if estimator.aligns else aligned(log, estimator.cart)
+    for i, measurement in enumerate(told.measurements()):
         estimates.append(_updated(estimator, measurement, log.name))
         if progress is not None and i % 100 == 0:
             progress(i / len(log))

@@ -15,18 +15,20 @@ MOST_RESETS, MEMORY = 3, 20.0
 
 @dataclass(frozen=True)
 class Resets:
-    """Those that are remembered at a time, `now` (s)."""
+    """Those that are remembered, and the time `now` (s) where there are any."""
 
     times: tuple[float, ...] = ()
     now: float = -math.inf
 
     def at(self, time: float) -> Resets:
         """Later, with nothing new."""
+        if not self.times:
+            return self
         return Resets(tuple(t for t in self.times if time - t < MEMORY), time)
 
-    def one_more(self) -> Resets:
+    def one_more(self, time: float) -> Resets:
         """Now."""
-        return Resets((*self.times, self.now), self.now)
+        return Resets((*self.times, time), time)
 
     @property
     def are_allowed(self) -> bool:

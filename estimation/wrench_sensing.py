@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Self
 
@@ -13,8 +12,10 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 
+from .shallow import shallow
+
 MOST_FORCE = 1e6
-"""N, N·m: more is no wrench, nor is NaN."""
+"""N, N·m: more in all is no wrench, nor is NaN."""
 
 
 class SensedWrench(NamedTuple):
@@ -44,15 +45,14 @@ class WrenchSensing:
 
     def __init__(self, cart: CartModel, arms: Sequence[str] | None, yaws: Mapping[str, float], noise: Array) -> None:
         self.cart, self.yaws, self._noise = cart, dict(yaws), noise
-        self._arms = None if arms is None else tuple(arms)
-        self._seen: tuple[str, ...] = ()
+        self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
         self._corrects = bool(cart.sensor_effects)
         self._nothing = np.zeros((cart.constraints.n_free, len(cart.parameters)))
 
     def copy(self) -> Self:
-        other = copy.copy(self)
+        other = shallow(self)
         other._holds = dict(self._holds)
         return other
 
@@ -67,28 +67,38 @@ class WrenchSensing:
 
     def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
         """None where an arm's wrench or contact is missing: the total is then not known."""
-        recorded = measurement.wrenches
-        arms = self._arms or tuple(dict.fromkeys((*self._seen, *recorded)))
-        if arms != self._seen:
-            self._seen, self._grip = arms, None
-        if not arms or any(recorded.get(arm) is None for arm in arms):
-            return None
+        recorded, true = measurement.wrenches, []
+        if self._takes_all:
+            self._note_arms(recorded)
+        for arm in self._arms:
+            wrench = recorded.get(arm)
+            if wrench is None:
+                return None
+            true.append(wrench)
         grip = self._grip = self._grip or self._gripped()
         if grip is None:
             return None
-        true, by_parameters = [recorded[arm] for arm in arms], self._nothing
+        by_parameters = self._nothing
         if self._corrects:
-            corrected = [self.cart.corrected_wrench(arm, np.asarray(recorded[arm]), parameters) for arm in arms]
+            corrected = [
+                self.cart.corrected_wrench(arm, np.asarray(wrench), parameters)
+                for arm, wrench in zip(self._arms, true, strict=True)
+            ]
             true = [wrench for wrench, _ in corrected]
             by_parameters = grip.reduced @ np.concatenate([by for _, by in corrected])
         value = grip.reduced @ np.concatenate(true)
-        is_wrench = all(abs(number) < MOST_FORCE for number in value.tolist())
+        is_wrench = sum(map(abs, value.tolist())) < MOST_FORCE
         return SensedWrench(value, grip.covariance, by_parameters) if is_wrench else None
 
+    def _note_arms(self, recorded: Mapping[str, Array]) -> None:
+        for arm in recorded:
+            if arm not in self._arms:
+                self._arms, self._grip = (*self._arms, arm), None
+
     def _gripped(self) -> Grip | None:
-        """None where a contact is not known."""
-        holds = [self._holds.get(arm) for arm in self._seen]
+        """None where there is no arm, or a contact is not known."""
+        holds = [self._holds.get(arm) for arm in self._arms]
         reduced = [hold.reduced for hold in holds if hold is not None]
-        if len(reduced) < len(holds):
+        if len(reduced) < max(len(holds), 1):
             return None
         return Grip(np.hstack(reduced), np.add.reduce([r @ self._noise @ r.T for r in reduced]))

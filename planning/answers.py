@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from cartgrasp.frames import Array
 from .allocation import Allocation, conclude
 from .contact_choice import Choice
 from .objectives import Lexicographic
-from .plan import RELAXED, ChoiceProof, Plan
+from .plan import RELAXED, ChoiceProof, Figures, Plan
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .second_stage import second_stage
 from .solvers import QuadraticSolver
@@ -52,7 +53,7 @@ class Answers:
         words = allocation.certificate.words if allocation.certificate else words
         return Plan(
             status=allocation.status,
-            choice=proof,
+            tell=partial(Figures, choice=proof),
             certificate=allocation.certificate,
             solve_time=time.perf_counter() - solved.start,
             solver=allocation.solution.solver,
@@ -76,13 +77,10 @@ class Answers:
             wrenches=self.by_arm(wrenches),
             contacts=self._contacts_at(solved.points),
             yaws=self._terms.yaws,
-            effort=base.effort(wrenches),
-            active=program.active(solution),
-            residuals=solution.residuals,
-            choice=proof,
             solve_time=time.perf_counter() - solved.start,
             solver=solution.solver,
             message=solution.message,
+            tell=lambda: Figures(base.effort(wrenches), program.active(solution), solution.residuals, proof),
             prove=lambda: (program, solution),
         )
 
@@ -94,7 +92,9 @@ class Answers:
             return None
         plan = self._optimal(solved._replace(program=nearest.program, solution=nearest.solution), last, proof)
         active = tuple(dict.fromkeys((*certificate.limits, *plan.active)))
-        return replace(plan, status=RELAXED, active=active, certificate=certificate, message=certificate.words)
+        figures = plan.figures._replace(active=active)
+        words = certificate.words
+        return replace(plan, status=RELAXED, tell=lambda: figures, certificate=certificate, message=words)
 
     def _contacts_at(self, points: Array) -> dict[str, Array]:
         if points is not self._shown_points:

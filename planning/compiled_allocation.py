@@ -29,7 +29,7 @@ Progress = tuple[Array, "Ints"]
 
 
 class CompiledAllocation:
-    """One workspace, kept warm. After `solve` has returned True, `answer` and `active` are its."""
+    """One workspace, kept warm. After `solve` has returned True, `answer` and `names` are its."""
 
     cost: Cost
     _points: Array | None
@@ -46,7 +46,6 @@ class CompiledAllocation:
         self._floats, self._ints = Sizes(*sizes).allocate()
         self._workspace: Workspace = views(self._floats, self._ints)
         self._answer = self._floats[len(self._floats) - sizes[0] - sizes[1] - len(self._workspace.found) :]
-        self._active = self._workspace.active
         self._template, self._points = template, None
         self._entries = np.zeros((0, 0), dtype=bool)
         self._load_contact_rows(template)
@@ -81,7 +80,7 @@ class CompiledAllocation:
         workspace, program, before = self._workspace, template.at_points, self._template
         curved = self._loading.load(workspace, program)
         self._loading.load_gradient(workspace, cost.gradient, cost.constant)
-        workspace.basis[:], workspace.weights[:] = template.basis_b, template.effort_weights
+        workspace.basis[:] = template.basis_b
         turned = template.yaws is not before.yaws
         if turned or template.cart_rows is not before.cart_rows:
             self._load_contact_rows(template)
@@ -92,7 +91,8 @@ class CompiledAllocation:
             pattern[len(pattern) - moving :] = len(template.cart_rows.low) > 0 or workspace.affine.any(axis=0)
             self._loading.load_spans(workspace, pattern)
             self._entries = entries
-        self._lower_names, self._upper_names = program.lower_names, program.upper_names
+        stop = len(program.lower) - program.n_equalities
+        self._names = program.lower_names[:stop], program.upper_names[:stop]
         self._template, self.cost, self._points = template, cost, None
 
     def _take_limits(self, template: AllocationTemplate) -> None:
@@ -103,8 +103,8 @@ class CompiledAllocation:
         if template.limits is not self._template.limits:
             bounds = template.limits
             self._workspace.problem.limits[:, : template.n] = bounds.lower, bounds.upper
-            self._lower_names = bounds.lower_names + self._lower_names[template.n :]
-            self._upper_names = bounds.upper_names + self._upper_names[template.n :]
+            lower, upper = (names[template.n :] for names in self._names)
+            self._names = bounds.lower_names + lower, bounds.upper_names + upper
         self._workspace.held.size[0] = 0
         self._template = template
 
@@ -135,18 +135,13 @@ class CompiledAllocation:
         return self._search(self._floats, self._ints, wrench, tables, progress, *limit) == 0
 
     def answer(self) -> Array:
-        """A copy of what was found: wrenches (6n,), multipliers as of a `QPSolution`, residuals and the effort."""
+        """A copy of what was found: wrenches (6n,), multipliers as of a `QPSolution`, residuals."""
         return self._answer.copy()
 
     @property
-    def active(self) -> tuple[str, ...]:
-        """As `QuadraticProgram.active`."""
-        active = self._active
-        count = active.item(0)
-        if not count:
-            return ()
-        lower, upper = self._lower_names, self._upper_names
-        return tuple([upper[i - 1] if i > 0 else lower[-i - 1] for i in active[1 : count + 1].tolist()])
+    def names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Of the lower and upper limits, but for the wrench asked for."""
+        return self._names
 
 
 def _is_covered(template: AllocationTemplate) -> bool:

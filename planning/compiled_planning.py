@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 from typing import Self
 
@@ -25,13 +26,14 @@ from .contact_regions import DISTANCE_TOLERANCE
 from .duality import least_cost
 from .given_contacts import REACH_TOLERANCE
 from .objectives import Cost
-from .plan import ChoiceProof, Plan
+from .plan import ChoiceProof, Figures, Plan
 from .plan_inputs import real_numbers
-from .quadratic_program import QPSolution, QuadraticProgram, Residuals
+from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals, active_limits
 from .switching_cost import Switching
 from .terms import Terms
 
-N_NUMBERS = 8  # residuals and the effort
+Names = tuple[tuple[str, ...], tuple[str, ...]]
+N_RESIDUALS = len(Residuals._fields)
 
 
 class CompiledPlanning:
@@ -40,6 +42,7 @@ class CompiledPlanning:
 
     def __init__(self, terms: Terms, allocation: CompiledAllocation) -> None:
         self._terms, self._allocation, self._own = terms, allocation, terms.candidates
+        self._reaching = terms.reaching(terms.sets)
         own = self._own.single
         self._own_points = None if own is None or self._is_refused(own) else own
         self._given, self._given_points = b"", np.zeros((0, 3))
@@ -107,23 +110,23 @@ class CompiledPlanning:
             return None
         given = points.tobytes()
         if given != self._given:
-            if points.shape != (len(self._parts), 3):
-                return None
-            if not all(abs(value) <= LARGEST_POSITION for value in points.ravel().tolist()) or self._is_refused(points):
+            if points.shape != (len(self._parts), 3) or self._is_refused(points):
                 return None
             points.setflags(write=False)
             self._given, self._given_points = given, points
         return self._given_points
 
     def _is_refused(self, points: Array) -> bool:
-        """Whether hands are too near, or out of reach."""
-        distance, reaching = self._terms.candidates.distance, self._terms.reaching(self._terms.sets)
+        """Whether hands are too near, or out of reach; what is no position without either, the kernel refuses."""
+        distance, reaching = self._own.distance, self._reaching
+        if not (distance > 0 or reaching):
+            return False
+        if not (np.abs(points) <= LARGEST_POSITION).all():
+            return True
         if distance > 0:
             pairs = combinations(points.tolist(), 2)
             if min((math.dist(p, q) for p, q in pairs), default=math.inf) < distance - DISTANCE_TOLERANCE:
                 return True
-        if not reaching:
-            return False
         at = dict(zip(self._terms.sets, points, strict=True))
         return any(float(reach.excess(at[name])) > REACH_TOLERANCE for name, reach in reaching)
 
@@ -131,34 +134,39 @@ class CompiledPlanning:
 
     def _plan(self, points: Array, wrench: Point, choice: ChoiceProof | None, start: float) -> Plan:
         """Of what the allocation holds."""
-        found, template, n = self._allocation, self._terms.template, self._n
-        answer, cost = found.answer(), found.cost
+        found = self._allocation
+        answer = found.answer()
         answer.setflags(write=False)  # plans show it
-        numbers: list[float] = answer[-N_NUMBERS:].tolist()
-        self.last = answer[:n], points
+        self.last = answer[: self._n], points
         if points is not self._shown_points:
             self._shown_points = points
             self._shown = {name: points[i] for i, name in enumerate(self._terms.sets)}
         fields = {
+            "status": OPTIMAL,
             "wrenches": {name: answer[part] for name, part in self._parts},
             "contacts": self._shown.copy(),
             "yaws": self._terms.yaws,
-            "effort": numbers.pop(),
-            "active": found.active,
-            "residuals": Residuals._make(numbers),
-            "choice": choice or ChoiceProof(numbers[4], 0.0, 1),
             "solve_time": time.perf_counter() - start,
             "solver": SOLVER,
             "message": "",
-            "prove": lambda: _proof(template, (points, wrench, cost), answer[:n], answer[n:-N_NUMBERS]),
+            "tell": partial(_told, self._terms.template, answer, found.names, choice),
+            "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer),
         }
         return Plan.optimal(fields)
 
 
+def _told(template: AllocationTemplate, answer: Array, names: Names, choice: ChoiceProof | None) -> Figures:
+    wrenches, multipliers = answer[: template.n], answer[template.n : -N_RESIDUALS]
+    residuals = Residuals._make(answer[-N_RESIDUALS:].tolist())
+    proof = choice or ChoiceProof(residuals.cost, 0.0, 1)
+    return Figures(template.effort(wrenches), active_limits(multipliers, names), residuals, proof)
+
+
 def _proof(
-    template: AllocationTemplate, asked: tuple[Array, Point, Cost], x: Array, y: Array
+    template: AllocationTemplate, asked: tuple[Array, Point, Cost], answer: Array
 ) -> tuple[QuadraticProgram, QPSolution]:
     """The program that was solved, built the general way, with its solution checked in numpy."""
     points, wrench, cost = asked
     program = template.program(template.contact_rows(points), template.basis_b.T @ np.array(wrench), cost)
+    x, y = answer[: template.n], answer[template.n : -N_RESIDUALS]
     return program, QPSolution.checked(program, x, y, (), SOLVER)

@@ -32,36 +32,41 @@ class ChoiceProof(NamedTuple):
         return document | ({"switching": self.switching} if self.switching else {})
 
 
+class Figures(NamedTuple):
+    """Of a plan with wrenches: `effort` is `sum weight component²`, `active` are the limits that push back."""
+
+    effort: float | None = None
+    active: tuple[str, ...] = ()
+    residuals: Residuals | None = None
+    choice: ChoiceProof | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """A status, and when it is `optimal` or `relaxed` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.
 
-    `effort` is `sum weight component²`. When `infeasible`, `certificate` proves it and holds the nearest plan;
-    `relaxed` is that nearest plan. `held` is what `plan_or_hold` gives instead where there are no wrenches. `switched`
-    are the arms that hold elsewhere than at the last plan, told where switching has a cost. `prove` makes `proof`.
+    When `infeasible`, `certificate` proves it and holds the nearest plan; `relaxed` is that nearest plan. `held` is
+    what `plan_or_hold` gives instead where there are no wrenches. `switched` are the arms that hold elsewhere than at
+    the last plan, told where switching has a cost. `tell` makes `figures`, and `prove` makes `proof`, when asked.
     """
 
     status: str
     wrenches: Mapping[str, Array] = field(default_factory=dict)
     contacts: Mapping[str, Array] = field(default_factory=dict)
     yaws: Mapping[str, float] = field(default_factory=dict)
-    effort: float | None = None
-    active: tuple[str, ...] = ()
-    residuals: Residuals | None = None
-    choice: ChoiceProof | None = None
     certificate: Certificate | None = None
     solve_time: float = 0.0
     solver: str = ""
     message: str = ""
     held: ContactWrenches | None = None
     switched: tuple[str, ...] = ()
+    tell: Callable[[], Figures] = field(default=Figures, repr=False)
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
 
     @classmethod
     def optimal(cls, fields: dict[str, Any]) -> Self:
-        """From all fields but `status`, `certificate`, `held` and `switched`; as the constructor, in a third of the
-        time."""
-        fields["status"], fields["certificate"], fields["held"], fields["switched"] = OPTIMAL, None, None, ()
+        """From all fields but `certificate`, `held` and `switched`, which have none; as the constructor, in a third of
+        the time."""
         plan = object.__new__(cls)
         object.__setattr__(plan, "__dict__", fields)
         return plan
@@ -70,6 +75,26 @@ class Plan:
     def proof(self) -> tuple[QuadraticProgram, QPSolution] | None:
         """The program with its solution, of which the proof consists; without wrenches None."""
         return None if self.prove is None else self.prove()
+
+    @cached_property
+    def figures(self) -> Figures:
+        return self.tell()
+
+    @property
+    def effort(self) -> float | None:
+        return self.figures.effort
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        return self.figures.active
+
+    @property
+    def residuals(self) -> Residuals | None:
+        return self.figures.residuals
+
+    @property
+    def choice(self) -> ChoiceProof | None:
+        return self.figures.choice
 
     @property
     def is_usable(self) -> bool:

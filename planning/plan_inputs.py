@@ -15,6 +15,7 @@ from cartgrasp.frames import Array
 from .plan import INVALID_INPUT
 
 LARGEST_WRENCH = 1e6  # N, N·m; projections of what is farther from what arms give lose it in rounding
+FLOAT = np.dtype(float)
 REAL = "fiubO"  # kinds of numpy arrays that hold real numbers: no text, dates or complex numbers
 
 
@@ -74,7 +75,9 @@ def real_numbers(value: Any) -> Array | None:
     """As floats; None where they are none."""
     try:
         numbers = np.asarray(value)
-        return numbers.astype(float, copy=False) if numbers.dtype.kind in REAL else None
+        if numbers.dtype is FLOAT:
+            return numbers
+        return numbers.astype(float) if numbers.dtype.kind in REAL else None
     except (TypeError, ValueError, OverflowError):
         return None
 

@@ -152,14 +152,8 @@ class QuadraticProgram:
 
     def active(self, solution: QPSolution) -> tuple[str, ...]:
         """Names of the limits that push back on a solution (multiplier above 1e-7 of the largest)."""
-        y, names = solution.multipliers, []
-        held = y.nonzero()[0]
-        pairs = list(zip(held.tolist(), y[held].tolist(), strict=True))
-        least = 1e-7 * max([1.0, *(abs(dual) for _, dual in pairs)])
-        for i, dual in pairs:
-            if i < len(y) - self.n_equalities and abs(dual) > least:
-                names.append(self.upper_names[i] if dual > 0 else self.lower_names[i])
-        names = [name for name in names if name]
+        stop, least = len(self.lower) - self.n_equalities, _least_active(solution.multipliers)
+        names = active_limits(solution.multipliers, (self.lower_names[:stop], self.upper_names[:stop]))
         cones = zip(self.cones, solution.cone_multipliers, strict=True)
         return (*names, *(cone.name for cone, z in cones if z[0] > least))
 
@@ -294,3 +288,17 @@ def into_cone(multiplier: Array) -> Array:
     inside = multiplier.copy()
     inside[0] = max(multiplier[0], float(np.linalg.norm(multiplier[1:])))
     return inside
+
+
+def active_limits(multipliers: Array, names: tuple[tuple[str, ...], tuple[str, ...]]) -> tuple[str, ...]:
+    """Those of the lower and upper limits, whose multipliers come first, that push back: above 1e-7 of the largest."""
+    lower, upper = names
+    least, found = _least_active(multipliers), []
+    for i in multipliers[: len(lower)].nonzero()[0].tolist():
+        if abs(multipliers[i]) > least:
+            found.append(upper[i] if multipliers[i] > 0 else lower[i])
+    return tuple(name for name in found if name)
+
+
+def _least_active(multipliers: Array) -> float:
+    return 1e-7 * max(1.0, float(np.abs(multipliers).max(initial=0.0)))

@@ -6,11 +6,12 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 from .contact_bounds import Candidates
 from .contact_choice import Choice
 from .infeasibility import Certificate
-from .plan import TIMEOUT, Plan
+from .plan import TIMEOUT, Figures, Plan
 from .quadratic_program import INFEASIBLE, NUMERICAL
 
 
@@ -25,7 +26,7 @@ def undecided(choice: Choice, start: float) -> Plan:
     else:
         message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
         status, message = TIMEOUT, f"{message}; raise search_limit, or offer fewer contacts"
-    return replace(refusal(status, message, start), choice=choice.proof)
+    return replace(refusal(status, message, start), tell=partial(Figures, choice=choice.proof))
 
 
 def at_nearest(plan: Plan, candidates: Candidates) -> Plan:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from .baselines import METHODS, STOP, regress_all
 from .cases import CASES, MUJOCO_CASES
+from .effects import VOCABULARY
 from .generate import generate
 from .references import DURATIONS
 
@@ -20,8 +21,11 @@ def main() -> None:
     making.add_argument("--out", type=Path, required=True, metavar="DIR")
     making.add_argument("--seeds", type=seeds, default=range(4), metavar="FROM:TO", help="0:4 by default")
     every = ", ".join((*CASES, *MUJOCO_CASES))
-    making.add_argument("--cases", default="all", help=f"all, mujoco, or some, with commas between, of {every}")
+    making.add_argument("--cases", default="all", help=f"all, single, mujoco, or some, with commas between, of {every}")
     making.add_argument("--motion", choices=list(DURATIONS), default="rich")
+    making.add_argument(
+        "--shares", type=shares, default=(1.0,), metavar="SHARE,…", help="of effects' sizes, for detection floors"
+    )
     scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
     scoring.add_argument("folder", type=Path, metavar="DIR")
     scoring.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
@@ -43,17 +47,23 @@ def main() -> None:
 
         print(score(options.folder, options.reports))
         return
-    cases = {"all": CASES, "mujoco": MUJOCO_CASES}.get(options.cases) or options.cases.split(",")
+    cases = {"all": CASES, "single": tuple(VOCABULARY), "mujoco": MUJOCO_CASES}.get(
+        options.cases
+    ) or options.cases.split(",")
     unknown = [case for case in cases if case not in (*CASES, *MUJOCO_CASES)]
     if unknown:
-        parser.error(f"no case {unknown[0]!r}; there are all, mujoco, {every}")
-    names = generate(options.out, cases, options.seeds, options.motion)
+        parser.error(f"no case {unknown[0]!r}; there are all, single, mujoco, {every}")
+    names = generate(options.out, cases, options.seeds, options.motion, options.shares)
     print(f"{len(names)} logs in {options.out / 'logs'}, truth in {options.out / 'truth'}")
 
 
 def seeds(text: str) -> range:
     first, _, end = text.partition(":")
     return range(int(first), int(end)) if end else range(int(first), int(first) + 1)
+
+
+def shares(text: str) -> tuple[float, ...]:
+    return tuple(float(one) for one in text.split(","))
 
 
 if __name__ == "__main__":

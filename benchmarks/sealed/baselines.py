@@ -1,7 +1,9 @@
 """What general methods make of the same logs, over one library of terms, after the nominal model was refitted:
 
 - `err`: forward regression by error reduction ratios, with orthogonal least squares (Chen, Billings and Luo, 1989);
-- `sindy`: sequentially thresholded least squares as pysindy has it (extra `bench`).
+- `sindy`: sequentially thresholded least squares as pysindy has it (extra `bench`);
+- `everything`: least squares with all terms free at once, as system identification of a given structure does; named is
+  what would be missed.
 
 Their reports have the shape of the workflow's; they have no probabilities, no rollouts, and nothing to say of what no
 term explains.
@@ -27,6 +29,8 @@ COLLINEAR = 0.05
 MOST_TERMS = 6
 RIDGE = 0.05
 """pysindy's own default, for columns of length one."""
+SLIGHT = 1e-6
+"""For columns of length one: enough for a solution where terms are collinear."""
 
 
 Selector = Callable[[np.ndarray, np.ndarray, list[np.ndarray], float], list[int]]
@@ -124,7 +128,23 @@ def thresholded(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarra
     return list(dict.fromkeys(owner[np.argsort(-abs(found))][: np.count_nonzero(found)].tolist()))
 
 
-METHODS: dict[str, Selector] = {"err": selected, "sindy": thresholded}
+def all_free(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarray], stop: float) -> list[int]:
+    """As `selected`: those without which the fit of everything would leave `stop` or more of the energy besides."""
+    design = np.hstack([nominal, *library])
+    design = design / np.maximum(np.linalg.norm(design, axis=0), 1e-12)
+    covariance = np.linalg.inv(design.T @ design + SLIGHT * np.eye(design.shape[1]))
+    value = covariance @ (design.T @ target)
+    basis = np.linalg.qr(nominal)[0]
+    left = target - basis @ (basis.T @ target)
+    energy, at, missed = float(left @ left), nominal.shape[1], list[float]()
+    for columns in library:
+        own = slice(at, at + columns.shape[1])
+        missed.append(float(value[own] @ np.linalg.solve(covariance[own, own], value[own])) / energy)
+        at = own.stop
+    return [int(i) for i in np.argsort(-np.array(missed)) if missed[i] >= stop]
+
+
+METHODS: dict[str, Selector] = {"err": selected, "sindy": thresholded, "everything": all_free}
 
 
 def orthonormal(columns: np.ndarray, lengths: np.ndarray) -> np.ndarray:

@@ -16,18 +16,22 @@ from .cases import draw_case
 from .scenes import Scene, random_of
 from .sensors import csv_text, noiseless, record
 from .strength import strength
+from .weaker import weaker
 
 SALT = "sealed"
 
 
-def generate(out: Path, cases: Sequence[str], seeds: Sequence[int], motion: str) -> list[str]:
-    """Names of the logs written, in no telling order."""
-    return sorted(write(out, case, seed, motion) for case in cases for seed in seeds)
+def generate(
+    out: Path, cases: Sequence[str], seeds: Sequence[int], motion: str, shares: Sequence[float] = (1.0,)
+) -> list[str]:
+    """Names of the logs written, in no telling order; each case with `shares` of its effects' sizes."""
+    return sorted(write(out, case, seed, motion, share) for case in cases for seed in seeds for share in shares)
 
 
-def write(out: Path, case: str, seed: int, motion: str) -> str:
-    name = hashlib.sha256(f"{SALT} {case} {seed} {motion}".encode()).hexdigest()[:10]
-    scene = draw_case(case, seed, motion)
+def write(out: Path, case: str, seed: int, motion: str, share: float = 1.0) -> str:
+    weak = "" if share == 1.0 else f" {share:g}"
+    name = hashlib.sha256(f"{SALT} {case} {seed} {motion}{weak}".encode()).hexdigest()[:10]
+    scene = weaker(draw_case(case, seed, motion), share)
     header, table, truth = simulate(scene, random_of(f"{case} sensors", seed, motion))
     folder, truths = out / "logs" / name, out / "truth"
     folder.mkdir(parents=True, exist_ok=True)
@@ -35,7 +39,7 @@ def write(out: Path, case: str, seed: int, motion: str) -> str:
     viscous = not any(t.name == "viscous_drag" for t in scene.truths)
     (folder / "run.csv").write_text(csv_text(header, table), encoding="utf-8")
     (folder / "cart.yaml").write_text(cart_file(scene.world, scene.believed, viscous), encoding="utf-8")
-    document = {"case": case, "seed": seed, "motion": motion, **truth}
+    document = {"case": case, "seed": seed, "motion": motion, "share": share, **truth}
     (truths / f"{name}.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     return name
 

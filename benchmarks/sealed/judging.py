@@ -49,6 +49,11 @@ class Judgement:
         return str(self.truth["case"])
 
     @property
+    def share(self) -> float:
+        """Of the usual sizes of this case."""
+        return float(self.truth.get("share", 1.0))
+
+    @property
     def kind(self) -> str:
         """nothing, single, outside or pair."""
         effects = self.truth["effects"]

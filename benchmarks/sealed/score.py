@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +21,13 @@ from .judging import Estimate, Judgement
 NONE = "(none)"
 MISSING = "(no report)"
 UNEXPLAINED = "(unexplained)"
+POWER = 0.9
 
 
 def score(folder: Path, reports: str = "out") -> str:
     everyone = [read(folder, path, reports) for path in sorted((folder / "truth").glob("*.json"))]
-    there = [j for j in everyone if j.report is not None]
+    known = [j for j in everyone if j.report is not None]
+    everyone, there = ([j for j in group if j.share == 1.0] for group in (everyone, known))
     named = [e for j in there for e in j.estimates]
     alone, beside = refitted(there, ("nothing",)), refitted(there, ("single", "pair"))
     parts = [
@@ -37,6 +40,7 @@ def score(folder: Path, reports: str = "out") -> str:
         estimates("Parameters of named effects", named),
         estimates("Refitted cart, nothing beside", alone),
         estimates("Refitted cart, effects beside", beside),
+        floors(known),
         confusion(everyone),
         strays(there),
     ]
@@ -114,6 +118,25 @@ def estimates(title: str, found: Iterable[Estimate]) -> str:
         rms = f"{np.sqrt(np.mean(z**2)):7.1f}" if len(z) else f"{'-':>7}"
         sizes = f"{np.median(errors):13.3g} {np.median(abs(errors)):15.3g} {np.quantile(abs(errors), 0.9):9.2g}"
         lines.append(f"{name:<44} {len(group):>3} {sizes} {rms} {int((abs(z) > 3).sum()):>6}")
+    return "\n".join(lines)
+
+
+def floors(judgements: Sequence[Judgement]) -> str:
+    """How often an effect is named, by the share of its usual size; the smallest share from which on it is named in
+    `POWER` of the logs."""
+    groups: dict[str, dict[float, list[bool]]] = defaultdict(lambda: defaultdict(list))
+    for j in judgements:
+        if j.kind == "single":
+            groups[j.case][j.share].append(j.true_names <= set(j.names))
+    tried = sorted({share for group in groups.values() for share in group}, reverse=True)
+    if len(tried) < 2:
+        return ""
+    lines = [f"{'Named at shares of the usual size':<38} " + "".join(f"{share:>9g}" for share in tried) + "    floor"]
+    for case, group in sorted(groups.items()):
+        cells = "".join(f"{sum(group[s])} of {len(group[s])}".rjust(9) for s in tried)
+        seen = [np.mean(group[s] or [False]) >= POWER for s in tried]
+        enough = sum(takewhile(bool, seen))
+        lines.append(f"{case:<38} {cells}    {f'{tried[enough - 1]:g}' if enough else '-'}")
     return "\n".join(lines)
 
 

@@ -63,8 +63,13 @@ class Gate(Enum):
 
     @property
     def passes(self) -> bool:
-        """Whether it is a time: what happens once can't be learned from another part of a log."""
+        """Whether it is a time."""
         return self in (Gate.FROM, Gate.WHILE)
+
+    @property
+    def ends(self) -> bool:
+        """Whether it is a time that is over: what happens once can't be learned from another part of a log."""
+        return self is Gate.WHILE
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from cartgrasp.frames import Array
 from . import rigid_body
 from .jit import Ints, compiled, inlined
 from .situation import Own, Parts, Situation, Twist
-from .vocabulary import add_memory_rate, add_phi_change, add_wrench
+from .vocabulary import add_memory_rate, add_phi_change, add_stiction, add_wrench
 from .wheel_loads import carry
 from .workspace import MEMORY, PHI, POSE, VELOCITY, Workspace, copy
 
@@ -143,6 +143,12 @@ def situation(m: Workspace, point: Point, twist: Twist) -> Situation:
         own = Own(point.state[:0], point.parameters[first:last], m.constants[e])
         add_phi_change(kind, point.time, own, m.phi, m.phi_by_parameters[:, first:last])
     carry(m.wheels, m.phi, m.gravity, (m.loads, m.carried, m.standing))
+    return _carried(m, point, twist)
+
+
+@compiled
+def _carried(m: Workspace, point: Point, twist: Twist) -> Situation:
+    """With phi and loads as they stand in the workspace."""
     pose = point.state[:3]
     return Situation(point.time, pose, twist, m.phi, m.wheels, m.loads, m.carried, m.pivots, m.smoothing_speed)
 
@@ -166,6 +172,19 @@ def sum_memory_rates(m: Workspace, point: Point, at: Situation) -> None:
         if end > begin:
             own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
             add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
+
+
+@compiled
+def stictions(m: Workspace, point: Point, columns: Array) -> int:
+    """Wrenches (3,) that Coulomb effects may give near standstill, one after the other; returns how many. The last
+    `situation` was asked for at this point."""
+    at, count = _carried(m, point, lifted(m.basis, point.state[3:])), 0
+    columns[:] = 0.0
+    stuck = columns.reshape((len(columns) // 3, 3))
+    for e in range(len(m.effects)):
+        own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+        count += add_stiction(m.effects[e, 0], at, own, stuck[count:])
+    return count
 
 
 @compiled

@@ -8,10 +8,21 @@ import math
 
 from cartgrasp.frames import Array
 
-from .dynamics import Inverse, Point, forward, inverse, lifted, own_of, situation, sum_effects, sum_memory_rates
+from .dynamics import (
+    Inverse,
+    Point,
+    forward,
+    inverse,
+    lifted,
+    own_of,
+    situation,
+    stictions,
+    sum_effects,
+    sum_memory_rates,
+)
 from .floor import react
 from .jit import Ints, compiled, entry
-from .vocabulary import add_stiction, settle
+from .vocabulary import settle
 from .workspace import copy, unpack
 
 MEMORY_STEP = 0.01
@@ -112,15 +123,12 @@ def effects(floats: Array, ints: Ints, given: Array, found: Array) -> int:
         at = situation(m, point, lifted(m.basis, point.state[3:]))
         sum_effects(m, point, at)
         copy(m.sums, found[i])
-        settled, columns = found[i, len(m.sums) : last], found[i, last:]
+        settled = found[i, len(m.sums) : last]
         copy(point.state[3 + m.basis.shape[1] :], settled)
-        columns[:] = 0.0
-        stuck = columns.reshape((len(columns) // 3, 3))
-        count = 0
         for e in range(len(m.effects)):
             own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
             settle(m.effects[e, 0], at, own, settled[m.effects[e, 3] : m.effects[e, 4]])
-            count += add_stiction(m.effects[e, 0], at, own, stuck[count:])
+        count = stictions(m, point, found[i, last:])
     return count
 
 

@@ -16,6 +16,10 @@ from ..noise import FilterNoise
 FLOOR_SHARE = 0.002
 """Of the forces at work: what a model leaves out at every sample."""
 FORCE_FLOOR = 1e-3
+ROUNDED, ROUNDING = 0.3, 0.03
+"""Of a wrench's jump: what a smoothed motion, which rounds corners, misses of it; s: over which that fades."""
+NO_NOISE = 5.5
+"""Standard deviations: a jump between two rows that is larger is none of noise's."""
 NEIGHBOURS, OWN = 0.15, 0.03
 """s: how far around a row neighbours count, and how near they share its noise."""
 
@@ -23,13 +27,15 @@ NEIGHBOURS, OWN = 0.15, 0.03
 @dataclass(frozen=True)
 class WrenchRecord:
     """Rows `seen` (n,) have every arm. Reduced grasp maps (arms, n, f, 6), wrenches in {a} (arms, n, 6), and the noise
-    covariance (n, f, f) of their sum; 0 where not seen."""
+    covariance (n, f, f) of their sum; 0 where not seen. `rounded` (n, f) is the standard deviation of what a smoothed
+    motion misses of their jumps."""
 
     arms: tuple[str, ...]
     seen: np.ndarray
     grasps: Array
     recorded: Array
     covariance: Array
+    rounded: Array
 
     @classmethod
     def of(cls, log: RunLog, cart: CartModel, noise: FilterNoise) -> WrenchRecord:
@@ -46,7 +52,9 @@ class WrenchRecord:
         total = np.einsum("anfi,ani->nf", maps, wrenches)
         size = max(float(np.sqrt((total**2).mean(axis=0).max())), FORCE_FLOOR)
         covariance[:] += (FLOOR_SHARE * size) ** 2 * np.eye(total.shape[1])
-        return cls(tuple(log.arms), seen, maps, wrenches, covariance)
+        std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+        rounded = ROUNDED * _jumps(log.time, np.where(seen[:, None], total, np.nan), std)
+        return cls(tuple(log.arms), seen, maps, wrenches, covariance, rounded)
 
     def of_neighbours(self, step: float) -> WrenchRecord:
         """What the rows around each row say of its wrenches, without its own noise."""
@@ -79,6 +87,17 @@ class WrenchRecord:
             nearest = recorded + (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
             found += grasp @ cart.corrected_wrench(arm, nearest)[1]
         return found
+
+
+def _jumps(time: Array, wrench: Array, std: Array) -> Array:
+    """How far (n, f) a wrench jumps beyond its noise from one row to the next, near each row."""
+    jump = np.maximum(np.nan_to_num(np.abs(np.diff(wrench, axis=0))) - NO_NOISE * std[1:], 0.0)
+    found = np.zeros_like(wrench)
+    for row in np.flatnonzero(jump.any(axis=1)):
+        near = slice(*np.searchsorted(time, (time[row] - 5 * ROUNDING, time[row + 1] + 5 * ROUNDING)))
+        away = np.maximum(np.maximum(time[row] - time[near], time[near] - time[row + 1]), 0.0)
+        found[near] = np.maximum(found[near], np.exp(-away / ROUNDING)[:, None] * jump[row])
+    return found
 
 
 def _held(contact: Array) -> Array:

@@ -155,6 +155,7 @@ class WrenchRegression:
             noise = noise_of_log(thinned, cart) if len(thinned) >= FEWEST_ROWS else FilterNoise()
         self.noise = noise
         self.colour: NoiseColour | None = None
+        self._is_wary = False
         self._loudness = np.ones((cart.constraints.n_free, cart.constraints.n_free))
         with self._sized():
             self._chain = smooth_motion(thinned, cart, noise)
@@ -245,7 +246,10 @@ class WrenchRegression:
         by = (1 - delay) * inverse.by_parameters[used] + delay * inverse.by_parameters[after] - recorded_by[used]
         by = np.concatenate([by, late[..., None]], axis=2)
         white = 1.0 if self.colour is None else self.colour.white
-        weights = np.linalg.inv(white * self._record.covariance[used] + self._stuck(state, parameters)[used])
+        covariance = white * self._record.covariance[used] + self._stuck(state, parameters)[used]
+        if self._is_wary:
+            covariance += self._record.rounded[used, :, None] ** 2 * np.eye(residual.shape[1])
+        weights = np.linalg.inv(covariance)
 
         slopes = (1 - delay) * by_node[used], delay * by_node[after]
         if self.size > 1:  # the mean of what was missed at both, whatever the delay
@@ -301,6 +305,12 @@ class WrenchRegression:
         other.colour = colour
         return other
 
+    def wary(self) -> WrenchRegression:
+        """The same, with less weight where wrenches jump: the smoothed motion rounds corners."""
+        other = copy(self)
+        other._is_wary = True
+        return other
+
     def louder(self, factor: Array) -> WrenchRegression:
         """The same, with so many times the noise variance along each free direction (f,)."""
         other = copy(self)
@@ -319,6 +329,14 @@ class WrenchRegression:
         change at the sensors."""
         used, by = np.flatnonzero(self._used), self._inverse(cart, cart.parameters)[1].by_parameters
         return np.asarray((1 - delay) * by[used] + delay * by[used + 1])
+
+    def bends(self) -> Array:
+        """Second differences (m, f) of the wrench that the motion needs, on the rows of `linearised`: what a motion
+        smoothed a little more or less would add."""
+        wrench = self._inverse(self.cart, self.cart.parameters)[1].wrench
+        found = np.zeros_like(wrench)
+        found[1:-1] = wrench[2:] - 2 * wrench[1:-1] + wrench[:-2]
+        return np.asarray(found[self._used])
 
     def sensor_slopes(self, cart: CartModel, delay: float) -> Array:
         """What `force_slopes` leaves out."""

@@ -22,17 +22,16 @@ from cartgrasp.wheels import FIXED
 
 from ..batch.wrench_regression import BLOCK, WrenchRegression
 from ..parameter_report import ParameterReport
-from ..prior import report_names
 from .dictionary import may_be_amplitudes
 from .fitted import Fitted
+from .forms import form_sizes
 from .manoeuvres import manoeuvres
 from .refinement import Move, Refiner, is_open, moves, prior_std
 
 FORM = {"s": 0.05, "m": 0.03}
 """How much less sharp the world is than a step in time or place."""
 FORM_SHARE = 0.05
-"""Of every other value of an effect: how near to one another two forms of one name are, and how far one of them seems
-to vary from manoeuvre to manoeuvre where the other is true."""
+"""Of every other value of an effect: how near to one another two forms of one name are."""
 OUTLYING = 4.0
 """Times the usual scatter: what an accident counts at most."""
 FIRST, FIRST_SHARE, DOUBLINGS = {"s": 0.04, "m": 0.02}, 0.02, 7
@@ -115,14 +114,14 @@ def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
 def _form(fitted: Fitted) -> Array:
     """Covariance (p, p) of what added effects' values would be in another form."""
     own, size = fitted.free[:-1], np.zeros(len(fitted.cart.parameters))
-    size[own] = FORM_SHARE * _shares(fitted)[:-1].sum(axis=1)
+    size[own] = FORM_SHARE * fitted.shares[:-1].sum(axis=1)
     return np.diag(size**2)
 
 
 @dataclass(frozen=True)
 class Pulls:
     """Of a log's manoeuvres on the free parameters and its delay: those at the best fit (p + 1, manoeuvres), those that
-    added effects would make whose form is a little wrong (p + 1, ...), and the information about the delay in relation
+    other forms of added effects would make (p + 1, ...), and the information about the delay in relation
     to all (p + 1,)."""
 
     there: Array
@@ -139,28 +138,37 @@ class Pulls:
 
 def pulls(fitted: Fitted) -> list[Pulls]:
     """Of each log."""
-    found, shares = [], _shares(fitted)
+    found, sizes, at = [], _form_sizes(fitted), 0
     for (regression, line, delay), told in zip(fitted.linearised, fitted.identification.logs, strict=True):
         evidence = regression.evidence(fitted.cart.parameters, delay).part(fitted.free).kept(fitted.base.information)
         first = line.nodes[line.ends(BLOCK)[:-1]] // regression.size
         number = manoeuvres(regression.motion, not regression.cart.constraints.no_rotation)[first]
         m, k = number.max(initial=0) + 1, len(fitted.free)
-        there, information = np.zeros((m, k)), np.zeros((m, k, k))
+        there = np.zeros((m, k))
         np.add.at(there, number, evidence.pulls / told.noise_excess)
-        np.add.at(information, number, evidence.blocks / told.noise_excess)
-        form = FORM_SHARE * np.swapaxes(information @ shares, 0, 1).reshape(k, -1)
-        found.append(Pulls(there.T, form, information.sum(axis=0)[-1]))
+        late = evidence.blocks.sum(axis=0)[-1] / told.noise_excess
+        columns = fitted.forms(regression, line).columns
+        own = sizes[at : at + columns.shape[2]]
+        form = np.tensordot(line.by[..., fitted.free], line.whitened(columns), ((0, 1), (0, 1))) / told.noise_excess
+        found.append(Pulls(there.T, np.asarray(own * form), late))
+        at += len(own)
     return found
 
 
-def _shares(fitted: Fitted) -> Array:
-    """Of each added effect, what it adds to the free parameters and the delay (p + 1, effects)."""
-    places = {name: i for i, name in enumerate(report_names(fitted.cart))}
-    whole = np.zeros((len(fitted.cart.parameters) + 1, len(fitted.added)))
-    for k, effect in enumerate(fitted.added):
-        for key, parameter in zip(effect.keys, effect.parameters, strict=True):
-            whole[places[key], k] = fitted.cart.parameters[places[key]] - parameter.absent
-    return np.asarray(whole[fitted.free])
+def _form_sizes(fitted: Fitted) -> Array:
+    """Of the forms of all logs."""
+    p, excess = len(fitted.base.pull), fitted.excess
+    information, pull = fitted.loose.information.copy(), fitted.loose.pull.copy()
+    information[p:, p:] = 0.0
+    for (_, line, _), columns in zip(fitted.linearised, fitted.loose_columns, strict=True):
+        sides = np.concatenate([columns, line.residual[..., None]], axis=2)
+        sums = np.tensordot(columns, line.whitened(sides), ((0, 1), (0, 1))) / excess
+        information, pull = information + sums[:, :-1], pull + sums[:, -1]
+    through = information[p:, :p] @ np.linalg.inv(information[:p, :p])
+    family = [fitted.forms(regression, line).family for regression, line, _ in fitted.linearised]
+    return form_sizes(
+        information[p:, p:] - through @ information[:p, p:], pull[p:] - through @ pull[:p], np.concatenate(family)
+    )
 
 
 def _drawn(fitted: Fitted) -> tuple[Array, Array]:

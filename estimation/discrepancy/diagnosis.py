@@ -17,6 +17,7 @@ from ..batch.wrench_regression import WrenchRegression
 from .certainty import Certainty, certain
 from .fitted import SURE
 from .generic import Course, Dependence
+from .glitches import without_glitches
 from .held_out import BEYOND_NOISE, HeldOut, joined
 from .log_check import LogCheck, check_rows, checked
 from .scatter import SCATTER_BLOCK, Scatter
@@ -37,6 +38,8 @@ WHOLE = 0.98
 """Of the rows: so many must be whole for that."""
 CLOSED = 0.25
 """Of the nominal gap above the noise floor: what may be left where the effects explain it."""
+TRIFLE = 0.02
+"""Of the squares of the nominal residual: what follows something and is smaller leaves a log explained."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +130,13 @@ class Diagnosis:
         floor = self.gap.noise_floor**2
         left = self.gap.after**2 - BEYOND_NOISE**2 * floor
         whole = max(self.gap.refitted**2 - floor, 1e-12)
-        return "partly_explained" if left > CLOSED * whole or self.remaining else "explained"
+        return "partly_explained" if left > CLOSED * whole or self._much_remains else "explained"
+
+    @property
+    def _much_remains(self) -> bool:
+        """Whether what the rest depends on is no trifle beside what the nominal model left."""
+        nominal, final = self.selection.nominal, self.selection.final
+        return any(d.share * final.misfit(d.direction) > TRIFLE * nominal.misfit(d.direction) for d in self.remaining)
 
     @cached_property
     def parameter_mismatch(self) -> dict[str, dict[str, float]]:
@@ -210,7 +219,8 @@ def diagnose(
     for log in logs:
         tell(f"smoothing {log.name}")
         check_rows(log, cart)
-        regression = WrenchRegression(log, cart, None, _in_pairs(log))
+        log = without_glitches(log)
+        regression = WrenchRegression(log, cart, None, _in_pairs(log)).wary()
         checks.append(checked(log, cart, regression))
         whole.append(regression)
     selection = select(whole, cart, arms, tell)

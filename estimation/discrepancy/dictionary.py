@@ -76,13 +76,15 @@ class Dictionary:
 
 
 def build_dictionary(
-    linearised: Sequence[tuple[WrenchRegression, Linearisation, float]], effects: Sequence[Effect], free: np.ndarray
+    linearised: Sequence[tuple[WrenchRegression, Linearisation, float]],
+    effects: Sequence[Effect],
+    base: Sequence[Array],
 ) -> Dictionary:
-    """Of logs, each with a linearisation of the same cart and its delay; their slopes `free` make the base."""
+    """Of logs, each with a linearisation of the same cart, its delay, and columns (m, f, b) of the base."""
     grid = Grid.over(np.concatenate([regression.motion.pose[:, :2] for regression, _, _ in linearised]))
     opened = [one for effect in effects for one in _opened(effect, grid)]
     slopes = [slopes_of(regression, [effect for effect, _ in opened], delay) for regression, _, delay in linearised]
-    trials, chosen, at = [], [], len(free)
+    trials, chosen, at = [], [], base[0].shape[2]
     for i, (effect, cell) in enumerate(opened):
         scale = np.max([np.abs(own[i]).max(axis=(0, 1), initial=0.0) for own in slopes], axis=0)
         typical = np.array([p.typical for p in effect.parameters])
@@ -92,15 +94,15 @@ def build_dictionary(
             chosen.append((i, seen))
             at += len(seen)
     grams, starts, logs = [], [], []
-    for k, ((_, line, _), own) in enumerate(zip(linearised, slopes, strict=True)):
-        parts = [line.by[..., free], *(own[i][..., seen] for i, seen in chosen)]
+    for k, ((_, line, _), known, own) in enumerate(zip(linearised, base, slopes, strict=True)):
+        parts = [known, *(own[i][..., seen] for i, seen in chosen)]
         sides = np.concatenate([*parts, line.residual[..., None]], axis=2)
         gram = line.by_block(sides, line.whitened(sides), BLOCK)
         grams.append((gram + np.swapaxes(gram, 1, 2)) / 2)
         starts.append(np.unique((line.time - line.time[0]) // BLOCK) * BLOCK + line.time[0])
         logs.append(np.full(len(gram), k))
     return Dictionary(
-        tuple(trials), grid, np.concatenate(grams), np.concatenate(starts), np.concatenate(logs), len(free)
+        tuple(trials), grid, np.concatenate(grams), np.concatenate(starts), np.concatenate(logs), base[0].shape[2]
     )
 
 

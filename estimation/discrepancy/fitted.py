@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,9 +16,10 @@ from cartgrasp.wheels import FIXED
 from ..batch.identification import Identification, fit
 from ..batch.noise_colour import colour_of
 from ..batch.wrench_regression import Linearisation, WrenchRegression
-from ..prior import Prior
+from ..prior import Prior, report_names
 from .dictionary import Dictionary, build_dictionary
 from .evidence import Base
+from .forms import Forms
 from .generic import Course, Dependence, dependences
 from .scatter import FINE_BLOCK, Scatter, noise_excess
 
@@ -90,7 +91,44 @@ class Fitted:
         return Base(information, information @ (first - now))
 
     def dictionary(self, effects: Sequence[Effect]) -> Dictionary:
-        return build_dictionary(self.linearised, effects, self.free)
+        return build_dictionary(self.linearised, effects, self.loose_columns)
+
+    @cached_property
+    def shares(self) -> Array:
+        """Of each added effect, what it adds to the free parameters and the delay (p + 1, effects)."""
+        places = {name: i for i, name in enumerate(report_names(self.cart))}
+        whole = np.zeros((len(self.cart.parameters) + 1, len(self.added)))
+        for k, effect in enumerate(self.added):
+            for key, parameter in zip(effect.keys, effect.parameters, strict=True):
+                whole[places[key], k] = self.cart.parameters[places[key]] - parameter.absent
+        return np.asarray(whole[self.free])
+
+    def forms(self, regression: WrenchRegression, line: Linearisation, keys: Collection[str] | None = None) -> Forms:
+        """Of added effects, or of those among them with `keys`, on rows of a log around this fit."""
+        traces = line.by[..., self.free] @ self.shares
+        chosen = [k for k, effect in enumerate(self.added) if keys is None or effect.key in keys]
+        return Forms.of(regression, line, [(self.added[k], traces[..., k]) for k in chosen])
+
+    @cached_property
+    def loose_columns(self) -> tuple[Array, ...]:
+        """Of each log, slopes (m, f, b) by the base's parameters, and what other forms of all logs' effects add."""
+        forms = [self.forms(regression, line).columns for regression, line, _ in self.linearised]
+        count, found, at = sum(each.shape[2] for each in forms), [], 0
+        for (_, line, _), own in zip(self.linearised, forms, strict=True):
+            beside = np.zeros((*line.residual.shape, count))
+            beside[..., at : at + own.shape[2]] = own
+            found.append(np.concatenate([line.by[..., self.free], beside], axis=2))
+            at += own.shape[2]
+        return tuple(found)
+
+    @cached_property
+    def loose(self) -> Base:
+        """The base, with other forms of the added effects as unknowns beside its parameters."""
+        known, n = self.base, self.loose_columns[0].shape[2]
+        p = len(known.pull)
+        information = np.eye(n)
+        information[:p, :p] = known.information
+        return Base(information, np.append(known.pull, np.zeros(n - p)))
 
     def with_added(self, effect: Effect) -> Fitted:
         start = np.append(self.cart.parameters, effect.values)
@@ -134,10 +172,10 @@ class Fitted:
     def without(self, key: str) -> Fitted:
         return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)
 
-    @cached_property
-    def chi_squared(self) -> float:
-        """Of the residuals and of the parameters against what was believed of them."""
-        total = sum(line.chi_squared for _, line, _ in self.linearised)
+    def chi_squared(self, keys: Collection[str] = ()) -> float:
+        """Of the residuals, beside other forms of added effects with `keys`, and of the parameters against what was
+        believed of them."""
+        total = sum(line.chi_squared - self.forms(r, line, keys).taken(line) for r, line, _ in self.linearised)
         own = self.free[:-1]
         moved = (self.cart.parameters - self.structure.parameters)[own]
         return total + float(moved @ self.base.information[:-1, :-1] @ moved)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -56,7 +56,7 @@ class HeldOut:
 
     def trained(self, fitted: Fitted) -> Fitted:
         """The same structure, fitted to training stretches, once; an effect that acts for a while only, to all."""
-        if any(effect.gate.passes for effect in fitted.added):
+        if any(effect.gate.ends for effect in fitted.added):
             return fitted
         if fitted not in self._trained:
             self._trained[fitted] = fitted.on(self.training)
@@ -103,15 +103,16 @@ class HeldOut:
 
     def likelihood(self, fitted: Fitted, better: Fitted) -> float:
         """Log of the ratio of likelihoods of the wrenches that no fit saw, both at the usual delay of samples: at
-        another, rows are mixed otherwise and their noise is another."""
-        return 0.5 * (self._surprise(fitted) - self._surprise(better)) / better.excess
+        another, rows are mixed otherwise and their noise is another. Effects that both have may have other forms."""
+        both = {effect.key for effect in fitted.added} & {effect.key for effect in better.added}
+        return 0.5 * (self._surprise(fitted, both) - self._surprise(better, both)) / better.excess
 
-    def _surprise(self, fitted: Fitted) -> float:
+    def _surprise(self, fitted: Fitted, loose: Collection[str]) -> float:
         trained, total = self.trained(fitted), 0.0
         for regression, kept in zip(fitted.regressions, self._kept, strict=True):
             own, delay = regression.within(kept).with_cart(trained.cart), regression.usual_delay[0]
             line = own.linearised(trained.cart.parameters, delay)
-            total += line.chi_squared
+            total += line.chi_squared - trained.forms(own, line, loose).taken(line)
         return total
 
     def covers(self, effect: Effect) -> bool:

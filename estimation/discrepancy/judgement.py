@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
 
 from .evidence import Finding
@@ -24,9 +24,9 @@ NO_WORSE = 0.005
 """Of the gap above the noise floor: what noise may make of it."""
 LEAST_OF_REST = 0.3
 """Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
-MOST_CHANGE, MOST_DRIFT = 0.5, 0.5
+MOST_CHANGE, MOST_DRIFT, MOST_DRIFT_REMEMBERED = 0.5, 0.5, 1.0
 """Of its size: what an effect may change by when a quarter of the log is left out; from all to one quarter, beyond
-noise."""
+noise; the same of one with a memory, which in one quarter may have been another."""
 UNSTEADY = "its size is another in another part of the log"
 OUTSIDE, OUTSIDE_PASSING = 1.5, 0.5
 """Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
@@ -75,13 +75,13 @@ class Judge:
         )
         if reason:
             return Verdict(False, reason, is_nameless=bool(self._held(effect, model) or self._unsteady(found)))
-        proof = self.held_out.everywhere if effect.gate.passes else self.held_out
+        proof = self.held_out.everywhere if effect.gate.ends else self.held_out
         share, of_rest = proof.gain(self.fitted, model)
         if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
             return Verdict(True, "added", share)
         if (
             share >= -NO_WORSE
-            and not effect.gate.passes
+            and not effect.gate.ends
             and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD
         ):
             return Verdict(True, "added", share)
@@ -95,7 +95,10 @@ class Judge:
         return ""
 
     def _unsteady(self, found: Finding) -> str:
-        return UNSTEADY if found.change > MOST_CHANGE or found.drift > MOST_DRIFT else ""
+        effect, wheels = found.effect, self.held_out.rolling[0]
+        remembers = isinstance(effect, ForceEffect) and effect.memory_names(wheels)
+        most = MOST_DRIFT_REMEMBERED if remembers else MOST_DRIFT
+        return UNSTEADY if found.change > MOST_CHANGE or found.drift > most else ""
 
     def _outside(self, effect: Effect, model: Fitted) -> str:
         enough = OUTSIDE_PASSING if effect.gate.passes else OUTSIDE

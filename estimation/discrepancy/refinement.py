@@ -38,14 +38,14 @@ class Refiner:
         """`implausible` says of an effect at a setting why it can't be, where it can't."""
         self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
         self._base: list[tuple[Array, Array]] = []
-        information = fitted.base.information.copy()
-        for _, line, _ in fitted.linearised:
-            sides = np.concatenate([line.by[..., fitted.free], line.residual[..., None]], axis=2)
+        information = fitted.loose.information.copy()
+        for (_, line, _), known in zip(fitted.linearised, fitted.loose_columns, strict=True):
+            sides = np.concatenate([known, line.residual[..., None]], axis=2)
             weighted = line.whitened(sides)
             self._base.append((sides, weighted))
             information += _product(sides[..., :-1], weighted[..., :-1])
         self._covariance = np.linalg.inv(information)
-        self._pull = fitted.base.pull + sum(_product(s[..., :-1], w[..., -1:])[:, 0] for s, w in self._base)
+        self._pull = fitted.loose.pull + sum(_product(s[..., :-1], w[..., -1:])[:, 0] for s, w in self._base)
 
     def gain(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> Gain:
         """Of amplitudes with prior standard deviations, added to the absent effect at a setting."""

@@ -103,7 +103,7 @@ def select(
         tell(f"step {len(steps) + 1}: screening")
         judge = Judge(fitted, held_out, strongest)
         dictionary = fitted.dictionary([one for one in trials(fitted.cart, arms) if judge.may_be(one)])
-        shown = isolability(dictionary, fitted.base) if shown is None else shown
+        shown = isolability(dictionary, fitted.loose) if shown is None else shown
         step, better = _step(fitted, dictionary, judge, tell)
         steps.append(step)
         if better is None:
@@ -118,7 +118,7 @@ def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]
     """Without what the later effects have made superfluous."""
     removed: list[str] = []
     for effect in fitted.added[:-1]:
-        if isinstance(effect, ConstraintEffect) or effect.gate.passes:
+        if isinstance(effect, ConstraintEffect) or effect.gate.ends:
             continue
         less = fitted.without(effect.key)
         share, of_rest = held_out.gain(less, fitted)
@@ -142,7 +142,7 @@ def _sideways(
         first = trials[0].finding.effect
         for _ in range(SIDEWAYS_ROUNDS):
             bent = replace(cart, effects=(*cart.effects, *added, first))
-            whole = tuple(WrenchRegression(r.log, bent, r.noise, r.size > 1) for r in whole)
+            whole = tuple(WrenchRegression(r.log, bent, r.noise, r.size > 1).wary() for r in whole)
             fitted = _on_moving_rows(whole, cart, (*added, first))
             again = sideways_trials(whole, fitted.cart.without_effect(first.key))
             first = next(t.finding.effect for t in again if type(t.finding.effect) is type(first))
@@ -163,7 +163,7 @@ def _on_moving_rows(whole: Sequence[WrenchRegression], cart: CartModel, added: t
 def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
-    screened = findings(dictionary, fitted.base)
+    screened = findings(dictionary, fitted.loose)
     refiner = Refiner(fitted, lambda effect: effect.implausible(*judge.held_out.rolling))
     tried = []
     for finding in screened[:MOST_TRIED]:
@@ -173,11 +173,11 @@ def _step(
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
         tried.append((effect, gain.value, fitted.with_added(effect).listening().listening()))
     excess = min([fitted.excess, *(model.excess for *_, model in tried)])
-    again = {f.effect.key: f for f in findings(dictionary, replace(fitted.base, excess=excess))}
-    scored = []
+    again = {f.effect.key: f for f in findings(dictionary, replace(fitted.loose, excess=excess))}
+    scored, known = [], {effect.key for effect in fitted.added}
     for effect, most, model in tried:
         if not isinstance(effect, SensorEffect):  # one that divides wrenches would divide their noise too
-            refitted = 0.5 * (fitted.chi_squared - model.chi_squared)
+            refitted = 0.5 * (fitted.chi_squared(known) - model.chi_squared(known))
             most = min(max(most, refitted), MOST_BY_REFIT * most)
         scored.append((most / excess + again[effect.key].occam, effect, model))
     scored.sort(key=lambda one: -one[0])

@@ -1,82 +1,107 @@
-"""A measurement taken in, by Joseph's form `(I - K H) P (I - K H)ᵀ + K R Kᵀ` (physics 9)."""
+"""A measurement taken in, by Joseph's form `(I - K H) P (I - K H)ᵀ + K R Kᵀ` (physics 9). Kernels make no arrays: what
+they need on the way they carve out of `room`."""
 
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from typing import NamedTuple
 
 from cartgrasp.frames import Array
+from cartgrasp.kernels.workspace import copy
 
-from .jit import Indices, compiled, entry
+from .jit import compiled, entry
 
 GATE = 25.0
 """Of the normalised square a row: a sample beyond it counts as if its noise were larger; outliers pull, but can't
 tear."""
 FLOOR = 1e-10
 """Variance that every row has at least."""
+UNSEEN = 1e12
+"""Variance of a number that is missing."""
+
+
+class Believed(NamedTuple):
+    """Mean (n,) of a state; what is not known of it is `own + slopes @ beside @ slopesᵀ`, (n, n), where `beside`
+    (f, f) is the covariance of parameters that are not taught here (a Schmidt-Kalman filter's)."""
+
+    mean: Array
+    own: Array
+    slopes: Array
+    beside: Array
 
 
 @compiled
-def correct(mean: Array, own: Array, carried: Array, beside: Array, at: Indices, residual: Array, R: Array) -> float:
-    """Measured: `mean[at]` (m,), at most three numbers. `mean` (n,), `own` (n, n) and `carried` (n, f) change in place;
-    returns the NIS, before an outlier's noise is widened.
+def carved(room: Array, n: int, m: int) -> tuple[Array, Array]:
+    """A matrix (n, m), and the rest of the room."""
+    return room[: n * m].reshape((n, m)), room[n * m :]
 
-    What is not known of the state is `own + carried @ beside @ carriedᵀ`, where `beside` (f, f) is the covariance of
-    parameters that this sample doesn't teach (a Schmidt-Kalman update)."""
-    n, m, f = len(mean), len(residual), carried.shape[1]
-    PH, S, white = np.empty((n, m)), np.empty((m, m)), np.empty(m)
-    for a in range(m):
-        for i in range(n):
-            PH[i, a] = own[i, at[a]]
-        for p in range(f):
-            value = 0.0
-            for q in range(f):
-                value += carried[at[a], q] * beside[q, p]
-            for i in range(n):
-                PH[i, a] += carried[i, p] * value
+
+@compiled
+def correct(b: Believed, first: int, residual: Array, R: Array, room: Array) -> float:
+    """Measured: numbers of the mean from `first` on, as many as the residual (m,), with noise R (m, m). Changes all
+    that is believed but `beside`; returns the NIS, before an outlier's noise is widened."""
+    n, m, f = len(b.mean), len(residual), len(b.beside)
+    K, room = carved(room, n, m)
+    S, room = carved(room, m, m)
     scale, nis = 1.0, 0.0
+    _covary(b, first, K)
     for again in range(2):
         for a in range(m):
-            for b in range(m):
-                S[a, b] = PH[at[a], b] + scale * (R[a, b] + (FLOOR if a == b else 0.0))
+            for c in range(m):
+                S[a, c] = K[first + a, c] + scale * (R[a, c] + (FLOOR if a == c else 0.0))
         _factor(S)
         if again == 0:
-            nis = _whitened(S, residual, white)
+            nis = _whitened(S, residual, room[:m])
             scale = nis / (GATE * m)
             if not scale > 1.0:
                 scale = 1.0
                 break
-    K = PH.copy()
+    left, room = carved(room, n, n)
+    noisy, room = carved(room, n, m)
     for i in range(n):
         _solve(S, K[i])
         for a in range(m):
-            mean[i] += K[i, a] * residual[a]
-    left = own.copy()
+            b.mean[i] += K[i, a] * residual[a]
     for i in range(n):
+        for j in range(n):
+            value = b.own[i, j]
+            for a in range(m):
+                value -= K[i, a] * b.own[first + a, j]
+            left[i, j] = value
         for a in range(m):
-            for j in range(n):
-                left[i, j] -= K[i, a] * own[at[a], j]
-    noisy = np.zeros((n, m))
-    for i in range(n):
-        for a in range(m):
-            for b in range(m):
-                noisy[i, a] += K[i, b] * scale * (R[b, a] + (FLOOR if a == b else 0.0))
-            noisy[i, a] -= left[i, at[a]]
+            value = -left[i, first + a]
+            for c in range(m):
+                value += K[i, c] * scale * (R[c, a] + (FLOOR if a == c else 0.0))
+            noisy[i, a] = value
     for i in range(n):
         for j in range(i + 1):
             value = left[i, j]
             for a in range(m):
                 value += noisy[i, a] * K[j, a]
-            own[i, j] = own[j, i] = value
-    moved = np.empty((m, f))
+            b.own[i, j] = b.own[j, i] = value
+    moved, room = carved(room, m, f)
     for a in range(m):
-        moved[a] = carried[at[a]]
+        copy(b.slopes[first + a], moved[a])
     for i in range(n):
         for a in range(m):
             for q in range(f):
-                carried[i, q] -= K[i, a] * moved[a, q]
+                b.slopes[i, q] -= K[i, a] * moved[a, q]
     return nis
+
+
+@compiled
+def _covary(b: Believed, first: int, out: Array) -> None:
+    """What is not known of the state with what is not known of the measured numbers, (n, m)."""
+    f = len(b.beside)
+    for a in range(out.shape[1]):
+        for i in range(len(out)):
+            out[i, a] = b.own[i, first + a]
+        for p in range(f):
+            value = 0.0
+            for q in range(f):
+                value += b.slopes[first + a, q] * b.beside[q, p]
+            for i in range(len(out)):
+                out[i, a] += b.slopes[i, p] * value
 
 
 @compiled
@@ -146,21 +171,21 @@ def eliminate(matrix: Array, right: Array) -> None:
 
 
 @compiled
-def add_congruence(matrix: Array, covariance: Array, total: Array) -> None:
+def add_congruence(matrix: Array, covariance: Array, total: Array, room: Array) -> None:
     """Adds `M P Mᵀ` to a symmetric total, which stays so to the last bit."""
     n, m = matrix.shape
-    half = np.zeros((n, m))
+    half = room[:m]
     for i in range(n):
+        half[:] = 0.0
         for p in range(m):
             value = matrix[i, p]
             if value != 0.0:
                 for q in range(m):
-                    half[i, q] += value * covariance[p, q]
-    for i in range(n):
+                    half[q] += value * covariance[p, q]
         for j in range(i + 1):
             value = total[i, j]
             for q in range(m):
-                value += half[i, q] * matrix[j, q]
+                value += half[q] * matrix[j, q]
             total[i, j] = total[j, i] = value
 
 
@@ -170,46 +195,51 @@ def wrapped(angle: float) -> float:
 
 
 @entry
-def normalised_square(residual: Array, covariance: Array) -> float:
-    """`rᵀ P⁻¹ r`, (m,) and (m, m)."""
-    factor = covariance + FLOOR * np.eye(len(residual))
-    _factor(factor)
-    return _whitened(factor, residual, np.empty(len(residual)))
-
-
-@compiled
-def take_pose(mean: Array, own: Array, carried: Array, beside: Array, pose: Array, variance: Array) -> float:
-    """A pose (3,) that may be NaN in parts, of a state that begins with it; NaN where nothing is there."""
-    at = np.flatnonzero(np.isfinite(pose))
-    m = len(at)
-    if m == 0:
-        return math.nan
-    residual, R = np.empty(m), np.zeros((m, m))
+def normalised_square(residual: Array, covariance: Array, room: Array) -> float:
+    """`rᵀ P⁻¹ r`, (m,) and (m, m), with room (m² + m,)."""
+    m = len(residual)
+    factor, room = carved(room, m, m)
     for a in range(m):
-        i = at[a]
-        residual[a] = wrapped(pose[i] - mean[i]) if i == 2 else pose[i] - mean[i]
-        R[a, a] = variance[i]
-    return correct(mean, own, carried, beside, at, residual, R)
+        copy(covariance[a], factor[a])
+        factor[a, a] += FLOOR
+    _factor(factor)
+    return _whitened(factor, residual, room)
 
 
 @compiled
-def take_velocity(
-    mean: Array, own: Array, carried: Array, beside: Array, velocity: Array, variance: Array, project: Array
-) -> float:
+def take_pose(b: Believed, pose: Array, variance: Array, room: Array) -> float:
+    """A pose (3,) that may be NaN in parts, of a state that begins with it; NaN where nothing is there."""
+    residual, R = room[:3], room[3:12].reshape((3, 3))
+    R[:] = 0.0
+    seen = 0
+    for i in range(3):
+        residual[i], R[i, i] = 0.0, UNSEEN
+        if math.isfinite(pose[i]):
+            seen += 1
+            off = pose[i] - b.mean[i]
+            residual[i], R[i, i] = wrapped(off) if i == 2 else off, variance[i]
+    return correct(b, 0, residual, R, room[12:]) if seen > 0 else math.nan
+
+
+@compiled
+def take_velocity(b: Believed, velocity: Array, variance: Array, project: Array, room: Array) -> float:
     """A velocity (3,) in {s}, of a state that has nu after the pose; `project` (k, 3) takes a velocity in {b} to nu."""
-    if not np.isfinite(velocity).all():
+    if not (math.isfinite(velocity[0]) and math.isfinite(velocity[1]) and math.isfinite(velocity[2])):
         return math.nan
-    k, cosine, sine = len(project), math.cos(mean[2]), math.sin(mean[2])
-    residual, R, to_free = np.empty(k), np.zeros((k, k)), np.empty((k, 3))
+    k, cosine, sine = len(project), math.cos(b.mean[2]), math.sin(b.mean[2])
+    residual, room = room[:k], room[k:]
+    R, room = carved(room, k, k)
+    to_free, room = carved(room, k, 3)
     for a in range(k):
         to_free[a, 0] = project[a, 0] * cosine - project[a, 1] * sine
         to_free[a, 1] = project[a, 0] * sine + project[a, 1] * cosine
         to_free[a, 2] = project[a, 2]
-        residual[a] = -mean[3 + a]
+        residual[a] = -b.mean[3 + a]
         for j in range(3):
             residual[a] += to_free[a, j] * velocity[j]
     for a in range(k):
-        for b in range(k):
+        for c in range(k):
+            R[a, c] = 0.0
             for j in range(3):
-                R[a, b] += to_free[a, j] * variance[j] * to_free[b, j]
-    return correct(mean, own, carried, beside, np.arange(3, 3 + k), residual, R)
+                R[a, c] += to_free[a, j] * variance[j] * to_free[c, j]
+    return correct(b, 3, residual, R, room)

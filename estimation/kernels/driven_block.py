@@ -17,12 +17,14 @@ and free ones; where stiction begins in a row of `entries.effects`, and where it
 
 class Driven(NamedTuple):
     """Believed: mean (n,), own covariance (n, n), slopes by the free parameters (n, f); how poised each memory is (m,);
-    the last NIS (2,). Of others: parameters (p,) and the free ones' covariance (f, f). The last push: its time and what
-    was between it and the one before (2,), the reduced wrench (k,) and its covariance (k, k).
+    the last NIS (2,). Of others: parameters (p,) and the free ones' covariance (f, f). The last push: its time and that
+    of the one before (2,), the reduced wrench (k,) and its covariance (k, k).
 
     Known: the covariance of an `unknown` push; what lifts a reduced wrench to {b} (3, k), and what projects a velocity
     onto nu (k, 3); variances of pose and velocity (6,); densities of disturbing wrenches (3, 3), of the rest of the
-    state on its diagonal (n,), and of creep along a direction (2,) of {b}; and each memory's `spread` (m,)."""
+    state on its diagonal (n,), and of creep along a direction (2,) of {b}; and each memory's `spread` (m,).
+
+    And `room` for what is worked out on the way."""
 
     mean: Array
     own: Array
@@ -42,11 +44,14 @@ class Driven(NamedTuple):
     rest: Array
     creep: Array
     spread: Array
+    room: Array
 
 
 def new_block(plan: Indices) -> Array:
     n, k, m, p, f = plan[:5].tolist()
-    return np.zeros(2 * n + n * n + n * f + 2 * m + 2 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2)
+    kept = 2 * n + n * n + n * f + 2 * m + 2 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2
+    room = 6 * (n + 3) ** 2 + 2 * n * (f + k) + 3 * f + p + 2 * int(plan[6]) + 60
+    return np.zeros(kept + room)
 
 
 def parts(block: Array, plan: Indices) -> Driven:
@@ -69,7 +74,7 @@ def parts(block: Array, plan: Indices) -> Driven:
     disturbance, at = block[at : at + 9].reshape((3, 3)), at + 9
     rest, at = block[at : at + n], at + n
     creep, at = block[at : at + 2], at + 2
-    spread = block[at : at + m]
+    spread, at = block[at : at + m], at + m
     return Driven(
         mean,
         own,
@@ -89,4 +94,5 @@ def parts(block: Array, plan: Indices) -> Driven:
         rest,
         creep,
         spread,
+        block[at:],
     )

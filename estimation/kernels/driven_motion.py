@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from cartgrasp.frames import Array
-from cartgrasp.kernels import entries
-from cartgrasp.kernels.jit import DIGEST
+from cartgrasp.kernels.dynamics import Point, forward, stictions
+from cartgrasp.kernels.entries import effects
+from cartgrasp.kernels.workspace import copy
+from cartgrasp.kernels.workspace import unpack as unpack_cart
 
-from .correction import add_congruence, eliminate, take_pose, take_velocity
+from .correction import Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .driven_block import N_SIZES, Driven, parts
-from .jit import Indices, compiled, entry_with
+from .jit import Indices, compiled, entry
 
 MAX_STEP = 0.01
 HELD = 0.1
@@ -28,7 +28,6 @@ POISED = 12.0
 STICTION_MEMORY = 0.1
 """s: how long a stuck friction force keeps its value."""
 
-entry = entry_with(DIGEST)
 unpack = compiled(parts)
 
 
@@ -36,31 +35,34 @@ unpack = compiled(parts)
 def drive(floats: Array, ints: Indices, block: Array, plan: Indices, seen: Array, span: tuple[float, float]) -> None:
     """From a time to another with nothing measured on the way but the last push; then takes in what is `seen` (6,).
     `floats` and `ints` are the cart's workspace."""
-    d = unpack(block, plan)
-    n, p, k = len(d.mean), len(d.theta), len(d.push)
-    given, asked = np.zeros((1, n + 1 + p + 5 + k)), np.empty((1, n + 1 + p))
-    flow, found = np.empty((1, n * (1 + n + 3 + p))), np.empty((1, plan[6]))
-    first = plan[5]
+    d, (cart, flow) = unpack(block, plan), unpack_cart(floats, ints)
+    k = len(d.push)
+    push, room = d.room[: 3 + k], d.room[3 + k :]
+    push[3:] = 1.0
+    stuck, room = room[: plan[6] - plan[5]], room[plan[6] - plan[5] :]
     count = math.ceil((span[1] - span[0]) / MAX_STEP - 1e-6)
     for i in range(count):
         step = (span[1] - span[0]) / count
         time = span[0] + i * step
         if time - d.pushed[0] > HELD:
             _let_go(d)
-        _ask(d, time, asked[0])
-        given[0, : n + 1 + p] = asked[0]
         for j in range(3):
-            given[0, n + 1 + p + j] = 0.0
+            push[j] = 0.0
             for a in range(k):
-                given[0, n + 1 + p + j] += d.lift[j, a] * d.push[a]
-        given[0, n + 4 + p : n + 4 + p + k] = 1.0
-        entries.rates(floats, ints, given, flow)
-        stuck = entries.effects(floats, ints, asked, found) if plan[7] > 0 else 0
-        _predict(d, flow[0], found[0, first : first + 3 * stuck], plan[N_SIZES:], step)
+                push[j] += d.lift[j, a] * d.push[a]
+        point = Point(d.mean, time, d.theta, d.mean[:0])
+        forward(cart, point, push, flow)
+        n_stuck = stictions(cart, point, stuck) if plan[7] > 0 else 0
+        _predict(d, flow, stuck[: 3 * n_stuck], plan[N_SIZES:], step, room)
         if _is_poised(d):
-            _ask(d, time, asked[0])
-            entries.effects(floats, ints, asked, found)
-            _topple(d, found[0, first - len(d.poise) : first])
+            n, p, first = len(d.mean), len(d.theta), plan[5] - len(d.poise)
+            asked, rest = carved(room, 1, n + 1 + p)
+            found, rest = carved(rest, 1, plan[6])
+            copy(d.mean, asked[0])
+            asked[0, n] = time
+            copy(d.theta, asked[0, n + 1 :])
+            effects(floats, ints, asked, found)
+            _topple(d, found[0, first:])
     _take(d, seen)
 
 
@@ -70,7 +72,7 @@ def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float)
     `stuck`: wrenches (3,), one after the other, that Coulomb effects may give besides. Returns whether a memory is
     poised."""
     d = unpack(block, plan)
-    _predict(d, flow, stuck, plan[N_SIZES:], step)
+    _predict(d, flow, stuck, plan[N_SIZES:], step, d.room)
     return _is_poised(d)
 
 
@@ -89,28 +91,22 @@ def topple(block: Array, plan: Indices, settled: Array) -> None:
 @compiled
 def _let_go(d: Driven) -> None:
     """From now on the push may be any."""
-    d.pushed[0], d.pushed[1] = -math.inf, HELD
+    d.pushed[0] = d.pushed[1] = -math.inf
     d.push[:] = 0.0
-    d.push_covariance[:] = d.unknown
+    for a in range(len(d.push)):
+        copy(d.unknown[a], d.push_covariance[a])
 
 
 @compiled
-def _ask(d: Driven, time: float, row: Array) -> None:
-    n = len(d.mean)
-    row[:n], row[n], row[n + 1 :] = d.mean, time, d.theta
-
-
-@compiled
-def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float) -> None:
+def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, room: Array) -> None:
     """The step is `(I - F h/2)⁻¹ h f` and the transition `(I - F h/2)⁻¹ (I + F h/2)`: of second order, and stable where
     F is stiff."""
     n, p, f, k = len(d.mean), len(d.theta), len(free), len(d.push)
     by_state = flow[n : n + n * n].reshape((n, n))
     by_wrench = flow[n + n * n : n * (4 + n)].reshape((n, 3))
-    by_parameters = flow[n * (4 + n) :].reshape((n, p))
-    noise = 0.5 * step * _density(d, by_wrench, stuck)
-    half = np.empty((n, n))
-    ahead = np.empty((n, n + 1 + f + k))
+    by_parameters = flow[n * (4 + n) : n * (4 + n + p)].reshape((n, p))
+    half, room = carved(room, n, n)
+    ahead, room = carved(room, n, n + 1 + f + k)
     for i in range(n):
         for j in range(n):
             half[i, j], ahead[i, j] = -0.5 * step * by_state[i, j], 0.5 * step * by_state[i, j]
@@ -124,15 +120,26 @@ def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float) -
                 value += by_wrench[i, j] * d.lift[j, a]
             ahead[i, n + 1 + f + a] = step * value
     eliminate(half, ahead)
-    shares = max(d.pushed[1] / step, 1.0)
-    own = d.own + noise
-    add_congruence(ahead[:, :n], own, noise)
-    add_congruence(ahead[:, n + 1 + f :], shares * d.push_covariance, noise)
-    moved = d.slopes.copy()
+    noise, room = carved(room, n, n)
+    _add_noise(d, by_wrench, stuck, 0.5 * step, noise, room)
+    own, rest = carved(room, n, n)
     for i in range(n):
-        d.mean[i] += ahead[i, n]
         for j in range(n):
-            d.own[i, j] = noise[i, j]
+            own[i, j] = d.own[i, j] + noise[i, j]
+    add_congruence(ahead[:, :n], own, noise, rest)
+    held = d.pushed[0] - d.pushed[1]
+    shares = max((held if held < HELD else HELD) / step, 1.0)
+    pushed, rest = carved(room, k, k)
+    for a in range(k):
+        for c in range(k):
+            pushed[a, c] = shares * d.push_covariance[a, c]
+    add_congruence(ahead[:, n + 1 + f :], pushed, noise, rest)
+    moved, room = carved(room, n, f)
+    for i in range(n):
+        copy(d.slopes[i], moved[i])
+        copy(noise[i], d.own[i])
+        d.mean[i] += ahead[i, n]
+    for i in range(n):
         for q in range(f):
             value = ahead[i, n + 1 + q]
             for j in range(n):
@@ -145,28 +152,31 @@ def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float) -
 
 
 @compiled
-def _density(d: Driven, by_wrench: Array, stuck: Array) -> Array:
-    disturbance = d.disturbance.copy()
-    for c in range(len(stuck) // 3):
-        for i in range(3):
-            for j in range(3):
-                disturbance[i, j] += STICTION_MEMORY * stuck[3 * c + i] * stuck[3 * c + j]
-    n = len(d.rest)
-    density = np.zeros((n, n))
-    add_congruence(by_wrench, disturbance, density)
-    for i in range(n):
-        density[i, i] += d.rest[i]
+def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Array, room: Array) -> None:
+    """Puts into `noise` (n, n) what disturbances, stiction, slip and swivel add in a time."""
+    disturbance, room = carved(room, 3, 3)
+    for i in range(3):
+        for j in range(3):
+            disturbance[i, j] = time * d.disturbance[i, j]
+            for c in range(len(stuck) // 3):
+                disturbance[i, j] += time * STICTION_MEMORY * stuck[3 * c + i] * stuck[3 * c + j]
+    noise[:] = 0.0
+    add_congruence(by_wrench, disturbance, noise, room)
+    for i in range(len(noise)):
+        noise[i, i] += time * d.rest[i]
     cosine, sine = math.cos(d.mean[2]), math.sin(d.mean[2])
     sideways = (cosine * d.creep[0] - sine * d.creep[1], sine * d.creep[0] + cosine * d.creep[1])
     for i in range(2):
         for j in range(2):
-            density[i, j] += sideways[i] * sideways[j]
-    return density
+            noise[i, j] += time * sideways[i] * sideways[j]
 
 
 @compiled
 def _is_poised(d: Driven) -> bool:
-    return bool((d.poise > POISED).any())
+    longest = 0.0
+    for a in range(len(d.poise)):
+        longest = max(longest, d.poise[a])
+    return longest > POISED
 
 
 @compiled
@@ -175,14 +185,14 @@ def _topple(d: Driven, settled: Array) -> None:
     for a in range(len(d.poise)):
         if d.poise[a] > POISED:
             i = len(d.mean) - len(d.poise) + a
-            d.mean[i], d.slopes[i] = settled[a], 0.0
-            d.own[i, :] = 0.0
-            d.own[:, i] = 0.0
+            d.mean[i] = settled[a]
+            d.slopes[i, :], d.own[i, :], d.own[:, i] = 0.0, 0.0, 0.0
             d.own[i, i] = d.spread[a] ** 2
             d.poise[a] = 0.0
 
 
 @compiled
 def _take(d: Driven, seen: Array) -> None:
-    d.nis[0] = take_pose(d.mean, d.own, d.slopes, d.beside, seen[:3], d.variances[:3])
-    d.nis[1] = take_velocity(d.mean, d.own, d.slopes, d.beside, seen[3:], d.variances[3:], d.project)
+    believed = Believed(d.mean, d.own, d.slopes, d.beside)
+    d.nis[0] = take_pose(believed, seen[:3], d.variances[:3], d.room)
+    d.nis[1] = take_velocity(believed, seen[3:], d.variances[3:], d.project, d.room)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from cartgrasp.frames import Array
+from cartgrasp.kernels.workspace import copy
 
-from .correction import GATE, add_congruence, take_pose, take_velocity
+from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .jit import compiled, entry
 
 PATH_FLOOR = 1e-6
@@ -30,13 +29,15 @@ class Moment(NamedTuple):
 
 class Known(NamedTuple):
     """Basis (3, f), what projects a velocity onto nu (f, 3), variances of pose and velocity (6,), the direction across
-    in {b} (2,), and densities (3,) of jerk, of creep sideways, and of turning."""
+    in {b} (2,), and densities (3,) of jerk, of creep sideways, and of turning. And `room` for what is worked out on the
+    way."""
 
     basis: Array
     project: Array
     variances: Array
     across_b: Array
     densities: Array
+    room: Array
 
 
 def moment(row: Array, d: int) -> Moment:
@@ -49,40 +50,45 @@ def moment(row: Array, d: int) -> Moment:
     return Moment(mean, covariance, ahead, ahead_covariance, forth, row[at:])
 
 
+def known_size(f: int) -> int:
+    d = 3 + 2 * f
+    return 6 * f + 11 + 2 * (d + 5) ** 2 + 3 * f + d
+
+
 def known_of(known: Array, f: int) -> Known:
-    """Views of a block (6 f + 11,)."""
+    """Views of a block."""
     basis, project = known[: 3 * f].reshape((3, f)), known[3 * f : 6 * f].reshape((f, 3))
     at = 6 * f
-    return Known(basis, project, known[at : at + 6], known[at + 6 : at + 8], known[at + 8 :])
+    return Known(basis, project, known[at : at + 6], known[at + 6 : at + 8], known[at + 8 : at + 11], known[at + 11 :])
 
 
 _moment, _known_of = compiled(moment), compiled(known_of)
 
 
 @entry
-def follow(rows: Array, i: int, step: float, known: Array, news: Array) -> None:
-    """Fills row i > 0 from the one before, and takes in `news` (6 + f,): a pose and a velocity (3,), NaN where missing,
-    and by how much nu' may have changed at the last moment."""
-    f = len(news) - 6
+def follow(rows: Array, i: int, step: float, known: Array, seen: Array, jolt: Array) -> None:
+    """Fills row i > 0 from the one before, and takes in what is `seen` (6,): a pose and a velocity, NaN where missing;
+    nu' may have changed by `jolt` (f,) at the last moment."""
+    f = len(jolt)
     d = 3 + 2 * f
     before, now, c = _moment(rows[i - 1], d), _moment(rows[i], d), _known_of(known, f)
-    _predict(before, now, step, c, news[6:])
+    _predict(before, now, step, c, jolt)
     now.worst[0] = math.nan
-    _take(now, c, news)
+    _take(now, c, seen)
 
 
 @entry
-def take(rows: Array, i: int, known: Array, news: Array) -> None:
+def take(rows: Array, i: int, known: Array, seen: Array, f: int) -> None:
     """As `follow`, with no time gone by."""
-    f = len(news) - 6
-    _take(_moment(rows[i], 3 + 2 * f), _known_of(known, f), news)
+    _take(_moment(rows[i], 3 + 2 * f), _known_of(known, f), seen)
 
 
 @compiled
-def _take(now: Moment, c: Known, news: Array) -> None:
-    nothing, none = np.zeros((len(now.mean), 1)), np.zeros((1, 1))
-    pose = take_pose(now.mean, now.covariance, nothing, none, news[:3], c.variances[:3])
-    velocity = take_velocity(now.mean, now.covariance, nothing, none, news[3:6], c.variances[3:], c.project)
+def _take(now: Moment, c: Known, seen: Array) -> None:
+    nothing = now.mean[:0]
+    believed = Believed(now.mean, now.covariance, nothing.reshape((len(now.mean), 0)), nothing.reshape((0, 0)))
+    pose = take_pose(believed, seen[:3], c.variances[:3], c.room)
+    velocity = take_velocity(believed, seen[3:], c.variances[3:], c.project, c.room)
     for miss in (pose / (3 * GATE), velocity / (len(c.project) * GATE)):
         if not math.isnan(miss) and not miss < now.worst[0]:
             now.worst[0] = miss
@@ -96,7 +102,10 @@ def _predict(before: Moment, now: Moment, step: float, c: Known, jolt: Array) ->
     for a in range(f):
         heading += 0.5 * step * c.basis[2, a] * last[3 + a]
     cosine, sine = math.cos(heading), math.sin(heading)
-    turned, leap = np.empty((3, f)), np.zeros(d)
+    turned, room = carved(c.room, 3, f)
+    leap, room = room[:d], room[d:]
+    P, room = carved(room, d, d)
+    leap[:] = 0.0
     for i in range(d):
         mean[i] = last[i]
         for j in range(d):
@@ -115,8 +124,8 @@ def _predict(before: Moment, now: Moment, step: float, c: Known, jolt: Array) ->
     for i in range(d):
         for a in range(f):
             leap[i] += F[i, 3 + f + a] * jolt[a]
-    P = _noise(turned, step, c, (cosine, sine))
-    add_congruence(F, before.covariance, P)
+    _add_noise(turned, step, c, (cosine, sine), P)
+    add_congruence(F, before.covariance, P, room)
     for i in range(d):
         now.mean[i] = mean[i]
         for j in range(d):
@@ -124,10 +133,11 @@ def _predict(before: Moment, now: Moment, step: float, c: Known, jolt: Array) ->
 
 
 @compiled
-def _noise(turned: Array, step: float, c: Known, direction: tuple[float, float]) -> Array:
-    """Of white jerk, creep and turning, over a step; the path's directions (3, f) by the heading halfway."""
+def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, float], noise: Array) -> None:
+    """Puts into `noise` (d, d) that of white jerk, creep and turning, over a step; the path's directions (3, f) by the
+    heading halfway."""
     f, jerk = turned.shape[1], c.densities[0]
-    noise = np.zeros((3 + 2 * f, 3 + 2 * f))
+    noise[:] = 0.0
     for a in range(f):
         v, w = 3 + a, 3 + f + a
         for i in range(3):
@@ -145,18 +155,38 @@ def _noise(turned: Array, step: float, c: Known, direction: tuple[float, float])
             noise[a, b] += c.densities[1] * step * sideways[a] * sideways[b]
         noise[a, a] += PATH_FLOOR**2
     noise[2, 2] += c.densities[2] * step + PATH_FLOOR**2
-    return noise
 
 
 @entry
-def smooth(rows: Array, means: Array, covariances: Array) -> None:
+def smooth(rows: Array, means: Array, covariances: Array, known: Array, f: int) -> None:
     """Each row with what was measured after it, too (Rauch, Tung and Striebel 1965), into `means` (n, d) and
     `covariances` (n, d, d)."""
     n, d = means.shape
-    last = _moment(rows[n - 1], d)
-    means[n - 1], covariances[n - 1] = last.mean, last.covariance
-    for i in range(n - 2, -1, -1):
-        here, after = _moment(rows[i], d), _moment(rows[i + 1], d)
-        back = np.ascontiguousarray(np.linalg.solve(after.ahead_covariance, after.forth @ here.covariance).T)
-        means[i] = here.mean + back @ (means[i + 1] - after.ahead)
-        covariances[i] = here.covariance + back @ (covariances[i + 1] - after.ahead_covariance) @ back.T
+    room = _known_of(known, f).room
+    for i in range(n - 1, -1, -1):
+        here = _moment(rows[i], d)
+        copy(here.mean, means[i])
+        for a in range(d):
+            copy(here.covariance[a], covariances[i, a])
+        if i + 1 < n:
+            _look_back(here, _moment(rows[i + 1], d), (means[i : i + 2], covariances[i : i + 2]), room)
+
+
+@compiled
+def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], room: Array) -> None:
+    """Into the first of `means` (2, d) and `covariances` (2, d, d), by the second."""
+    d, (means, covariances) = len(here.mean), found
+    back, room = carved(room, d, d)
+    change, room = carved(room, d, d)
+    for a in range(d):
+        copy(after.ahead_covariance[a], change[a])
+        for b in range(d):
+            back[a, b] = 0.0
+            for c in range(d):
+                back[a, b] += after.forth[a, c] * here.covariance[c, b]
+    eliminate(change, back)
+    for a in range(d):
+        for b in range(d):
+            means[0, a] += back[b, a] * (means[1, b] - after.ahead[b])
+            change[a, b] = covariances[1, a, b] - after.ahead_covariance[a, b]
+    add_congruence(back.T, change, covariances[0], room)

@@ -56,7 +56,7 @@ class LoadWatch:
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
         if not may or (sum(self._squares) < self._limit and self._evidence(load) < -np.log(FALSE_LOAD)):
             return False
-        self._resets, self._squares = self._resets.one_more(), ()
+        self._resets, self._squares = self._resets.one_more(time), ()
         self._pulls, self._information = self._pulls[:0], self._information[:0]
         return True
 
@@ -74,6 +74,5 @@ class LoadWatch:
 
     @property
     def health(self) -> Health:
-        if self._resets.health is Health.OK and self._outliers > OUTLYING_SHARE:
-            return Health.OUTLIERS
-        return self._resets.health
+        said = self._resets.health
+        return Health.OUTLIERS if said is Health.OK and self._outliers > OUTLYING_SHARE else said

@@ -7,7 +7,6 @@ say only when there may be a jolt, which white jerk would smooth away.
 
 from __future__ import annotations
 
-import copy
 import math
 from dataclasses import dataclass
 from typing import Self
@@ -20,6 +19,7 @@ from cartgrasp.model import CartModel
 from ..gaussian import Gaussian
 from ..kernels import tracked_motion as kernels
 from ..noise import FilterNoise
+from ..shallow import shallow
 
 JERK = 3.0
 """m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""
@@ -54,14 +54,14 @@ class MotionTracker:
     def __init__(self, cart: CartModel, noise: FilterNoise) -> None:
         f = self._free = cart.constraints.n_free
         self._nu, self._d, self._n = slice(3, 3 + f), 3 + 2 * f, 0
-        self._known = np.zeros(6 * f + 11)
+        self._known = np.zeros(kernels.known_size(f))
         known = kernels.known_of(self._known, f)
         known.basis[:], known.project[:] = cart.basis_b, np.linalg.pinv(cart.basis_b)
         known.variances[:3], known.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
         known.across_b[:] = cart.rolling.across_b
         known.densities[:] = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
         self._time, self._rows = np.zeros(ROOM), np.zeros((ROOM, 2 * self._d + 3 * self._d**2 + 1))
-        self._news, self.last_time = np.zeros(6 + f), -math.inf
+        self.first_time = self.last_time = -math.inf
 
     @property
     def time(self) -> Array:
@@ -82,25 +82,25 @@ class MotionTracker:
         first = kernels.moment(self._rows[0], self._d)
         first.mean[:3], first.mean[3:] = np.where(known, pose, 0.0), 0.0
         first.covariance[:], first.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
-        self._n, self._time[0], self.last_time = 1, time, time
+        self._n, self._time[0] = 1, time
+        self.first_time = self.last_time = time
 
-    def next(self, time: float, jolt: Array, pose: Array | None, velocity: Array | None) -> None:
-        """A later moment, with what was measured, NaN where missing; `jolt` (f,) is by how much nu' may have changed at
-        the last one."""
+    def next(self, time: float, jolt: Array, seen: Array) -> None:
+        """A later moment, with what was `seen` (6,): pose and velocity, NaN where missing; `jolt` (f,) is by how much
+        nu' may have changed at the last one."""
         i = self._n
         if i == len(self._time):
             self._make_room()
-        self._news[6:] = jolt
-        kernels.follow(self._rows, i, time - self.last_time, self._known, self._told(pose, velocity))
+        kernels.follow(self._rows, i, time - self.last_time, self._known, seen, jolt)
         self._n, self._time[i], self.last_time = i + 1, time, time
 
-    def take(self, pose: Array | None, velocity: Array | None) -> None:
+    def take(self, seen: Array) -> None:
         """Measured at the last moment, too."""
-        kernels.take(self._rows, self._n - 1, self._known, self._told(pose, velocity))
+        kernels.take(self._rows, self._n - 1, self._known, seen, self._free)
 
     def copy(self) -> Self:
-        other = copy.copy(self)
-        other._time, other._rows, other._news = self._time.copy(), np.empty_like(self._rows), self._news.copy()
+        other = shallow(self)
+        other._time, other._rows = self._time.copy(), np.empty_like(self._rows)
         other._rows[: self._n] = self._rows[: self._n]
         return other
 
@@ -108,7 +108,7 @@ class MotionTracker:
         """Each moment with what was measured after it, too."""
         n, d = self._n, self._d
         mean, covariance = np.empty((n, d)), np.empty((n, d, d))
-        kernels.smooth(self._rows, mean, covariance)
+        kernels.smooth(self._rows, mean, covariance, self._known, self._free)
         pose, velocity, acceleration = np.split(mean, [3, 3 + self._free], axis=1)
         return Stretch(self.time.copy(), pose, velocity, acceleration, covariance[:, self._nu, self._nu])
 
@@ -122,12 +122,7 @@ class MotionTracker:
         for part in (self._time, self._rows):
             part[: self._n - k] = part[k : self._n].copy()
         self._n -= k
-
-    def _told(self, pose: Array | None, velocity: Array | None) -> Array:
-        news = self._news
-        news[:3] = math.nan if pose is None else pose
-        news[3:6] = math.nan if velocity is None else velocity
-        return news
+        self.first_time = float(self._time[0])
 
     def _make_room(self) -> None:
         self._time, self._rows = (np.concatenate([part, np.zeros_like(part)]) for part in (self._time, self._rows))

@@ -8,7 +8,6 @@ taken off, so that neither biases the mass.
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -28,6 +27,8 @@ from ..load_change import load_covariance
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
 from ..prior import Prior
+from ..seen import NOTHING_SEEN, seen_in
+from ..shallow import shallow
 from ..wrench_sensing import SensedWrench, WrenchSensing
 from .filtered_row import FilteredRow, Recorded, curvature_noise, filtered_row, least_speed_in, stands_still
 from .load_watch import LoadWatch
@@ -73,8 +74,9 @@ class ParameterLearner:
         self._waiting: tuple[Waiting, ...] = ()
         self._memory: Array | None = None
         self._calm = self._jolt = np.zeros(cart.constraints.n_free)
+        self._room = np.empty(12)
         self._started = self._has_wrench = False
-        self.time = -math.inf  # of the last measurement
+        self.time, self.seen = -math.inf, NOTHING_SEEN  # of the last measurement
         self.sensed: SensedWrench | None = None  # of the last measurement with wrenches
         self._conclude()
 
@@ -82,12 +84,12 @@ class ParameterLearner:
         """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
         time = float(measurement.time)
         self._sensing.note_contacts(measurement)
+        self.seen = seen_in(measurement)
         gap = time - self.time
         if not self._started or gap > LONG_GAP:
-            self._start(time, measurement.pose)
-            self._tracker.take(None, measurement.velocity)
+            self._start(time)
         else:
-            self._go_on(gap, measurement)
+            self._go_on(time, gap)
         self.time = self._tracker.last_time
         if measurement.wrenches:
             self._take_wrenches(measurement)
@@ -114,9 +116,9 @@ class ParameterLearner:
         return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.covariance)
 
     def copy(self) -> Self:
-        other = copy.copy(self)
+        other = shallow(self)
         other._tracker, other._belief = self._tracker.copy(), self._belief.copy()
-        other._watch, other._sensing = copy.copy(self._watch), self._sensing.copy()
+        other._watch, other._sensing = shallow(self._watch), self._sensing.copy()
         other._recorded = list(self._recorded)
         return other
 
@@ -132,21 +134,21 @@ class ParameterLearner:
 
     # --- moments ---------------------------------------------------------------------------------------------
 
-    def _start(self, time: float, pose: Array | None) -> None:
+    def _start(self, time: float) -> None:
         """Motion starts anew; the parameters stay."""
-        pose = np.full(3, np.nan) if pose is None else np.asarray(pose, dtype=float)
+        pose = self.seen[:3]
         self._tracker.start(time, pose)
+        self._tracker.take(np.concatenate([NOTHING_SEEN[:3], self.seen[3:]]))
         self._recorded = [None]
         self._memory, self._jolt = None, self._calm
         self._belief.unlink()
-        self._started = bool(np.isfinite(pose[2]))  # without a heading nobody knows where anything pushes
+        self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
-    def _go_on(self, gap: float, measurement: Measurement) -> None:
-        time = measurement.time
+    def _go_on(self, time: float, gap: float) -> None:
         if gap <= 1e-9:
-            self._tracker.take(measurement.pose, measurement.velocity)
+            self._tracker.take(self.seen)
             return
-        self._tracker.next(time, self._jolt, measurement.pose, measurement.velocity)
+        self._tracker.next(time, self._jolt, self.seen)
         self._jolt = self._calm
         held = self._recorded[-1]
         self._recorded.append(held if held is not None and time - held.time < HELD else None)
@@ -163,7 +165,7 @@ class ParameterLearner:
 
     def _jolt_of(self, step: Array, noise: Array) -> Array:
         """The change of nu' that a step of the wrench makes, where it stands out of its noise."""
-        if normalised_square(step, noise) < JUMP:
+        if normalised_square(step, noise, self._room) < JUMP:
             return self._calm
         at_rest = self.cart.state()
         mass = self.cart.inverse(at_rest, np.zeros(len(step)), self.theta).by_acceleration
@@ -173,9 +175,9 @@ class ParameterLearner:
 
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one."""
-        time = self._tracker.time
-        if time[-1] - time[0] < BLOCK + LAG - 1e-6:
+        if self._tracker.last_time - self._tracker.first_time < BLOCK + LAG - 1e-6:
             return
+        time = self._tracker.time
         k = int(np.searchsorted(time, time[0] + BLOCK - 1e-6))
         if time[-1] - time[k] < LAG - 1e-6:
             return

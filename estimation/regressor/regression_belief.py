@@ -6,7 +6,6 @@ block ended. The latter is handed from row to row, so that neighbours' common no
 
 from __future__ import annotations
 
-import copy
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from ..gaussian import Gaussian, normalised_square, symmetric
+from ..shallow import shallow
 from .filtered_row import FilteredRow
 
 LATENESS, LATENESS_STD = -0.25, 0.3
@@ -48,7 +48,7 @@ class RegressionBelief:
         self._linked = False
 
     def copy(self) -> Self:
-        other = copy.copy(self)
+        other = shallow(self)
         other._information, other._pull = self._information.copy(), self._pull.copy()
         return other
 

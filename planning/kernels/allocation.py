@@ -15,9 +15,6 @@ from .proof import EQUALITY_TOLERANCE, ray_value, verify, wrench_scale
 from .working_set import Ints
 from .workspace import Workspace, unpack
 
-EFFORT = 7  # where it stands, behind the residuals
-ACTIVE = 1e-7  # of the largest multiplier, as in QuadraticProgram.active
-
 
 @entry
 def solve_program(floats: Array, ints: Ints) -> int:
@@ -45,10 +42,7 @@ def allocate(floats: Array, ints: Ints, wrench: tuple[float, float, float], move
                 if not abs(w.points[arm, c]) <= LARGEST_POSITION:
                     return REFUSED
         move(w)
-    status = solve_program(floats, ints)
-    if status == OPTIMAL:
-        report(w)
-    return status
+    return solve_program(floats, ints)
 
 
 @compiled
@@ -80,19 +74,3 @@ def move(w: Workspace) -> None:
             if rows[i, k] != 0.0:
                 for j in range(n):
                     lifted[i, j] += rows[i, k] * inverse[k, j]
-
-
-@compiled
-def report(w: Workspace) -> None:
-    """The effort, and the limits other than equalities whose multiplier stands out."""
-    x, y, active, largest, count, effort = w.claim.x, w.claim.y, w.active, 1.0, 0, 0.0
-    for j in range(len(x)):
-        effort += w.weights[j] * x[j] ** 2
-    w.found[EFFORT] = effort
-    for i in range(len(y)):
-        largest = max(largest, abs(y[i]))
-    for i in range(len(y) - w.claim.n_equalities):
-        if abs(y[i]) > ACTIVE * largest:
-            count += 1
-            active[count] = i + 1 if y[i] > 0.0 else -i - 1
-    active[0] = count

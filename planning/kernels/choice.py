@@ -10,7 +10,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .allocation import ask, move, report, solve_program
+from .allocation import ask, move, solve_program
 from .cut import Table, effort_cut, ray_cut
 from .dual_active_set import INFEASIBLE, OPTIMAL
 from .jit import compiled, entry
@@ -52,7 +52,6 @@ def search(
         place(w, table, found.counts[0])
         if solve_program(floats, ints) != OPTIMAL:
             return GAVE_UP
-        report(w)
     return DONE
 
 

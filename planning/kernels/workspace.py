@@ -1,7 +1,7 @@
 """All numbers of one structure of programs in two blocks of memory: a call then hands over two arrays, not thirty.
 
 `views` says what stands where, for those who fill and read it; kernels have it as `unpack`. What is found (x, y, then
-residuals and effort) is at the end, so that one copy takes it along.
+residuals) is at the end, so that one copy takes it along.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .proof import Claim
 from .working_set import Held, Ints, Problem
 
 N_SIZES = 6
-N_FOUND = 8  # residuals and the effort
+N_FOUND = 7  # residuals
 
 
 class Sizes(NamedTuple):
@@ -33,16 +33,16 @@ class Sizes(NamedTuple):
 
     def allocate(self) -> tuple[Array, Ints]:
         n, m, k = self.n, self.limits, self.free
-        floats = n * (2 * m + 3 * n + 4 * self.moving + 11) + 3 * m + 3 * (self.arms + k) + 1 + N_FOUND
-        ints = np.zeros(N_SIZES + 1 + n + 4 * m + 1 + m, np.int64)
+        floats = n * (2 * m + 3 * n + 4 * self.moving + 10) + 3 * m + 3 * (self.arms + k) + 1 + N_FOUND
+        ints = np.zeros(N_SIZES + 1 + n + 4 * m, np.int64)
         ints[:N_SIZES] = self
         return np.zeros(floats), ints
 
 
 class Workspace(NamedTuple):
     """Beside a program with what solves it: H⁻¹; points (arms, 3); the rows that depend on them, the last but the
-    order of `affine` (4, moving, n), as a base and slopes along x, y and z; S (3, k); the effort's weights (n,);
-    residuals and effort; and the limits that push back: how many, then each, from 1 on and negative for lower ones."""
+    order of `affine` (4, moving, n), as a base and slopes along x, y and z; S (3, k); and
+    the residuals."""
 
     problem: Problem
     held: Held
@@ -51,9 +51,7 @@ class Workspace(NamedTuple):
     points: Array
     affine: Array
     basis: Array
-    weights: Array
     found: Array
-    active: Ints
 
 
 def views(floats: Array, ints: Ints) -> Workspace:
@@ -75,7 +73,6 @@ def views(floats: Array, ints: Ints) -> Workspace:
     change, at = floats[at : at + n], at + n
     z, at = floats[at : at + n], at + n
     rest, at = floats[at : at + n], at + n
-    weights, at = floats[at : at + n], at + n
     points, at = floats[at : at + 3 * arms].reshape((arms, 3)), at + 3 * arms
     basis, at = floats[at : at + 3 * k].reshape((3, k)), at + 3 * k
     constant, at = floats[at : at + 1], at + 1
@@ -84,7 +81,7 @@ def views(floats: Array, ints: Ints) -> Workspace:
     found = floats[at : at + N_FOUND]
     count, limit = ints[N_SIZES : N_SIZES + 1], ints[N_SIZES + 1 : N_SIZES + 1 + n]
     first = N_SIZES + 1 + n
-    spans, active = ints[first : first + 4 * m].reshape((m, 4)), ints[first + 4 * m :]
+    spans = ints[first:].reshape((m, 4))
     return Workspace(
         Problem(rows, lifted, limits, free, spans),
         Held(count, limit, side, dual, factor, column, change, z, rest),
@@ -93,9 +90,7 @@ def views(floats: Array, ints: Ints) -> Workspace:
         points,
         affine,
         basis,
-        weights,
         found,
-        active,
     )
 
 

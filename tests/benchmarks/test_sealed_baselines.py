@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.sealed.baselines import regress, regress_all, selected, thresholded
+from benchmarks.sealed.baselines import all_free, regress, regress_all, selected, thresholded
 from benchmarks.sealed.columns import candidates, followed, swung
 from benchmarks.sealed.effects import VOCABULARY
 from benchmarks.sealed.generate import generate
@@ -27,6 +27,23 @@ def test_a_cubic_is_smoothed_into_itself():
     for one, other in zip(found, wanted, strict=True):
         inside = slice(HALF_WIDTH, -HALF_WIDTH)
         assert one[inside] == pytest.approx(other[inside], abs=1e-8)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=SEEDS, stop=st.sampled_from([0.01, 0.05, 0.2]))
+def test_with_everything_free_a_term_counts_for_what_the_fit_would_miss(seed, stop):
+    random = np.random.default_rng(seed)
+    nominal, library = random.standard_normal((60, 2)), [random.standard_normal((60, k)) for k in (1, 2, 1)]
+    target = nominal @ [1.0, -2.0] + 0.6 * library[1] @ [1.0, 0.5] + 0.3 * random.standard_normal(60)
+
+    def left(terms):
+        design = np.hstack([nominal, *(library[i] for i in terms)])
+        return float(((target - design @ np.linalg.lstsq(design, target, rcond=None)[0]) ** 2).sum())
+
+    missed = [(left({0, 1, 2} - {i}) - left({0, 1, 2})) / left(set()) for i in range(3)]
+    if min(abs(one - stop) for one in missed) > 1e-3:
+        wanted = [i for i in np.argsort(missed)[::-1] if missed[i] > stop]
+        assert all_free(nominal, target, library, stop) == wanted
 
 
 @settings(max_examples=25, deadline=None)

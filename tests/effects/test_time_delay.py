@@ -16,7 +16,7 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.sensors import SensorNoise, Sensors
-from estimation import CartFilter, FilterNoise
+from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.batch import identify
 from estimation.replay import replay
 from tests.core.drawn import numbers
@@ -25,6 +25,7 @@ from tests.estimation.runs import STEP, simulate
 INERTIA = Inertia(24.0, (0.3, 0.0), 2.0)
 LATE = 12
 """Samples."""
+DELAY = TimeDelay(LATE * STEP)
 
 
 def cart(*effects):
@@ -119,7 +120,7 @@ def test_a_batch_fit_and_a_replay_see_the_wrenches_in_time():
     """As if they had never been late; without the effect, much is left unexplained."""
     late, in_time = late_log()
     plain = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0),))
-    knowing = plain.with_effect(TimeDelay(LATE * STEP))
+    knowing = plain.with_effect(DELAY)
     noise = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 0.5, 0.025)
     found, expected = identify([late], knowing, noise=noise), identify([in_time], plain, noise=noise)
     np.testing.assert_allclose(found.model_parameters[:-1], expected.model_parameters, rtol=1e-9)
@@ -129,7 +130,20 @@ def test_a_batch_fit_and_a_replay_see_the_wrenches_in_time():
     assert unaware.parameters["mass"].std > 5 * found.parameters["mass"].std
     assert unaware.logs[0].noise_excess > 10 * found.logs[0].noise_excess
 
-    online = replay(late, CartFilter(knowing, ["hand"], noise=noise)).last.parameters["mass"]
-    same = replay(in_time, CartFilter(plain, ["hand"], noise=noise)).last.parameters["mass"]
+    online = replay(late, RegressorEstimator(knowing, ["hand"], noise=noise)).last.parameters["mass"]
+    same = replay(in_time, RegressorEstimator(plain, ["hand"], noise=noise)).last.parameters["mass"]
     assert online.value == pytest.approx(same.value, rel=1e-9)
+    assert online.value == pytest.approx(24.0, rel=0.03)
+
+
+def test_a_filter_waits_for_late_wrenches():
+    """As if they had never been late, up to where they tell."""
+    late, in_time = late_log()
+    plain = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0),))
+    noise = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 0.5, 0.025)
+    knowing, other = (CartFilter(cart, ["hand"], noise=noise) for cart in (plain.with_effect(DELAY), plain))
+    online = replay(late, knowing).last.parameters["mass"]
+    for measurement in list(in_time.measurements())[:-LATE]:
+        same = other.update(measurement).parameters["mass"]
+    assert online.value == pytest.approx(same.value, rel=1e-6)
     assert online.value == pytest.approx(24.0, rel=0.03)

@@ -10,16 +10,19 @@ from hypothesis.extra import numpy as hnp
 from cartgrasp.effects import CasterRealignment, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
 from cartgrasp.wheels import Wheel
 from estimation import FilterNoise, Prior
 from estimation.driven_motion import DrivenMotion
 from estimation.kernels import correction
 from estimation.kernels.tracked_motion import PATH_FLOOR
 from estimation.regressor.motion_tracker import MotionTracker
+from estimation.seen import seen_in
 from estimation.wrench_sensing import SensedWrench
 
 numbers = st.floats(-3, 3, allow_nan=False, allow_infinity=False)
 seeds = st.integers(0, 2**32 - 1)
+ROOM = 200
 
 
 def covariance_of(root):
@@ -42,27 +45,43 @@ def test_a_correction_is_conditioning_that_leaves_the_parameters(seed, m):
     n, f = 6, 3
     own, beside = (covariance_of(random.standard_normal((k, k))) for k in (n, f))
     R, slopes, mean = covariance_of(random.standard_normal((m, m))), random.standard_normal((n, f)), np.zeros(n)
-    at, residual = random.permutation(n)[:m], random.standard_normal(m)
-    H = np.eye(n)[at]
+    first, residual = int(random.integers(n - m)), random.standard_normal(m)
+    H = np.eye(n)[first : first + m]
     whole = own + slopes @ beside @ slopes.T
     S = H @ whole @ H.T + R
     gain = np.linalg.solve(S, H @ whole).T
     keep = np.eye(n) - gain @ H
-    got = mean.copy(), own.copy(), slopes.copy()
-    nis = correction.correct(*got, beside, at, residual, R)
+    got = correction.Believed(mean.copy(), own.copy(), slopes.copy(), beside)
+    nis = correction.correct(got, first, residual, R, np.empty(ROOM))
     assert nis == pytest.approx(residual @ np.linalg.solve(S, residual), rel=1e-6)
-    np.testing.assert_allclose(got[0], gain @ residual, rtol=1e-6, atol=1e-8)
-    np.testing.assert_allclose(got[1], keep @ own @ keep.T + gain @ R @ gain.T, rtol=1e-6, atol=1e-7)
-    np.testing.assert_allclose(got[2], keep @ slopes, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(got.mean, gain @ residual, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(got.own, keep @ own @ keep.T + gain @ R @ gain.T, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(got.slopes, keep @ slopes, rtol=1e-6, atol=1e-8)
+
+
+@given(seeds, st.sets(st.integers(0, 2), max_size=2))
+def test_numbers_that_are_missing_say_nothing(seed, missing):
+    """As if there were no such rows."""
+    random = np.random.default_rng(seed)
+    own, pose, variance = covariance_of(random.standard_normal((5, 5))), random.normal(0, 0.3, 3), np.full(3, 0.01)
+    seen = sorted({0, 1, 2} - missing)
+    H, R = np.eye(5)[seen], 0.01 * np.eye(len(seen))
+    S = H @ own @ H.T + R
+    gain = np.linalg.solve(S, H @ own).T
+    got = correction.Believed(np.zeros(5), own.copy(), np.zeros((5, 0)), np.zeros((0, 0)))
+    told = np.where(np.isin(range(3), seen), pose, np.nan)
+    nis = correction.take_pose(got, told, variance, np.empty(ROOM))
+    assert nis == pytest.approx(pose[seen] @ np.linalg.solve(S, pose[seen]), rel=1e-6)
+    np.testing.assert_allclose(got.mean, gain @ pose[seen], rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(got.own, own - gain @ H @ own, rtol=1e-6, atol=1e-7)
 
 
 def test_an_outlier_pulls_but_can_not_tear():
-    mean, own, slopes = np.zeros(3), np.eye(3), np.zeros((3, 1))
-    at, R = np.array([0]), np.array([[0.01]])
-    nis = correction.correct(mean, own, slopes, np.zeros((1, 1)), at, np.array([1e4]), R)
+    got = correction.Believed(np.zeros(3), np.eye(3), np.zeros((3, 1)), np.zeros((1, 1)))
+    nis = correction.correct(got, 0, np.array([1e4]), np.array([[0.01]]), np.empty(ROOM))
     assert nis == pytest.approx(1e8 / 1.01, rel=1e-6)
-    assert 0 < mean[0] < 1e4
-    assert own[0, 0] > 0.9, "it teaches nearly nothing"
+    assert 0 < got.mean[0] < 1e4
+    assert got.own[0, 0] > 0.9, "it teaches nearly nothing"
 
 
 CART = CartModel(
@@ -136,9 +155,9 @@ def test_effects_without_kernels_go_the_same_way(seed, turned):
         for motion in motions:
             if k % 13:
                 pushed(motion, wrench, np.diag([3.0, 1.0]))
-            seen = (pose, None) if k % 3 == 0 else (None, velocity)
-            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), *seen)
-    for found, expected in zip(motions[0].now, motions[1].now, strict=True):
+            seen = {"pose": pose} if k % 3 == 0 else {"velocity": velocity}
+            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), seen_in(Measurement(0.0, **seen)))
+    for found, expected in zip(motions[0].now[:-1], motions[1].now[:-1], strict=True):  # without the room
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
 
 
@@ -149,7 +168,7 @@ def test_wrench_noise_spreads_as_many_runs_do():
     motion = started(cart=cart)
     for k in range(30):
         motion.push(SensedWrench(np.array([30.0, 2.0]), noise, np.zeros((2, 0))))
-        motion.now.pushed[1] = 0.01
+        motion.now.pushed[1] = motion.time - 0.01
         motion.advance(0.01 * (k + 1))
     states, theta = np.tile(started(cart=cart).belief.mean, (400, 1)), np.tile(cart.parameters, (400, 1))
     for _ in range(30):
@@ -196,7 +215,7 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     tracker.start(0.0, np.zeros(3))
     x = np.cumsum(np.full(30, 0.005)) + 0.001 * random.standard_normal(30)
     for k in range(30):
-        tracker.next(0.01 * (k + 1), np.zeros(2), np.array([x[k], 0.0, 0.0]), None)
+        tracker.next(0.01 * (k + 1), np.zeros(2), np.array([x[k], 0.0, 0.0, np.nan, np.nan, np.nan]))
     found = tracker.smoothed()
     n, h, jerk = 31, 0.01, 9.0
     block = np.array([[h**5 / 20, h**4 / 8, h**3 / 6], [h**4 / 8, h**3 / 3, h**2 / 2], [h**3 / 6, h**2 / 2, h]]) * jerk
@@ -225,8 +244,7 @@ def test_a_tracker_makes_room_and_forgets():
     tracker = MotionTracker(CartModel(Inertia(10.0, (0.0, 0.0), 1.0)), FilterNoise())
     tracker.start(0.0, np.zeros(3))
     for k in range(200):
-        pose, velocity = np.array([0.005 * (k + 1), 0.0, 0.0]), np.array([0.5, 0.0, 0.0])
-        tracker.next(0.01 * (k + 1), np.zeros(2), pose, velocity)
+        tracker.next(0.01 * (k + 1), np.zeros(2), np.array([0.005 * (k + 1), 0.0, 0.0, 0.5, 0.0, 0.0]))
     whole = tracker.smoothed()
     tracker.drop(150)
     kept = tracker.smoothed()

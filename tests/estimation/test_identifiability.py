@@ -1,7 +1,5 @@
 """What a run did not teach is said, with a motion that would: and that motion does."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -93,4 +91,4 @@ def test_what_a_motion_teaches_is_what_its_wrenches_say(motion):
 def test_an_estimate_without_a_covariance_is_refused():
     estimate = PaperFilter(guess(), ["hand"]).update(Measurement(0.0, np.zeros(3), np.zeros(3)))
     with pytest.raises(UsageError, match="covariance"):
-        identifiability(replace(estimate, covariance=None))
+        identifiability(estimate._replace(covariance=None))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.effects import (
+    CasterRealignment,
     ExternalPush,
     FloorPatch,
     LoadSlosh,
@@ -23,7 +24,9 @@ from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.generic import Dependence
 from estimation.discrepancy.judgement import Judge
 
-WHEELS = WheelSet.of((Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3)), rolls_along_x=True)
+WHEELS = WheelSet.of(
+    (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.7, 0.0, 0.05)), rolls_along_x=True
+)
 
 
 @dataclass
@@ -129,9 +132,17 @@ def test_a_push_is_proven_where_it_is():
 
 
 def test_a_lasting_change_counts_beside_a_strong_effect():
-    assert judged(
-        PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.0, share_everywhere=0.2), strongest=2000.0
-    ).is_added
+    assert judged(PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.2), strongest=2000.0).is_added
+
+
+def test_a_lasting_change_is_proven_by_what_came_after_it():
+    assert judged(PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.0, log_likelihood=5.0)).is_added
+
+
+def test_what_is_remembered_may_have_been_remembered_wrongly():
+    casters = CasterRealignment(swivel_torque=0.2, trail=0.05)
+    assert judged(casters, change=(0.1, 0.9)).is_added
+    assert "another part of the log" in judged(casters, change=(0.1, 1.1)).reason
 
 
 def test_a_delay_of_some_samples_is_one():

@@ -19,6 +19,7 @@ from planning.contact_regions import hand_distance
 from planning.duality import effort_cut
 from planning.kernels.cut import Table
 from planning.kernels.cut import effort_cut as compiled_effort_cut
+from planning.kernels.proof import COST
 from planning.quadratic_program import QPSolution
 
 from .drawn import arm, bar, cart, first_contacts, random_arms, random_cart, violation
@@ -157,7 +158,7 @@ def test_a_cut_bounds_as_the_numpy_one(seed):
         picked = np.unravel_index(index, [3] * n)
         ours = constant + sum(table.phi[3 * i + int(j)] for i, j in enumerate(picked))
         assert ours == pytest.approx(float(cut.value(template.contact_rows(np.array(contacts)))), rel=1e-9, abs=1e-7)
-    assert constant + table.phi[::3].sum() == pytest.approx(allocation.answer()[-8 + 4], rel=1e-9, abs=1e-7)
+    assert constant + table.phi[::3].sum() == pytest.approx(workspace.found[COST], rel=1e-9, abs=1e-7)
 
 
 def test_what_is_not_covered_takes_the_general_road():

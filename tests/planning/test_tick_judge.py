@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import clarabel
 import numpy as np
 import pytest
@@ -79,7 +77,7 @@ def test_margins_of_mirror_and_planner(limit, scale, motion):
     """Up to deviations of four hundred times the mass: neither takes a step that could be too large."""
     told, arms = estimate(covariance(scale), motion), hands()
     mirror = Mirror(cart(), {arm.name: arm for arm in arms}, [limit], None, 0.99, 1e-3)
-    mirror.take_estimate(replace(told, model_parameters=mirror.phi))
+    mirror.take_estimate(told._replace(model_parameters=mirror.phi))
     held = mirror.holds({"left": LEFT, "right": RIGHT}).cones
     rows = RobustLimits((limit,), 0.99).rows(Pushed(cart(), motion, arms), told.covariance)
     maps = np.hstack([grasp_map_spatial(point) for point in (LEFT, RIGHT)])

@@ -72,14 +72,12 @@ def suboptimality(holds, cost, x, rounding=0.0):
     scale = max(1.0, float(np.abs(slope).max()))
     sizes = np.abs(rows).max(axis=1)
     rows, slacks, sizes = (part[sizes > 0] for part in (rows, slacks, sizes))
-    prices = slacks / sizes  # a row that is broken by rounding pays for what it takes
     residual = np.hstack([matrix.T, (rows / sizes[:, None]).T])
     limits = TOLERANCE + np.concatenate([-slope, slope]) / scale
     bounds = [(None, None)] * len(matrix) + [(0, None)] * len(rows)
-    prices = np.concatenate([np.zeros(len(matrix)), prices])
     sides, value = np.vstack([residual, -residual]), 0.5 * abs(x @ cost.hessian @ x) + abs(cost.gradient @ x)
     bound = np.inf
-    for presolve, size in ((True, 1.0), (False, 1.0), (False, 1e6)):  # any multipliers prove; HiGHS has missed the best
+    for prices, presolve, size in _attempts(len(matrix), slacks / sizes):
         options = TIGHT | {"presolve": presolve}
         found = linprog(size * prices, sides, limits, bounds=bounds, method="highs", options=options)
         if found.status == 0:
@@ -87,6 +85,15 @@ def suboptimality(holds, cost, x, rounding=0.0):
         if bound <= GAP:
             break
     return bound
+
+
+def _attempts(n_given, prices):
+    """Any multipliers prove, and HiGHS has missed the best. A row that is broken by rounding pays for what it takes;
+    where such rows leave nothing that holds (a nearest wrench is at the edge), they count as touched, which proves as
+    well."""
+    for paid in (prices, np.maximum(prices, 0.0)):
+        for presolve, size in ((True, 1.0), (False, 1.0), (False, 1e6)):
+            yield np.concatenate([np.zeros(n_given), paid]), presolve, size
 
 
 def check_contacts(mirror, given, plan, distance):

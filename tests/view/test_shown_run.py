@@ -33,7 +33,7 @@ def test_the_spread_of_the_centre_of_mass_is_that_of_draws():
     found = estimate(small).com_covariance
     draws = np.random.default_rng(0).multivariate_normal(shopping_cart().inertia.phi, small, size=200_000)
     np.testing.assert_allclose(found, np.cov(physical_from_phi(draws)[:, 1:3].T), rtol=0.03, atol=1e-10)
-    assert replace(estimate(), covariance=None).com_covariance is None
+    assert estimate()._replace(covariance=None).com_covariance is None
 
 
 def test_a_log_shows_what_the_record_of_its_run_does(record: RunRecord, shown: ShownRun):
