@@ -14,7 +14,8 @@ from cartgrasp.motion import ParameterEstimate
 
 from .commands import ROOT
 
-RESULTS = sorted((ROOT / "docs" / "results").glob("*.md"))
+STUDY = "by `cartgrasp study"
+RESULTS = [path for path in sorted((ROOT / "docs" / "results").glob("*.md")) if STUDY in path.read_text()]
 
 
 def markdown_tables(text):
@@ -34,6 +35,10 @@ def printed(capsys, monkeypatch, *arguments, columns=80):
     out = capsys.readouterr().out
     assert max(map(cell_len, out.splitlines())) <= columns
     return out
+
+
+def test_there_are_tables_of_studies():
+    assert len(RESULTS) > 4
 
 
 @pytest.mark.parametrize("path", RESULTS, ids=lambda path: path.stem)

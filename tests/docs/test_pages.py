@@ -23,7 +23,7 @@ def files(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("has_time", [False, pytest.param(True, marks=pytest.mark.prove)], ids=["", "slow too"])
+@pytest.mark.parametrize("has_time", [False, pytest.param(True, marks=pytest.mark.prove)], ids=["quick", "slow too"])
 @pytest.mark.parametrize("page", WITH_CODE, ids=lambda page: page.name)
 def test_snippets(page, has_time, files, tmp_path, monkeypatch):
     needed = NEEDS.get(page.name)
