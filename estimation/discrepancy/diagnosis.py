@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cartgrasp.errors import UsageError
+from cartgrasp.errors import DataError, UsageError
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
@@ -272,6 +272,9 @@ def _gap(cart: CartModel, selection: Selection) -> Gap:
             per_coordinate = {
                 c: {name: r.by_coordinate[c] for name, r in rolled.items()} for c in rolled["after"].by_coordinate
             }
+    if not np.isfinite(list(horizons["1 s"].values())).all():
+        names = ", ".join(regression.name for regression in held_out.whole)
+        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
     return Gap(**horizons["1 s"], per_coordinate=per_coordinate, per_horizon=horizons)
 
 

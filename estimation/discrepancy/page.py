@@ -201,7 +201,8 @@ def _gap(found: Diagnosis) -> Figure:
         values = [1e3 * one[key] for one in horizons.values()]
         ax.bar(place + 0.2 * (k - 1.5), values, 0.18, label=label, color=colour)
     ax.set_xticks(place, [f"after {h}" for h in horizons])
-    ax.set_yscale("log")
+    if any(0 < value < np.inf for one in horizons.values() for value in one.values()):
+        ax.set_yscale("log")
     ax.set_ylabel("rollout error (mm)")
     ax.legend(frameon=False, ncols=2, fontsize=8)
     return figure

@@ -115,17 +115,25 @@ def select(
 
 
 def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]:
-    """Without what the later effects have made superfluous."""
+    """Without what the later effects have made superfluous; of two of which either would do, the earlier stays."""
     removed: list[str] = []
-    for effect in fitted.added[:-1]:
-        if isinstance(effect, ConstraintEffect) or effect.gate.ends:
-            continue
-        less = fitted.without(effect.key)
-        share, of_rest = held_out.gain(less, fitted)
-        needed = share >= LEAST_GAIN or of_rest >= LEAST_OF_REST
-        if not needed and held_out.likelihood(less, fitted) < LEAST_LIKELIHOOD:
-            fitted, removed = less, [*removed, effect.key]
+    while (effect := next((e for e in fitted.added[:-1] if _is_superfluous(e, fitted, held_out)), None)) is not None:
+        less, gone = fitted.without(effect.key), effect
+        for later in fitted.added[fitted.added.index(effect) + 1 :]:
+            other = fitted.without(later.key)
+            if 0.5 * (other.chi_squared() - less.chi_squared()) / fitted.excess < ENOUGH:
+                less, gone = other, later
+        fitted, removed = less, [*removed, gone.key]
     return fitted, tuple(removed)
+
+
+def _is_superfluous(effect: Effect, fitted: Fitted, held_out: HeldOut) -> bool:
+    if isinstance(effect, ConstraintEffect) or effect.gate.ends:
+        return False
+    less = fitted.without(effect.key)
+    share, of_rest = held_out.gain(less, fitted)
+    needed = share >= LEAST_GAIN or of_rest >= LEAST_OF_REST
+    return not needed and held_out.likelihood(less, fitted) < LEAST_LIKELIHOOD
 
 
 def _sideways(

@@ -1,6 +1,7 @@
 """The parts of the discrepancy workflow against closed forms and motions of the tests' own."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,11 +13,12 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
+from estimation.discrepancy.diagnosis import _gap
 from estimation.discrepancy.fitted import Fitted
 from estimation.discrepancy.generic import Course, dependences
 from estimation.discrepancy.log_check import check_rows, checked
 from estimation.discrepancy.manoeuvres import manoeuvres
-from estimation.discrepancy.rollouts import roll_out, starts
+from estimation.discrepancy.rollouts import Rollouts, roll_out, starts
 from estimation.discrepancy.scatter import Scatter
 from estimation.discrepancy.sideways import sideways_trials
 
@@ -188,3 +190,17 @@ def test_a_cart_that_stands_is_refused():
 
 def cut(log, rows):
     return {name: ArmLog(arm.contact[:rows], arm.wrench[:rows]) for name, arm in log.arms.items()}
+
+
+def test_simulations_that_run_away_are_refused():
+    """As they do on a log in mN or mm."""
+    away = Rollouts(np.arange(2), 1.0, np.full((2, 3), np.nan))
+    fit = SimpleNamespace(cart=None, delays=())
+    held_out = SimpleNamespace(
+        trained=lambda fitted: fit,
+        rollouts=lambda cart, delays, horizon: (away,),
+        floor_rollouts=lambda fitted, horizon: (away,),
+        whole=(SimpleNamespace(name="run.csv"),),
+    )
+    with pytest.raises(DataError, match=r"run\.csv: .*SI units"):
+        _gap(None, SimpleNamespace(held_out=held_out, nominal=fit, final=fit))

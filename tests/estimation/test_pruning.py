@@ -1,0 +1,60 @@
+"""What later effects have made superfluous goes; of two of which either would do, the later one."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from cartgrasp.effects import LoadSlosh, RollingResistance, StribeckFriction
+from estimation.discrepancy.selection import _pruned
+
+SLOSH, ROLLING, STRIBECK = LoadSlosh(mass=3.0), RollingResistance(coefficient=0.02), StribeckFriction(breakaway=3.0)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Of effects, with the chi-squared that is left by names of those that are there."""
+
+    added: tuple
+    left: dict
+    excess: float = 1.0
+
+    def without(self, key):
+        return Fit(tuple(e for e in self.added if e.key != key), self.left)
+
+    def chi_squared(self, keys=()):
+        return self.left[tuple(e.name for e in self.added)]
+
+
+class Proof:
+    """Nothing is gained on rollouts; likelihoods are those of all rows."""
+
+    def gain(self, fitted, better):
+        return 0.0, 0.0
+
+    def likelihood(self, fitted, better):
+        return 0.5 * (fitted.chi_squared() - better.chi_squared())
+
+
+@pytest.mark.parametrize(("without_stribeck", "gone"), [(102.0, "stribeck_friction"), (300.0, "rolling_resistance")])
+def test_of_two_of_which_either_would_do_the_earlier_stays(without_stribeck, gone):
+    left = {
+        ("rolling_resistance", "stribeck_friction"): 100.0,
+        ("stribeck_friction",): 101.0,
+        ("rolling_resistance",): without_stribeck,
+    }
+    fitted, removed = _pruned(Fit((ROLLING, STRIBECK), left), Proof())
+    assert removed == (gone,)
+    assert [e.name for e in fitted.added] == [
+        name for name in ("rolling_resistance", "stribeck_friction") if name != gone
+    ]
+
+
+def test_what_is_needed_stays():
+    left = {
+        ("load_slosh", "rolling_resistance"): 100.0,
+        ("rolling_resistance",): 150.0,
+        ("load_slosh",): 140.0,
+    }
+    fitted, removed = _pruned(Fit((SLOSH, ROLLING), left), Proof())
+    assert not removed
+    assert len(fitted.added) == 2
