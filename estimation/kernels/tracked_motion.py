@@ -149,14 +149,22 @@ def _noise(turned: Array, step: float, c: Known, direction: tuple[float, float])
 
 
 @entry
-def smooth(rows: Array, means: Array, covariances: Array) -> None:
+def smooth(rows: Array, means: Array, covariances: Array, weights: Array, of_sums: Array) -> None:
     """Each row with what was measured after it, too (Rauch, Tung and Striebel 1965), into `means` (n, d) and
-    `covariances` (n, d, d)."""
+    `covariances` (n, d, d); and into `of_sums` (q, d, d) the covariances of sums over rows by `weights` (q, n)."""
     n, d = means.shape
     last = _moment(rows[n - 1], d)
     means[n - 1], covariances[n - 1] = last.mean, last.covariance
+    beside = np.zeros_like(of_sums)
+    for j in range(len(weights)):
+        of_sums[j] = weights[j, n - 1] ** 2 * last.covariance
     for i in range(n - 2, -1, -1):
         here, after = _moment(rows[i], d), _moment(rows[i + 1], d)
         back = np.ascontiguousarray(np.linalg.solve(after.ahead_covariance, after.forth @ here.covariance).T)
         means[i] = here.mean + back @ (means[i + 1] - after.ahead)
         covariances[i] = here.covariance + back @ (covariances[i + 1] - after.ahead_covariance) @ back.T
+        for j in range(len(weights)):
+            beside[j] = back @ (weights[j, i + 1] * covariances[i + 1] + beside[j])
+            if weights[j, i] != 0.0:
+                with_later = weights[j, i] * beside[j]
+                of_sums[j] += weights[j, i] ** 2 * covariances[i] + with_later + with_later.T
