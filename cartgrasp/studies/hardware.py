@@ -72,7 +72,18 @@ class Experiment:
 
 
 RUN = chain(straight(10.0, 0.5, 0.5))
-PUSH_PULL = chain(*(chain(straight(way * 2.5, 0.4, 0.5), pause(0.5)) for way in (1, -1) * 4))
+BEND = 0.05
+"""rad/s, of yaw, with which a leg of push and pull goes into its stop: casters that are pushed back along a perfect
+line stay poised on their turning point for a metre and more, and no hands and no floor are that straight."""
+
+
+def leg(way: int) -> tuple[Stretch, ...]:
+    """2.5 m forth (1) or back (-1), and a rest."""
+    into, stop = Stretch(0.5, 0.0, way * BEND / 0.5), Stretch(0.8, -way * 0.5, -way * BEND / 0.8)
+    return chain(speed_change(way * 0.4), pause(4.95), [into, stop], pause(0.5))
+
+
+PUSH_PULL = chain(*(leg(way) for way in (1, -1) * 4))
 TURNING = chain(*(speed_change(0.45), turn(1.2, 0.3, 0.5), turn(-1.2, 0.3, 0.5), pause(0.5), speed_change(-0.45))) * 3
 STRAIGHT = tuple(Experiment(f"E{i}", mass, RUN) for i, mass in enumerate((15.0, 25.0, 35.0, 45.0), 1))
 REVERSALS = tuple(Experiment("E5", 29.7, PUSH_PULL, casters) for casters in (WITH, WITHOUT))

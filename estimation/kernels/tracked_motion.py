@@ -158,25 +158,37 @@ def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, flo
 
 
 @entry
-def smooth(rows: Array, means: Array, covariances: Array, known: Array, f: int) -> None:
+def smooth(rows: Array, means: Array, covariances: Array, weights: Array, sums: Array, known: Array) -> None:
     """Each row with what was measured after it, too (Rauch, Tung and Striebel 1965), into `means` (n, d) and
-    `covariances` (n, d, d)."""
+    `covariances` (n, d, d); and into the first of `sums` (2, q, d, d) the covariances of sums over rows by `weights`
+    (q, n). The second is room."""
     n, d = means.shape
-    room = _known_of(known, f).room
+    back, room = carved(_known_of(known, (d - 3) // 2).room, d, d)
+    of_sums, beside = sums[0], sums[1]
+    sums[:] = 0.0
     for i in range(n - 1, -1, -1):
         here = _moment(rows[i], d)
         copy(here.mean, means[i])
         for a in range(d):
             copy(here.covariance[a], covariances[i, a])
         if i + 1 < n:
-            _look_back(here, _moment(rows[i + 1], d), (means[i : i + 2], covariances[i : i + 2]), room)
+            _look_back(here, _moment(rows[i + 1], d), (means[i : i + 2], covariances[i : i + 2]), back, room)
+        for j in range(len(weights)):
+            if i + 1 < n:
+                _step_beside(back, weights[j, i + 1], covariances[i + 1], beside[j], room)
+            w = weights[j, i]
+            if w != 0.0:
+                for a in range(d):
+                    for b in range(d):
+                        with_later = beside[j, a, b] + beside[j, b, a]
+                        of_sums[j, a, b] += w * w * covariances[i, a, b] + w * with_later
 
 
 @compiled
-def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], room: Array) -> None:
-    """Into the first of `means` (2, d) and `covariances` (2, d, d), by the second."""
+def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Array, room: Array) -> None:
+    """Into the first of `means` (2, d) and `covariances` (2, d, d), by the second; leaves in `back` (d, d) what takes
+    what is wrong with the moment after to this one, transposed."""
     d, (means, covariances) = len(here.mean), found
-    back, room = carved(room, d, d)
     change, room = carved(room, d, d)
     for a in range(d):
         copy(after.ahead_covariance[a], change[a])
@@ -190,3 +202,18 @@ def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], room: Ar
             means[0, a] += back[b, a] * (means[1, b] - after.ahead[b])
             change[a, b] = covariances[1, a, b] - after.ahead_covariance[a, b]
     add_congruence(back.T, change, covariances[0], room)
+
+
+@compiled
+def _step_beside(back: Array, weight: float, covariance: Array, beside: Array, room: Array) -> None:
+    """From what a moment shares with the sum over later ones than the next, to that with the next in it."""
+    d = len(back)
+    total, room = carved(room, d, d)
+    for a in range(d):
+        for b in range(d):
+            total[a, b] = weight * covariance[a, b] + beside[a, b]
+    for a in range(d):
+        for b in range(d):
+            beside[a, b] = 0.0
+            for c in range(d):
+                beside[a, b] += back[c, a] * total[c, b]

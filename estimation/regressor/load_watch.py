@@ -16,13 +16,13 @@ from ..health import Health
 from ..resets import Resets
 from .regression_belief import GATE, Surprise
 
-ROWS = 7
+ROWS = 10
 """Of a block of the test: a second of rows."""
 FALSE_ALARM, FALSE_LOAD = 1e-7, 1e-6
 """Of the one test, each row; of the other, for each moment."""
-STARTS = 40
+STARTS = 60
 """Rows over which a change is looked for."""
-SETTLING_ROWS = 14
+SETTLING_ROWS = 20
 OUTLYING_SHARE, SMOOTHING = 0.1, 0.1
 
 

@@ -32,20 +32,15 @@ ROOM = 64
 
 @dataclass(frozen=True)
 class Stretch:
-    """Smoothed moments: time (n,), pose (n, 3), nu (n, f), nu' (n, f), and the covariance of nu (n, f, f)."""
+    """Smoothed moments: time (n,), pose (n, 3), nu (n, f), nu' (n, f), and the covariance of nu (n, f, f); with those
+    of sums of nu over the moments (q, f, f)."""
 
     time: Array
     pose: Array
     velocity: Array
     acceleration: Array
     velocity_covariance: Array
-
-    def until(self, k: int) -> Stretch:
-        """The moments up to and with the k-th."""
-        end = k + 1
-        return Stretch(
-            *(part[:end] for part in (self.time, self.pose, self.velocity, self.acceleration, self.velocity_covariance))
-        )
+    of_sums: Array
 
 
 class MotionTracker:
@@ -104,13 +99,19 @@ class MotionTracker:
         other._rows[: self._n] = self._rows[: self._n]
         return other
 
-    def smoothed(self) -> Stretch:
-        """Each moment with what was measured after it, too."""
-        n, d = self._n, self._d
-        mean, covariance = np.empty((n, d)), np.empty((n, d, d))
-        kernels.smooth(self._rows, mean, covariance, self._known, self._free)
-        pose, velocity, acceleration = np.split(mean, [3, 3 + self._free], axis=1)
-        return Stretch(self.time.copy(), pose, velocity, acceleration, covariance[:, self._nu, self._nu])
+    def smoothed(self, weights: Array) -> Stretch:
+        """The first n moments, each with what was measured after it, too; and the covariances of sums by weights
+        (q, n)."""
+        q, end = weights.shape
+        n, d, nu = self._n, self._d, self._nu
+        mean, covariance, sums = np.empty((n, d)), np.empty((n, d, d)), np.empty((2, q, d, d))
+        whole = np.zeros((q, n))
+        whole[:, :end] = weights
+        kernels.smooth(self._rows, mean, covariance, whole, sums, self._known)
+        pose, velocity, acceleration = np.split(mean[:end], [3, 3 + self._free], axis=1)
+        return Stretch(
+            self._time[:end].copy(), pose, velocity, acceleration, covariance[:end, nu, nu], sums[0][:, nu, nu]
+        )
 
     def is_torn(self, k: int) -> bool:
         """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""

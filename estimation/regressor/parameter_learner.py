@@ -30,14 +30,15 @@ from ..prior import Prior
 from ..seen import NOTHING_SEEN, seen_in
 from ..shallow import shallow
 from ..wrench_sensing import SensedWrench, WrenchSensing
-from .filtered_row import FilteredRow, Recorded, curvature_noise, filtered_row, least_speed_in, stands_still
+from .filtered_row import Block, FilteredRow, Recorded, Weights, curvature_noise, filtered_row, is_slower, stands_still
 from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
 from .regression_belief import RegressionBelief
-from .second_look import AT_ONCE, BLURRED, MOST_WAITING, Block, Waiting, blur, left_after, rest_of
+from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
 
-BLOCK, LAG = 0.15, 0.12
-"""s: how long a row is, and how much later it is worked out, when its end is smoothed."""
+BLOCK, WIDTH, LAG = 0.1, 0.1, 0.12
+"""s: how long a block is, over how long its ends are means, and how much later its row is worked out, when they are
+smoothed."""
 LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
 JUMP = 14.0
@@ -71,7 +72,7 @@ class ParameterLearner:
         self._limits = PhysicalSet.of(cart, "regressor")
         self._reporter = ParameterReport(cart, self.prior)
         self._recorded: list[Recorded | None] = []
-        self._waiting: tuple[Waiting, ...] = ()
+        self._again: SecondLook | None = None
         self._memory: Array | None = None
         self._calm = self._jolt = np.zeros(cart.constraints.n_free)
         self._room = np.empty(12)
@@ -118,6 +119,8 @@ class ParameterLearner:
     def copy(self) -> Self:
         other = shallow(self)
         other._tracker, other._belief = self._tracker.copy(), self._belief.copy()
+        if self._again is not None:
+            other._again = replace(self._again, belief=self._again.belief.copy())
         other._watch, other._sensing = shallow(self._watch), self._sensing.copy()
         other._recorded = list(self._recorded)
         return other
@@ -141,7 +144,7 @@ class ParameterLearner:
         self._tracker.take(np.concatenate([NOTHING_SEEN[:3], self.seen[3:]]))
         self._recorded = [None]
         self._memory, self._jolt = None, self._calm
-        self._belief.unlink()
+        self._unlink()
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
     def _go_on(self, time: float, gap: float) -> None:
@@ -178,51 +181,73 @@ class ParameterLearner:
         if self._tracker.last_time - self._tracker.first_time < BLOCK + LAG - 1e-6:
             return
         time = self._tracker.time
-        k = int(np.searchsorted(time, time[0] + BLOCK - 1e-6))
-        if time[-1] - time[k] < LAG - 1e-6:
+        k, end = np.searchsorted(time, time[0] + BLOCK + np.array([0.0, WIDTH]) - 1e-6).tolist()
+        if time[-1] - time[min(end, len(time)) - 1] < LAG - 1e-6:
             return
-        motion = self._tracker.smoothed().until(k)
-        recorded = [one for one in self._recorded[:k] if one is not None]
+        weights = Weights.of(time[:end], end - k)
+        motion = self._tracker.smoothed(weights.of_motion)
+        recorded = [one for one in self._recorded[: end - 1] if one is not None]
         memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time, self.theta, self._memory)
-        moves = not stands_still(motion) and least_speed_in(motion, self.cart) >= self._least_speed
-        if len(recorded) == k and moves and not self._tracker.is_torn(k):
-            self._learn(Block(motion, memory, recorded))
+        moves = not stands_still(motion) and not is_slower(motion, self.cart, self._least_speed)
+        if len(recorded) == end - 1 and moves and not self._tracker.is_torn(end - 1):
+            self._learn(Block(weights, motion, memory, recorded))
         else:
-            self._belief.unlink()
-        self._memory = memory[-1]
+            self._unlink()
+        self._memory = memory[k]
         self._tracker.drop(k)
         self._recorded = self._recorded[k:]
 
+    def _unlink(self) -> None:
+        """The next block does not begin where the last one ended."""
+        self._belief.unlink()
+        if self._again is not None:
+            self._again = self._again.and_then(None)
+
     def _learn(self, block: Block) -> None:
         row, curvature = self._worked_out(block)
+        if self._again is None and blur(row, curvature) > BLURRED:
+            self._again = SecondLook(self._belief.copy())
+        if self._again is not None:
+            self._again = self._again.and_then(block)
         surprise = self._belief.absorb(replace(row, noise=row.noise + curvature), self.theta)
-        if (blurred := blur(row, curvature)) > BLURRED:
-            self._waiting = (*self._waiting, Waiting(block, left_after(blurred)))[-MOST_WAITING:]
         load = load_covariance(self.cart, self.prior, float(self.theta[0]))[np.ix_(self._free, self._free)]
         if self._watch.note(float(block.motion.time[-1]), surprise, load):
             self._belief.open(load)
-            self._waiting = ()
+            self._again = None
         self._conclude()
-        for _ in range(AT_ONCE):
-            self._look_again()
+        self._look_again()
 
     def _worked_out(self, block: Block) -> tuple[FilteredRow, Array]:
         """The row around what is believed now, and the covariance of what it leaves out."""
-        row = filtered_row(self.cart, self.theta, block.motion, block.memory, block.recorded, self.noise)
+        row = filtered_row(self.cart, Gaussian(self.theta, self.covariance), block, self.noise)
         spread = np.zeros((len(self.theta), len(self._free)))
         spread[self._free] = np.linalg.cholesky(self.belief.covariance)
-        return row, curvature_noise(self.cart, self.theta, block.motion, block.memory, spread)
+        return row, curvature_noise(self.cart, self.theta, block, spread)
 
     def _look_again(self) -> None:
-        """At the oldest block that waits, which is taken in if it is no longer blurred."""
-        if not self._waiting:
+        """At the next blocks, once the first of them is no longer blurred."""
+        again = self._again
+        if again is None:
             return
-        first, *others = self._waiting
-        row, curvature = self._worked_out(first.block)
-        if blur(row, curvature) <= BLURRED:
-            self._belief.absorb_rest(rest_of(row, curvature, first.left), self.theta)
-            self._waiting = tuple(others)
+        if not again.due:
+            first = again.left[0]
+            due = first is None or len(again.left) >= MOST_WAITING or blur(*self._worked_out(first)) <= BLURRED
+            again = replace(again, due=due)
+        if again.due:
+            for block in again.left[:AT_ONCE]:
+                self._take_again(again.belief, block)
+            again = replace(again, left=again.left[AT_ONCE:])
+        self._again = again
+        if again.is_over:
+            self._belief, self._again = again.belief, None
             self._conclude()
+
+    def _take_again(self, belief: RegressionBelief, block: Block | None) -> None:
+        if block is None:
+            belief.unlink()
+            return
+        row, curvature = self._worked_out(block)
+        belief.absorb(replace(row, noise=row.noise + curvature), self.theta)
 
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is

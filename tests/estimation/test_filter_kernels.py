@@ -216,7 +216,8 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     x = np.cumsum(np.full(30, 0.005)) + 0.001 * random.standard_normal(30)
     for k in range(30):
         tracker.next(0.01 * (k + 1), np.zeros(2), np.array([x[k], 0.0, 0.0, np.nan, np.nan, np.nan]))
-    found = tracker.smoothed()
+    weights = np.concatenate([random.standard_normal((2, 20)), np.zeros((2, 3))], axis=1)
+    found = tracker.smoothed(weights), tracker.smoothed(np.zeros((1, 31)))
     n, h, jerk = 31, 0.01, 9.0
     block = np.array([[h**5 / 20, h**4 / 8, h**3 / 6], [h**4 / 8, h**3 / 3, h**2 / 2], [h**3 / 6, h**2 / 2, h]]) * jerk
     block[0, 0] += PATH_FLOOR**2
@@ -232,12 +233,15 @@ def test_tracking_and_smoothing_are_the_batch_solution():
         pull[i] += x[k] / (0.001**2 + correction.FLOOR)
     covariance = np.linalg.inv(information)
     mean = (covariance @ pull).reshape(n, 3)
-    np.testing.assert_allclose(found.pose[:, 0], mean[:, 0], atol=1e-6)
-    np.testing.assert_allclose(found.velocity[:, 0], mean[:, 1], atol=1e-5)
-    np.testing.assert_allclose(found.acceleration[:, 0], mean[:, 2], atol=1e-3)
+    np.testing.assert_allclose(found[1].pose[:, 0], mean[:, 0], atol=1e-6)
+    np.testing.assert_allclose(found[1].velocity[:, 0], mean[:, 1], atol=1e-5)
+    np.testing.assert_allclose(found[1].acceleration[:, 0], mean[:, 2], atol=1e-3)
     np.testing.assert_allclose(
-        np.sqrt(found.velocity_covariance[:, 0, 0]), np.sqrt(np.diag(covariance)[1::3]), rtol=1e-3
+        np.sqrt(found[1].velocity_covariance[:, 0, 0]), np.sqrt(np.diag(covariance)[1::3]), rtol=1e-3
     )
+    for sums, weight in zip(found[0].of_sums, weights, strict=True):
+        spread = weight @ covariance[1:69:3, 1:69:3] @ weight
+        np.testing.assert_allclose(sums[0, 0], spread, rtol=1e-3)
 
 
 def test_a_tracker_makes_room_and_forgets():
@@ -245,9 +249,9 @@ def test_a_tracker_makes_room_and_forgets():
     tracker.start(0.0, np.zeros(3))
     for k in range(200):
         tracker.next(0.01 * (k + 1), np.zeros(2), np.array([0.005 * (k + 1), 0.0, 0.0, 0.5, 0.0, 0.0]))
-    whole = tracker.smoothed()
+    whole = tracker.smoothed(np.zeros((1, 201)))
     tracker.drop(150)
-    kept = tracker.smoothed()
+    kept = tracker.smoothed(np.zeros((1, 51)))
     assert len(kept.time) == 51
     np.testing.assert_allclose(kept.pose, whole.pose[150:], atol=1e-12)
     np.testing.assert_allclose(kept.velocity_covariance, whole.velocity_covariance[150:], atol=1e-15)

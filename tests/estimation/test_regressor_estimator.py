@@ -18,6 +18,7 @@ from estimation.regressor import regression_belief
 from estimation.regressor.filtered_row import (
     NOISE_SHARE,
     RATE,
+    Block,
     FilteredRow,
     Recorded,
     Rise,
@@ -70,21 +71,46 @@ def test_a_block_is_what_is_new_of_a_filter():
     assert weights.held @ knots[:-1] == pytest.approx(held, abs=1e-4)
 
 
+def test_a_row_is_the_mean_of_blocks_that_begin_later_and_later():
+    random = np.random.default_rng(1)
+    time, value = np.cumsum(random.uniform(0.005, 0.02, 20)), random.standard_normal(20)
+    whole, parts = Weights.of(time, 6), [Weights.of(time[i : i + 15]) for i in range(6)]
+    linear = [part.linear @ value[i : i + 15] for i, part in enumerate(parts)]
+    held = [part.held @ value[i : i + 14] for i, part in enumerate(parts)]
+    assert whole.linear @ value == pytest.approx(np.mean(linear))
+    assert whole.held @ value[:-1] == pytest.approx(np.mean(held))
+    assert whole.of_motion[2] @ value == pytest.approx(
+        value[14:].mean() - whole.fade * value[:6].mean() - np.mean(linear)
+    )
+
+
+def test_neighbours_share_the_noise_where_they_overlap():
+    """White noise of held forces, in two rows of which one begins where the other's first block ends."""
+    time = 0.01 * np.arange(20)
+    one = Weights.of(time, 10)
+    forces = np.random.default_rng(2).standard_normal((40000, 29))
+    first, second = forces[:, :19] @ one.held, forces[:, 10:] @ one.held
+    assert np.mean(first * second) == pytest.approx(one.shared * np.mean(first**2), rel=0.05)
+    assert one.of_white * 0.01 == pytest.approx(np.mean(first**2), rel=0.05)
+
+
 def test_a_row_of_the_truth_has_no_residual():
     """Hand-written dynamics, integrated; and slopes by differences."""
     truth, wrenches = integrate((*TRUTH[:-1], 0.0), lambda time, _: push(time), 1.3)
     cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
     block = slice(100, 126)
     states, time = truth[block], 0.01 * np.arange(100, 126)
-    motion = Stretch(time, states[:, :3], states[:, 3:], np.zeros((26, 2)), np.tile(1e-14 * np.eye(2), (26, 1, 1)))
+    weights, exact = Weights.of(time, 8), np.tile(1e-14 * np.eye(2), (26, 1, 1))
+    motion = Stretch(time, states[:, :3], states[:, 3:], np.zeros((26, 2)), exact, exact[:3])
 
     def row(theta):
         sensed = [SensedWrench(w, np.eye(2), np.zeros((2, 6))) for w in wrenches[block][:-1]]
         recorded = [Recorded(t, s, theta) for t, s in zip(time, sensed, strict=False)]
-        return filtered_row(cart, theta, motion, np.zeros((26, 0)), recorded, FilterNoise())
+        known = Gaussian(theta, np.zeros((6, 6)))
+        return filtered_row(cart, known, Block(weights, motion, np.zeros((26, 0)), recorded), FilterNoise())
 
     found = row(cart.parameters)
-    size = Weights.of(time).held @ wrenches[block][:-1]
+    size = weights.held @ wrenches[block][:-1]
     assert np.abs(found.residual).max() < 2e-4 * np.abs(size).max()
     for i, move in enumerate(1e-4 * np.eye(6)):
         by = (row(cart.parameters + move).residual - row(cart.parameters - move).residual) / 2e-4
@@ -97,9 +123,11 @@ def test_what_is_not_linear_is_noise_while_little_is_known():
     random = np.random.default_rng(0)
     velocity, acceleration = np.tile([0.5, 0.2], (11, 1)), np.tile([0.3, 0.1], (11, 1))
     time, zero = 0.015 * np.arange(11), np.zeros((11, 3))
-    motion = Stretch(time, zero, velocity, acceleration, np.tile(np.eye(2), (11, 1, 1)))
+    covariance = np.tile(np.eye(2), (11, 1, 1))
+    motion = Stretch(time, zero, velocity, acceleration, covariance, covariance[:3])
+    block = Block(Weights.of(time), motion, zero[:, :0], ())
     spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
-    found = curvature_noise(cart, cart.parameters, motion, zero[:, :0], spread)
+    found = curvature_noise(cart, cart.parameters, block, spread)
     drawn = random.standard_normal((20000, 5)) @ spread
     rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
     at = cart.inverse(rows[0], rows[1], cart.parameters)
@@ -128,6 +156,7 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
             before=variance,
             after=variance,
             feigned=np.append(seen.feigned(np.ones((1, 1, 1)), np.array([[at]]), np.array([[0.09]])), 0.0),
+            shared=np.array([[0.02]]),
         )
 
 
@@ -136,7 +165,7 @@ def belief():
 
 
 def test_rows_add_up_to_generalised_least_squares(monkeypatch):
-    """Neighbours share an end: their covariance written out, and inverted at once."""
+    """Neighbours share an end, and noise: their covariance written out, and inverted at once."""
     monkeypatch.setattr(regression_belief, "KEPT", 1.0)
     rows, found = list(drawn_rows(30, np.random.default_rng(1))), belief()
     for row in rows:
@@ -144,7 +173,7 @@ def test_rows_add_up_to_generalised_least_squares(monkeypatch):
     L = np.zeros((30, 31))
     for k in range(30):
         L[k, k], L[k, k + 1] = 0.7 * 8.0, -8.0
-    covariance = 0.09 * np.eye(30) + 0.01 * L @ L.T
+    covariance = 0.09 * np.eye(30) + 0.02 * (np.eye(30, k=1) + np.eye(30, k=-1)) + 0.01 * L @ L.T
     H = np.array([row.slopes[0, 0] for row in rows])
     value = np.array([row.residual[0] + 4.0 * row.slopes[0, 0] for row in rows])
     information = 0.25 + H @ np.linalg.solve(covariance, H)
@@ -170,7 +199,7 @@ def test_noise_alone_teaches_next_to_nothing(force_is_quiet):
     found = belief()
     for row in drawn_rows(30, np.random.default_rng(3), 0.003, scale=0.0):
         noise = np.full((1, 1), 1e-9) if force_is_quiet else row.noise
-        found.absorb(replace(row, noise=noise, residual=-4.0 * row.slopes[:, 0]), np.array([4.0]))
+        found.absorb(replace(row, noise=noise, shared=0.0 * noise, residual=-4.0 * row.slopes[:, 0]), np.array([4.0]))
     assert found.parameters.std[0] > 1.5
 
 

@@ -1,16 +1,15 @@
-"""Blocks that are taken in by two powers of their likelihood."""
-
-from dataclasses import replace
+"""Blocks that are taken in once more when more is known."""
 
 import numpy as np
 import pytest
 
 from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive, filter_noise, guess, truth
-from estimation import CartFilter
-from estimation.gaussian import Gaussian
-from estimation.regressor import parameter_learner, regression_belief
+from estimation import CartFilter, RegressorEstimator
+from estimation.batch.physical_fit import PhysicalSet
+from estimation.regressor import parameter_learner
 from estimation.regressor.filtered_row import FilteredRow
-from estimation.regressor.second_look import blur, left_after, rest_of
+from estimation.regressor.parameter_learner import ParameterLearner
+from estimation.regressor.second_look import blur
 
 
 def drawn_row(random, p=3, f=2):
@@ -19,31 +18,36 @@ def drawn_row(random, p=3, f=2):
     noise = root @ root.T + np.eye(f)
     still = np.eye(f) * 1e-6
     slopes = np.column_stack([random.standard_normal((f, p)), np.zeros(f)])
-    return FilteredRow(random.standard_normal(f), slopes, np.zeros((f, f)), 0.7, noise, still, still, np.zeros(p + 1))
+    return FilteredRow(
+        random.standard_normal(f), slopes, np.zeros((f, f)), 0.7, noise, still, still, np.zeros(p + 1), 0.2 * noise
+    )
 
 
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
-def test_two_powers_make_the_whole(share, monkeypatch):
-    """Where rows are linear it does not matter when a likelihood is taken in."""
-    monkeypatch.setattr(regression_belief, "KEPT", 1.0)
-    random = np.random.default_rng(int(10 * share))
-    first, at = Gaussian(np.zeros(3), np.diag([1.0, 4.0, 0.3])), np.zeros(3)
-    at_once, later = (regression_belief.RegressionBelief(np.arange(3), first, 2) for _ in range(2))
-    rows = [drawn_row(random) for _ in range(4)]
-    for row in rows:
-        at_once.absorb(row, at)
-        later.absorb(replace(row, noise=row.noise / share), at)
-    for row in rows:
-        later.absorb_rest(rest_of(row, np.zeros((2, 2)), 1.0 - share), at)
-    assert later.parameters.mean == pytest.approx(at_once.parameters.mean, abs=1e-9)
-    assert later.parameters.covariance == pytest.approx(at_once.parameters.covariance, abs=1e-9)
-
-
-def test_exponents():
-    """A curvature of three times the noise lets a quarter through."""
+def test_blur():
+    """Curvature of three times the noise, in some direction."""
     row = drawn_row(np.random.default_rng(1))
     assert blur(row, 3.0 * row.noise) == pytest.approx(3.0)
-    assert left_after(3.0) == pytest.approx(0.75)
+    assert blur(row, np.zeros((2, 2))) == 0.0
+
+
+def test_a_second_look_is_what_a_first_would_have_been(monkeypatch):
+    """Rows around one guess, blurred or not up to 1.5 s: taken in later, in their order, they say the same."""
+    log, noise = drive(Job("straight", "usual", 2), 3.0), filter_noise(SENSORS["usual"])
+    monkeypatch.setattr(PhysicalSet, "nearest", lambda *_: guess().parameters)
+    work_out, told = ParameterLearner._worked_out, []
+    for blurred_until in (0.0, 1.5):
+
+        def worked_out(self, block, until=blurred_until):
+            row, _ = work_out(self, block)
+            return row, (self.time < until) * row.noise
+
+        monkeypatch.setattr(ParameterLearner, "_worked_out", worked_out)
+        online = RegressorEstimator(guess(), list(HANDS), noise=noise)
+        for measurement in log.measurements():
+            online.update(measurement)
+        told.append(online.belief)
+    assert told[1].mean == pytest.approx(told[0].mean, rel=1e-9)
+    assert told[1].covariance == pytest.approx(told[0].covariance, rel=1e-9)
 
 
 def test_the_first_push_is_not_lost(monkeypatch):

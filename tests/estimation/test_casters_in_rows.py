@@ -1,0 +1,59 @@
+"""Casters in the regression: what rows say of them, and what they don't."""
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import CasterRealignment, ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
+from cartgrasp.wheels import CASTER, FIXED, Wheel
+from estimation import FilterNoise, RegressorEstimator
+from estimation.gaussian import Gaussian
+from estimation.regressor import filtered_row as rows
+from estimation.regressor.filtered_row import RATE, Block, Recorded, Weights, filtered_row
+from estimation.regressor.motion_tracker import Stretch
+from estimation.wrench_sensing import SensedWrench
+
+TRAIL, TORQUE = 0.045, 0.12
+WHEELS = (
+    *(Wheel(FIXED, 0.0, y) for y in (0.27, -0.27)),
+    *(Wheel(CASTER, 0.72, y, trail=TRAIL) for y in (0.2, -0.2)),
+)
+CART = CartModel(
+    Inertia(30.0, (0.36, 0.0), 2.7),
+    effects=(ViscousDrag(3.0, 1.0), CasterRealignment(swivel_torque=TORQUE)),
+    wheels=WHEELS,
+)
+
+
+def test_casters_that_trail_tell_nothing_of_their_torque():
+    """Straight on, the noise of a yaw rate looks as if they swivelled, and no moment answers: for a torque of 0 that
+    would be ever more evidence."""
+    random, estimator = np.random.default_rng(0), RegressorEstimator(CART, ["hand"], noise=FilterNoise(force=3.0))
+    first = np.sqrt(estimator.prior.covariance(CART)[-2, -2])
+    for k in range(500):
+        pose = np.array([0.004 * k, 0.0, 0.0]) + 0.0005 * random.standard_normal(3)
+        velocity = np.array([0.4, 0.0, 0.0]) + 0.005 * random.standard_normal(3)
+        wrench = np.array([1.2, 0.0, 0.0, 0.0, 0.0, 0.0]) + random.standard_normal(6) * np.repeat([3.0, 0.1], 3)
+        estimator.update(Measurement(0.01 * k, pose, velocity, {"hand": wrench}, {"hand": np.zeros(3)}))
+    found = estimator.estimate.parameters["caster_realignment.swivel_torque"]
+    assert found.std > 0.5 * first
+    assert abs(found.value - TORQUE) < found.std
+
+
+def test_a_swing_is_noise_of_its_own_size(monkeypatch):
+    """Casters held across: the drag (T / b) of each, known to within itself."""
+    time, zero = 0.01 * np.arange(21), np.zeros((21, 2))
+    exact = np.tile(1e-14 * np.eye(2), (21, 1, 1))
+    weights, velocity = Weights.of(time, 5), np.tile([0.4, 0.0], (21, 1))
+    motion = Stretch(time, np.zeros((21, 3)), velocity, zero, exact, exact[:3])
+    sensed = SensedWrench(np.zeros(2), np.eye(2), np.zeros((2, len(CART.parameters))))
+    recorded = [Recorded(t, sensed, CART.parameters) for t in time[:-1]]
+    block = Block(weights, motion, np.full((21, 2), np.pi / 2), recorded)
+    known = Gaussian(CART.parameters, np.zeros((len(CART.parameters),) * 2))
+    noise = filtered_row(CART, known, block, FilterNoise()).noise
+    monkeypatch.setattr(rows, "REMEMBERED_SHARE", 0.0)
+    without = filtered_row(CART, known, block, FilterNoise()).noise
+    drag = 2 * TORQUE / TRAIL * -np.expm1(-RATE * 0.16)
+    assert (noise - without)[0, 0] == pytest.approx(drag**2, rel=1e-3)
