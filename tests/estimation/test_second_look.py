@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive, filter_noise, guess, truth
-from estimation import CartFilter, RegressorEstimator
+from estimation import CartFilter, Prior, RegressorEstimator
 from estimation.batch.physical_fit import PhysicalSet
 from estimation.regressor import parameter_learner
 from estimation.regressor.filtered_row import FilteredRow
@@ -31,14 +31,17 @@ def test_blur():
 
 
 def test_a_second_look_is_what_a_first_would_have_been(monkeypatch):
-    """Rows around one guess, blurred or not up to 1.5 s: taken in later, in their order, they say the same."""
+    """Rows around one guess and what was first believed of it, blurred or not up to 1.5 s: taken in later, in their
+    order, they say the same."""
     log, noise = drive(Job("straight", "usual", 2), 3.0), filter_noise(SENSORS["usual"])
     monkeypatch.setattr(PhysicalSet, "nearest", lambda *_: guess().parameters)
-    work_out, told = ParameterLearner._worked_out, []
+    work_out, told, first = ParameterLearner._worked_out, [], Prior().covariance(guess())
     for blurred_until in (0.0, 1.5):
 
         def worked_out(self, block, until=blurred_until):
+            believed, self.covariance = self.covariance, first
             row, _ = work_out(self, block)
+            self.covariance = believed
             return row, (self.time < until) * row.noise
 
         monkeypatch.setattr(ParameterLearner, "_worked_out", worked_out)
