@@ -42,7 +42,7 @@ REMEMBERED_SHARE = 1.0
 """Of what effects with a memory do in a row: what a model leaves out of it. Half of it goes wrong, where a caster
 swings a little sooner or later, and stays so for some four rows."""
 STANDS_OUT = 2.0
-"""Standard deviations of B[nu'] that teach nothing."""
+"""Standard deviations of B[nu'], and of nu, that teach nothing."""
 NOISE_SHARE = 0.9
 """Of the variance of B[nu']: what is noise of sensors, and not motion that was smoothed away; down to a half where
 there are poor poses alone."""
@@ -178,7 +178,8 @@ def filtered_row(cart: CartModel, known: Gaussian, block: Block, noise: FilterNo
     moved = cart.inverse(np.tile(state[-1], (f + 2, 1)), asked, parameters, motion.time[-1])
     mass, by_acceleration = moved.by_acceleration[0], moved.by_parameters[2:] - moved.by_parameters[0]
     expected = weights.linear @ rest.wrench + mass @ rise.whole
-    by_parameters = np.tensordot(weights.linear, rest.by_parameters, 1)
+    standing_out = cart.inverse(_standing_out(cart, block), np.zeros_like(motion.velocity), parameters, motion.time)
+    by_parameters = np.tensordot(weights.linear, standing_out.by_parameters, 1)
     by_parameters = by_parameters + moved.by_parameters[1] - moved.by_parameters[0]
     step = float(np.diff(motion.time).mean())
     late = step * RATE * weights.of_motion[2] @ (rest.wrench + motion.acceleration @ mass.T)
@@ -210,6 +211,16 @@ def curvature_noise(cart: CartModel, parameters: Array, block: Block, spread: Ar
     twist = (by[1:] - by[0]) @ spread
     gain = block.weights.linear.sum()
     return np.asarray(gain**2 / 2 * np.einsum("qfr,qgr->fg", twist, twist))
+
+
+def _standing_out(cart: CartModel, block: Block) -> Array:
+    """The states (n, s) with the part of nu that stands out of its noise: in slopes, noise would count as motion."""
+    states, motion = block.states, block.motion
+    variance = np.diagonal(motion.velocity_covariance, axis1=1, axis2=2)
+    nu = states[:, cart.velocity_slice]
+    square = STANDS_OUT**2 * variance / np.maximum(nu**2, 1e-300)
+    states[:, cart.velocity_slice] = np.maximum(1.0 - square, 0.0) * nu
+    return states
 
 
 def _measured(parameters: Array, recorded: Sequence[Recorded], weights: Weights) -> tuple[Array, Array]:
