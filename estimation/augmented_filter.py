@@ -25,10 +25,12 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion
 
 from .filtering import exponential_step, innovation, predicted, updated
+from .first_motion import LONG_GAP, UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
 from .innovation_watch import InnovationWatch
 from .kernels.correction import GATE
+from .kernels.driven_motion import MAX_STEP, POISED, STICTION_MEMORY
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior
@@ -36,16 +38,9 @@ from .shallow import shallow
 from .wrench_sensing import WrenchSensing
 from .wrench_walk import WrenchWalk
 
-MAX_STEP = 0.01
-LONG_GAP = 1.0
 JUMP = 14.0
 STANDS_OUT = 1.0
-UNKNOWN_FORCE = 100.0
 MEASUREMENT_FLOOR = 1e-10
-POISED = 12.0
-"""e-foldings of an instability after which nothing is poised there any more."""
-STICTION_MEMORY = 0.1
-"""s: how long a stuck friction force keeps its value."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +74,8 @@ class AugmentedFilter:
         self.layout = Layout.of(cart, len(self._block.free))
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._watch = InnovationWatch()
-        self._walk = WrenchWalk(self._wrench_variance(UNKNOWN_FORCE))
+        self._unknown_wrench = (noise.wrench_scale(cart) * UNKNOWN_FORCE) ** 2
+        self._walk = WrenchWalk(self._unknown_wrench)
         self._poise = np.zeros(len(cart.memory_names))
         self._belief: Gaussian | None = None
         self._physical: tuple[Gaussian, Array] | None = None  # of a belief
@@ -165,20 +161,15 @@ class AugmentedFilter:
 
     def _start(self, measurement: Measurement) -> None:
         pose = np.full(3, np.nan) if measurement.pose is None else np.asarray(measurement.pose, dtype=float)
-        known = np.isfinite(pose)
-        cart, layout = self.cart, self.layout
-        mean = np.zeros(layout.wrench.stop)
-        mean[layout.motion] = cart.state(np.where(known, pose, 0.0))
+        layout = self.layout
+        mean, variances = np.zeros((2, layout.wrench.stop))
+        mean[layout.motion], variances[layout.motion] = first_motion(self.cart, self.noise, pose)
         mean[layout.parameters] = self._block.first
-        variances = np.zeros(len(mean))
-        variances[:3] = np.where(known, np.diag(self.noise.pose_covariance), 100.0)
-        variances[cart.velocity_slice] = 1.0
-        variances[cart.memory_slice] = cart.memory_spread**2
-        variances[layout.wrench] = self._wrench_variance(UNKNOWN_FORCE)
+        variances[layout.wrench] = self._unknown_wrench
         covariance = np.diag(variances)
         covariance[layout.parameters, layout.parameters] = self._block.first_covariance
         self._belief, self.time = Gaussian(mean, covariance), measurement.time
-        self._started = bool(known[2])  # without a heading nobody knows where anything pushes
+        self._started = bool(np.isfinite(pose[2]))  # without a heading nobody knows where anything pushes
 
     def _predict(self, time: float) -> None:
         gap = time - self.time
@@ -270,7 +261,7 @@ class AugmentedFilter:
             covariance[part, :] = covariance[:, part] = 0.0
         motion, wrench = range(layout.motion.stop), range(layout.wrench.start, layout.wrench.stop)
         covariance[motion, motion] = 1.0 + gap**2
-        covariance[wrench, wrench] = self._wrench_variance(UNKNOWN_FORCE)
+        covariance[wrench, wrench] = self._unknown_wrench
         self._belief = Gaussian(self.belief.mean, covariance)
         self._watch.note_gap()
 
@@ -347,9 +338,3 @@ class AugmentedFilter:
         covariance = self.belief.covariance.copy()
         covariance[part, part] += self._block.load_covariance(self._physical_block)
         self._belief = Gaussian(self.belief.mean, covariance)
-
-    def _wrench_variance(self, force: float) -> Array:
-        """Variances of the reduced wrench for a force scale (N): moments by the lever."""
-        lever = self.noise.lever
-        scale = {0: [1.0, 1.0, lever], 1: [1.0, lever], 2: [1.0]}[self.cart.constraints.n_rows]
-        return np.square(scale) * force**2

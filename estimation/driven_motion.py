@@ -12,6 +12,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 
+from .first_motion import UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
 from .kernels import driven_motion as kernels
 from .kernels.driven_block import new_block, parts
@@ -21,14 +22,12 @@ from .seen import NOTHING_SEEN
 from .shallow import shallow
 from .wrench_sensing import SensedWrench
 
-UNKNOWN_FORCE = 100.0
-
 
 class DrivenMotion:
     """What is believed of the state: `mean + slopes @ (parameters - theirs) ± own`, over `(pose, nu, memory)`."""
 
     def __init__(self, cart: CartModel, noise: FilterNoise, free: np.ndarray) -> None:
-        self.cart, self._free, self._nu = cart, free, cart.velocity_slice
+        self.cart, self._noise, self._free, self._nu = cart, noise, free, cart.velocity_slice
         self._in_kernels = cart.is_compiled and not cart.slip_compliance
         self._sticks = cart.stiction(cart.state(), cart.parameters, 0.0).shape[-1] > 0
         n, k, m = len(cart.state_names), cart.constraints.n_free, len(cart.memory_names)
@@ -39,16 +38,16 @@ class DrivenMotion:
         self.now = parts(self._block, self._plan)
         self.time = math.nan
         self._theta = self.now.theta[:] = cart.parameters
-        self._set_constants(noise)
+        self._set_constants()
         self._let_go()
 
-    def _set_constants(self, noise: FilterNoise) -> None:
-        cart, now, scales = self.cart, self.now, np.array([1.0, 1.0, noise.lever])
-        scale = scales[{0: [0, 1, 2], 1: [0, 2], 2: [0]}[cart.constraints.n_rows]]
-        now.unknown[:] = np.diag(scale * UNKNOWN_FORCE) ** 2
-        now.lift[:], now.project[:] = cart.planar_wrench(np.eye(len(scale))).T, np.linalg.pinv(cart.basis_b)
+    def _set_constants(self) -> None:
+        cart, noise, now = self.cart, self._noise, self.now
+        now.unknown[:] = np.diag(noise.wrench_scale(cart) * UNKNOWN_FORCE) ** 2
+        now.lift[:] = cart.planar_wrench(np.eye(cart.constraints.n_free)).T
+        now.project[:] = np.linalg.pinv(cart.basis_b)
         now.variances[:3], now.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
-        now.disturbance[:] = np.diag(scales * noise.disturbance) ** 2
+        now.disturbance[:] = np.diag(np.array([1.0, 1.0, noise.lever]) * noise.disturbance) ** 2
         now.rest[2] = noise.slip**2
         now.rest[cart.memory_slice] = (noise.swivel * cart.memory_spread / USUAL_SPREAD) ** 2
         now.creep[:], now.spread[:] = noise.sideways(cart) * np.array(cart.rolling.across_b), cart.memory_spread
@@ -67,12 +66,8 @@ class DrivenMotion:
 
     def start(self, time: float, pose: Array) -> None:
         """From a pose that may be NaN in parts, with any velocity."""
-        known, cart, now = np.isfinite(pose), self.cart, self.now
-        now.mean[:] = cart.state(np.where(known, pose, 0.0))
-        variances = np.zeros(len(now.mean))
-        variances[:3] = np.where(known, now.variances[0], 100.0)
-        variances[cart.velocity_slice] = 1.0
-        variances[cart.memory_slice] = now.spread**2
+        now = self.now
+        now.mean[:], variances = first_motion(self.cart, self._noise, pose)
         now.own[:], now.slopes[:], now.nis[:] = np.diag(variances), 0.0, np.nan
         self._let_go()
         self.time = time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Self
 
-from .health import OUTLYING_SHARE, Health
+from .health import Health
 from .kernels.correction import GATE
 from .resets import Resets
 from .shallow import shallow
@@ -59,6 +59,4 @@ class InnovationWatch:
 
     @property
     def health(self) -> Health:
-        if self._resets.health is Health.OK and self._outliers > OUTLYING_SHARE:
-            return Health.OUTLIERS
-        return self._resets.health
+        return self._resets.health_beside(self._outliers)

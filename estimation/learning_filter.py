@@ -20,15 +20,13 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
 from .driven_motion import DrivenMotion
+from .first_motion import LONG_GAP
 from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
 from .kernels.correction import GATE
 from .regressor.parameter_learner import ParameterLearner
 from .seen import NOTHING_SEEN, seen_in
 from .shallow import shallow
-
-LONG_GAP = 1.0
-"""s: after a longer one the motion may be any."""
 
 
 class LearningFilter:

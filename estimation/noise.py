@@ -47,6 +47,11 @@ class FilterNoise:
         """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""
         return math.hypot(self.slip, SIDE_PUSH * cart.slip_compliance)
 
+    def wrench_scale(self, cart: CartModel) -> Array:
+        """Of each part of the reduced wrench, for a force of 1 N: moments have the lever."""
+        scale = {0: [1.0, 1.0, self.lever], 1: [1.0, self.lever], 2: [1.0]}
+        return np.array(scale[cart.constraints.n_rows])
+
     @property
     def pose_covariance(self) -> Array:
         return np.diag([self.position, self.position, self.heading]) ** 2

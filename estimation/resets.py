@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .health import Health
+from .health import OUTLYING_SHARE, Health
 
 HOLD_OFF = 1.5
 """s after a reset in which a load is called changed, and nothing is reset again."""
@@ -33,6 +33,11 @@ class Resets:
     @property
     def are_allowed(self) -> bool:
         return self.health is Health.OK
+
+    def health_beside(self, outlying: float) -> Health:
+        """With a share of samples that are outliers."""
+        said = self.health
+        return Health.OUTLIERS if said is Health.OK and outlying > OUTLYING_SHARE else said
 
     @property
     def health(self) -> Health:

@@ -23,7 +23,7 @@ FALSE_ALARM, FALSE_LOAD = 1e-7, 1e-6
 STARTS = 60
 """Rows over which a change is looked for."""
 SETTLING_ROWS = 20
-OUTLYING_SHARE, SMOOTHING = 0.1, 0.1
+SMOOTHING = 0.1
 
 
 class LoadWatch:
@@ -74,5 +74,4 @@ class LoadWatch:
 
     @property
     def health(self) -> Health:
-        said = self._resets.health
-        return Health.OUTLIERS if said is Health.OK and self._outliers > OUTLYING_SHARE else said
+        return self._resets.health_beside(self._outliers)

@@ -356,3 +356,13 @@ def test_the_covariance_of_the_model_parameters():
     for measurement in log.measurements():
         estimate = known.update(measurement)
     assert not estimate.covariance[4:].any()
+
+
+@pytest.mark.parametrize("force", [0.0, 3.0])
+def test_a_first_pose_is_as_good_as_its_sensor(force):
+    """Of position and of heading, by the EKF and by the filter for noisy wrenches."""
+    noise = FilterNoise(position=0.003, heading=0.02, force=force)
+    estimator = CartFilter(guess(), ["hand"], noise=noise)
+    estimator.update(Measurement(0.0, pose=[1.0, 2.0, 0.3]))
+    std = np.sqrt(np.diagonal(estimator.belief.covariance)[:3])
+    assert std == pytest.approx([0.003, 0.003, 0.02], rel=1e-6)
