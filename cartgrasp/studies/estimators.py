@@ -7,6 +7,7 @@ the sensors' noise and begins with the same wrong guess of load and drags.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -32,6 +33,8 @@ from ..simulation.sensors import SensorNoise, Sensors
 from .parallel import run_all
 
 PERIOD = 0.01
+SETTLED = 1.0
+"""s, from which on motions are compared."""
 FILTER, REGRESSOR, PAPER, BATCH = "filter", "regressor", "paper", "batch"
 ONLINE: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     FILTER: CartFilter,
@@ -77,11 +80,13 @@ class Job:
 
 @dataclass(frozen=True)
 class Answer:
-    """What an estimator found in a log, and how long a row of it took, s."""
+    """What an estimator found in a log, the rms errors of speed (m/s) and yaw rate (rad/s) on the way (NaN where it
+    tells no motion), and how long a row of it took, s."""
 
     parameters: dict[str, ParameterEstimate]
     health: str
     step_time: float
+    motion_errors: tuple[float, float] = (math.nan, math.nan)
 
 
 @dataclass(frozen=True)
@@ -136,20 +141,25 @@ def filter_noise(sensors: SensorNoise) -> FilterNoise:
     return FilterNoise(*known, disturbance=0.02, slip=0.0001)
 
 
-def answer(log: RunLog, way: str, noise: FilterNoise) -> Answer:
+def answer(driven: Drive, way: str, noise: FilterNoise) -> Answer:
     """Of one estimator."""
-    begin = time.process_time()
+    log, begin = driven.log, time.process_time()
     if way == BATCH:
         found = identify([log], guess(), noise=noise)
         return Answer(found.parameters, "", (time.process_time() - begin) / len(log))
-    last = replay(log, ONLINE[way](guess(), list(HANDS), noise=noise)).last
-    return Answer(dict(last.parameters), str(last.health), (time.process_time() - begin) / len(log))
+    told = replay(log, ONLINE[way](guess(), list(HANDS), noise=noise))
+    step_time = (time.process_time() - begin) / len(log)
+    velocity = np.array([estimate.motion.velocity for estimate in told.estimates])
+    with np.errstate(over="ignore"):  # the paper's filter may be anywhere
+        squares = np.square(velocity - driven.motion[:, 3:])[log.time >= SETTLED]
+    speed, yaw_rate = np.sqrt(squares.mean(axis=0))
+    return Answer(dict(told.last.parameters), str(told.last.health), step_time, (float(speed), float(yaw_rate)))
 
 
 def attempt(job: Job) -> Trial:
     """Every estimator on one log."""
-    log, noise = drive(job), filter_noise(SENSORS[job.sensors])
-    return Trial(job, {way: answer(log, way, noise) for way in WAYS})
+    driven, noise = drive_cart(truth(), job), filter_noise(SENSORS[job.sensors])
+    return Trial(job, {way: answer(driven, way, noise) for way in WAYS})
 
 
 def run_trials(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Trial]:

@@ -29,6 +29,7 @@ class Merit:
     settled: float
     error_after_5: float
     com_error_30: float
+    inertia_error_30: float
     largest_z: float
     identifiable: dict[str, bool]
     recovery: tuple[float, ...]
@@ -41,6 +42,7 @@ def merit(record: RunRecord, row: Row) -> Merit:
     mass, com_x, com_y = (record.parameters[n] for n in ("mass", "com_x", "com_y"))
     truth = {n: _truth(record, n) for n in ("mass", "com_x", "com_y", "inertia")}
     relative = np.abs(mass.value / truth["mass"] - 1)
+    inertia = np.abs(record.parameters["inertia"].value / truth["inertia"] - 1)
     com = np.hypot(com_x.value - truth["com_x"], com_y.value - truth["com_y"])
     z = [abs(record.parameters[n].value[-1] - truth[n][-1]) / record.parameters[n].std[-1] for n in truth]
     return Merit(
@@ -49,6 +51,7 @@ def merit(record: RunRecord, row: Row) -> Merit:
         settled=float(time[late[-1]]) if len(late) else 0.0,
         error_after_5=float(error[time >= 5.0].max()),
         com_error_30=float(com[-1]),
+        inertia_error_30=float(inertia[-1]),
         largest_z=float(max(z)),
         identifiable=dict(record.identifiable),
         recovery=tuple(_recovery(record, relative, i) for i in range(len(MASS_STEPS))) if row.mass_steps else (),
@@ -69,7 +72,8 @@ def row_claims(result: RowResult) -> list[Claim]:
         what = f"mass within 5 % after 5 s of acceleration from step {i + 1}"
         claims.append(Claim(name, what, f"{seconds:.1f} s", seconds <= 5.0))
     if row.trajectory == CURVED and row.noise <= QUIET_NOISE:
-        claims.append(_below(name, "CoM within 2 cm at 30 s", m.com_error_30, 0.02, "cm"))
+        claims.append(_below(name, "CoM within 1 cm at 30 s", m.com_error_30, 0.01, "cm"))
+        claims.append(_below(name, "inertia within 5 % at 30 s", m.inertia_error_30, 0.05, "%"))
     if row.noise >= LOUD_NOISE:
         what = "mass, CoM, inertia within 3 of their own sd at 30 s"
         claims.append(Claim(name, what, f"{m.largest_z:.1f} sd", m.largest_z <= 3.0))

@@ -34,7 +34,8 @@ def made_up(errors):
                         name: ParameterEstimate(value * off, 0.01 * value, "", True)
                         for name, value in zip(PHYSICAL, TRUE, strict=True)
                     }
-                    answers[way] = Answer(found, "ok", 1e-3 if way == "filter" else 2e-4)
+                    motion = (0.001, 0.002) if way == "filter" else (0.002, 0.003)
+                    answers[way] = Answer(found, "ok", 1e-3 if way == "filter" else 2e-4, motion)
                 trials.append(Trial(Job(path, sensors, seed), answers))
     return trials
 
@@ -52,16 +53,17 @@ def test_what_is_driven():
 
 
 def test_figures():
-    trials = made_up(lambda way, seed: (1.0 if way == "regressor" else 2.0) * (1 if seed else -1))
+    trials = made_up(lambda way, seed: (0.6 if way == "regressor" else 1.2) * (1 if seed else -1))
     found = score(trials[:2], "regressor")
-    assert found.errors == pytest.approx(0.01 * np.array(TRUE))
+    assert found.errors == pytest.approx(0.006 * np.array(TRUE))
     assert found.bias == pytest.approx(np.zeros(4))
-    assert found.z == pytest.approx(1.0)
-    assert found.spread == pytest.approx(0.01 * np.array(TRUE))
+    assert found.z == pytest.approx(0.6)
+    assert found.motion == pytest.approx([0.002, 0.003])
+    assert found.spread == pytest.approx(0.006 * np.array(TRUE))
     assert {len(row) for row in rows(trials)} == {len(COLUMNS)}
     better = better_rows(trials)
     assert {len(row) for row in better} == {len(BETTER_COLUMNS)}
-    assert {row[2:] for row in better} == {("2.00", "2.00", "2.00", "2.00", "regressor")}
+    assert {row[2:] for row in better} == {(*["2.00"] * 4, "0.50", "0.67", "regressor", "filter")}
     assert all_kept(claims(trials))
     assert as_dict(trials[0])["answers"]["batch"]["parameters"]["mass"]["std"] == pytest.approx(0.24)
     assert truth().inertia.mass == TRUE[0]
