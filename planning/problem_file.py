@@ -79,11 +79,7 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
     def refuse(location: list[str | int], why: str) -> FileError:
         return file_error(document, name, location, why)
 
-    arms: list[Arm] = []
-    for i, arm in enumerate(entry.arms):
-        if arm.name in [other.name for other in arms]:
-            raise refuse(["arms", i, "name"], f"{arm.name} stands twice; names must differ")
-        arms.append(_arm(arm, ["arms", i], refuse))
+    arms = arms_of(entry.arms, ["arms"], refuse)
     fx, fy, tau = entry.wrench
     cart = _cart(entry.cart, document, Path(path), refuse)
     return Problem(
@@ -101,6 +97,16 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         confidence=None if entry.confidence is None else entry.confidence.probability,
         estimate=estimate_of(entry, cart, refuse),
     )
+
+
+def arms_of(entries: Sequence[ArmEntry], where: list[str | int], refuse: Refuse) -> list[Arm]:
+    """The arms of a list that stands at a place of a document."""
+    arms: list[Arm] = []
+    for i, entry in enumerate(entries):
+        if entry.name in [other.name for other in arms]:
+            raise refuse([*where, i, "name"], f"{entry.name} stands twice; names must differ")
+        arms.append(_arm(entry, [*where, i], refuse))
+    return arms
 
 
 def _cart(entry: Any, document: CommentedMap, path: Path, refuse: Refuse) -> CartModel:

@@ -170,6 +170,20 @@ def convert(
     raise typer.Exit(command.run(command.Choice(source, out, topics, salvage), json))
 
 
+@app.command()
+def campaign(
+    study_file: Annotated[Path, typer.Argument(help="study.yaml: runs of drawn carts, or logs.", metavar="STUDY")],
+    out: Annotated[Path, typer.Option("--out", help="Folder; results that it holds are kept.")] = Path("out/campaign"),
+    workers: Annotated[int | None, typer.Option("--workers", min=1, max=1024, help="Processes (else cores).")] = None,
+    scheduler: Annotated[str | None, typer.Option("--scheduler", help="A Dask scheduler, tcp://HOST:8786.")] = None,
+    json: Json = False,
+) -> None:
+    """Many closed-loop runs of drawn carts, or many logs, over cores or Dask; goes on where it stopped."""
+    from . import campaign as command
+
+    raise typer.Exit(command.run(study_file, out, workers, scheduler, json))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:

@@ -8,21 +8,21 @@ from pathlib import Path
 import numpy as np
 
 from estimation import FilterNoise
-from planning.references import Stretch, chain, pause, speed_change, straight, turn
+from planning.references import Stretch
 
 from ..arms import Arm
 from ..cart_file import load_cart
 from ..constraints import RollingConstraints
 from ..errors import UsageError
 from ..simulation.sensors import SensorNoise
+from ..studies.named_paths import named_path
 from ..studies.run_figures import RunFigures
 from ..studies.scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
-from ..studies.shopping_cart import FIRM, push_and_pull
+from ..studies.shopping_cart import FIRM
 from .artefacts import save_run
 from .output import make_folder, print_json, progress, say
 from .run_tables import print_run
 
-ACCELERATION = 0.4
 LARGEST_FORCE, LARGEST_MOMENT = 150.0, 40.0
 
 
@@ -101,16 +101,7 @@ def _arms(count: int) -> tuple[Arm, ...]:
 
 
 def _path(name: str, speed: float, constraints: RollingConstraints) -> tuple[Stretch, ...]:
-    if not 0.05 <= speed <= 3.0:
-        raise UsageError(f"--speed {speed:g}: give 0.05 to 3 m/s")
-    if constraints.no_rotation and name != "straight":
-        raise UsageError(f"--path {name}: a cart on a rail can't turn; use --path straight")
-    if name == "straight":
-        return chain(straight(12 * speed, speed, ACCELERATION), pause(0.5), straight(-6 * speed, speed, ACCELERATION))
-    if name == "curves":
-        rate = min(0.5, 0.8 * speed)
-        curves = (turn(np.pi / 2, rate), pause(1.0), turn(-np.pi / 2, rate), pause(1.0), turn(np.pi / 3, rate))
-        return chain(
-            speed_change(speed, ACCELERATION), pause(2.0), *curves, speed_change(-speed, ACCELERATION), pause(0.5)
-        )
-    return push_and_pull()
+    try:
+        return named_path(name, speed, constraints)
+    except UsageError as error:
+        raise UsageError(f"--{error}") from error

@@ -54,7 +54,16 @@ def study(name: str, options: str, slow: str) -> Trial:
     return Trial(f"study {name} {options} --out o", (f"o/{name}.md",), slow=f"cli.{name}.{slow}")
 
 
+STUDY = """\
+runs: 4
+closed_loop:
+  cart: cart.yaml
+  duration: 1.0
+  arms: [{name: hand, contacts: [[-0.25, 0.0, 1.0]], limits: {force: [90, 60, 60], moment: [20, 20, 20]}}]
+drawn: {mass: {uniform: [15, 45]}}
+"""
 RUN = "studies.scenario.Scenario.run"
+RUNS = "studies.campaigns.closed_loop.ClosedLoopRun.run"
 REPORT = ("o/report.json", "o/report.html", "o/cart.yaml")
 TRIALS = [
     Trial("convert run.csv --out o.parquet", ("o.parquet", "o.provenance.json")),
@@ -68,6 +77,7 @@ TRIALS = [
     Trial("simulate --cart cart.yaml --path straight --out o", ("o/run.csv", "o/player.html"), slow=RUN),
     Trial("discrepancy long.csv --cart cart.yaml --out o", REPORT, slow="cli.discrepancy.diagnose"),
     Trial("demo --quick --out o", ("o/run.csv", "o/true_cart.yaml"), slow=RUN),
+    Trial("campaign study.yaml --workers 1 --out o", ("o/campaign.json", "o/campaign.png"), slow=RUNS),
     study("table1", "--rows 4", "run_rows"),
     study("excitation", "--seeds 1", "run_ways"),
     study("robust", "--seeds 1", "run_seeds"),
@@ -105,6 +115,7 @@ def inputs(folder: Path) -> None:
     (folder / "cart.yaml").write_text(CART)
     (folder / "problem.yaml").write_text(PROBLEM)
     (folder / "other.yaml").write_text(OTHER)
+    (folder / "study.yaml").write_text(STUDY)
     poses = [
         ("/odom", bag_files.ODOMETRY, ns := bag_files.stamp(row[0]), bag_files.odometry(ns, row[1:4], row[4:7]))
         for row in table

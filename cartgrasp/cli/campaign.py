@@ -1,0 +1,75 @@
+"""`cartgrasp campaign STUDY.yaml`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from ..strict_json import finite
+from ..studies.campaigns.campaign import run_campaign
+from ..studies.campaigns.closed_loop import ClosedLoopStudy
+from ..studies.campaigns.logs import LogStudy
+from ..studies.campaigns.results import Results
+from ..studies.campaigns.study_file import read_study
+from ..studies.campaigns.summary import (
+    LOG_COLUMNS,
+    PARAMETER_COLUMNS,
+    TRACKING_COLUMNS,
+    LogsSummary,
+    RunsSummary,
+)
+from ..studies.campaigns.workers import Workers, on_cluster, over_cores
+from ..writing import together, write_atomically
+from .output import make_folder, print_json, print_table, progress, say
+from .study_report import usual_workers
+
+
+def run(path: Path, out: Path, workers: int | None, scheduler: str | None, as_json: bool) -> int:
+    study = read_study(path)
+    make_folder(out)
+    if scheduler is None:
+        done_by: Workers = over_cores(workers or usual_workers())
+    else:
+        done_by = on_cluster(scheduler)
+    with progress(study.name) as tell:
+        results = run_campaign(study, Results.under(out), done_by, tell)
+    with together():
+        summary = _runs(study, results, out) if isinstance(study, ClosedLoopStudy) else _logs(study, results)
+        document = {"name": study.name, **summary.as_dict(), "out": str(out)}
+        write_atomically(out / "campaign.json", json.dumps(finite(document), indent=1, allow_nan=False) + "\n")
+    if as_json:
+        print_json(document)
+    else:
+        _print(study.name, summary)
+    for message, count in summary.failures.items():
+        say(f"{count} failed: {message}")
+    say(f"the summary is {out / 'campaign.json'}, each result is in {out / 'results'}")
+    return 1 if summary.failures else 0
+
+
+def _runs(study: ClosedLoopStudy, results: list[dict[str, Any]], out: Path) -> RunsSummary:
+    summary = RunsSummary.of(results)
+    good = [one for one in results if "failure" not in one]
+    if good:
+        from ..studies.campaigns.plots import save_plot
+
+        save_plot(good, [one.name for one in summary.parameters], out)
+    return summary
+
+
+def _logs(study: LogStudy, results: list[dict[str, Any]]) -> LogsSummary:
+    return LogsSummary.of(results, [str(path) for path in study.paths])
+
+
+def _print(name: str, summary: RunsSummary | LogsSummary) -> None:
+    if isinstance(summary, LogsSummary):
+        print_table(f"{name}: {len(summary.logs)} logs", LOG_COLUMNS, summary.parameter_cells)
+        verdicts = [(one["log"], one["verdict"], ", ".join(one["effects"])) for one in summary.logs if "verdict" in one]
+        if verdicts:
+            print_table("Diagnoses", ("log", "verdict", "effects"), verdicts, left=3)
+        return
+    title = f"{name}: {summary.runs} runs, {100 * summary.optimal:.1f} % of the plans optimal"
+    print_table(title, TRACKING_COLUMNS, summary.tracking_cells)
+    if summary.parameters:
+        print_table("Parameters at the end", PARAMETER_COLUMNS, [one.cells for one in summary.parameters])

@@ -1,0 +1,1 @@
+"""Campaigns: many closed-loop runs of drawn carts, or many logs, over cores or a cluster."""

@@ -1,0 +1,71 @@
+"""True carts that are drawn, each by its own seed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import CartgraspError, UsageError
+from ...inertia import N_PHI, Inertia, physical_from_phi
+from ...model import CartModel
+
+PHYSICAL = ("mass", "com_x", "com_y", "inertia")
+UNIFORM, NORMAL = "uniform", "normal"
+MOST_TRIES = 1000
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A parameter by its contract name: uniform between low and high, or normal of a mean and a deviation."""
+
+    parameter: str
+    law: str
+    numbers: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        low, high = self.numbers
+        if self.law == UNIFORM and not low <= high:
+            raise UsageError(f"uniform: [{low:g}, {high:g}] ends below where it begins")
+        if self.law == NORMAL and not high >= 0:
+            raise UsageError(f"normal: its standard deviation {high:g} is negative")
+
+    def draw(self, random: np.random.Generator) -> float:
+        first, second = self.numbers
+        return float(random.uniform(first, second) if self.law == UNIFORM else random.normal(first, second))
+
+
+def parameter_names(cart: CartModel) -> tuple[str, ...]:
+    return PHYSICAL + cart.parameter_names[N_PHI:]
+
+
+def drawn_values(drawn: Sequence[Drawn], cart: CartModel, random: np.random.Generator) -> dict[str, float]:
+    """A value for each; what together is no cart is drawn again."""
+    for _ in range(MOST_TRIES):
+        values = {one.parameter: one.draw(random) for one in drawn}
+        if _is_cart(cart, values):
+            return values
+    raise UsageError(f"drawn: none of {MOST_TRIES} draws is a cart: mass and inertia > 0, effects within their bounds")
+
+
+def with_values(cart: CartModel, values: dict[str, float]) -> CartModel:
+    """The cart with these parameters."""
+    physical = dict(zip(PHYSICAL, physical_from_phi(cart.inertia.phi).tolist(), strict=True))
+    physical |= {name: value for name, value in values.items() if name in PHYSICAL}
+    inertia = Inertia(physical["mass"], (physical["com_x"], physical["com_y"]), physical["inertia"])
+    numbers = cart.parameters.copy()
+    names = parameter_names(cart)
+    for name, value in values.items():
+        if name not in PHYSICAL:
+            numbers[names.index(name)] = value
+    return cart.with_parameters(np.concatenate([inertia.phi, numbers[N_PHI:]]))
+
+
+def _is_cart(cart: CartModel, values: dict[str, float]) -> bool:
+    try:
+        found = with_values(cart, values)
+    except CartgraspError:
+        return False
+    bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
+    return all(low <= value <= high for value, (low, high) in zip(found.parameters[N_PHI:], bounds, strict=True))

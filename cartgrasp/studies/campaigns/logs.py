@@ -1,0 +1,85 @@
+"""Batches of logs: each estimated, identified or diagnosed by itself, as the commands do."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from estimation import CartFilter, PaperFilter, RegressorEstimator
+from estimation.batch import identify
+from estimation.discrepancy import diagnose
+from estimation.log_noise import noise_of_log
+from estimation.replay import replay
+
+from ...logs import RunLog, read_log
+from ...model import CartModel
+from .job import Job
+
+METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
+    "filter": CartFilter,
+    "regressor": RegressorEstimator,
+    "paper": PaperFilter,
+}
+ESTIMATE, IDENTIFY, DISCREPANCY = "estimate", "identify", "discrepancy"
+
+
+@dataclass(frozen=True)
+class LogStudy:
+    """`do` one of the three with each of the logs; `told` is what the file says of it."""
+
+    name: str
+    paths: tuple[Path, ...]
+    cart: CartModel
+    do: str
+    method: str
+    topics: Path | None
+    told: dict[str, Any] = field(repr=False)
+
+    def jobs(self) -> list[LogJob]:
+        return [LogJob(self, path, digest(path)) for path in self.paths]
+
+
+@dataclass(frozen=True)
+class LogJob(Job):
+    """One log, with the digest of what it holds."""
+
+    study: LogStudy
+    path: Path
+    digest: str
+
+    @property
+    def config(self) -> dict[str, Any]:
+        topics = None if self.study.topics is None else digest(self.study.topics)
+        return {**self.study.told, "log": self.digest, "name": self.path.name, "topics": topics}
+
+    @property
+    def seed(self) -> list[int]:
+        return []
+
+    def run(self) -> dict[str, Any]:
+        log, cart = read_log(self.path, self.study.topics), self.study.cart
+        if self.study.do == ESTIMATE:
+            return {"log": self.path.name, **_estimated(log, cart, self.study.method)}
+        if self.study.do == IDENTIFY:
+            return {"log": self.path.name, **identify([log], cart).as_dict()}
+        return {"log": self.path.name, **diagnose([log], cart).report.as_dict()}
+
+
+def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
+    thinned = log.thinned()
+    estimator = METHODS[method](cart, list(log.arms), noise=noise_of_log(thinned, cart))
+    return replay(thinned, estimator, until=float(log.time[-1])).as_dict()
+
+
+def digest(path: Path) -> str:
+    """Of a file, or of all in a folder; of nothing where it can't be read, which its job will tell."""
+    whole = hashlib.sha256()
+    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+    for one in files:
+        try:
+            whole.update(one.name.encode() + b"\0" + one.read_bytes())
+        except OSError:
+            continue
+    return whole.hexdigest()

@@ -1,0 +1,108 @@
+"""The keys of `study.yaml`, with their types and what a single value may be."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PositiveFloat
+
+from planning.problem_schema import ArmEntry, NotNegative, Positive
+
+from ...yaml_file import StrictModel
+from ..scenario import FIRST_GUESS, LEARNING, MODEL_PLANT, MUJOCO_PLANT, PAPER
+
+ESTIMATIONS = {"learning": LEARNING, "first_guess": FIRST_GUESS, "paper": PAPER}
+PLANTS = MODEL_PLANT, MUJOCO_PLANT
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class StretchEntry(StrictModel):
+    duration: PositiveFloat
+    acceleration: float = 0.0
+    yaw_acceleration: float = 0.0
+
+
+class SwitchingEntry(StrictModel):
+    every: Positive
+    least_effort: bool = False
+
+
+class GainsEntry(StrictModel):
+    along: Positive | None = None
+    across: Positive | None = None
+    heading: Positive | None = None
+    velocity: Positive | None = None
+
+
+class SensorsEntry(StrictModel):
+    """As `SensorNoise`; a period of null is never."""
+
+    position: NotNegative = 0.0004
+    heading: NotNegative = 0.0004
+    linear_velocity: NotNegative = 0.005
+    yaw_rate: NotNegative = 0.005
+    force: NotNegative = 3.0
+    moment: NotNegative = 0.1
+    pose_period: NotNegative = 0.0
+    velocity_period: NotNegative | None = 0.0
+    wrench_period: NotNegative = 0.0
+
+
+class FilterEntry(StrictModel):
+    """As `FilterNoise`; what is left out is what the sensors have, or usual."""
+
+    position: NotNegative | None = None
+    heading: NotNegative | None = None
+    linear_velocity: NotNegative | None = None
+    yaw_rate: NotNegative | None = None
+    force: NotNegative | None = None
+    moment: NotNegative | None = None
+    disturbance: NotNegative = 0.1
+    lever: NotNegative = 0.3
+    slip: NotNegative = 0.0002
+    swivel: NotNegative = 0.2
+    parameter_drift: NotNegative = 0.002
+
+
+class ClosedLoopEntry(StrictModel):
+    cart: Any
+    guess: Any = None
+    path: str | list[StretchEntry] = "curves"
+    speed: float = 0.6
+    duration: Positive | None = None
+    period: Positive = 0.01
+    plant: Literal["model", "mujoco"] = "model"
+    plant_timestep: Positive | None = None
+    arms: list[ArmEntry] = Field(min_length=1)
+    switching: SwitchingEntry | None = None
+    estimation: Literal["learning", "first_guess", "paper"] = "learning"
+    known: list[str] = Field(default_factory=list)
+    gains: GainsEntry = GainsEntry()
+    sensors: SensorsEntry = SensorsEntry()
+    filter: FilterEntry = FilterEntry()
+
+
+class DrawnEntry(StrictModel):
+    """Of a parameter of the true cart: low and high, or mean and standard deviation."""
+
+    uniform: Pair | None = None
+    normal: Pair | None = None
+
+
+class LogsEntry(StrictModel):
+    """`files` may hold `*`."""
+
+    files: list[str] = Field(min_length=1)
+    cart: Any
+    do: Literal["estimate", "identify", "discrepancy"] = "estimate"
+    method: Literal["filter", "regressor", "paper"] = "filter"
+    topics: str | None = None
+
+
+class StudyEntry(StrictModel):
+    name: str = "campaign"
+    seed: Annotated[int, Field(ge=0)] = 0
+    runs: Annotated[int, Field(ge=1, le=1_000_000)] = 100
+    closed_loop: ClosedLoopEntry | None = None
+    drawn: dict[str, DrawnEntry] = Field(default_factory=dict)
+    logs: LogsEntry | None = None

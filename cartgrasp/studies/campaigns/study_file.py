@@ -1,0 +1,166 @@
+"""`study.yaml` of `cartgrasp campaign`: strict to read, exact about places."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml.comments import CommentedMap
+
+from estimation import FilterNoise, Prior
+from planning.problem_file import arms_of
+from planning.references import PathReference, Stretch
+from planning.tracking import Gains
+
+from ...cart_file import cart_from_document, load_cart
+from ...errors import FileError, UsageError
+from ...model import CartModel
+from ...simulation.sensors import SensorNoise
+from ...yaml_file import did_you_mean, file_error, parse_yaml, plain, read_yaml, validate
+from ..named_paths import named_path
+from ..scenario import Scenario
+from ..shopping_cart import FIRM
+from .closed_loop import ClosedLoopStudy
+from .drawing import NORMAL, UNIFORM, Drawn, parameter_names
+from .logs import LogStudy
+from .schema import ESTIMATIONS, ClosedLoopEntry, DrawnEntry, LogsEntry, StudyEntry
+
+Refuse = Callable[[list[str | int], str], FileError]
+SHARED = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
+"""What filter and sensors both have."""
+
+
+def read_study(path: str | os.PathLike[str]) -> ClosedLoopStudy | LogStudy:
+    """A mistake is refused as `file:line:column: key: why`."""
+    document, name = read_yaml(path), str(path)
+    entry = validate(StudyEntry, document, name)
+
+    def refuse(location: list[str | int], why: str) -> FileError:
+        return file_error(document, name, location, why)
+
+    if (entry.closed_loop is None) == (entry.logs is None):
+        raise refuse([], "a study has either `closed_loop` (runs) or `logs`; write one of them")
+    carts = _Carts(document, Path(path), refuse)
+    if entry.closed_loop is not None:
+        return _closed_loop(entry, entry.closed_loop, carts)
+    assert entry.logs is not None
+    if entry.drawn:
+        raise refuse(["drawn"], "is for runs; logs have nothing to draw")
+    return _logs(entry.name, entry.logs, carts)
+
+
+class _Carts:
+    """The carts of a study: of files, whose paths are relative to it, or mappings in it."""
+
+    def __init__(self, document: CommentedMap, path: Path, refuse: Refuse) -> None:
+        self.document, self.path, self.refuse = document, path, refuse
+
+    def at(self, section: str, key: str) -> CartModel:
+        found = self.document[section][key]
+        if isinstance(found, str):
+            return load_cart(self.path.parent / str(found))
+        if isinstance(found, CommentedMap):
+            return cart_from_document(found, str(self.path), [section, key])
+        raise self.refuse([section, key], f"{found!r} is neither the path of a cart file nor a mapping")
+
+
+def _told(cart: CartModel) -> Any:
+    return plain(parse_yaml(cart.source, cart.name))
+
+
+def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> ClosedLoopStudy:
+    truth = carts.at("closed_loop", "cart")
+    guess = truth if loop.guess is None else carts.at("closed_loop", "guess")
+    if guess.constraints != truth.constraints:
+        raise carts.refuse(["closed_loop", "guess"], "its constraints differ from the cart's; they must be the same")
+    told = loop.model_dump(mode="json", exclude={"cart", "guess"})
+    drawn = {name: one.model_dump(exclude_none=True) for name, one in entry.drawn.items()}
+    return ClosedLoopStudy(
+        name=entry.name,
+        scenario=_scenario(loop, truth, guess, carts.refuse),
+        drawn=tuple(_drawn(name, one, truth, carts.refuse) for name, one in entry.drawn.items()),
+        seed=entry.seed,
+        runs=entry.runs,
+        told={"closed_loop": {**told, "cart": _told(truth), "guess": _told(guess)}, "drawn": drawn},
+    )
+
+
+def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, refuse: Refuse) -> Scenario:
+    sensors = SensorNoise(**loop.sensors.model_dump())
+    noise = {name: getattr(sensors, name) for name in SHARED} | loop.filter.model_dump(exclude_none=True)
+    known = _known(loop, guess, refuse)
+    return Scenario(
+        truth=truth,
+        guess=guess,
+        arms=tuple(arms_of(loop.arms, ["closed_loop", "arms"], refuse)),
+        stretches=_stretches(loop, guess, refuse),
+        sensors=sensors,
+        noise=FilterNoise(**noise),
+        known=known,
+        estimation=ESTIMATIONS[loop.estimation],
+        plant=loop.plant,
+        switching=None if loop.switching is None else loop.switching.every,
+        least_effort=loop.switching is not None and loop.switching.least_effort,
+        gains=Gains(**vars(FIRM) | loop.gains.model_dump(exclude_none=True)),
+        period=loop.period,
+        plant_timestep=loop.plant_timestep,
+        duration=loop.duration,
+    )
+
+
+def _known(loop: ClosedLoopEntry, guess: CartModel, refuse: Refuse) -> frozenset[str]:
+    known = frozenset(loop.known)
+    try:
+        Prior(known=known).free(guess)
+    except UsageError as error:
+        raise refuse(["closed_loop", "known"], str(error)) from error
+    return known
+
+
+def _stretches(loop: ClosedLoopEntry, guess: CartModel, refuse: Refuse) -> tuple[Stretch, ...]:
+    try:
+        if isinstance(loop.path, str):
+            return named_path(loop.path, loop.speed, guess.constraints)
+        stretches = tuple(Stretch(one.duration, one.acceleration, one.yaw_acceleration) for one in loop.path)
+        PathReference(stretches, guess.rolling)
+        return stretches
+    except UsageError as error:
+        key = "speed" if str(error).startswith("speed") else "path"
+        raise refuse(["closed_loop", key], str(error)) from error
+
+
+def _drawn(name: str, entry: DrawnEntry, truth: CartModel, refuse: Refuse) -> Drawn:
+    known = parameter_names(truth)
+    if name not in known:
+        raise refuse(["drawn", name], f"is no parameter of the cart{did_you_mean(name, known)}")
+    laws = {law: numbers for law, numbers in ((UNIFORM, entry.uniform), (NORMAL, entry.normal)) if numbers is not None}
+    if len(laws) != 1:
+        raise refuse(["drawn", name], "needs one law: `uniform: [low, high]` or `normal: [mean, deviation]`")
+    (law, (first, second)) = next(iter(laws.items()))
+    try:
+        return Drawn(name, law, (first, second))
+    except UsageError as error:
+        raise refuse(["drawn", name, law], str(error)) from error
+
+
+def _logs(name: str, entry: LogsEntry, carts: _Carts) -> LogStudy:
+    paths: list[Path] = []
+    for i, pattern in enumerate(entry.files):
+        found = _files(carts.path.parent, pattern)
+        if not found:
+            raise carts.refuse(["logs", "files", i], f"{pattern}: there is no such file")
+        paths += [path for path in found if path not in paths]
+    cart = carts.at("logs", "cart")
+    told = {"do": entry.do, "method": entry.method if entry.do == "estimate" else None, "cart": _told(cart)}
+    topics = None if entry.topics is None else carts.path.parent / entry.topics
+    return LogStudy(name, tuple(paths), cart, entry.do, entry.method, topics, told)
+
+
+def _files(folder: Path, pattern: str) -> list[Path]:
+    if not any(sign in pattern for sign in "*?["):
+        return [folder / pattern] if (folder / pattern).exists() else []
+    whole = Path(pattern)
+    root = Path(whole.anchor) if whole.is_absolute() else folder
+    return sorted(root.glob(str(whole.relative_to(whole.anchor) if whole.is_absolute() else whole)))

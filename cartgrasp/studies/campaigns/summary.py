@@ -1,0 +1,167 @@
+"""What all runs say together: errors, how sure the estimates were, and tracking."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+TRACKING = {"largest": "largest_error", "largest from 5 s on": "error_after_5", "rms": "rms_error"}
+TWO_SIGMA = 2.0
+PARAMETER_COLUMNS = ("parameter", "error, mean", "error, sd", "claimed sd", "in 2 sd", "taught")
+TRACKING_COLUMNS = ("tracking error", "mean", "sd", "95 %", "largest")
+LOG_COLUMNS = ("parameter", "logs", "mean", "sd", "claimed sd")
+
+
+@dataclass(frozen=True)
+class ParameterSummary:
+    """Over the runs with a truth, at their ends: the error's mean and standard deviation, the mean of the deviations
+    that were claimed, the shares of runs within two of these and of those in which motion taught it."""
+
+    name: str
+    unit: str
+    runs: int
+    mean_error: float
+    sd_error: float
+    mean_std: float
+    coverage: float
+    taught: float
+
+    @classmethod
+    def of(cls, name: str, found: Sequence[Mapping[str, Any]]) -> ParameterSummary:
+        error = np.array([one["value"] - one["truth"] for one in found])
+        std = np.array([one["std"] for one in found])
+        return cls(
+            name=name,
+            unit=found[0]["unit"],
+            runs=len(found),
+            mean_error=float(error.mean()),
+            sd_error=float(error.std()),
+            mean_std=float(std.mean()),
+            coverage=float((np.abs(error) <= TWO_SIGMA * std).mean()),
+            taught=float(np.mean([one["identifiable"] for one in found])),
+        )
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """By PARAMETER_COLUMNS."""
+        numbers = (f"{value:.3g}" for value in (self.mean_error, self.sd_error, self.mean_std))
+        return f"{self.name}, {self.unit}", *numbers, f"{100 * self.coverage:.1f} %", f"{100 * self.taught:.0f} %"
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Of a number over the runs."""
+
+    mean: float
+    sd: float
+    p95: float
+    largest: float
+
+    @classmethod
+    def of(cls, values: Iterable[float | None]) -> Spread | None:
+        """None where there is nothing."""
+        given = np.array([value for value in values if value is not None], dtype=float)
+        if not len(given):
+            return None
+        return cls(float(given.mean()), float(given.std()), float(np.percentile(given, 95)), float(given.max()))
+
+
+@dataclass(frozen=True)
+class RunsSummary:
+    """Of closed-loop runs; `failures` are the messages of those that came to nothing, with how many."""
+
+    runs: int
+    failures: dict[str, int]
+    parameters: tuple[ParameterSummary, ...]
+    tracking: dict[str, Spread]
+    optimal: float
+
+    @classmethod
+    def of(cls, results: Sequence[Mapping[str, Any]]) -> RunsSummary:
+        good = [one for one in results if "failure" not in one]
+        spreads = {name: Spread.of(one[key] for one in good) for name, key in TRACKING.items()}
+        return cls(
+            runs=len(results),
+            failures=failures(results),
+            parameters=_parameters(good),
+            tracking={name: spread for name, spread in spreads.items() if spread is not None},
+            optimal=float(np.mean([one["optimal"] / one["plans"] for one in good])) if good else float("nan"),
+        )
+
+    @property
+    def tracking_cells(self) -> list[tuple[str, ...]]:
+        """By TRACKING_COLUMNS."""
+        return [
+            (name, *(f"{100 * value:.2f} cm" for value in (one.mean, one.sd, one.p95, one.largest)))
+            for name, one in self.tracking.items()
+        ]
+
+    def as_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class LogsSummary:
+    """Of logs: each parameter's values over those that have it, and what each log came to."""
+
+    logs: tuple[dict[str, Any], ...]
+    failures: dict[str, int]
+    parameters: dict[str, dict[str, Any]]
+
+    @classmethod
+    def of(cls, results: Sequence[Mapping[str, Any]], names: Sequence[str]) -> LogsSummary:
+        logs = tuple({"log": name, **_told(one)} for name, one in zip(names, results, strict=True))
+        found: dict[str, list[Mapping[str, Any]]] = {}
+        for one in results:
+            for name, parameter in one.get("parameters", {}).items():
+                found.setdefault(name, []).append(parameter)
+        parameters = {
+            name: {
+                "unit": each[0]["unit"],
+                "logs": len(each),
+                "mean": float(np.mean([one["value"] for one in each])),
+                "sd": float(np.std([one["value"] for one in each])),
+                "mean_std": float(np.mean([one["std"] for one in each])),
+            }
+            for name, each in found.items()
+            if all(one["value"] is not None and one["std"] is not None for one in each)
+        }
+        return cls(logs, failures(results), parameters)
+
+    @property
+    def parameter_cells(self) -> list[tuple[str, ...]]:
+        """By LOG_COLUMNS."""
+        return [
+            (f"{name}, {p['unit']}", str(p["logs"]), *(f"{p[key]:.4g}" for key in ("mean", "sd", "mean_std")))
+            for name, p in self.parameters.items()
+        ]
+
+    def as_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def failures(results: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """By what they say."""
+    said = [str(one["failure"]) for one in results if "failure" in one]
+    return {message: said.count(message) for message in dict.fromkeys(said)}
+
+
+def _parameters(good: Sequence[Mapping[str, Any]]) -> tuple[ParameterSummary, ...]:
+    """Of those that are estimated and have a truth in each run that reports them."""
+    found: dict[str, list[Mapping[str, Any]]] = {}
+    for one in good:
+        for name, parameter in one["parameters"].items():
+            if parameter["truth"] is not None and parameter["value"] is not None and parameter["std"]:
+                found.setdefault(name, []).append(parameter)
+    return tuple(ParameterSummary.of(name, each) for name, each in found.items())
+
+
+def _told(result: Mapping[str, Any]) -> dict[str, Any]:
+    if "failure" in result:
+        return {"failure": result["failure"]}
+    if "verdict" in result:
+        return {"verdict": result["verdict"], "effects": [effect["name"] for effect in result["effects"]]}
+    return {name: one["value"] for name, one in result["parameters"].items()}
