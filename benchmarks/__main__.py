@@ -10,6 +10,7 @@ from pathlib import Path
 from . import (
     allocation,
     bags,
+    campaign,
     contact_choice,
     contact_relaxation,
     dynamics,
@@ -25,6 +26,7 @@ from .report import document
 BENCHMARKS = {
     "allocation": (allocation.run, 200),
     "bags": (bags.run, 5),
+    "campaign": (campaign.run, 1000),
     "contact_choice": (contact_choice.run, 100),
     "contact_relaxation": (contact_relaxation.run, 60),
     "dynamics": (dynamics.run, 200),

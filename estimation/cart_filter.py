@@ -33,6 +33,20 @@ EXACT = 1.0
 density of their noise is then a tenth of it."""
 
 
+Given = tuple[CartModel, Sequence[str] | None, FilterNoise, Prior, Mapping[str, float]]
+"""Cart, arms, noise, prior and yaws."""
+
+
+def core_of(given: Given, least_speed: float = 0.0) -> AugmentedFilter | LearningFilter:
+    """The filter behind a `CartFilter`, which takes samples in order."""
+    cart, _, noise, prior, _ = given
+    with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
+        is_exact = noise.force <= EXACT * noise.disturbance
+        if least_speed == 0.0 and (is_exact or cart.memory_names):
+            return AugmentedFilter(*given)
+        return LearningFilter(ParameterLearner(*given, least_speed), DrivenMotion(cart, noise, prior.free(cart)))
+
+
 class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
@@ -55,15 +69,7 @@ class CartFilter:
         least_speed: float = 0.0,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
-        given = cart, arms, self.noise, self.prior, yaws or {}
-        core: Core
-        with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-            is_exact = self.noise.force <= EXACT * self.noise.disturbance
-            if least_speed == 0.0 and (is_exact or cart.memory_names):
-                core = AugmentedFilter(*given)
-            else:
-                learner = ParameterLearner(*given, least_speed)
-                core = LearningFilter(learner, DrivenMotion(cart, self.noise, self.prior.free(cart)))
+        core = core_of((cart, arms, self.noise, self.prior, yaws or {}), least_speed)
         self._samples = LateSamples(DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
 
     def update(self, measurement: Measurement) -> Estimate:

@@ -17,6 +17,7 @@ from .gaussian import Gaussian
 from .kernels import driven_motion as kernels
 from .kernels.driven_block import new_block, parts
 from .kernels.driven_motion import HELD, MAX_STEP
+from .kernels.jit import Indices
 from .noise import FilterNoise
 from .seen import NOTHING_SEEN
 from .shallow import shallow
@@ -28,6 +29,7 @@ class DrivenMotion:
 
     def __init__(self, cart: CartModel, noise: FilterNoise, free: np.ndarray) -> None:
         self.cart, self._noise, self._free, self._nu = cart, noise, free, cart.velocity_slice
+        self._pairs = np.ix_(free, free)
         self._in_kernels = cart.is_compiled and not cart.slip_compliance
         self._sticks = cart.stiction(cart.state(), cart.parameters, 0.0).shape[-1] > 0
         n, k, m = len(cart.state_names), cart.constraints.n_free, len(cart.memory_names)
@@ -51,6 +53,11 @@ class DrivenMotion:
         now.rest[2] = noise.slip**2
         now.rest[cart.memory_slice] = (noise.swivel * cart.memory_spread / USUAL_SPREAD) ** 2
         now.creep[:], now.spread[:] = noise.sideways(cart) * np.array(cart.rolling.across_b), cart.memory_spread
+
+    @property
+    def blocks(self) -> tuple[Array, Indices]:
+        """The block and its plan, for kernels that call `drive`."""
+        return self._block, self._plan
 
     @property
     def belief(self) -> Gaussian:
@@ -88,9 +95,9 @@ class DrivenMotion:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""
         if theta is self._theta:
             return
-        now, free = self.now, self._free
-        now.mean[:] += now.slopes @ (theta - now.theta)[free]
-        now.theta[:], now.beside[:], self._theta = theta, covariance[np.ix_(free, free)], theta
+        now = self.now
+        now.mean[:] += now.slopes @ (theta - now.theta)[self._free]
+        now.theta[:], now.beside[:], self._theta = theta, covariance[self._pairs], theta
 
     def push(self, wrench: SensedWrench) -> None:
         """From now on."""

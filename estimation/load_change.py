@@ -26,3 +26,10 @@ def load_covariance(cart: CartModel, prior: Prior, mass: float) -> Array:
     covariance = np.zeros((len(cart.parameters), len(cart.parameters)))
     covariance[:N_PHI, :N_PHI] = (LOAD_SHARE * mass) ** 2 * (np.outer(shape, shape) + spread)
     return covariance
+
+
+def root_of(covariance: Array) -> Array:
+    """(p, q), with `root @ rootᵀ` the covariance (p, p), and no more columns than it takes."""
+    variances, directions = np.linalg.eigh(covariance)
+    counts = variances > 1e-15 * variances.max(initial=0.0)
+    return np.ascontiguousarray(directions[:, counts] * np.sqrt(variances[counts]))

@@ -27,16 +27,22 @@ class ParameterReport:
         """The model's parameters (p,) and their covariance (p, p) by name. `share` (p,) is what is left of the first
         standard deviation of the number that was estimated behind each: a deviation of a physical value also shrinks
         where the value runs away."""
-        to_report = np.eye(len(theta))
-        to_report[:N_PHI, :N_PHI] = physical_jacobian(theta[:N_PHI])
-        std = np.sqrt(np.maximum(((to_report @ covariance) * to_report).sum(axis=1), 0.0))
+        values, std = self.numbers(theta, covariance)
         learned = (share < IDENTIFIABLE_SHARE) & (std < IDENTIFIABLE_SHARE * self._prior_std)
-        values = np.array(theta)
-        values[:N_PHI] = physical_from_phi(theta[:N_PHI])
-        if self.cart.constraints.no_rotation:
-            body = self.cart.inertia
-            values[1:N_PHI], std[1:N_PHI] = [*body.com, body.about_com], self._prior_std[1:N_PHI]
         rows = zip(self._names, values.tolist(), std.tolist(), learned.tolist(), strict=True)
         return {
             name: ParameterEstimate(value, deviation, unit, known) for (name, unit), value, deviation, known in rows
         }
+
+    def numbers(self, theta: Array, covariance: Array) -> tuple[Array, Array]:
+        """Physical values and their standard deviations (..., p)."""
+        to_report = np.broadcast_to(np.eye(theta.shape[-1]), covariance.shape).copy()
+        to_report[..., :N_PHI, :N_PHI] = physical_jacobian(theta[..., :N_PHI])
+        std = np.sqrt(np.maximum(((to_report @ covariance) * to_report).sum(axis=-1), 0.0))
+        values = np.array(theta)
+        values[..., :N_PHI] = physical_from_phi(theta[..., :N_PHI])
+        if self.cart.constraints.no_rotation:
+            body = self.cart.inertia
+            values[..., 1:N_PHI] = *body.com, body.about_com
+            std[..., 1:N_PHI] = self._prior_std[1:N_PHI]
+        return values, std

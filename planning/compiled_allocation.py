@@ -134,6 +134,11 @@ class CompiledAllocation:
         self._points = None
         return self._search(self._floats, self._ints, wrench, tables, progress, *limit) == 0
 
+    @property
+    def blocks(self) -> tuple[Array, Ints]:
+        """The workspace, for kernels that call `allocate`."""
+        return self._floats, self._ints
+
     def answer(self) -> Array:
         """A copy of what was found: wrenches (6n,), multipliers as of a `QPSolution`, residuals."""
         return self._answer.copy()

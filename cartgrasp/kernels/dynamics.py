@@ -45,31 +45,48 @@ class Inverse(NamedTuple):
 
 
 @compiled
-def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> None:
-    """Inverse dynamics at nu' = `acceleration` (f,), into the arrays of `out`."""
+def reduced(m: Workspace, point: Point, acceleration: Array, wrench: Array, mass: Array) -> None:
+    """The reduced wrench (f,) at nu' = `acceleration` (f,) and the mass matrix (f, f); fills the sums."""
     twist, turn = lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration)
     sum_effects(m, point, situation(m, point, twist))
-    rigid, mass = rigid_body.regressor(twist, turn), rigid_body.mass_matrix(m.phi)
-    bias = rigid_body.by_velocity(twist, m.phi)
-    basis, wrench, n_free, n_memory = m.basis, m.wrench, m.basis.shape[1], len(m.memory_rate)
-    out.wrench[:], out.by_state[:], out.by_acceleration[:], out.by_parameters[:] = 0.0, 0.0, 0.0, 0.0
+    rigid, whole = rigid_body.regressor(twist, turn), rigid_body.mass_matrix(m.phi)
+    basis, n_free = m.basis, m.basis.shape[1]
+    wrench[:], mass[:] = 0.0, 0.0
     for a in range(n_free):
         for i in range(3):
             along = basis[i, a]
             if along == 0.0:
                 continue
-            out.wrench[a] -= along * wrench[i, 0]
+            wrench[a] -= along * m.wrench[i, 0]
+            for c in range(4):
+                wrench[a] += along * rigid[i][c] * m.phi[c]
+            for j in range(3):
+                for b in range(n_free):
+                    mass[a, b] += along * whole[i][j] * basis[j, b]
+
+
+@compiled
+def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> None:
+    """Inverse dynamics at nu' = `acceleration` (f,), into the arrays of `out`."""
+    twist, turn = lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration)
+    reduced(m, point, acceleration, out.wrench, out.by_acceleration)
+    rigid, bias = rigid_body.regressor(twist, turn), rigid_body.by_velocity(twist, m.phi)
+    basis, wrench, n_free, n_memory = m.basis, m.wrench, m.basis.shape[1], len(m.memory_rate)
+    out.by_state[:], out.by_parameters[:] = 0.0, 0.0
+    for a in range(n_free):
+        for i in range(3):
+            along = basis[i, a]
+            if along == 0.0:
+                continue
             for j in range(3):
                 out.by_state[a, j] -= along * wrench[i, POSE + j]
                 for b in range(n_free):
                     out.by_state[a, 3 + b] += along * (bias[i][j] - wrench[i, VELOCITY + j]) * basis[j, b]
-                    out.by_acceleration[a, b] += along * mass[i][j] * basis[j, b]
             for k in range(n_memory):
                 out.by_state[a, 3 + n_free + k] -= along * wrench[i, MEMORY + k]
             for q in range(len(point.parameters)):
                 out.by_parameters[a, q] -= along * wrench[i, MEMORY + n_memory + q]
             for c in range(4):
-                out.wrench[a] += along * rigid[i][c] * m.phi[c]
                 by_phi = along * (rigid[i][c] - wrench[i, PHI + c])
                 _add_by_phi(m.phi_by_parameters[c], by_phi, out.by_parameters[a])
     out.memory_rate_by_state[:] = 0.0
@@ -82,6 +99,24 @@ def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> No
                 out.memory_rate_by_state[k, 3 + b] += rate[VELOCITY + j] * basis[j, b]
         copy(rate[MEMORY:], out.memory_rate_by_state[k, 3 + n_free :])
         copy(rate[MEMORY + n_memory :], out.memory_rate_by_parameters[k])
+
+
+@inlined
+def rate_alone(m: Workspace, point: Point, push: Array, room: Array) -> None:
+    """As `forward`, the rate of the state (n,) and no partials."""
+    n, n_free = len(point.state), m.basis.shape[1]
+    rest, mass = room[3 : 3 + n_free], room[n : n + n_free * n_free].reshape((n_free, n_free))
+    rest[:] = 0.0
+    reduced(m, point, rest, rest, mass)
+    for a in range(n_free):
+        for i in range(3):
+            rest[a] -= m.basis[i, a] * push[i]
+    solve(mass, rest.reshape((n_free, 1)))
+    for k in range(len(m.memory_rate)):
+        room[3 + n_free + k] = m.memory_rate[k, 0]
+    cosine, sine = math.cos(point.state[2]), math.sin(point.state[2])
+    u, w, r = lifted(m.basis, point.state[3:])
+    room[0], room[1], room[2] = cosine * u - sine * w, sine * u + cosine * w, r
 
 
 @inlined

@@ -15,6 +15,7 @@ from .dynamics import (
     inverse,
     lifted,
     own_of,
+    rate_alone,
     situation,
     stictions,
     sum_effects,
@@ -46,9 +47,12 @@ def rates(floats: Array, ints: Ints, given: Array, found: Array) -> None:
             for j in range(n):
                 moved[j] = state[j] + inside * room[j] if stage > 0 else state[j]
             time = begin + k // 4 * step + inside
-            forward(m, Point(moved, time, point.parameters, point.foreign), rest[:n_push], room)
+            here = Point(moved, time, point.parameters, point.foreign)
             if k == n_stages:
+                if found.shape[1] > 0:
+                    forward(m, here, rest[:n_push], room)
                 break
+            rate_alone(m, here, rest[:n_push], room)
             for j in range(n):
                 weight = step / 6.0 if stage % 3 == 0 else step / 3.0
                 total[j] = (total[j] if stage > 0 else state[j]) + weight * room[j]

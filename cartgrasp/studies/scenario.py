@@ -62,7 +62,7 @@ class Scenario:
         return Loop(
             reference=reference,
             tracker=build_tracker(self.truth.constraints, self.gains),
-            contacts=self._contacts(),
+            contacts=self.contact_source(),
             planner=planner,
             plant=self._plant(),
             sensors=Sensors(self.truth, self.sensors, self.seed),
@@ -72,7 +72,8 @@ class Scenario:
             learn=self.estimation != FIRST_GUESS,
         )
 
-    def _contacts(self) -> ContactSource:
+    def contact_source(self) -> ContactSource:
+        """Where the arms hold, and when."""
         if self.switching is None:
             return FixedContacts(self.arms)
         if self.least_effort:
@@ -88,20 +89,24 @@ class Scenario:
             return MujocoPlant(self.truth, **({"timestep": self.plant_timestep} if self.plant_timestep else {}))
         raise UsageError(f"plant: {self.plant!r} is neither {MODEL_PLANT!r} nor {MUJOCO_PLANT!r}")
 
+    @property
+    def prior(self) -> Prior:
+        """What the filter is told."""
+        known = frozenset() if self.estimation == PAPER else self.known
+        if self.estimation == FIRST_GUESS:
+            known = known | {"mass", "com_x", "com_y", "inertia"} | {e.key for e in self.guess.effects}
+        return Prior(known=known)
+
     def _estimator(self) -> Estimator:
         names = [arm.name for arm in self.arms]
         yaws = {arm.name: arm.yaw for arm in self.arms}
-        known = self.known
-        if self.estimation == FIRST_GUESS:
-            known = known | {"mass", "com_x", "com_y", "inertia"} | {e.key for e in self.guess.effects}
         kind = PaperFilter if self.estimation == PAPER else CartFilter
-        prior = Prior(known=frozenset() if kind is PaperFilter else frozenset(known))
-        return kind(self.guess, names, noise=self.noise, prior=prior, yaws=yaws)
+        return kind(self.guess, names, noise=self.noise, prior=self.prior, yaws=yaws)
 
 
 def with_truth(record: RunRecord, truth: CartModel) -> RunRecord:
     """The record with the true value beside each parameter that the truth has."""
-    physical = physical_from_phi(np.array([truth.phi_at(t) for t in record.time]))
+    physical = physical_from_phi(truth.phi_at(record.time))
     values = dict(zip(("mass", "com_x", "com_y", "inertia"), physical.T, strict=True))
     for effect in truth.effects:
         if not isinstance(effect, InertiaEffect):

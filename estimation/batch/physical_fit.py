@@ -15,7 +15,7 @@ from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
-from cartgrasp.inertia import N_PHI, physical_from_phi
+from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
@@ -44,10 +44,10 @@ class PhysicalSet:
         return cls(*least, lower, upper, not cart.constraints.no_rotation, source)
 
     def holds(self, parameters: Array) -> bool:
-        effects = parameters[N_PHI:]
-        if parameters[0] < self.mass or (effects < self.lower).any() or (effects > self.upper).any():
+        effects, (mass, x, y, about_origin) = parameters[N_PHI:], parameters[:N_PHI].tolist()
+        if mass < self.mass or (effects < self.lower).any() or (effects > self.upper).any():
             return False
-        return not self.turns or float(physical_from_phi(parameters[:N_PHI])[3]) >= self.about_com
+        return not self.turns or about_origin - (x * x + y * y) / mass >= self.about_com
 
     def nearest(self, parameters: Array, free: np.ndarray, information: Array) -> Array:
         """The parameters (p,) in the set with the least `|free ones' distance|²` in the metric of the information

@@ -49,7 +49,7 @@ def correct(b: Believed, first: int, residual: Array, R: Array, room: Array) -> 
         for a in range(m):
             for c in range(m):
                 S[a, c] = K[first + a, c] + scale * (R[a, c] + (FLOOR if a == c else 0.0))
-        _factor(S)
+        factorise(S)
         if again == 0:
             nis = _whitened(S, residual, room[:m])
             scale = nis / (GATE * m)
@@ -105,7 +105,7 @@ def _covary(b: Believed, first: int, out: Array) -> None:
 
 
 @compiled
-def _factor(S: Array) -> None:
+def factorise(S: Array) -> None:
     """Cholesky's, in place."""
     for a in range(len(S)):
         for b in range(a + 1):
@@ -202,7 +202,7 @@ def normalised_square(residual: Array, covariance: Array, room: Array) -> float:
     for a in range(m):
         copy(covariance[a], factor[a])
         factor[a, a] += FLOOR
-    _factor(factor)
+    factorise(factor)
     return _whitened(factor, residual, room)
 
 

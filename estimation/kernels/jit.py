@@ -12,10 +12,20 @@ from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of
 from cartgrasp.kernels.jit import DIGEST
 
 Indices = NDArray[np.int64]
-entry = cached_as(f"{digest_of(Path(__file__).parent)}_{DIGEST}", OPTIONS)
+OWN = f"{digest_of(Path(__file__).parent)}_{DIGEST}"
+entry = cached_as(OWN, OPTIONS)
 """Entries hold code of the cart's kernels, too."""
+WITH_ARRAYS = OPTIONS | {"_nrt": True}
+row_entry = cached_as(OWN, WITH_ARRAYS)
+"""Of what is done ten times a second, and may make arrays."""
 
 
 def compiled(function: F) -> F:
     """For kernels that kernels call."""
     return njit(function, **OPTIONS)  # type: ignore[no-any-return]
+
+
+def row_compiled(function: F) -> F:
+    """For kernels that those of rows call. They may call those that make no arrays, but for what these give back: only
+    numbers are safe, since nobody counts references to arrays."""
+    return njit(function, **WITH_ARRAYS)  # type: ignore[no-any-return]

@@ -160,11 +160,10 @@ def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, flo
 @entry
 def smooth(rows: Array, means: Array, covariances: Array, weights: Array, sums: Array, known: Array) -> None:
     """Each row with what was measured after it, too (Rauch, Tung and Striebel 1965), into `means` (n, d) and
-    `covariances` (n, d, d); and into the first of `sums` (2, q, d, d) the covariances of sums over rows by `weights`
-    (q, n). The second is room."""
-    n, d = means.shape
-    back, room = carved(_known_of(known, (d - 3) // 2).room, d, d)
-    of_sums, beside = sums[0], sums[1]
+    `covariances` (n, d, d); and into the first f rows of `sums` (q, f + d, f) the covariances of sums of nu over the
+    first rows, by `weights` (q, m). The others are room."""
+    (n, d), f = means.shape, sums.shape[2]
+    back, room = carved(_known_of(known, f).room, d, d)
     sums[:] = 0.0
     for i in range(n - 1, -1, -1):
         here = _moment(rows[i], d)
@@ -173,15 +172,15 @@ def smooth(rows: Array, means: Array, covariances: Array, weights: Array, sums: 
             copy(here.covariance[a], covariances[i, a])
         if i + 1 < n:
             _look_back(here, _moment(rows[i + 1], d), (means[i : i + 2], covariances[i : i + 2]), back, room)
-        for j in range(len(weights)):
-            if i + 1 < n:
-                _step_beside(back, weights[j, i + 1], covariances[i + 1], beside[j], room)
+        for j in range(len(weights) if i < weights.shape[1] else 0):
+            of_sum, beside = sums[j, :f], sums[j, f:]
+            if i + 1 < weights.shape[1]:
+                _step_beside(back, weights[j, i + 1], covariances[i + 1], beside, room)
             w = weights[j, i]
-            if w != 0.0:
-                for a in range(d):
-                    for b in range(d):
-                        with_later = beside[j, a, b] + beside[j, b, a]
-                        of_sums[j, a, b] += w * w * covariances[i, a, b] + w * with_later
+            for a in range(f):
+                for b in range(f):
+                    with_later = beside[3 + a, b] + beside[3 + b, a]
+                    of_sum[a, b] += w * w * covariances[i, 3 + a, 3 + b] + w * with_later
 
 
 @compiled
@@ -192,10 +191,12 @@ def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Ar
     change, room = carved(room, d, d)
     for a in range(d):
         copy(after.ahead_covariance[a], change[a])
-        for b in range(d):
-            back[a, b] = 0.0
-            for c in range(d):
-                back[a, b] += after.forth[a, c] * here.covariance[c, b]
+        back[a] = 0.0
+        for c in range(d):
+            forth = after.forth[a, c]
+            if forth != 0.0:
+                for b in range(d):
+                    back[a, b] += forth * here.covariance[c, b]
     eliminate(change, back)
     for a in range(d):
         for b in range(d):
@@ -206,14 +207,14 @@ def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Ar
 
 @compiled
 def _step_beside(back: Array, weight: float, covariance: Array, beside: Array, room: Array) -> None:
-    """From what a moment shares with the sum over later ones than the next, to that with the next in it."""
-    d = len(back)
-    total, room = carved(room, d, d)
+    """From what a moment shares with the sum over later ones than the next, (d, f), to that with the next in it."""
+    d, f = beside.shape
+    total, room = carved(room, d, f)
     for a in range(d):
-        for b in range(d):
-            total[a, b] = weight * covariance[a, b] + beside[a, b]
-    for a in range(d):
-        for b in range(d):
+        for b in range(f):
+            total[a, b] = weight * covariance[a, 3 + b] + beside[a, b]
             beside[a, b] = 0.0
-            for c in range(d):
+    for c in range(d):
+        for a in range(d):
+            for b in range(f):
                 beside[a, b] += back[c, a] * total[c, b]

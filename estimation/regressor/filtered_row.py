@@ -17,91 +17,37 @@ which Stein's lemma `E[g(x + e) e] = E[g'(x + e)] var e` gives, is told with the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import lru_cache
 
 import numpy as np
 
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from ..gaussian import Gaussian
+from ..kernels import filtered_row as kernels
+from ..kernels.filtered_row import Found, LeftOut, Smoothed, Weights
+from ..kernels.jit import Indices
+from ..kernels.row_parts import STILL
 from ..noise import FilterNoise
-from ..wrench_sensing import SensedWrench
-from .motion_tracker import Stretch
 
-RATE = 2.0
-"""1/s, of the filter."""
-STILL = 3.0
-"""Standard deviations of nu within which a cart may stand still, or be as fast as asked."""
-FLOOR_SHARE = 0.002
-"""Of the wrench: what a model leaves out."""
 REMEMBERED_SHARE = 1.0
 """Of what effects with a memory do in a row: what a model leaves out of it. Half of it goes wrong, where a caster
 swings a little sooner or later, and stays so for some four rows."""
-STANDS_OUT = 2.0
-"""Standard deviations of B[nu'], and of nu, that teach nothing."""
-NOISE_SHARE = 0.9
-"""Of the variance of B[nu']: what is noise of sensors, and not motion that was smoothed away; down to a half where
-there are poor poses alone."""
-
-
-@dataclass(frozen=True)
-class Weights:
-    """Of the block's integral: for a function that is linear between instants (n,), and for one held (n - 1,);
-    `of_white` is the variance, 1/s, of what it makes of white noise."""
-
-    linear: Array
-    held: Array
-    fade: float
-    width: int
-    of_white: float
-
-    @classmethod
-    def of(cls, time: Array, width: int = 1) -> Weights:
-        """The mean over blocks of n - width steps that begin at each of the first `width` instants."""
-        n = len(time) - width
-        h, faded = np.diff(time), np.exp(-RATE * (time[n:] - time[-1]))
-        sums, i = np.append(0.0, np.cumsum(faded)), np.arange(len(time) - 1)
-        share = (sums[np.minimum(i + 1, width)] - sums[np.maximum(i - n + 1, 0)]) / width
-        gain, left = -np.expm1(-RATE * h), share * np.exp(RATE * (time[1:] - time[-1]))
-        second = 1.0 - gain / (RATE * h)
-        linear = np.append(left * (gain - second), 0.0)
-        linear[1:] += left * second
-        held, fade = left * gain, float(np.exp(-RATE * (time[n:] - time[:width])).mean())
-        return cls(linear, held, fade, width, float((held**2 / h).sum()))
-
-    @property
-    def of_motion(self) -> Array:
-        """Weights (3, n) of means over the blocks' first and last instants, and of what is new between them."""
-        found = np.zeros((3, len(self.linear)))
-        found[0, : self.width] = found[1, -self.width :] = 1.0 / self.width
-        found[2] = found[1] - self.fade * found[0] - self.linear
-        return found
-
-    @property
-    def shared(self) -> float:
-        """Of a row's noise that is white and not of the motion, the share that the next row has, too."""
-        n = len(self.linear) - self.width
-        return float(self.held[n:] @ self.held[: self.width - 1] / (self.held @ self.held))
-
-
-class Recorded(NamedTuple):
-    """The sensed reduced wrench of a moment, worked out at `parameters` (p,); `time` is its sample's, which may be some
-    moments old."""
-
-    time: float
-    sensed: SensedWrench
-    parameters: Array
+NONE = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True)
 class FilteredRow:
     """`residual = slopes @ (change of theta | lateness) + ends @ (e_k - fade e_(k-1)) + noise`, with e what is wrong
     with the mean nu at the ends, of covariance `before` and `after`. `feigned` (p + 1,) is what noise in the slopes
-    adds to the mean of `slopesᵀ W residual`, `shared` (f, f) the part of the noise that each neighbour has, too."""
+    adds to the mean of `slopesᵀ W residual`, `shared` (f, f) the part of the noise that each neighbour has, too.
+
+    `curvature` (f, f) is the covariance of what a row that is linear in the parameters leaves out, as far as they are
+    known: `tr(T T) / 2` of `zᵀ T z / 2`, with standard normal z. Load times friction is not linear."""
 
     residual: Array
     slopes: Array
@@ -112,6 +58,7 @@ class FilteredRow:
     after: Array
     feigned: Array
     shared: Array
+    curvature: Array
 
 
 @dataclass(frozen=True)
@@ -125,152 +72,94 @@ class Rise:
 
     @classmethod
     def of(cls, whole: Array, covariance: Array) -> Rise:
-        square = STANDS_OUT**2 * np.diagonal(covariance) / np.maximum(whole**2, 1e-300)
-        seen = square < 1.0
-        return cls(whole, covariance, np.where(seen, (1 - square) * whole, 0.0), np.where(seen, 1 + square, 0.0))
+        return cls(*kernels.rising(whole, covariance))
 
     def feigned(self, by_acceleration: Array, mass: Array, noise: Array) -> Array:
         """(p,), from the slopes' partials by B[nu'] (f, f, p), the mass matrix and the rest of a row's noise (f, f)."""
-        weight = np.linalg.inv(noise + mass @ self.covariance @ mass.T)
-        through = (self.derivative[:, None] * self.covariance) @ mass.T @ weight
-        return np.asarray(-NOISE_SHARE * np.einsum("ij,ijp->p", through, by_acceleration))
-
-
-def stands_still(motion: Stretch) -> bool:
-    """Whether nothing is seen to move, all the block long."""
-    variance = np.diagonal(motion.velocity_covariance, axis1=1, axis2=2)
-    return bool((motion.velocity**2 < STILL**2 * variance).all())
-
-
-def is_slower(motion: Stretch, cart: CartModel, speed: float) -> bool:
-    """Whether {b}'s origin is seen to be, at some moment of the block (m/s)."""
-    basis = cart.basis_b[:2]
-    found = np.linalg.norm(motion.velocity @ basis.T, axis=1)
-    std = np.sqrt(np.einsum("ia,nab,ib->n", basis, motion.velocity_covariance, basis))
-    return bool((found + STILL * std < speed).any())
+        rising = self.whole, self.covariance, self.part, self.derivative
+        return kernels.feigned(rising, by_acceleration, mass, noise)
 
 
 @dataclass(frozen=True)
 class Block:
-    """What a row is worked out from: n smoothed moments with sums by `weights.of_motion`, memory (n, k), and wrenches
-    (n - 1), each held to the next moment."""
+    """What a row is worked out from: n smoothed moments, and wrenches, each held to the next moment, as rows (n - 1) of
+    `RecordedWrenches`."""
 
     weights: Weights
-    motion: Stretch
-    memory: Array
-    recorded: Sequence[Recorded]
-
-    @property
-    def states(self) -> Array:
-        """(n, s)."""
-        return np.hstack([self.motion.pose, self.motion.velocity, self.memory])
+    moved: Smoothed
+    wrenches: Array
 
 
-def filtered_row(cart: CartModel, known: Gaussian, block: Block, noise: FilterNoise) -> FilteredRow:
-    """Of a block around the parameters (p,) that are known by now."""
-    parameters = known.mean
-    weights, motion, recorded, state = block.weights, block.motion, block.recorded, block.states
-    rest = cart.inverse(state, np.zeros_like(motion.velocity), parameters, motion.time)
-    f = motion.velocity.shape[1]
-    before, after, of_rise = motion.of_sums
-    rise = Rise.of(RATE * weights.of_motion[2] @ motion.velocity, RATE**2 * of_rise)
-    asked = np.vstack([np.zeros(f), rise.part, np.eye(f)])
-    moved = cart.inverse(np.tile(state[-1], (f + 2, 1)), asked, parameters, motion.time[-1])
-    mass, by_acceleration = moved.by_acceleration[0], moved.by_parameters[2:] - moved.by_parameters[0]
-    expected = weights.linear @ rest.wrench + mass @ rise.whole
-    standing_out = cart.inverse(_standing_out(cart, block), np.zeros_like(motion.velocity), parameters, motion.time)
-    by_parameters = np.tensordot(weights.linear, standing_out.by_parameters, 1)
-    by_parameters = by_parameters + moved.by_parameters[1] - moved.by_parameters[0]
-    step = float(np.diff(motion.time).mean())
-    late = step * RATE * weights.of_motion[2] @ (rest.wrench + motion.acceleration @ mass.T)
-    measured, measured_by = _measured(parameters, recorded, weights)
-    white = _noise(cart, recorded, weights, noise)
-    own = white + _floor(recorded, weights) + _stuck(cart, known, block) + _remembered(cart, parameters, by_parameters)
-    return FilteredRow(
-        residual=measured - expected,
-        slopes=np.column_stack([by_parameters - measured_by, late]),
-        ends=-RATE * mass,
-        fade=weights.fade,
-        noise=own,
-        before=before,
-        after=after,
-        feigned=np.append(rise.feigned(by_acceleration, mass, own), 0.0),
-        shared=weights.shared * white,
-    )
+def stands_still(moved: Smoothed) -> bool:
+    """Whether nothing is seen to move, all the block long."""
+    return not kernels.slowed(moved.velocity, moved.covariance).any()
 
 
-def curvature_noise(cart: CartModel, parameters: Array, block: Block, spread: Array) -> Array:
-    """Covariance (f, f) of what a row that is linear in the parameters leaves out, where they are known to within
-    `spread @ z`, (p, q), with standard normal z: `tr(T T) / 2` of `zᵀ T z / 2`. Load times friction is not linear."""
-    motion = block.motion
-    k = len(motion.time) // 2
-    state = block.states[k]
-    around = parameters + np.vstack([np.zeros(len(parameters)), spread.T])
-    rows = np.tile(state, (len(around), 1))
-    by = cart.inverse(rows, np.tile(motion.acceleration[k], (len(around), 1)), around, motion.time[k]).by_parameters
-    twist = (by[1:] - by[0]) @ spread
-    gain = block.weights.linear.sum()
-    return np.asarray(gain**2 / 2 * np.einsum("qfr,qgr->fg", twist, twist))
+def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
+    """Whether {b}'s origin is seen to be, at some moment of the block (m/s)."""
+    basis = cart.basis_b[:2]
+    found = np.linalg.norm(moved.velocity @ basis.T, axis=1)
+    std = np.sqrt(np.einsum("ia,nab,ib->n", basis, moved.covariance, basis))
+    return bool((found + STILL * std < speed).any())
 
 
-def _standing_out(cart: CartModel, block: Block) -> Array:
-    """The states (n, s) with the part of nu that stands out of its noise: in slopes, noise would count as motion."""
-    states, motion = block.states, block.motion
-    variance = np.diagonal(motion.velocity_covariance, axis1=1, axis2=2)
-    nu = states[:, cart.velocity_slice]
-    square = STANDS_OUT**2 * variance / np.maximum(nu**2, 1e-300)
-    states[:, cart.velocity_slice] = np.maximum(1.0 - square, 0.0) * nu
-    return states
+def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, noise: FilterNoise) -> FilteredRow:
+    """Of a block around the parameters (p,) that are known by now, to within `spread @ z`, (p, q).
 
-
-def _measured(parameters: Array, recorded: Sequence[Recorded], weights: Weights) -> tuple[Array, Array]:
-    """B of the wrenches (f,), and its partials (f, p)."""
-    by = np.array([one.sensed.by_parameters for one in recorded])
-    change = np.array([parameters - one.parameters for one in recorded])
-    values = np.array([one.sensed.value for one in recorded]) + np.einsum("nfp,np->nf", by, change)
-    return weights.held @ values, np.tensordot(weights.held, by, 1)
-
-
-def _noise(cart: CartModel, recorded: Sequence[Recorded], weights: Weights, noise: FilterNoise) -> Array:
-    """Of sensors, a sample that stands for several moments counted whole; and of disturbances."""
-    f = cart.constraints.n_free
-    total = np.zeros((f, f))
-    _, sample = np.unique([one.time for one in recorded], return_inverse=True)
-    shares = np.bincount(sample, weights.held)
-    for share, i in zip(shares, np.unique(sample, return_index=True)[1], strict=True):
-        total += share**2 * recorded[i].sensed.covariance
-    disturbance = cart.basis_b.T @ np.diag([1.0, 1.0, noise.lever]) * noise.disturbance
-    return np.asarray(total + weights.of_white * disturbance @ disturbance.T)
-
-
-def _floor(recorded: Sequence[Recorded], weights: Weights) -> Array:
-    """Of what a model leaves out."""
-    size = weights.held @ np.abs([one.sensed.value for one in recorded])
-    return np.asarray(np.diag(FLOOR_SHARE * size) ** 2 + 1e-10 * np.eye(len(size)))
-
-
-def _stuck(cart: CartModel, known: Gaussian, block: Block) -> Array:
-    """Of Coulomb forces where the cart may stand still, for all that nu tells: they take whatever value holds it. They
-    may be as large as they are known to be: counted as they are believed, a swivel torque would be learned away while
-    casters just trail."""
-    slow, motion = block.states, block.motion
-    std = np.sqrt(np.diagonal(motion.velocity_covariance, axis1=1, axis2=2))
-    nu = motion.velocity
-    slow[:, cart.velocity_slice] = np.sign(nu) * np.maximum(np.abs(nu) - STILL * std, 0.0)
-    most = known.mean.copy()
+    Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they are
+    believed, a swivel torque would be learned away while casters just trail."""
+    moved, weights, most = block.moved, block.weights, known.mean.copy()
     most[N_PHI:] += known.std[N_PHI:]
-    forces = cart.basis_b.T @ cart.stiction(slow, most, motion.time)
-    total = np.tensordot(block.weights.linear, forces, 1)
-    return np.asarray(total @ total.T)
+    given, left_out = (block.wrenches, known.mean, spread), _left_out(cart, noise)
+    if cart.is_compiled:
+        dynamics = cart.dynamics
+        workspace = dynamics.floats, dynamics.ints, dynamics.most_stictions
+        worked = kernels.worked_out(workspace, weights, moved, given, most, left_out)
+    else:
+        worked = _in_numpy(cart, block, given, most, left_out)
+    residual, slopes, ends, own, feigned, shared, curvature = worked
+    before, after, _ = moved.of_sums
+    return FilteredRow(residual, slopes, ends, weights.fade, own, before, after, feigned, shared, curvature)
 
 
-def _remembered(cart: CartModel, parameters: Array, by_parameters: Array) -> Array:
-    """Of effects with a memory, from the row's partials (f, p)."""
-    asked = np.zeros(len(by_parameters))
-    for effect, where, memory in cart.force_effects:
-        if memory.stop > memory.start:
-            estimated = [
-                i for i, p in zip(range(where.start, where.stop), effect.parameters, strict=True) if p.estimated
-            ]
-            asked += by_parameters[:, estimated] @ parameters[estimated]
-    return np.asarray(REMEMBERED_SHARE**2 * np.outer(asked, asked))
+def _in_numpy(
+    cart: CartModel, block: Block, given: tuple[Array, Array, Array], most: Array, left_out: LeftOut
+) -> kernels.Worked:
+    """Where some effect has no kernel."""
+    moved, (_, theta, spread) = block.moved, given
+    rise, asked = kernels.begun(block.weights, moved, theta, spread)
+    there = cart.inverse(asked.state, asked.acceleration, asked.parameters, asked.time)
+    slow = asked.state[: len(moved.time)].copy()
+    slow[:, cart.velocity_slice] = kernels.slowed(moved.velocity, moved.covariance)
+    found = Found(
+        wrench=np.ascontiguousarray(there.wrench),
+        by_acceleration=np.ascontiguousarray(there.by_acceleration),
+        by_parameters=np.ascontiguousarray(there.by_parameters),
+        stuck=np.ascontiguousarray(cart.basis_b.T @ cart.stiction(slow, most, moved.time)),
+    )
+    return kernels.row(block.weights, rise, found, moved, given, left_out)
+
+
+def _left_out(cart: CartModel, noise: FilterNoise) -> LeftOut:
+    return LeftOut(_disturbance(cart.rolling, noise), _remembering(cart), REMEMBERED_SHARE)
+
+
+@lru_cache(maxsize=16)
+def _disturbance(rolling: RollingConstraints, noise: FilterNoise) -> Array:
+    """Density (f, f)."""
+    root = rolling.basis_b.T * [noise.disturbance, noise.disturbance, noise.lever * noise.disturbance]
+    return np.asarray(root @ root.T)
+
+
+def _remembering(cart: CartModel) -> Indices:
+    """Which parameters effects with a memory have, and are estimated."""
+    if not cart.memory_names:
+        return NONE
+    found = [
+        i
+        for effect, own, memory in cart.force_effects
+        if memory.stop > memory.start
+        for i, parameter in zip(range(own.start, own.stop), effect.parameters, strict=True)
+        if parameter.estimated
+    ]
+    return np.array(found, dtype=np.int64)

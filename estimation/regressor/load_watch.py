@@ -13,6 +13,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from ..health import Health
+from ..kernels import belief as kernels
 from ..resets import Resets
 from .regression_belief import GATE, Surprise
 
@@ -36,37 +37,33 @@ class LoadWatch:
         self._n = n
         self._limit = 2.0 * float(gammainccinv(ROWS * n / 2, FALSE_ALARM))
         self._squares: tuple[float, ...] = ()
-        self._pulls, self._information = np.zeros((0, free)), np.zeros((0, free, free))
+        self._since = np.zeros((0, free, free)), np.zeros((0, free))
+        self._free = free
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
         self.ratio = 0.0
 
-    def note(self, time: float, surprise: Surprise, load: Array) -> bool:
-        """Whether the parameters should be opened now; `load` (f, f) is the covariance of what a load changes."""
+    def note(self, time: float, surprise: Surprise, root: Array) -> bool:
+        """Whether the parameters should be opened now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
+        changes."""
         square = surprise.square
         self.go_on(time)
-        self._pulls = np.vstack([self._pulls, np.zeros(len(load))])[-STARTS:] + surprise.pull
-        self._information = np.concatenate([self._information, np.zeros((1, *load.shape))])[-STARTS:]
-        self._information = self._information + surprise.information
+        self._since = kernels.followed(self._since, surprise.pull, surprise.information, STARTS)
         self._seen += 1
         self.ratio = square / (GATE * self._n)
         self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
         self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
-        if not may or (sum(self._squares) < self._limit and self._evidence(load) < -np.log(FALSE_LOAD)):
+        if not may or (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD)):
             return False
         self._resets, self._squares = self._resets.one_more(time), ()
-        self._pulls, self._information = self._pulls[:0], self._information[:0]
+        self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
         return True
 
-    def _evidence(self, load: Array) -> float:
+    def _evidence(self, root: Array) -> float:
         """Of the most likely moment."""
-        variances, directions = np.linalg.eigh(load)
-        root = directions * np.sqrt(np.maximum(variances, 0.0))
-        pulls, known = self._pulls @ root, np.eye(len(load)) + root.T @ self._information @ root
-        gain = (pulls * np.linalg.solve(known, pulls[..., None])[..., 0]).sum(axis=-1)
-        return float((gain - np.linalg.slogdet(known)[1]).max() / 2)
+        return kernels.evidence(self._since, root)
 
     def go_on(self, time: float) -> None:
         """Nothing new up to a time."""

@@ -8,7 +8,6 @@ say only when there may be a jolt, which white jerk would smooth away.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -18,6 +17,7 @@ from cartgrasp.model import CartModel
 
 from ..gaussian import Gaussian
 from ..kernels import tracked_motion as kernels
+from ..kernels.filtered_row import Smoothed
 from ..noise import FilterNoise
 from ..shallow import shallow
 
@@ -28,19 +28,6 @@ UNKNOWN = (10.0, 1.0, 3.0)
 LEAST_VARIANCE = 1e-10
 ROOM = 64
 """Moments that there is room for at first."""
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Smoothed moments: time (n,), pose (n, 3), nu (n, f), nu' (n, f), and the covariance of nu (n, f, f); with those
-    of sums of nu over the moments (q, f, f)."""
-
-    time: Array
-    pose: Array
-    velocity: Array
-    acceleration: Array
-    velocity_covariance: Array
-    of_sums: Array
 
 
 class MotionTracker:
@@ -64,6 +51,20 @@ class MotionTracker:
         return self._time[: self._n]
 
     @property
+    def blocks(self) -> tuple[Array, Array, Array]:
+        """Rows, their times, and constants: for kernels that call `follow`, which then are `followed`."""
+        return self._rows, self._time, self._known
+
+    def followed(self, moments: int) -> None:
+        """So many are in the rows by now."""
+        self._n, self.last_time = moments, float(self._time[moments - 1])
+
+    def make_room(self, moments: int) -> None:
+        """For so many."""
+        while len(self._time) < moments:
+            self._time, self._rows = (np.concatenate([part, np.zeros_like(part)]) for part in (self._time, self._rows))
+
+    @property
     def now(self) -> Gaussian:
         """What is believed of the last moment."""
         last = kernels.moment(self._rows[self._n - 1], self._d)
@@ -84,8 +85,7 @@ class MotionTracker:
         """A later moment, with what was `seen` (6,): pose and velocity, NaN where missing; `jolt` (f,) is by how much
         nu' may have changed at the last one."""
         i = self._n
-        if i == len(self._time):
-            self._make_room()
+        self.make_room(i + 1)
         kernels.follow(self._rows, i, time - self.last_time, self._known, seen, jolt)
         self._n, self._time[i], self.last_time = i + 1, time, time
 
@@ -99,18 +99,21 @@ class MotionTracker:
         other._rows[: self._n] = self._rows[: self._n]
         return other
 
-    def smoothed(self, weights: Array) -> Stretch:
-        """The first n moments, each with what was measured after it, too; and the covariances of sums by weights
-        (q, n)."""
+    def smoothed(self, weights: Array) -> Smoothed:
+        """The first n moments, each with what was measured after it, too, and without a memory; and the covariances of
+        sums by weights (q, n)."""
         q, end = weights.shape
         n, d, nu = self._n, self._d, self._nu
-        mean, covariance, sums = np.empty((n, d)), np.empty((n, d, d)), np.empty((2, q, d, d))
-        whole = np.zeros((q, n))
-        whole[:, :end] = weights
-        kernels.smooth(self._rows, mean, covariance, whole, sums, self._known)
-        pose, velocity, acceleration = np.split(mean[:end], [3, 3 + self._free], axis=1)
-        return Stretch(
-            self._time[:end].copy(), pose, velocity, acceleration, covariance[:end, nu, nu], sums[0][:, nu, nu]
+        mean, covariance, sums = np.empty((n, d)), np.empty((n, d, d)), np.empty((q, self._free + d, self._free))
+        kernels.smooth(self._rows, mean, covariance, weights, sums, self._known)
+        return Smoothed(
+            time=self._time[:end].copy(),
+            pose=mean[:end, :3].copy(),
+            velocity=mean[:end, nu].copy(),
+            acceleration=mean[:end, nu.stop :].copy(),
+            covariance=covariance[:end, nu, nu].copy(),
+            of_sums=sums[:, : self._free].copy(),
+            memory=np.zeros((end, 0)),
         )
 
     def is_torn(self, k: int) -> bool:
@@ -124,6 +127,3 @@ class MotionTracker:
             part[: self._n - k] = part[k : self._n].copy()
         self._n -= k
         self.first_time = float(self._time[0])
-
-    def _make_room(self) -> None:
-        self._time, self._rows = (np.concatenate([part, np.zeros_like(part)]) for part in (self._time, self._rows))

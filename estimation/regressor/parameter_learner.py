@@ -23,16 +23,18 @@ from ..batch.physical_fit import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.correction import normalised_square
-from ..load_change import load_covariance
+from ..kernels.filtered_row import weights
+from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
 from ..prior import Prior
 from ..seen import NOTHING_SEEN, seen_in
 from ..shallow import shallow
 from ..wrench_sensing import SensedWrench, WrenchSensing
-from .filtered_row import Block, FilteredRow, Recorded, Weights, curvature_noise, filtered_row, is_slower, stands_still
+from .filtered_row import Block, FilteredRow, filtered_row, is_slower, stands_still
 from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
+from .recorded_wrenches import RecordedWrenches
 from .regression_belief import RegressionBelief
 from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
 
@@ -43,8 +45,6 @@ LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
 JUMP = 14.0
 """Normalised square of a step of the wrench that is no noise."""
-HELD = 0.1
-"""s: how old a wrench may be."""
 MOST_JOLT = 100.0
 """m/s² or rad/s²."""
 
@@ -63,15 +63,18 @@ class ParameterLearner:
     ) -> None:
         self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
         self._free = self.prior.free(cart)
-        self._first_covariance = self.prior.covariance(cart)[np.ix_(self._free, self._free)]
+        self._pairs = np.ix_(self._free, self._free)
+        self._first_covariance = self.prior.covariance(cart)[self._pairs]
+        self._root = root_of(load_covariance(cart, self.prior, 1.0)[self._pairs])  # of a load's covariance, by mass
         first = Gaussian(cart.parameters[self._free], self._first_covariance)
         self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
-        self._tracker = MotionTracker(cart, self.noise)
+        self.tracker = MotionTracker(cart, self.noise)
+        self.recorded = RecordedWrenches(cart.constraints.n_free, len(cart.parameters))
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
-        self._reporter = ParameterReport(cart, self.prior)
-        self._recorded: list[Recorded | None] = []
+        self.reporter = ParameterReport(cart, self.prior)
+        self._report: Mapping[str, ParameterEstimate] | None = None
         self._again: SecondLook | None = None
         self._memory: Array | None = None
         self._calm = self._jolt = np.zeros(cart.constraints.n_free)
@@ -91,7 +94,7 @@ class ParameterLearner:
             self._start(time)
         else:
             self._go_on(time, gap)
-        self.time = self._tracker.last_time
+        self.time = self.tracker.last_time
         if measurement.wrenches:
             self._take_wrenches(measurement)
         self._take_row()
@@ -100,7 +103,7 @@ class ParameterLearner:
     @property
     def motion(self) -> Motion:
         """As poses and velocities alone tell it."""
-        now = self._tracker.now.mean
+        now = self.tracker.now.mean
         return Motion(now[:3], now[self.cart.velocity_slice])
 
     @property
@@ -118,11 +121,10 @@ class ParameterLearner:
 
     def copy(self) -> Self:
         other = shallow(self)
-        other._tracker, other._belief = self._tracker.copy(), self._belief.copy()
+        other.tracker, other.recorded, other._belief = self.tracker.copy(), self.recorded.copy(), self._belief.copy()
         if self._again is not None:
             other._again = replace(self._again, belief=self._again.belief.copy())
         other._watch, other._sensing = shallow(self._watch), self._sensing.copy()
-        other._recorded = list(self._recorded)
         return other
 
     @property
@@ -140,30 +142,30 @@ class ParameterLearner:
     def _start(self, time: float) -> None:
         """Motion starts anew; the parameters stay."""
         pose = self.seen[:3]
-        self._tracker.start(time, pose)
-        self._tracker.take(np.concatenate([NOTHING_SEEN[:3], self.seen[3:]]))
-        self._recorded = [None]
+        self.tracker.start(time, pose)
+        self.tracker.take(np.concatenate([NOTHING_SEEN[:3], self.seen[3:]]))
+        self.recorded.start()
         self._memory, self._jolt = None, self._calm
         self._unlink()
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
     def _go_on(self, time: float, gap: float) -> None:
         if gap <= 1e-9:
-            self._tracker.take(self.seen)
+            self.tracker.take(self.seen)
             return
-        self._tracker.next(time, self._jolt, self.seen)
+        self.tracker.next(time, self._jolt, self.seen)
         self._jolt = self._calm
-        held = self._recorded[-1]
-        self._recorded.append(held if held is not None and time - held.time < HELD else None)
+        self.recorded.next(time)
 
     def _take_wrenches(self, measurement: Measurement) -> None:
         sensed = self.sensed = self._sensing.sense(measurement, self.theta)
         if sensed is None:
             return
-        before = self._recorded[-2] if len(self._recorded) > 1 else None
+        before = self.recorded.before()
         if before is not None:
-            self._jolt = self._jolt_of(sensed.value - before.sensed.value, sensed.covariance + before.sensed.covariance)
-        self._recorded[-1] = Recorded(measurement.time, sensed, self.theta)
+            value, covariance = before
+            self._jolt = self._jolt_of(sensed.value - value, sensed.covariance + covariance)
+        self.recorded.note(measurement.time, sensed, self.theta)
         self._has_wrench = True
 
     def _jolt_of(self, step: Array, noise: Array) -> Array:
@@ -178,24 +180,44 @@ class ParameterLearner:
 
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one."""
-        if self._tracker.last_time - self._tracker.first_time < BLOCK + LAG - 1e-6:
-            return
-        time = self._tracker.time
-        k, end = np.searchsorted(time, time[0] + BLOCK + np.array([0.0, WIDTH]) - 1e-6).tolist()
-        if time[-1] - time[min(end, len(time)) - 1] < LAG - 1e-6:
-            return
-        weights = Weights.of(time[:end], end - k)
-        motion = self._tracker.smoothed(weights.of_motion)
-        recorded = [one for one in self._recorded[: end - 1] if one is not None]
-        memory = self.cart.memory_along(motion.pose, motion.velocity, motion.time, self.theta, self._memory)
-        moves = not stands_still(motion) and not is_slower(motion, self.cart, self._least_speed)
-        if len(recorded) == end - 1 and moves and not self._tracker.is_torn(end - 1):
-            self._learn(Block(weights, motion, memory, recorded))
+        k, end = self.over()
+        if k:
+            self.take_block(k, end)
+
+    def followed(self, moments: int, before: float) -> None:
+        """Kernels went on to so many moments, of which the last but one was at a time."""
+        self.tracker.followed(moments)
+        self.recorded.filled(moments)
+        self.time = self.tracker.last_time
+        self._watch.go_on(before)
+
+    def over(self) -> tuple[int, int]:
+        """Of the block that has been over for long enough, how many moments come before the next, and how many there
+        are; 0 where there is none."""
+        tracker = self.tracker
+        if tracker.last_time - tracker.first_time < BLOCK + LAG - 1e-6:
+            return 0, 0
+        time = tracker.time
+        k, end = np.searchsorted(time, (time[0] + BLOCK - 1e-6, time[0] + BLOCK + WIDTH - 1e-6)).tolist()
+        return (0, 0) if time[-1] - time[min(end, len(time)) - 1] < LAG - 1e-6 else (k, end)
+
+    def take_block(self, k: int, end: int) -> None:
+        """The first `end` moments, of which k are dropped."""
+        tracker = self.tracker
+        weighing = weights(tracker.time[:end], end - k)
+        moved, wrenches = tracker.smoothed(weighing.of_motion), self.recorded.rows[: end - 1].copy()
+        if self.cart.memory_names:
+            along = moved.pose, moved.velocity, moved.time
+            moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
+        is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
+        is_whole = math.isfinite(wrenches[:, 0].sum()) and not tracker.is_torn(end - 1)
+        if is_whole and not is_slow and not stands_still(moved):
+            self._learn(Block(weighing, moved, wrenches))
         else:
             self._unlink()
-        self._memory = memory[k]
-        self._tracker.drop(k)
-        self._recorded = self._recorded[k:]
+        self._memory = moved.memory[k]
+        tracker.drop(k)
+        self.recorded.drop(k)
 
     def _unlink(self) -> None:
         """The next block does not begin where the last one ended."""
@@ -204,25 +226,22 @@ class ParameterLearner:
             self._again = self._again.and_then(None)
 
     def _learn(self, block: Block) -> None:
-        row, curvature = self._worked_out(block)
-        if self._again is None and blur(row, curvature) > BLURRED:
+        row = self._worked_out(block)
+        if self._again is None and blur(row) > BLURRED:
             self._again = SecondLook(self._belief.copy())
         if self._again is not None:
             self._again = self._again.and_then(block)
-        surprise = self._belief.absorb(replace(row, noise=row.noise + curvature), self.theta)
-        load = load_covariance(self.cart, self.prior, float(self.theta[0]))[np.ix_(self._free, self._free)]
-        if self._watch.note(float(block.motion.time[-1]), surprise, load):
-            self._belief.open(load)
+        surprise = self._belief.absorb(replace(row, noise=row.noise + row.curvature), self.theta)
+        root = float(self.theta[0]) * self._root
+        if self._watch.note(float(block.moved.time[-1]), surprise, root):
+            self._belief.open(root @ root.T)
             self._again = None
         self._conclude()
         self._look_again()
 
-    def _worked_out(self, block: Block) -> tuple[FilteredRow, Array]:
-        """The row around what is believed now, and the covariance of what it leaves out."""
-        row = filtered_row(self.cart, Gaussian(self.theta, self.covariance), block, self.noise)
-        spread = np.zeros((len(self.theta), len(self._free)))
-        spread[self._free] = np.linalg.cholesky(self.belief.covariance)
-        return row, curvature_noise(self.cart, self.theta, block, spread)
+    def _worked_out(self, block: Block) -> FilteredRow:
+        """The row around what is believed now."""
+        return filtered_row(self.cart, Gaussian(self.theta, self.covariance), self._spread, block, self.noise)
 
     def _look_again(self) -> None:
         """At the next blocks, once the first of them is no longer blurred."""
@@ -231,7 +250,7 @@ class ParameterLearner:
             return
         if not again.due:
             first = again.left[0]
-            due = first is None or len(again.left) >= MOST_WAITING or blur(*self._worked_out(first)) <= BLURRED
+            due = first is None or len(again.left) >= MOST_WAITING or blur(self._worked_out(first)) <= BLURRED
             again = replace(again, due=due)
         if again.due:
             for block in again.left[:AT_ONCE]:
@@ -246,20 +265,26 @@ class ParameterLearner:
         if block is None:
             belief.unlink()
             return
-        row, curvature = self._worked_out(block)
-        belief.absorb(replace(row, noise=row.noise + curvature), self.theta)
+        row = self._worked_out(block)
+        belief.absorb(replace(row, noise=row.noise + row.curvature), self.theta)
 
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
         taken, and the belief stays as it is."""
-        believed = self._belief.parameters
+        believed = self._believed = self._belief.parameters
         theta = self.cart.parameters.copy()
         theta[self._free] = believed.mean
-        if len(self._free):
+        if len(self._free) and not self._limits.holds(theta):
             theta = self._limits.nearest(theta, self._free, believed.information)
-        covariance = np.zeros((len(theta), len(theta)))
-        covariance[np.ix_(self._free, self._free)] = believed.covariance
-        share = np.ones(len(theta))
-        share[self._free] = believed.std / np.sqrt(np.diagonal(self._first_covariance))
-        self.theta, self.covariance = theta, covariance
-        self.report: Mapping[str, ParameterEstimate] = self._reporter.of(theta, covariance, share)
+        covariance, spread = np.zeros((len(theta), len(theta))), np.zeros((len(theta), len(self._free)))
+        covariance[self._pairs], spread[self._free] = believed.covariance, np.linalg.cholesky(believed.covariance)
+        self.theta, self.covariance, self._spread, self._report = theta, covariance, spread, None
+
+    @property
+    def report(self) -> Mapping[str, ParameterEstimate]:
+        """What is said of the parameters."""
+        if self._report is None:
+            share = np.ones(len(self.theta))
+            share[self._free] = self._believed.std / np.sqrt(np.diagonal(self._first_covariance))
+            self._report = self.reporter.of(self.theta, self.covariance, share)
+        return self._report

@@ -11,10 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from cartgrasp.frames import Array
-
+from ..kernels import row_parts
 from .filtered_row import Block, FilteredRow
 from .regression_belief import RegressionBelief
 
@@ -44,6 +41,6 @@ class SecondLook:
         return self.due and not self.left
 
 
-def blur(row: FilteredRow, curvature: Array) -> float:
-    """Curvature (f, f) by the row's own noise, where it is largest."""
-    return float(np.linalg.eigvals(np.linalg.solve(row.noise, curvature)).real.max())
+def blur(row: FilteredRow) -> float:
+    """Curvature by the row's own noise, where it is largest."""
+    return row_parts.blur(row.noise, row.curvature)

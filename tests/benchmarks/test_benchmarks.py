@@ -11,6 +11,7 @@ ROOT = Path(__file__).parents[2]
 TITLES = (
     "Allocation at given contacts",
     "Bags",
+    "Campaign",
     "Choice of contacts",
     "Convex relaxation of the contact choice",
     "Dynamics",

@@ -10,9 +10,10 @@ from cartgrasp.motion import Measurement
 from cartgrasp.wheels import CASTER, FIXED, Wheel
 from estimation import FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
+from estimation.kernels.filtered_row import RATE, Smoothed, weights
 from estimation.regressor import filtered_row as rows
-from estimation.regressor.filtered_row import RATE, Block, Recorded, Weights, filtered_row
-from estimation.regressor.motion_tracker import Stretch
+from estimation.regressor.filtered_row import Block, filtered_row
+from estimation.regressor.recorded_wrenches import row_of
 from estimation.wrench_sensing import SensedWrench
 
 TRAIL, TORQUE = 0.045, 0.12
@@ -46,14 +47,14 @@ def test_a_swing_is_noise_of_its_own_size(monkeypatch):
     """Casters held across: the drag (T / b) of each, known to within itself."""
     time, zero = 0.01 * np.arange(21), np.zeros((21, 2))
     exact = np.tile(1e-14 * np.eye(2), (21, 1, 1))
-    weights, velocity = Weights.of(time, 5), np.tile([0.4, 0.0], (21, 1))
-    motion = Stretch(time, np.zeros((21, 3)), velocity, zero, exact, exact[:3])
+    velocity, memory = np.tile([0.4, 0.0], (21, 1)), np.full((21, 2), np.pi / 2)
+    moved = Smoothed(time, np.zeros((21, 3)), velocity, zero, exact, exact[:3], memory)
     sensed = SensedWrench(np.zeros(2), np.eye(2), np.zeros((2, len(CART.parameters))))
-    recorded = [Recorded(t, sensed, CART.parameters) for t in time[:-1]]
-    block = Block(weights, motion, np.full((21, 2), np.pi / 2), recorded)
+    block = Block(weights(time, 5), moved, np.array([row_of(t, sensed, CART.parameters) for t in time[:-1]]))
     known = Gaussian(CART.parameters, np.zeros((len(CART.parameters),) * 2))
-    noise = filtered_row(CART, known, block, FilterNoise()).noise
+    spread = np.zeros((len(CART.parameters), 0))
+    noise = filtered_row(CART, known, spread, block, FilterNoise()).noise
     monkeypatch.setattr(rows, "REMEMBERED_SHARE", 0.0)
-    without = filtered_row(CART, known, block, FilterNoise()).noise
+    without = filtered_row(CART, known, spread, block, FilterNoise()).noise
     drag = 2 * TORQUE / TRAIL * -np.expm1(-RATE * 0.16)
     assert (noise - without)[0, 0] == pytest.approx(drag**2, rel=1e-3)

@@ -236,9 +236,7 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     np.testing.assert_allclose(found[1].pose[:, 0], mean[:, 0], atol=1e-6)
     np.testing.assert_allclose(found[1].velocity[:, 0], mean[:, 1], atol=1e-5)
     np.testing.assert_allclose(found[1].acceleration[:, 0], mean[:, 2], atol=1e-3)
-    np.testing.assert_allclose(
-        np.sqrt(found[1].velocity_covariance[:, 0, 0]), np.sqrt(np.diag(covariance)[1::3]), rtol=1e-3
-    )
+    np.testing.assert_allclose(np.sqrt(found[1].covariance[:, 0, 0]), np.sqrt(np.diag(covariance)[1::3]), rtol=1e-3)
     for sums, weight in zip(found[0].of_sums, weights, strict=True):
         spread = weight @ covariance[1:69:3, 1:69:3] @ weight
         np.testing.assert_allclose(sums[0, 0], spread, rtol=1e-3)
@@ -254,4 +252,4 @@ def test_a_tracker_makes_room_and_forgets():
     kept = tracker.smoothed(np.zeros((1, 51)))
     assert len(kept.time) == 51
     np.testing.assert_allclose(kept.pose, whole.pose[150:], atol=1e-12)
-    np.testing.assert_allclose(kept.velocity_covariance, whole.velocity_covariance[150:], atol=1e-15)
+    np.testing.assert_allclose(kept.covariance, whole.covariance[150:], atol=1e-15)

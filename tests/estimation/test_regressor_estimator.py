@@ -13,21 +13,14 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
+from estimation.kernels.filtered_row import RATE, Smoothed, weights
+from estimation.kernels.row_parts import NOISE_SHARE
+from estimation.load_change import root_of
 from estimation.log_noise import noise_of_log
 from estimation.regressor import regression_belief
-from estimation.regressor.filtered_row import (
-    NOISE_SHARE,
-    RATE,
-    Block,
-    FilteredRow,
-    Recorded,
-    Rise,
-    Weights,
-    curvature_noise,
-    filtered_row,
-)
+from estimation.regressor.filtered_row import Block, FilteredRow, Rise, filtered_row
 from estimation.regressor.load_watch import LoadWatch
-from estimation.regressor.motion_tracker import Stretch
+from estimation.regressor.recorded_wrenches import row_of
 from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief, Surprise
 from estimation.replay import replay
 from estimation.wrench_sensing import SensedWrench
@@ -63,18 +56,18 @@ def test_a_block_is_what_is_new_of_a_filter():
         )
         return flow.y[0, -1]
 
-    weights = Weights.of(time)
-    linear = follow(lambda t: np.interp(t, time, knots)) - weights.fade * 0.7
-    held = follow(lambda t: knots[min(np.searchsorted(time, t, "right") - 1, 10)]) - weights.fade * 0.7
-    assert weights.fade == pytest.approx(np.exp(-RATE * (time[-1] - time[0])))
-    assert weights.linear @ knots == pytest.approx(linear, abs=1e-7)
-    assert weights.held @ knots[:-1] == pytest.approx(held, abs=1e-4)
+    one = weights(time, 1)
+    linear = follow(lambda t: np.interp(t, time, knots)) - one.fade * 0.7
+    held = follow(lambda t: knots[min(np.searchsorted(time, t, "right") - 1, 10)]) - one.fade * 0.7
+    assert one.fade == pytest.approx(np.exp(-RATE * (time[-1] - time[0])))
+    assert one.linear @ knots == pytest.approx(linear, abs=1e-7)
+    assert one.held @ knots[:-1] == pytest.approx(held, abs=1e-4)
 
 
 def test_a_row_is_the_mean_of_blocks_that_begin_later_and_later():
     random = np.random.default_rng(1)
     time, value = np.cumsum(random.uniform(0.005, 0.02, 20)), random.standard_normal(20)
-    whole, parts = Weights.of(time, 6), [Weights.of(time[i : i + 15]) for i in range(6)]
+    whole, parts = weights(time, 6), [weights(time[i : i + 15], 1) for i in range(6)]
     linear = [part.linear @ value[i : i + 15] for i, part in enumerate(parts)]
     held = [part.held @ value[i : i + 14] for i, part in enumerate(parts)]
     assert whole.linear @ value == pytest.approx(np.mean(linear))
@@ -87,7 +80,7 @@ def test_a_row_is_the_mean_of_blocks_that_begin_later_and_later():
 def test_neighbours_share_the_noise_where_they_overlap():
     """White noise of held forces, in two rows of which one begins where the other's first block ends."""
     time = 0.01 * np.arange(20)
-    one = Weights.of(time, 10)
+    one = weights(time, 10)
     forces = np.random.default_rng(2).standard_normal((40000, 29))
     first, second = forces[:, :19] @ one.held, forces[:, 10:] @ one.held
     assert np.mean(first * second) == pytest.approx(one.shared * np.mean(first**2), rel=0.05)
@@ -100,17 +93,18 @@ def test_a_row_of_the_truth_has_no_residual():
     cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
     block = slice(100, 126)
     states, time = truth[block], 0.01 * np.arange(100, 126)
-    weights, exact = Weights.of(time, 8), np.tile(1e-14 * np.eye(2), (26, 1, 1))
-    motion = Stretch(time, states[:, :3], states[:, 3:], np.zeros((26, 2)), exact, exact[:3])
+    weighing, exact, none = weights(time, 8), np.tile(1e-14 * np.eye(2), (26, 1, 1)), np.zeros((26, 0))
+    pose, nu = states[:, :3].copy(), states[:, 3:].copy()
+    moved = Smoothed(time, pose, nu, np.zeros((26, 2)), exact, exact[:3], none)
 
     def row(theta):
         sensed = [SensedWrench(w, np.eye(2), np.zeros((2, 6))) for w in wrenches[block][:-1]]
-        recorded = [Recorded(t, s, theta) for t, s in zip(time, sensed, strict=False)]
-        known = Gaussian(theta, np.zeros((6, 6)))
-        return filtered_row(cart, known, Block(weights, motion, np.zeros((26, 0)), recorded), FilterNoise())
+        rows = np.array([row_of(t, s, theta) for t, s in zip(time, sensed, strict=False)])
+        known, spread = Gaussian(theta, np.zeros((6, 6))), np.zeros((6, 0))
+        return filtered_row(cart, known, spread, Block(weighing, moved, rows), FilterNoise())
 
     found = row(cart.parameters)
-    size = weights.held @ wrenches[block][:-1]
+    size = weighing.held @ wrenches[block][:-1]
     assert np.abs(found.residual).max() < 2e-4 * np.abs(size).max()
     for i, move in enumerate(1e-4 * np.eye(6)):
         by = (row(cart.parameters + move).residual - row(cart.parameters - move).residual) / 2e-4
@@ -124,10 +118,12 @@ def test_what_is_not_linear_is_noise_while_little_is_known():
     velocity, acceleration = np.tile([0.5, 0.2], (11, 1)), np.tile([0.3, 0.1], (11, 1))
     time, zero = 0.015 * np.arange(11), np.zeros((11, 3))
     covariance = np.tile(np.eye(2), (11, 1, 1))
-    motion = Stretch(time, zero, velocity, acceleration, covariance, covariance[:3])
-    block = Block(Weights.of(time), motion, zero[:, :0], ())
+    moved = Smoothed(time, zero, velocity, acceleration, covariance, covariance[:3], np.zeros((11, 0)))
+    sensed = SensedWrench(np.zeros(2), np.eye(2), np.zeros((2, 5)))
+    rows = np.array([row_of(t, sensed, cart.parameters) for t in time[:-1]])
     spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
-    found = curvature_noise(cart, cart.parameters, block, spread)
+    known, block = Gaussian(cart.parameters, spread @ spread), Block(weights(time, 1), moved, rows)
+    found = filtered_row(cart, known, spread, block, FilterNoise()).curvature
     drawn = random.standard_normal((20000, 5)) @ spread
     rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
     at = cart.inverse(rows[0], rows[1], cart.parameters)
@@ -157,6 +153,7 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
             after=variance,
             feigned=np.append(seen.feigned(np.ones((1, 1, 1)), np.array([[at]]), np.array([[0.09]])), 0.0),
             shared=np.array([[0.02]]),
+            curvature=np.zeros((1, 1)),
         )
 
 
@@ -319,10 +316,10 @@ def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
         slopes, news, spread = random.standard_normal((2, 3)), random.standard_normal(2), np.diag([0.5, 2.0])
         rows.append((slopes, news, spread))
         asked = np.linalg.solve(spread, slopes).T
-        watch.note(0.0, Surprise(1.0, asked @ news, asked @ slopes), load)
+        watch.note(0.0, Surprise(1.0, asked @ news, asked @ slopes), root_of(load))
     ratios = []
     for first in range(5):
         slopes, news, spreads = (list(part) for part in zip(*rows[first:], strict=True))
         H, r, S = np.vstack(slopes), np.concatenate(news), block_diag(*spreads)
         ratios.append(multivariate_normal.logpdf(r, cov=S + H @ load @ H.T) - multivariate_normal.logpdf(r, cov=S))
-    assert watch._evidence(load) == pytest.approx(max(ratios), abs=1e-9)
+    assert watch._evidence(root_of(load)) == pytest.approx(max(ratios), abs=1e-9)

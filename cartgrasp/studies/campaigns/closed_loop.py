@@ -59,7 +59,10 @@ class ClosedLoopRun(Job):
         return replace(scenario, truth=with_values(scenario.truth, self.drawn), seed=int(noise[0]))
 
     def run(self) -> dict[str, Any]:
-        record = self.scenario.run()
+        from ..compiled_loop.loop import compiled_run, covers
+
+        scenario = self.scenario
+        record = compiled_run(scenario) if covers(scenario) else scenario.run()
         return {"drawn": self.drawn, **RunFigures.of(record).as_dict(), "series": _series(record)}
 
 

@@ -1,0 +1,211 @@
+"""A scenario's run by compiled code, with the regression's rows and what has no proven plan done in Python."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from estimation.cart_filter import core_of
+from estimation.learning_filter import LearningFilter
+from estimation.regressor.parameter_learner import BLOCK, LAG, WIDTH
+from planning.allocation_template import AllocationTemplate
+from planning.compiled_allocation import CompiledAllocation
+from planning.planner import WrenchPlanner
+
+from ...errors import PlantError
+from ...frames import Array, body_to_world
+from ...inertia import N_PHI, physical_jacobian
+from ...kernels.jit import Ints
+from ...logs.run_log import ArmLog, RunLog
+from ...motion import Measurement
+from ...simulation.plant import MAX_STEP, STABLE
+from ...simulation.record import RunRecord
+from ...simulation.record import Series as Estimated
+from ..scenario import LEARNING, MODEL_PLANT, Scenario, with_truth
+from . import tick
+from .course import course_of, noise_of
+from .values import Blocks, Held
+
+LONGEST_PERIOD = 0.05
+ROOM = 8
+"""Moments that there is room for beside those of a row."""
+
+
+def covers(scenario: Scenario) -> bool:
+    """Whether `compiled_run` does what `Scenario.run` does: our plant, a cart that is steered, effects with kernels,
+    none of sensors, a filter that learns from noisy wrenches, contacts that are fixed or go round, linear limits."""
+    truth, guess = scenario.truth, scenario.guess
+    if scenario.estimation != LEARNING or scenario.plant != MODEL_PLANT or scenario.least_effort:
+        return False
+    plain = all(cart.is_compiled and not cart.slip_compliance and not cart.sensor_effects for cart in (truth, guess))
+    steered = guess.constraints.n_rows == 1 and truth.rolling == guess.rolling and scenario.period <= LONGEST_PERIOD
+    still = all(arm.reach is None and not np.isfinite(arm.wrench_rate).any() for arm in scenario.arms)
+    if not (plain and steered and still) or guess.memory_names:
+        return False
+    return isinstance(_core(scenario), LearningFilter) and _allocation(scenario) is not None
+
+
+def compiled_run(scenario: Scenario) -> RunRecord:
+    """As `Scenario.run`, to round-off, of what is covered."""
+    return with_truth(_Run(scenario).record(), scenario.truth)
+
+
+def _core(scenario: Scenario) -> object:
+    names, yaws = [arm.name for arm in scenario.arms], {arm.name: arm.yaw for arm in scenario.arms}
+    return core_of((scenario.guess, names, scenario.noise, scenario.prior, yaws))
+
+
+def _allocation(scenario: Scenario) -> CompiledAllocation | None:
+    template = AllocationTemplate.of(scenario.guess, scenario.arms)
+    return CompiledAllocation.of(template, template.cost(np.zeros(template.n)))
+
+
+class Known(NamedTuple):
+    """What is believed of the parameters (p,) from a step on, with covariance (p, p)."""
+
+    step: int
+    theta: Array
+    covariance: Array
+
+
+class _Run:
+    """One run, from its beginning on."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario, truth = scenario, scenario.truth
+        core, allocation = _core(scenario), _allocation(scenario)
+        assert isinstance(core, LearningFilter)
+        assert allocation is not None
+        self.core, self.names = core, [arm.name for arm in scenario.arms]
+        self.course = course_of(scenario)
+        state = truth.state()
+        self.series = noise_of(scenario, self.course.time, len(state))
+        self._begin(state)
+        self.blocks = self._blocks(allocation)
+        self.held = self._held(state)
+        self.at: Ints = np.array([0, tick.TRACK, 1, -1])
+        self.statuses = ["optimal"] * len(self.course.time)
+        self.known = [Known(0, core.learner.theta, core.learner.covariance)]
+
+    # --- to the end -------------------------------------------------------------------------------------------
+
+    def record(self) -> RunRecord:
+        s = self.scenario
+        stable = STABLE if s.truth.effects else np.inf
+        limits = s.period, s.plant_timestep or MAX_STEP, stable, (BLOCK, WIDTH, LAG)
+        while (code := tick.go_on(self.course, self.blocks, self.held, self.series, self.at, limits)) != tick.DONE:
+            if code == tick.ROW:
+                self._take_row()
+            elif code == tick.UNPLANNED:
+                self._plan()
+            else:
+                time = self.course.time[self.at[tick.STEP]] + s.period
+                raise PlantError(f"the simulated cart's state is not finite at t = {time:.3f} s")
+        return self._recorded()
+
+    def _take_row(self) -> None:
+        """What `LearningFilter.take` does with a row, and with what it teaches."""
+        k, n = int(self.at[tick.STEP]), int(self.at[tick.MOMENTS])
+        learner = self.core.learner
+        learner.followed(n, float(self.course.time[k - 1]))
+        count, end = learner.over()
+        learner.take_block(count, end)
+        self.at[tick.MOMENTS] = n - count
+        self.core.motion.learn(learner.theta, learner.covariance)
+        if learner.theta is not self.known[-1].theta:
+            self.held.theta[:] = learner.theta
+            self.known.append(Known(k, learner.theta, learner.covariance))
+
+    def _plan(self) -> None:
+        """A wrench whose plan isn't proven by the kernels alone."""
+        k = self.at[tick.STEP]
+        before = self.course.points[self.course.place[max(k - 1, 0)]]
+        self._planner.start_from(self._by_arm(self.held.wrenches), dict(zip(self.names, before, strict=True)))
+        contacts = dict(zip(self.names, self.course.points[self.course.place[k]], strict=True))
+        plan = self._planner.plan_or_hold(self.held.wanted, contacts=contacts)
+        self.held.wrenches[:] = np.concatenate([plan.contact_wrenches.wrenches[name] for name in self.names])
+        self.statuses[k] = plan.status
+        self.at[tick.STAGE] = tick.GIVE
+
+    @cached_property
+    def _planner(self) -> WrenchPlanner:
+        s = self.scenario
+        return WrenchPlanner(s.guess, list(s.arms), period=s.period, relax=np.inf)
+
+    # --- what the kernels are given ---------------------------------------------------------------------------
+
+    def _begin(self, state: Array) -> None:
+        """The first sample of the motion."""
+        series, basis = self.series, self.scenario.truth.basis_b
+        series.pose[0] += state[:3]
+        series.velocity[0] += body_to_world(state[2]) @ basis @ state[3 : 3 + basis.shape[1]]
+        velocity = None if np.isnan(series.velocity[0]).any() else series.velocity[0]
+        self.core.take(Measurement(0.0, series.pose[0], velocity))
+
+    def _blocks(self, allocation: CompiledAllocation) -> Blocks:
+        s, tracker = self.scenario, self.core.learner.tracker
+        recorded = self.core.learner.recorded
+        for table in (tracker, recorded):
+            table.make_room(math.ceil((BLOCK + WIDTH + LAG) / s.period) + ROOM)
+        carts = s.truth.dynamics.floats, s.truth.dynamics.ints, s.guess.dynamics.floats, s.guess.dynamics.ints
+        return Blocks(*carts, *allocation.blocks, *self.core.motion.blocks, *tracker.blocks, recorded.room)
+
+    def _held(self, state: Array) -> Held:
+        s, f, N, P = self.scenario, self.scenario.guess.constraints.n_free, len(state), self.scenario.truth.parameters
+        n, p = 3 + f, len(s.guess.parameters)
+        dynamics = s.guess.dynamics
+        widest = max(f * (1 + n + f + p), dynamics.n_sums + 3 * dynamics.most_stictions)
+        given = np.concatenate([np.zeros(N + 1), P, np.zeros(3 + f + 2)])[None]
+        return Held(
+            state=state,
+            theta=self.core.learner.theta.copy(),
+            wrenches=np.zeros(6 * len(self.names)),
+            wanted=np.zeros(3),
+            seen=np.full(6, np.nan),
+            jolt=np.zeros(f),
+            given=given,
+            found=np.zeros((1, N * (4 + N + len(P)))),
+            nothing=np.zeros((1, 0)),
+            asked=np.zeros((1, n + 1 + p + f)),
+            states=np.zeros((2, n + 1 + p)),
+            told=np.zeros((2, widest)),
+        )
+
+    # --- what is left behind ----------------------------------------------------------------------------------
+
+    def _by_arm(self, values: Array) -> dict[str, Array]:
+        return {name: values[..., 6 * i : 6 * i + 6] for i, name in enumerate(self.names)}
+
+    def _recorded(self) -> RunRecord:
+        series, course, truth = self.series, self.course, self.scenario.truth
+        points, felt = course.points[course.place], self._by_arm(series.felt)
+        arms = {name: ArmLog(points[:, i], felt[name]) for i, name in enumerate(self.names)}
+        velocity = None if np.isnan(series.velocity).all() else series.velocity
+        steps, theta, covariance = (np.array(part) for part in zip(*self.known, strict=True))
+        steps = np.diff(np.append(steps, len(course.time)))
+        partials, of_phi = physical_jacobian(theta[:, :N_PHI])[:, 1:3], covariance[:, :N_PHI, :N_PHI]
+        headings = [i for i, name in enumerate(truth.state_names) if "heading" in name]
+        return RunRecord(
+            log=RunLog(course.time, series.pose, velocity, arms),
+            cart=self.scenario.guess,
+            pose=series.state[:, :3].copy(),
+            velocity=series.state[:, truth.velocity_slice].copy(),
+            reference_pose=course.pose,
+            reference_velocity=course.velocity,
+            wrenches=self._by_arm(series.wrenches),
+            parameters=self._estimated(steps, theta, covariance),
+            caster_headings=series.state[:, headings] if headings else None,
+            statuses=tuple(self.statuses),
+            identifiable={name: one.identifiable for name, one in self.core.learner.report.items()},
+            com_covariance=np.repeat(partials @ of_phi @ np.swapaxes(partials, 1, 2), steps, axis=0),
+        )
+
+    def _estimated(self, steps: Ints, theta: Array, covariance: Array) -> dict[str, Estimated]:
+        """Each parameter over time."""
+        reporter = self.core.learner.reporter
+        values, std = (np.repeat(part, steps, axis=0) for part in reporter.numbers(theta, covariance))
+        found = self.core.learner.report.items()
+        return {name: Estimated(values[:, i], std[:, i], None, one.unit) for i, (name, one) in enumerate(found)}

@@ -1,0 +1,83 @@
+"""What the compiled loop is given, keeps, and leaves behind: arrays by name, which a call hands over as they are.
+
+n steps, a arms, s places where they hold in turn, f free velocities, N states and P parameters of the true cart, p
+parameters of the believed one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ...frames import Array
+from ...kernels.jit import Ints
+
+
+class Course(NamedTuple):
+    """The same for runs of one scenario: times (n,); poses (n, 3), nu and nu' (n, f) of the reference; which place is
+    held (n,); points (s, a, 3), grasp maps (s, 3, 6 a), and what takes wrenches to reduced ones (s, f, 6 a) with the
+    noise of that (s, f, f); `along` (f, 3) of the free velocities; and the tracker's law (6,): axle and angle of the
+    wheels, and its gains."""
+
+    time: Array
+    pose: Array
+    velocity: Array
+    acceleration: Array
+    place: Ints
+    points: Array
+    grasp: Array
+    reduced: Array
+    noise: Array
+    basis: Array
+    along: Array
+    law: Array
+
+
+class Blocks(NamedTuple):
+    """Workspaces of kernels, floats and ints of each: the true cart, the believed one, the planner; the driven motion
+    with its plan; rows, times and constants of the tracked motion, and the wrench at each of its moments."""
+
+    plant: Array
+    plant_ints: Ints
+    cart: Array
+    cart_ints: Ints
+    planner: Array
+    planner_ints: Ints
+    driven: Array
+    plan: Ints
+    rows: Array
+    moments: Array
+    known: Array
+    recorded: Array
+
+
+class Held(NamedTuple):
+    """What goes on from step to step: the true state (N,); the believed parameters (p,); wrenches planned (6 a,) and
+    wanted (3,); what is `seen` (6,), and the `jolt` (f,) since.
+
+    Behind them room for what is asked of kernels and found by them: the true cart's, `given` and `found` (`nothing`
+    where that isn't asked for); the believed one's with an acceleration, `asked`, two states of it, and what is
+    `told`."""
+
+    state: Array
+    theta: Array
+    wrenches: Array
+    wanted: Array
+    seen: Array
+    jolt: Array
+    given: Array
+    found: Array
+    nothing: Array
+    asked: Array
+    states: Array
+    told: Array
+
+
+class Series(NamedTuple):
+    """What happened: true states (n, N) before each step, wrenches given (n, 6 a); and what sensors said: pose and
+    velocity (n, 3), wrenches (n, 6 a). The latter hold noise to begin with, NaN where no sample is due."""
+
+    state: Array
+    wrenches: Array
+    pose: Array
+    velocity: Array
+    felt: Array

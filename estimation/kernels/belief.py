@@ -1,0 +1,253 @@
+"""The algebra of `regressor/regression_belief.py` and `load_watch.py`, which say what they are about."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .correction import eliminate, factorise
+from .jit import row_compiled, row_entry
+
+Belief = tuple[Array, Array]
+"""Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
+Surprised = tuple[float, Array, Array]
+"""A row's normalised square, and what it says of a change: information's product (k - 1,) and information."""
+Limits = tuple[float, float, float]
+"""The share kept of what is known, and the squares by component beyond which a row pulls less, and is none."""
+LEAST_SHARE = 1e-9
+"""Of a row's noise: what is taken as shared where nothing is."""
+
+
+class Answer(NamedTuple):
+    """Of a row: slopes of what is unknown (n, k), its value (n,), and what is feigned (k,); the rest as in
+    `FilteredRow`."""
+
+    slopes: Array
+    value: Array
+    feigned: Array
+    ends: Array
+    fade: float
+    noise: Array
+    before: Array
+    after: Array
+    shared: Array
+
+
+@row_entry
+def solved(information: Array, pull: Array) -> Belief:
+    """Mean and covariance."""
+    covariance = _inverse(information)
+    return covariance @ pull, covariance
+
+
+@row_entry
+def inverse(matrix: Array) -> Array:
+    return _inverse(matrix)
+
+
+@row_entry
+def unlinked(information: Array, pull: Array, k: int) -> Belief:
+    """About the first k, whatever the others are."""
+    return _without(information, pull, k, len(pull))
+
+
+@row_entry
+def absorbed(belief: Belief, row: Answer, limits: Limits) -> tuple[Belief, Surprised]:
+    """With a row, whose link is handed on. Of one that is none only the square is told."""
+    kept, gate, absurd = limits
+    n, k = row.slopes.shape
+    information, pull = belief if len(belief[1]) > k else _linked(belief, _linking(row, row.before))
+    mean, covariance = np.empty(len(pull)), _inverse(information)
+    mean[:] = covariance @ pull
+    before, after = np.zeros((n, k + 2 * n)), np.zeros((n, 2 * n))
+    before[:, :k], before[:, k : k + n], after[:, :n] = row.slopes, -row.fade * row.ends, row.ends
+    for a in range(n):
+        before[a, k + n + a] = after[a, n + a] = 1.0
+    alone, linking = row.noise - 2.0 * row.shared, _linking(row, row.after)
+    own = alone + _congruence(after, linking)
+    news, spread = row.value - before @ mean, _congruence(before, covariance) + own
+    square = _square(news, spread)
+    if not square < absurd * n:
+        return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)))
+    scale = max(1.0, square / (gate * n))
+    taught = row.slopes[:, : k - 1].copy()
+    asked = _turned(_solved(scale * spread, taught))
+    surprised = square, asked @ news, asked @ taught
+    whole, more = _linked((information, pull), linking)
+    _forget(whole, more, row.slopes, scale * own, (mean, covariance), kept)
+    wide = np.empty((n, k + 4 * n))
+    wide[:, : k + 2 * n], wide[:, k + 2 * n :] = before, after
+    weighed = _turned(_solved(scale * alone, wide))
+    whole += weighed @ wide
+    more += weighed @ row.value
+    left, pulled = _without(whole, more, k, k + 2 * n)
+    for i in range(k):
+        pulled[i] -= row.feigned[i] / scale
+    return (left, pulled), surprised
+
+
+@row_entry
+def followed(since: Belief, pull: Array, more: Array, most: int) -> Belief:
+    """Information (n, f, f), and its product with a change (n, f), since each of the last moments, with those of a row,
+    which is one moment more; at most so many."""
+    information, pulls = since
+    f, n = len(pull), len(pulls)
+    first = max(0, n + 1 - most)
+    known, summed = np.empty((n + 1 - first, f, f)), np.empty((n + 1 - first, f))
+    for i in range(first, n + 1):
+        for a in range(f):
+            summed[i - first, a] = pull[a] + (pulls[i, a] if i < n else 0.0)
+            for b in range(f):
+                known[i - first, a, b] = more[a, b] + (information[i, a, b] if i < n else 0.0)
+    return known, summed
+
+
+@row_entry
+def evidence(since: Belief, root: Array) -> float:
+    """Of the most likely of n moments, for a load of covariance `root @ rootᵀ`, (f, m)."""
+    information, pulls = since
+    f, m = root.shape
+    through, factor, pulled, best = np.empty((f, m)), np.empty((m, m)), np.empty(m), -math.inf
+    for i in range(len(pulls)):
+        for a in range(f):
+            for j in range(m):
+                through[a, j] = 0.0
+                for b in range(f):
+                    through[a, j] += information[i, a, b] * root[b, j]
+        gain = size = 0.0
+        for j in range(m):
+            value = 0.0
+            for a in range(f):
+                value += root[a, j] * pulls[i, a]
+            for c in range(j + 1):
+                entry = 1.0 if c == j else 0.0
+                for a in range(f):
+                    entry += root[a, j] * through[a, c]
+                for b in range(c):
+                    entry -= factor[j, b] * factor[c, b]
+                factor[j, c] = entry / factor[c, c] if c < j else math.sqrt(entry)
+            for c in range(j):
+                value -= factor[j, c] * pulled[c]
+            pulled[j] = value / factor[j, j]
+            gain += pulled[j] ** 2
+            size += 2.0 * math.log(factor[j, j])
+        best = max(best, (gain - size) / 2.0)
+    return best
+
+
+@row_compiled
+def _linking(row: Answer, error: Array) -> Array:
+    """Covariance (2 n, 2 n) of what is wrong with nu, given (n, n), and of noise that neighbours share."""
+    n = len(error)
+    covariance = np.zeros((2 * n, 2 * n))
+    covariance[:n, :n], covariance[n:, n:] = error, row.shared + LEAST_SHARE * row.noise
+    return covariance
+
+
+@row_compiled
+def _linked(belief: Belief, linking: Array) -> Belief:
+    """With further unknowns of a covariance."""
+    information, pull = belief
+    k, n = len(pull), len(linking)
+    whole, more = np.zeros((k + n, k + n)), np.zeros(k + n)
+    whole[:k, :k], whole[k:, k:], more[:k] = information, _solved(linking, np.eye(n)), pull
+    return whole, more
+
+
+@row_compiled
+def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief, kept: float) -> None:
+    """Of what the row asks, and never more than it answers."""
+    k, root = slopes.shape[1], noise.copy()
+    factorise(root)
+    for a in range(len(root)):
+        root[a, a + 1 :] = 0.0
+    asked = _solved(root, slopes)
+    known, directions = np.linalg.eigh(_congruence(asked, now[1][:k, :k]))
+    along = _turned(directions) @ asked
+    for a in range(len(known)):
+        taken, held = min((1.0 - kept) / max(known[a], 1e-300), 1.0), 0.0
+        for i in range(k):
+            held += along[a, i] * now[0][i]
+        for i in range(k):
+            pull[i] -= taken * along[a, i] * held
+            for j in range(k):
+                whole[i, j] -= taken * along[a, i] * along[a, j]
+
+
+@row_compiled
+def _square(news: Array, spread: Array) -> float:
+    return float((news * _solved(spread, news.copy().reshape((len(news), 1)))[:, 0]).sum())
+
+
+@row_compiled
+def _without(information: Array, pull: Array, first: int, last: int) -> Belief:
+    """About the others, whatever those from `first` to `last` are (Schur's complement)."""
+    n, size = last - first, len(pull)
+    left = np.append(np.arange(first), np.arange(last, size))
+    own, across = information[first:last, first:last], np.empty((n, len(left) + 1))
+    for i in range(n):
+        across[i, len(left)] = pull[first + i]
+        for j in range(len(left)):
+            across[i, j] = information[first + i, left[j]]
+    gained = _solved(own, across)
+    kept, more = np.empty((len(left), len(left))), np.empty(len(left))
+    for i in range(len(left)):
+        more[i] = pull[left[i]]
+        for c in range(n):
+            more[i] -= across[c, i] * gained[c, len(left)]
+        for j in range(i + 1):
+            value = information[left[i], left[j]]
+            for c in range(n):
+                value -= across[c, i] * gained[c, j]
+            kept[i, j] = kept[j, i] = value
+    return kept, more
+
+
+@row_compiled
+def _congruence(matrix: Array, covariance: Array) -> Array:
+    """`M P Mᵀ`."""
+    return _product(_product(matrix, covariance), _turned(matrix))
+
+
+@row_compiled
+def _product(left: Array, right: Array) -> Array:
+    n, m = left.shape
+    found = np.zeros((n, right.shape[1]))
+    for i in range(n):
+        for k in range(m):
+            for j in range(right.shape[1]):
+                found[i, j] += left[i, k] * right[k, j]
+    return found
+
+
+@row_compiled
+def _turned(matrix: Array) -> Array:
+    return np.ascontiguousarray(matrix.T)
+
+
+@row_compiled
+def _solved(matrix: Array, right: Array) -> Array:
+    found = right.copy()
+    eliminate(matrix.copy(), found)
+    return found
+
+
+@row_compiled
+def _inverse(matrix: Array) -> Array:
+    """Of a positive definite one with mixed units."""
+    n = len(matrix)
+    scale, scaled, found = np.empty(n), np.empty((n, n)), np.eye(n)
+    for i in range(n):
+        scale[i] = 1.0 / math.sqrt(matrix[i, i])
+    for i in range(n):
+        for j in range(n):
+            scaled[i, j] = matrix[i, j] * scale[i] * scale[j]
+    eliminate(scaled, found)
+    for i in range(n):
+        for j in range(n):
+            scaled[i, j] = 0.5 * (found[i, j] + found[j, i]) * scale[i] * scale[j]
+    return scaled

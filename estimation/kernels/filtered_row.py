@@ -1,0 +1,268 @@
+"""The algebra of `regressor/filtered_row.py`, which says what it is about."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.kernels.dynamics import Inverse, Point, inverse, lifted, situation, stictions
+from cartgrasp.kernels.workspace import unpack
+
+from .jit import Indices, compiled, row_compiled, row_entry
+from .row_parts import (
+    STANDS_OUT,
+    Rising,
+    add_left_out,
+    add_measured,
+    curvature_of,
+    feigned_by,
+    noise_of_wrenches,
+    rise_of,
+    slowest,
+)
+
+RATE = 2.0
+"""1/s, of the filter."""
+
+Worked = tuple[Array, Array, Array, Array, Array, Array, Array]
+"""Residual (f,), slopes (f, p + 1), ends (f, f), noise (f, f), what is feigned (p + 1,), what is shared (f, f), and the
+curvature (f, f)."""
+
+
+class Weights(NamedTuple):
+    """Of the mean over blocks of some of n instants, which begin a little later and later: for a function that is
+    linear between instants (n,), for one that is held (n - 1,), and for means over the blocks' first and last instants
+    and what is new between them (3, n).
+
+    `of_white` is the variance, 1/s, of what it makes of white noise; `shared` the part of a row's noise that is white
+    and not of the motion which the next row has, too."""
+
+    linear: Array
+    held: Array
+    of_motion: Array
+    fade: float
+    of_white: float
+    shared: float
+
+
+class Smoothed(NamedTuple):
+    """n moments: time (n,), pose (n, 3), nu and nu' (n, f), the covariance of nu (n, f, f), and memory (n, k); with the
+    covariances of sums of nu over the moments (3, f, f), by `Weights.of_motion`."""
+
+    time: Array
+    pose: Array
+    velocity: Array
+    acceleration: Array
+    covariance: Array
+    of_sums: Array
+    memory: Array
+
+
+class Asked(NamedTuple):
+    """Where inverse dynamics are asked for: states (m, s), nu' (m, f), parameters (m, p) and times (m,). Each of the n
+    instants at nu' of zero; each with the part of nu that stands out; the last with nu' of zero, of what stands out,
+    and of each unit; the middle one around the parameters and at each column of a spread from them."""
+
+    state: Array
+    acceleration: Array
+    parameters: Array
+    time: Array
+
+
+class Found(NamedTuple):
+    """There: the reduced wrench (m, f), its partials by nu' (m, f, f) and by the parameters (m, f, p); and reduced
+    forces (n, f, c) that may hold a cart which stands still."""
+
+    wrench: Array
+    by_acceleration: Array
+    by_parameters: Array
+    stuck: Array
+
+
+class LeftOut(NamedTuple):
+    """The density (f, f) of disturbances; which parameters effects with a memory have, and the share of what these do
+    that goes wrong."""
+
+    disturbance: Array
+    remembering: Indices
+    share: float
+
+
+@row_entry
+def weights(time: Array, width: int) -> Weights:
+    """Of blocks of n - width steps that begin at each of the first `width` instants."""
+    n, last = len(time) - width, time[len(time) - 1]
+    linear, held, of_motion = np.zeros(n + width), np.empty(n + width - 1), np.zeros((3, n + width))
+    sums, fade = np.zeros(width + 1), 0.0
+    for j in range(width):
+        sums[j + 1] = sums[j] + math.exp(-RATE * (time[n + j] - last))
+        fade += math.exp(-RATE * (time[n + j] - time[j])) / width
+        of_motion[0, j] = of_motion[1, n + j] = 1.0 / width
+    of_white = both = own = 0.0
+    for i in range(n + width - 1):
+        h, share = time[i + 1] - time[i], (sums[min(i + 1, width)] - sums[max(i - n + 1, 0)]) / width
+        gain, left = -math.expm1(-RATE * h), share * math.exp(RATE * (time[i + 1] - last))
+        second = 1.0 - gain / (RATE * h)
+        linear[i] += left * (gain - second)
+        linear[i + 1] += left * second
+        held[i] = left * gain
+        of_white += held[i] ** 2 / h
+        own += held[i] ** 2
+        if i >= n:
+            both += held[i] * held[i - n]
+    of_motion[2] = of_motion[1] - fade * of_motion[0] - linear
+    return Weights(linear, held, of_motion, fade, of_white, both / own)
+
+
+@row_entry
+def rising(whole: Array, covariance: Array) -> Rising:
+    return rise_of(whole, covariance)
+
+
+@row_entry
+def feigned(rise: Rising, by_acceleration: Array, mass: Array, noise: Array) -> Array:
+    return feigned_by(rise, by_acceleration, mass, noise)
+
+
+@row_entry
+def slowed(velocity: Array, covariance: Array) -> Array:
+    """The slowest (n, f) that each nu may be."""
+    return slowest(velocity, covariance)
+
+
+@row_entry
+def begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Rising, Asked]:
+    """What a row around parameters (p,), known to within `spread @ z`, (p, q), needs to know."""
+    return _begun(weighing, block, theta, spread)
+
+
+@row_compiled
+def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Rising, Asked]:
+    n, f = block.velocity.shape
+    of_rise, whole = weighing.of_motion[2], np.zeros(f)
+    for a in range(f):
+        for i in range(n):
+            whole[a] += RATE * of_rise[i] * block.velocity[i, a]
+    rise = rise_of(whole, RATE**2 * block.of_sums[2])
+    k, q, middle = block.memory.shape[1], spread.shape[1], n // 2
+    m = 2 * n + f + 3 + q
+    state, acceleration = np.empty((m, 3 + f + k)), np.zeros((m, f))
+    parameters, time = np.empty((m, len(theta))), np.empty(m)
+    for i in range(m):
+        at = i % n if i < 2 * n else n - 1 if i < 2 * n + f + 2 else middle
+        state[i, :3], state[i, 3 : 3 + f], state[i, 3 + f :] = block.pose[at], block.velocity[at], block.memory[at]
+        time[i], parameters[i] = block.time[at], theta
+        if n <= i < 2 * n:
+            for a in range(f):
+                nu = block.velocity[at, a]
+                square = STANDS_OUT**2 * block.covariance[at, a, a] / max(nu**2, 1e-300)
+                state[i, 3 + a] = max(1.0 - square, 0.0) * nu
+    acceleration[2 * n + 1] = rise[2]
+    for a in range(f):
+        acceleration[2 * n + 2 + a, a] = 1.0
+    for j in range(q + 1):
+        acceleration[2 * n + f + 2 + j] = block.acceleration[middle]
+        if j > 0:
+            parameters[2 * n + f + 2 + j] += spread[:, j - 1]
+    return rise, Asked(state, acceleration, parameters, time)
+
+
+@row_entry
+def row(
+    weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: tuple[Array, Array, Array], left_out: LeftOut
+) -> Worked:
+    """Of what `begun` asked for. Given: wrenches as `RecordedWrenches` has them, (n - 1, width), parameters (p,), and
+    their spread."""
+    return _row(weighing, rise, found, block, given, left_out)
+
+
+@row_compiled
+def _row(
+    weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: tuple[Array, Array, Array], left_out: LeftOut
+) -> Worked:
+    n, f = block.velocity.shape
+    by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
+    wrenches, theta, spread = given
+    mass, slopes, by_acceleration = found.by_acceleration[still], np.zeros((f, p + 1)), np.empty((f, f, p))
+    residual, of_memory = np.zeros(f), np.zeros(f)
+    step = (block.time[n - 1] - block.time[0]) / (n - 1)
+    for a in range(f):
+        by_acceleration[a] = by[still + 2 + a] - by[still]
+        for i in range(n):
+            residual[a] -= weighing.linear[i] * found.wrench[i, a]
+            change = found.wrench[i, a]
+            for b in range(f):
+                change += mass[a, b] * block.acceleration[i, b]
+            slopes[a, p] += step * RATE * weighing.of_motion[2, i] * change
+        for b in range(f):
+            residual[a] -= mass[a, b] * rise[0][b]
+        for q in range(p):
+            slopes[a, q] = by[still + 1, a, q] - by[still, a, q]
+            for i in range(n):
+                slopes[a, q] += weighing.linear[i] * by[n + i, a, q]
+        for q in left_out.remembering:
+            of_memory[a] += slopes[a, q] * theta[q]
+    white = noise_of_wrenches(weighing.held, wrenches, f) + weighing.of_white * left_out.disturbance
+    noise = white.copy()
+    add_left_out(weighing.linear, found.stuck, left_out.share * of_memory, noise)
+    add_measured(weighing.held, wrenches, theta, (residual, slopes, noise))
+    pull = np.zeros(p + 1)
+    pull[:p] = feigned_by(rise, by_acceleration, mass, noise)
+    curvature = curvature_of(by[still + f + 2 :], spread, weighing.linear.sum())
+    return residual, slopes, -RATE * mass, noise, pull, weighing.shared * white, curvature
+
+
+@row_entry
+def worked_out(
+    cart: tuple[Array, Indices, int],
+    weighing: Weights,
+    block: Smoothed,
+    given: tuple[Array, Array, Array],
+    most: Array,
+    left_out: LeftOut,
+) -> Worked:
+    """`begun` and `row` at once, of a cart whose effects all have kernels: its workspace, and how many wrenches Coulomb
+    effects may give; these are as large as parameters `most` (p,) make them."""
+    floats, ints, n_stuck = cart
+    rise, asked = _begun(weighing, block, given[1], given[2])
+    n, m, s, f, p = len(block.time), len(asked.time), asked.state.shape[1], asked.acceleration.shape[1], len(most)
+    k = s - 3 - f
+    wrench, by_acceleration, by_parameters = np.empty((m, f)), np.empty((m, f, f)), np.empty((m, f, p))
+    found = Found(wrench, by_acceleration, by_parameters, np.zeros((n, f, n_stuck)))
+    _find(floats, ints, asked, found, np.empty(f * s + k * (1 + s + p)))
+    slow = asked.state[:n].copy()
+    slow[:, 3 : 3 + f] = slowest(block.velocity, block.covariance)
+    _find_stuck((floats, ints), (slow, block.time, most), found.stuck, np.empty(3 * n_stuck))
+    return _row(weighing, rise, found, block, given, left_out)
+
+
+@compiled
+def _find(floats: Array, ints: Indices, asked: Asked, found: Found, room: Array) -> None:
+    m, _ = unpack(floats, ints)
+    s, f, p, k = asked.state.shape[1], asked.acceleration.shape[1], asked.parameters.shape[1], len(m.memory_rate)
+    by_state, at = room[: f * s].reshape((f, s)), f * s
+    rate, at = room[at : at + k], at + k
+    rate_by_state, at = room[at : at + k * s].reshape((k, s)), at + k * s
+    rate_by_parameters = room[at : at + k * p].reshape((k, p))
+    for i in range(len(asked.time)):
+        point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
+        by = found.by_acceleration[i], found.by_parameters[i]
+        out = Inverse(found.wrench[i], by_state, by[0], by[1], rate, rate_by_state, rate_by_parameters)
+        inverse(m, point, asked.acceleration[i], out)
+
+
+@compiled
+def _find_stuck(cart: tuple[Array, Indices], asked: tuple[Array, Array, Array], found: Array, columns: Array) -> None:
+    """Of states (n, s), times (n,) and parameters (p,)."""
+    m, _ = unpack(cart[0], cart[1])
+    states, time, parameters = asked
+    for i in range(len(time) if len(columns) > 0 else 0):
+        point = Point(states[i], time[i], parameters, time[:0])
+        situation(m, point, lifted(m.basis, states[i, 3:]))
+        for c in range(stictions(m, point, columns)):
+            for j in range(3):
+                for a in range(m.basis.shape[1]):
+                    found[i, a, c] += m.basis[j, a] * columns[3 * c + j]
