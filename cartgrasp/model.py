@@ -9,6 +9,7 @@ They are in the body frame, where S is constant. Every function broadcasts over 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, final
@@ -139,12 +140,17 @@ class CartModel(CartStructure):
         return Acting(phi, wrench.value, phi_by_parameters, by_parameters)
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
-        """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones."""
+        """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones, each
+        times the root of how long it keeps its value (N√s, N·m√s): as white noise, roots of its density."""
         if self.is_compiled:
             return self.dynamics.stiction((state, time, parameters))
         situation, memory = self._situation(state, parameters, time), state[..., self.memory_slice]
-        found = [e.stiction(situation, memory[..., own], parameters[..., s]) for e, s, own in self.force_effects]
-        return np.concatenate([np.zeros((3, 0)), *(f for f in found if f is not None)], axis=-1)
+        found = [np.zeros((3, 0))]
+        for effect, own, remembered in self.force_effects:
+            columns = effect.stiction(situation, memory[..., remembered], parameters[..., own])
+            if columns is not None:
+                found.append(math.sqrt(effect.stuck_for) * columns)
+        return np.concatenate(found, axis=-1)
 
     def settled_memory(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Where the effects' memories (..., k) come to rest when the motion goes on as it is."""
@@ -226,7 +232,7 @@ class CartModel(CartStructure):
 
         forces = [(e, s, own) for e, s, own in self.force_effects if isinstance(e, CompiledForce)]
         changes = [(e, s) for e, s in self.inertia_effects if isinstance(e, CompiledInertia)]
-        packed = [PackedEffect(e.name, s, own, e.constant) for e, s, own in forces]
+        packed = [PackedEffect(e.name, s, own, e.constant, math.sqrt(e.stuck_for)) for e, s, own in forces]
         packed += [PackedEffect(e.name, s, slice(0, 0), 0.0) for e, s in changes]
         sizes = len(self.memory_names), len(self.parameters)
         return CompiledDynamics(packed, self.wheel_set, self.basis_b, sizes, SMOOTHING_SPEED)

@@ -30,7 +30,7 @@ from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
 from .innovation_watch import InnovationWatch
 from .kernels.correction import GATE
-from .kernels.driven_motion import MAX_STEP, POISED, STICTION_MEMORY
+from .kernels.driven_motion import MAX_STEP, POISED
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior
@@ -235,7 +235,7 @@ class AugmentedFilter:
         n, noise, cart = self.layout.wrench.stop, self.noise, self.cart
         density = np.zeros((n, n))
         disturbance = np.array([1.0, 1.0, noise.lever]) * noise.disturbance
-        roots = np.hstack([reach * disturbance, STICTION_MEMORY**0.5 * (reach @ stiction)])
+        roots = np.hstack([reach * disturbance, reach @ stiction])
         density[cart.velocity_slice, cart.velocity_slice] = roots @ roots.T
         sideways = rotation_planar(heading) @ cart.rolling.across_b
         density[:2, :2] = noise.sideways(cart) ** 2 * np.outer(sideways, sideways)

@@ -7,7 +7,8 @@ sideways at its patch p - b (cos delta, sin delta), so
 
 which for r = 0 is the trail model psi' = -(v/b) sin psi. Swivel friction T against delta' is balanced by a
 side force F_n = -(T/b) sign(delta') n at the patch: the wrench on the cart. Its power is -T |delta'|, so it
-never gives energy; along the motion it is the drag (T/b) |sin psi|.
+never gives energy; along the motion it is the drag (T/b) |sin psi|. A swivel that has come to rest, in a steady turn
+or on a straight line, is stuck, and keeps some torque of up to T until it is next turned: seconds.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ class CasterRealignment(CompiledForce):
         Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0),
         Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False),
     )
+    stuck_for: ClassVar[float] = 4.0
     signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
 
     @property

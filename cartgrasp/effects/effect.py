@@ -177,6 +177,9 @@ class ForceEffect(Effect):
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         """The wrench (..., 3) it applies to the cart, with partials."""
 
+    stuck_for: ClassVar[float] = 0.1
+    """s: how long a force of `stiction` keeps its value."""
+
     def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array | None:
         """Wrenches (..., 3, k), in {b}, that may act beside `wrench_b` near standstill, where a Coulomb force
         takes whatever value holds things still; they vanish with speed. None where there is no such force."""

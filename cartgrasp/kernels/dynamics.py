@@ -211,14 +211,18 @@ def sum_memory_rates(m: Workspace, point: Point, at: Situation) -> None:
 
 @compiled
 def stictions(m: Workspace, point: Point, columns: Array) -> int:
-    """Wrenches (3,) that Coulomb effects may give near standstill, one after the other; returns how many. The last
-    `situation` was asked for at this point."""
+    """Wrenches (3,) that Coulomb effects may give near standstill, one after the other, each times the root of how long
+    it keeps its value; returns how many. The last `situation` was asked for at this point."""
     at, count = _carried(m, point, lifted(m.basis, point.state[3:])), 0
     columns[:] = 0.0
     stuck = columns.reshape((len(columns) // 3, 3))
     for e in range(len(m.effects)):
         own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
-        count += add_stiction(m.effects[e, 0], at, own, stuck[count:])
+        more = add_stiction(m.effects[e, 0], at, own, stuck[count:])
+        for c in range(count, count + more):
+            for i in range(3):
+                stuck[c, i] *= m.roots[e]
+        count += more
     return count
 
 

@@ -21,17 +21,20 @@ POSE, VELOCITY, PHI, MEMORY = 1, 4, 7, 11
 
 
 class PackedEffect(NamedTuple):
-    """An effect with a kernel: its name, where its parameters and memory begin and end, its constant."""
+    """An effect with a kernel: its name, where its parameters and memory begin and end, its constant, and the root of
+    how long its stiction keeps its value (1: told as it is)."""
 
     name: str
     parameters: slice
     memory: slice
     constant: float
+    root: float = 1.0
 
 
 class Workspace(NamedTuple):
-    """`effects` (e, 5): kind, first and last + 1 of the parameters, and of the memory; their `constants` (e,); `wheels`
-    (n, 3) and `pivots` (k, 3) as in `Situation`; `basis` (3, f).
+    """`effects` (e, 5): kind, first and last + 1 of the parameters, and of the memory; their `constants` (e,) and the
+    `roots` (e,) of how long their stiction keeps its value; `wheels` (n, 3) and `pivots` (k, 3) as in `Situation`;
+    `basis` (3, f).
 
     Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (3, 11 + k + p) of the effects'
     `wrench` and (k, 11 + k + p) of the memory's rate, one after the other in `sums`; and `loads` (n,), `carried` (n, 4)
@@ -41,6 +44,7 @@ class Workspace(NamedTuple):
     smoothing_speed: float
     effects: Ints
     constants: Array
+    roots: Array
     wheels: Array
     pivots: Array
     basis: Array
@@ -77,7 +81,8 @@ def pack(
         own, memory = effect.parameters, effect.memory
         row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop
     constants = [effect.constant for effect in effects]
-    given = np.concatenate([common, constants, table.ravel(), pivots.ravel(), basis.ravel()])
+    roots = [effect.root for effect in effects]
+    given = np.concatenate([common, constants, roots, table.ravel(), pivots.ravel(), basis.ravel()])
     room = sums_size(nm, p) + 6 * len(table) + nf * nf + n * (4 + n + 3 + p)
     return np.concatenate([given, np.zeros(room)]), ints
 
@@ -87,7 +92,7 @@ def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
     """And room (nf² + n (7 + n + p),) for a rate with all partials, and for steps."""
     ne, nw, nv, nf, nm, p = ints[0], ints[1], ints[2], ints[3], ints[4], ints[5]
     width = MEMORY + nm + p
-    constants, at = floats[2 : 2 + ne], 2 + ne
+    constants, roots, at = floats[2 : 2 + ne], floats[2 + ne : 2 + 2 * ne], 2 + 2 * ne
     wheels, at = floats[at : at + 3 * nw].reshape((nw, 3)), at + 3 * nw
     pivots, at = floats[at : at + 3 * nv].reshape((nv, 3)), at + 3 * nv
     basis, at = floats[at : at + 3 * nf].reshape((3, nf)), at + 3 * nf
@@ -106,6 +111,7 @@ def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
         floats[1],
         effects,
         constants,
+        roots,
         wheels,
         pivots,
         basis,

@@ -23,11 +23,12 @@ from ..effects import CasterRealignment, Effect, RollingResistance, ViscousDrag
 from ..frames import Array
 from ..inertia import Inertia, physical_from_phi
 from ..information import WrenchNoise as ForceNoise
-from ..information import fisher_information, parameter_regressor, reduced_noise
+from ..information import reduced_noise
 from ..logs import RunLog
 from ..model import CartModel
 from ..motion import Measurement, Motion
 from ..simulation.sensors import SensorNoise, Sensors
+from .motion_bound import TrueMotion, information_of
 from .parallel import run_all
 from .shopping_cart import FIRM, WHEELS
 
@@ -150,20 +151,17 @@ def record(experiment: Experiment, driven: Drive, seed: int) -> RunLog:
 
 
 def mass_bound(experiment: Experiment, driven: Drive) -> float:
-    """Cramér-Rao's, of the standard deviation of the mass, kg: from the true motion of each step at speed, the noise of
-    the wrench and the prior. What the casters do is taken as known."""
+    """Cramér-Rao's, of the standard deviation of the mass, kg: from the true motion, the noise of all sensors, wrenches
+    at speed, and the prior. What the casters do is taken as known."""
     effects = experiment.cart.effects[:2]
     cart = replace(experiment.cart, effects=effects)
     first = replace(experiment.guess, effects=experiment.guess.effects[:2])
     velocity = np.array([motion.velocity for motion in driven.motions])
     pose = np.array([motion.pose_sb for motion in driven.motions])
-    middle = (velocity[1:] + velocity[:-1]) / 2
-    fast = np.abs(middle[:, 0]) >= LEAST_SPEED
-    regressor = parameter_regressor(
-        cart, np.hstack([pose[:-1], middle])[fast], (np.diff(velocity, axis=0) / PERIOD)[fast]
-    )
+    fast = np.abs(velocity[1:, 0] + velocity[:-1, 0]) / 2 >= LEAST_SPEED
     noise = reduced_noise(cart, [POINT], ForceNoise(SENSORS.force, SENSORS.moment))
-    information = fisher_information(regressor, noise) + np.linalg.inv(PRIOR.covariance(first))
+    told = information_of(cart, TrueMotion(pose, velocity, PERIOD, fast), noise, SENSORS)
+    information = told + np.linalg.inv(PRIOR.covariance(first))
     return float(np.sqrt(np.linalg.inv(information)[0, 0]))
 
 

@@ -358,8 +358,8 @@ class WrenchRegression:
         nu = state[:, self.cart.velocity_slice]
         slow[:, self.cart.velocity_slice] = np.sign(nu) * np.maximum(np.abs(nu) - STILL * self.motion.velocity_std, 0.0)
         forces = self.cart.basis_b.T @ self.cart.stiction(slow, parameters, self.motion.time)
-        samples = max(1.0, BLOCK / float(np.median(np.diff(self.motion.time))))
-        return np.asarray(samples * forces @ np.swapaxes(forces, 1, 2))
+        step = min(BLOCK, float(np.median(np.diff(self.motion.time))))
+        return np.asarray(forces @ np.swapaxes(forces, 1, 2) / step)
 
 
 def _delayed(wrench: Array, delay: float) -> Array:

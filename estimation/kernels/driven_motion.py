@@ -25,8 +25,6 @@ HELD = 0.1
 """s: for how long a wrench is taken to go on."""
 POISED = 12.0
 """e-foldings of an instability after which nothing is poised there any more."""
-STICTION_MEMORY = 0.1
-"""s: how long a stuck friction force keeps its value."""
 
 unpack = compiled(parts)
 
@@ -69,8 +67,8 @@ def drive(floats: Array, ints: Indices, block: Array, plan: Indices, seen: Array
 @entry
 def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float) -> bool:
     """`flow`: the rate (n,), its partials by state (n, n), wrench (n, 3) and parameters (n, p), one after the other;
-    `stuck`: wrenches (3,), one after the other, that Coulomb effects may give besides. Returns whether a memory is
-    poised."""
+    `stuck`: roots (3,) of densities of what Coulomb effects may give besides, one after the other. Returns whether a
+    memory is poised."""
     d = unpack(block, plan)
     _predict(d, flow, stuck, plan[N_SIZES:], step, d.room)
     return _is_poised(d)
@@ -159,7 +157,7 @@ def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Ar
         for j in range(3):
             disturbance[i, j] = time * d.disturbance[i, j]
             for c in range(len(stuck) // 3):
-                disturbance[i, j] += time * STICTION_MEMORY * stuck[3 * c + i] * stuck[3 * c + j]
+                disturbance[i, j] += time * stuck[3 * c + i] * stuck[3 * c + j]
     noise[:] = 0.0
     add_congruence(by_wrench, disturbance, noise, room)
     for i in range(len(noise)):

@@ -11,6 +11,8 @@ from cartgrasp.frames import Array
 from .correction import eliminate, factorise
 from .jit import row_compiled, row_entry
 
+SPACING = 0.1
+"""s from row to row."""
 STILL = 3.0
 """Standard deviations of nu within which a cart may stand still, or be as fast as asked."""
 FLOOR_SHARE = 0.002
@@ -110,7 +112,7 @@ def add_left_out(linear: Array, stuck: Array, of_memory: Array, noise: Array) ->
             total[a] += of_memory[a] if c == count else 0.0
         for a in range(f):
             for b in range(f):
-                noise[a, b] += total[a] * total[b]
+                noise[a, b] += total[a] * total[b] / (SPACING if c < count else 1.0)
 
 
 @row_compiled

@@ -24,6 +24,7 @@ from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.correction import normalised_square
 from ..kernels.filtered_row import weights
+from ..kernels.row_parts import SPACING
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
@@ -38,7 +39,7 @@ from .recorded_wrenches import RecordedWrenches
 from .regression_belief import RegressionBelief
 from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
 
-BLOCK, WIDTH, LAG = 0.1, 0.1, 0.12
+BLOCK, WIDTH, LAG = SPACING, 0.1, 0.12
 """s: how long a block is, over how long its ends are means, and how much later its row is worked out, when they are
 smoothed."""
 LONG_GAP = 0.3
