@@ -166,6 +166,7 @@ class _Run:
             wanted=np.zeros(3),
             seen=np.full(6, np.nan),
             jolt=np.zeros(f),
+            room=np.empty(3 * f + 2 * f * f),
             given=given,
             found=np.zeros((1, N * (4 + N + len(P)))),
             nothing=np.zeros((1, 0)),
