@@ -120,7 +120,10 @@ def followed(since: Belief, pull: Array, more: Array, most: int) -> Belief:
 def evidence(since: Belief, root: Array) -> float:
     """Of the most likely of n moments, for a load of covariance `root @ rootᵀ`, (f, m)."""
     information, pulls = since
-    f, m = root.shape
+    f, m = 0, root.shape[1]
+    for a in range(len(root)):
+        for j in range(m):
+            f = a + 1 if root[a, j] != 0.0 else f
     through, factor, pulled, best = np.empty((f, m)), np.empty((m, m)), np.empty(m), -math.inf
     for i in range(len(pulls)):
         for a in range(f):

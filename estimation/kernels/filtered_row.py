@@ -9,7 +9,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.kernels.dynamics import Point, lifted, reduced, situation, stictions, taught
-from cartgrasp.kernels.workspace import unpack
+from cartgrasp.kernels.workspace import copy, unpack
 
 from .jit import Indices, compiled, entry, row_compiled, row_entry
 from .row_parts import (
@@ -129,6 +129,22 @@ def over(time: Array, block: float, width: float, lag: float) -> tuple[int, int]
     if last - time[min(end, n) - 1] < lag - 1e-6:
         return 0, 0
     return k, end
+
+
+@entry
+def are_known(wrenches: Array) -> bool:
+    """Whether there is a wrench at each moment."""
+    known = True
+    for i in range(len(wrenches)):
+        known &= math.isfinite(wrenches[i, 0])
+    return known
+
+
+@entry
+def drop(table: Array, k: int) -> None:
+    """The first k of a table's rows: the others take their places."""
+    for i in range(k, len(table)):
+        copy(table[i], table[i - k])
 
 
 @row_entry

@@ -17,7 +17,7 @@ from cartgrasp.model import CartModel
 
 from ..gaussian import Gaussian
 from ..kernels import tracked_motion as kernels
-from ..kernels.filtered_row import Smoothed, smoothed
+from ..kernels.filtered_row import Smoothed, drop, smoothed
 from ..noise import FilterNoise
 from ..shallow import shallow
 
@@ -110,7 +110,7 @@ class MotionTracker:
 
     def drop(self, k: int) -> None:
         """The first k moments."""
-        for part in (self._time, self._rows):
-            part[: self._n - k] = part[k : self._n].copy()
+        drop(self._rows[: self._n], k)
+        drop(self._time[: self._n, None], k)
         self._n -= k
         self.first_time = float(self._time[0])

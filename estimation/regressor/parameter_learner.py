@@ -23,7 +23,7 @@ from ..batch.physical_fit import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.correction import normalised_square
-from ..kernels.filtered_row import FilteredRow, over, weights
+from ..kernels.filtered_row import FilteredRow, are_known, over, weights
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
@@ -206,7 +206,7 @@ class ParameterLearner:
             along = moved.pose, moved.velocity, moved.time
             moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
-        is_whole = math.isfinite(wrenches[:, 0].sum()) and not tracker.is_torn(end - 1)
+        is_whole = are_known(wrenches) and not tracker.is_torn(end - 1)
         if is_whole and not is_slow and not stands_still(moved):
             self._learn(Block(weighing, moved, wrenches))
         else:
