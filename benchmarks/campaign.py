@@ -28,8 +28,8 @@ from .report import Result, Table, number, timed_table
 
 CORES = 2
 SINGLE, COMPILED = "single-run loop", "compiled loop"
-SHARES = (0.25, 0.5, 1.0)
-SINGLES = 20
+SHARES = (0.1, 0.3, 1.0)
+SINGLES = 100
 """Runs of a campaign for each that the single-run loop does beside it."""
 NOTE = f"""Runs of 30 s at 100 Hz, 3,000 control periods each: a cart of drawn mass, CoM and drag on Table I's curves,
 two arms, noisy sensors, and the filter that learns all seven parameters from a wrong guess; the plant takes steps of

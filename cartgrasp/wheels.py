@@ -88,6 +88,6 @@ class WheelSet:
         phi, n = np.asarray(phi, dtype=float), len(self.wheels)
         loads, load_map = np.empty((*phi.shape[:-1], n)), np.empty((*phi.shape[:-1], n, 4))
         phis = np.ascontiguousarray(phi.reshape(-1, 4))
-        found = loads.reshape(-1, n), load_map.reshape(-1, n, 4), np.empty((len(phis), n))
+        found = loads.reshape(-1, n), load_map.reshape(-1, n, 4), np.zeros((len(phis), n))
         wheel_loads.stacked_loads(self.positions, GRAVITY, phis, found)
         return loads, load_map

@@ -41,10 +41,14 @@ def core_of(given: Given, least_speed: float = 0.0) -> AugmentedFilter | Learnin
     """The filter behind a `CartFilter`, which takes samples in order."""
     cart, _, noise, prior, _ = given
     with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-        is_exact = noise.force <= EXACT * noise.disturbance
-        if least_speed == 0.0 and (is_exact or cart.memory_names):
+        if least_speed == 0.0 and not takes_rows(cart, noise):
             return AugmentedFilter(*given)
         return LearningFilter(ParameterLearner(*given, least_speed), DrivenMotion(cart, noise, prior.free(cart)))
+
+
+def takes_rows(cart: CartModel, noise: FilterNoise) -> bool:
+    """Whether a regression learns more than an EKF."""
+    return bool(noise.force > EXACT * noise.disturbance) and not cart.memory_names
 
 
 class CartFilter:

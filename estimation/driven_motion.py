@@ -29,7 +29,6 @@ class DrivenMotion:
 
     def __init__(self, cart: CartModel, noise: FilterNoise, free: np.ndarray) -> None:
         self.cart, self._noise, self._free, self._nu = cart, noise, free, cart.velocity_slice
-        self._pairs = np.ix_(free, free)
         self._in_kernels = cart.is_compiled and not cart.slip_compliance
         self._sticks = cart.stiction(cart.state(), cart.parameters, 0.0).shape[-1] > 0
         n, k, m = len(cart.state_names), cart.constraints.n_free, len(cart.memory_names)
@@ -95,9 +94,8 @@ class DrivenMotion:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""
         if theta is self._theta:
             return
-        now = self.now
-        now.mean[:] += now.slopes @ (theta - now.theta)[self._free]
-        now.theta[:], now.beside[:], self._theta = theta, covariance[self._pairs], theta
+        kernels.learn(self._block, self._plan, theta, covariance)
+        self._theta = theta
 
     def push(self, wrench: SensedWrench) -> None:
         """From now on."""

@@ -66,13 +66,32 @@ def reduced(m: Workspace, point: Point, acceleration: Array, wrench: Array, mass
 
 
 @compiled
+def taught(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Array, Array]) -> None:
+    """As `reduced`, and the wrench's partials by the parameters (f, p)."""
+    wrench, mass, by_parameters = out
+    rigid = rigid_body.regressor(lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration))
+    reduced(m, point, acceleration, wrench, mass)  # which may stand where nu' does
+    basis, first = m.basis, MEMORY + len(m.memory_rate)
+    by_parameters[:] = 0.0
+    for a in range(basis.shape[1]):
+        for i in range(3):
+            along = basis[i, a]
+            if along == 0.0:
+                continue
+            for q in range(len(point.parameters)):
+                by_parameters[a, q] -= along * m.wrench[i, first + q]
+            for c in range(4):
+                by_phi = along * (rigid[i][c] - m.wrench[i, PHI + c])
+                _add_by_phi(m.phi_by_parameters[c], by_phi, by_parameters[a])
+
+
+@compiled
 def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> None:
     """Inverse dynamics at nu' = `acceleration` (f,), into the arrays of `out`."""
-    twist, turn = lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration)
-    reduced(m, point, acceleration, out.wrench, out.by_acceleration)
-    rigid, bias = rigid_body.regressor(twist, turn), rigid_body.by_velocity(twist, m.phi)
+    taught(m, point, acceleration, (out.wrench, out.by_acceleration, out.by_parameters))
+    bias = rigid_body.by_velocity(lifted(m.basis, point.state[3:]), m.phi)
     basis, wrench, n_free, n_memory = m.basis, m.wrench, m.basis.shape[1], len(m.memory_rate)
-    out.by_state[:], out.by_parameters[:] = 0.0, 0.0
+    out.by_state[:] = 0.0
     for a in range(n_free):
         for i in range(3):
             along = basis[i, a]
@@ -84,11 +103,6 @@ def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> No
                     out.by_state[a, 3 + b] += along * (bias[i][j] - wrench[i, VELOCITY + j]) * basis[j, b]
             for k in range(n_memory):
                 out.by_state[a, 3 + n_free + k] -= along * wrench[i, MEMORY + k]
-            for q in range(len(point.parameters)):
-                out.by_parameters[a, q] -= along * wrench[i, MEMORY + n_memory + q]
-            for c in range(4):
-                by_phi = along * (rigid[i][c] - wrench[i, PHI + c])
-                _add_by_phi(m.phi_by_parameters[c], by_phi, out.by_parameters[a])
     out.memory_rate_by_state[:] = 0.0
     for k in range(n_memory):
         rate = m.memory_rate[k]

@@ -55,14 +55,18 @@ def fill_map(wheels: Array, standing: Array, gravity: float, carried: Array) -> 
 
 @compiled
 def carry(wheels: Array, phi: Array, gravity: float, found: tuple[Array, Array, Array]) -> None:
-    """Into `found`: loads (n,) at phi, their map (n, 4), and which wheels stand (n,). A wheel can't pull on the floor:
-    one that would stands off it, and the others carry all."""
+    """Into `found`, which is 0 or of the same wheels before: loads (n,) at phi, their map (n, 4), and which wheels
+    stand (n,). A wheel can't pull on the floor: one that would stands off it, and the others carry all."""
     loads, carried, standing = found
+    is_filled = True  # as long as all stand, the map is the last one
+    for k in range(len(wheels)):
+        is_filled &= standing[k] == 1.0
     standing[:] = 1.0
     lifts = True
     while lifts:
-        fill_map(wheels, standing, gravity, carried)
-        lifts = False
+        if not is_filled:
+            fill_map(wheels, standing, gravity, carried)
+        lifts = is_filled = False
         for k in range(len(wheels)):
             loads[k] = carried[k, 0] * phi[0] + carried[k, 1] * phi[1] + carried[k, 2] * phi[2]
             if standing[k] != 0.0 and loads[k] < 0.0:

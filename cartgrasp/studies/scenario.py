@@ -106,12 +106,13 @@ class Scenario:
 
 def with_truth(record: RunRecord, truth: CartModel) -> RunRecord:
     """The record with the true value beside each parameter that the truth has."""
-    physical = physical_from_phi(truth.phi_at(record.time))
-    values = dict(zip(("mass", "com_x", "com_y", "inertia"), physical.T, strict=True))
+    changes, n = any(isinstance(effect, InertiaEffect) for effect in truth.effects), len(record.time)
+    physical = physical_from_phi(truth.phi_at(record.time if changes else record.time[:1]))
+    values = dict(zip(("mass", "com_x", "com_y", "inertia"), np.broadcast_to(physical, (n, 4)).T, strict=True))
     for effect in truth.effects:
         if not isinstance(effect, InertiaEffect):
             for key, value in zip(effect.keys, effect.values, strict=True):
-                values[key] = np.full(len(record.time), value)
+                values[key] = np.full(n, value)
     parameters = {name: replace(series, truth=values.get(name)) for name, series in record.parameters.items()}
     return replace(record, parameters=parameters)
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
+from operator import gt, lt
 from typing import Any
 
 import numpy as np
@@ -43,9 +45,14 @@ class PhysicalSet:
         least = LEAST_MASS_SHARE * body.mass, LEAST_INERTIA_SHARE * body.about_com
         return cls(*least, lower, upper, not cart.constraints.no_rotation, source)
 
+    @cached_property
+    def _bounds(self) -> tuple[list[float], list[float]]:
+        return self.lower.tolist(), self.upper.tolist()
+
     def holds(self, parameters: Array) -> bool:
-        effects, (mass, x, y, about_origin) = parameters[N_PHI:], parameters[:N_PHI].tolist()
-        if mass < self.mass or (effects < self.lower).any() or (effects > self.upper).any():
+        mass, x, y, about_origin, *effects = parameters.tolist()
+        lower, upper = self._bounds
+        if mass < self.mass or any(map(lt, effects, lower)) or any(map(gt, effects, upper)):
             return False
         return not self.turns or about_origin - (x * x + y * y) / mass >= self.about_com
 
@@ -69,8 +76,7 @@ class PhysicalSet:
         low[0], low[N_PHI:], high[N_PHI:] = (1 + EDGE) * self.mass, self.lower, self.upper
         which, scale = lift.argmax(axis=0), lift.max(axis=0)
         limits = [((edge - parameters)[which] / scale) for edge in (low, high)]
-        root = np.linalg.cholesky(metric).T
-        step = lsq_linear(root, np.zeros(len(which)), tuple(limits), method="bvls").x
+        step = _least(metric, *limits)
         nearest = self._bounded(parameters + lift @ step)
         if not self.holds(nearest):
             found = minimize(  # type: ignore[call-overload]
@@ -137,3 +143,19 @@ class PhysicalSet:
 
     def _limited(self, bounds: Array, free: np.ndarray) -> list[int]:
         return [int(i) for i in np.flatnonzero(np.isfinite(bounds)) if N_PHI + i in free]
+
+
+def _least(metric: Array, low: Array, high: Array) -> Array:
+    """The step (f,) within bounds that is least in a metric (f, f): bounds that it meets are taken in, and let go where
+    they would pull, until neither is left (a primal-dual active set; rarely it runs in circles)."""
+    step, meets = np.zeros(len(low)), np.zeros(len(low), dtype=bool)
+    for _ in range(2 * len(low)):
+        pulls = metric @ step
+        held = meets & np.where(step <= low, pulls > 0, pulls < 0)
+        now = held | (step < low) | (step > high)
+        if (now == meets).all():
+            return step
+        meets = now
+        step = np.where(meets, np.clip(step, low, high), 0.0)
+        step[~meets] = -np.linalg.solve(metric[np.ix_(~meets, ~meets)], metric[np.ix_(~meets, meets)] @ step[meets])
+    return np.asarray(lsq_linear(np.linalg.cholesky(metric).T, np.zeros(len(low)), (low, high), method="bvls").x)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from cartgrasp.frames import Array
 
 from .correction import eliminate, factorise
-from .jit import row_compiled, row_entry
+from .filtered_row import FilteredRow
+from .jit import Indices, row_compiled, row_entry
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
@@ -20,21 +20,6 @@ Limits = tuple[float, float, float]
 """The share kept of what is known, and the squares by component beyond which a row pulls less, and is none."""
 LEAST_SHARE = 1e-9
 """Of a row's noise: what is taken as shared where nothing is."""
-
-
-class Answer(NamedTuple):
-    """Of a row: slopes of what is unknown (n, k), its value (n,), and what is feigned (k,); the rest as in
-    `FilteredRow`."""
-
-    slopes: Array
-    value: Array
-    feigned: Array
-    ends: Array
-    fade: float
-    noise: Array
-    before: Array
-    after: Array
-    shared: Array
 
 
 @row_entry
@@ -56,37 +41,62 @@ def unlinked(information: Array, pull: Array, k: int) -> Belief:
 
 
 @row_entry
-def absorbed(belief: Belief, row: Answer, limits: Limits) -> tuple[Belief, Surprised]:
-    """With a row, whose link is handed on. Of one that is none only the square is told."""
+def concluded(belief: Belief, theta: Array, free: Indices) -> tuple[Array, Array, Array]:
+    """Parameters (p,), of which those that are `free` are as believed; their covariance (p, p), and a root of it
+    (p, f)."""
+    f, p, covariance = len(free), len(theta), _inverse(belief[0])
+    mean, factor = covariance @ belief[1], covariance[:f, :f].copy()
+    found, whole, root = theta.copy(), np.zeros((p, p)), np.zeros((p, f))
+    factorise(factor)
+    for a in range(f):
+        found[free[a]] = mean[a]
+        for b in range(f):
+            whole[free[a], free[b]] = covariance[a, b]
+            if b <= a:
+                root[free[a], b] = factor[a, b]
+    return found, whole, root
+
+
+@row_entry
+def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits: Limits) -> tuple[Belief, Surprised]:
+    """With a row around parameters (p,), whose link is handed on. Of one that is none only the square is told."""
     kept, gate, absurd = limits
-    n, k = row.slopes.shape
-    information, pull = belief if len(belief[1]) > k else _linked(belief, _linking(row, row.before))
+    n, k = len(row.residual), len(free) + 1
+    noise, slopes, value, feigned = row.noise + row.curvature, np.empty((n, k)), row.residual.copy(), np.empty(k)
+    for j in range(k):
+        of = free[j] if j < k - 1 else len(at)
+        feigned[j] = row.feigned[of]
+        for a in range(n):
+            slopes[a, j] = row.slopes[a, of]
+            value[a] += slopes[a, j] * at[of] if j < k - 1 else 0.0
+    linking = _linking(noise, row.shared, row.before)
+    information, pull = belief if len(belief[1]) > k else _linked(belief, linking)
     mean, covariance = np.empty(len(pull)), _inverse(information)
     mean[:] = covariance @ pull
     before, after = np.zeros((n, k + 2 * n)), np.zeros((n, 2 * n))
-    before[:, :k], before[:, k : k + n], after[:, :n] = row.slopes, -row.fade * row.ends, row.ends
+    before[:, :k], before[:, k : k + n], after[:, :n] = slopes, -row.fade * row.ends, row.ends
     for a in range(n):
         before[a, k + n + a] = after[a, n + a] = 1.0
-    alone, linking = row.noise - 2.0 * row.shared, _linking(row, row.after)
+    alone, linking = noise - 2.0 * row.shared, _linking(noise, row.shared, row.after)
     own = alone + _congruence(after, linking)
-    news, spread = row.value - before @ mean, _congruence(before, covariance) + own
+    news, spread = value - before @ mean, _congruence(before, covariance) + own
     square = _square(news, spread)
     if not square < absurd * n:
         return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)))
     scale = max(1.0, square / (gate * n))
-    taught = row.slopes[:, : k - 1].copy()
+    taught = slopes[:, : k - 1].copy()
     asked = _turned(_solved(scale * spread, taught))
     surprised = square, asked @ news, asked @ taught
     whole, more = _linked((information, pull), linking)
-    _forget(whole, more, row.slopes, scale * own, (mean, covariance), kept)
+    _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))
     wide[:, : k + 2 * n], wide[:, k + 2 * n :] = before, after
     weighed = _turned(_solved(scale * alone, wide))
     whole += weighed @ wide
-    more += weighed @ row.value
+    more += weighed @ value
     left, pulled = _without(whole, more, k, k + 2 * n)
     for i in range(k):
-        pulled[i] -= row.feigned[i] / scale
+        pulled[i] -= feigned[i] / scale
     return (left, pulled), surprised
 
 
@@ -110,7 +120,10 @@ def followed(since: Belief, pull: Array, more: Array, most: int) -> Belief:
 def evidence(since: Belief, root: Array) -> float:
     """Of the most likely of n moments, for a load of covariance `root @ rootᵀ`, (f, m)."""
     information, pulls = since
-    f, m = root.shape
+    f, m = 0, root.shape[1]
+    for a in range(len(root)):
+        for j in range(m):
+            f = a + 1 if root[a, j] != 0.0 else f
     through, factor, pulled, best = np.empty((f, m)), np.empty((m, m)), np.empty(m), -math.inf
     for i in range(len(pulls)):
         for a in range(f):
@@ -140,11 +153,11 @@ def evidence(since: Belief, root: Array) -> float:
 
 
 @row_compiled
-def _linking(row: Answer, error: Array) -> Array:
+def _linking(noise: Array, shared: Array, error: Array) -> Array:
     """Covariance (2 n, 2 n) of what is wrong with nu, given (n, n), and of noise that neighbours share."""
     n = len(error)
     covariance = np.zeros((2 * n, 2 * n))
-    covariance[:n, :n], covariance[n:, n:] = error, row.shared + LEAST_SHARE * row.noise
+    covariance[:n, :n], covariance[n:, n:] = error, shared + LEAST_SHARE * noise
     return covariance
 
 

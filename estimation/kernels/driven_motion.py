@@ -75,6 +75,19 @@ def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float)
 
 
 @entry
+def learn(block: Array, plan: Indices, theta: Array, covariance: Array) -> None:
+    """Parameters (p,) and their covariance (p, p) are now believed to be others."""
+    d, free = unpack(block, plan), plan[N_SIZES:]
+    for a in range(len(free)):
+        change = theta[free[a]] - d.theta[free[a]]
+        for i in range(len(d.mean)):
+            d.mean[i] += d.slopes[i, a] * change
+        for b in range(len(free)):
+            d.beside[a, b] = covariance[free[a], free[b]]
+    copy(theta, d.theta)
+
+
+@entry
 def take(block: Array, plan: Indices, seen: Array) -> None:
     """A pose (3,) and a velocity (3,), NaN where missing."""
     _take(unpack(block, plan), seen)

@@ -8,28 +8,26 @@ from typing import NamedTuple
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.kernels.dynamics import Inverse, Point, inverse, lifted, situation, stictions
-from cartgrasp.kernels.workspace import unpack
+from cartgrasp.kernels.dynamics import Point, lifted, reduced, situation, stictions, taught
+from cartgrasp.kernels.workspace import copy, unpack
 
-from .jit import Indices, compiled, row_compiled, row_entry
+from .jit import Indices, compiled, entry, row_compiled, row_entry
 from .row_parts import (
     STANDS_OUT,
     Rising,
     add_left_out,
     add_measured,
+    at_most,
     curvature_of,
     feigned_by,
     noise_of_wrenches,
     rise_of,
     slowest,
 )
+from .tracked_motion import smooth
 
 RATE = 2.0
 """1/s, of the filter."""
-
-Worked = tuple[Array, Array, Array, Array, Array, Array, Array]
-"""Residual (f,), slopes (f, p + 1), ends (f, f), noise (f, f), what is feigned (p + 1,), what is shared (f, f), and the
-curvature (f, f)."""
 
 
 class Weights(NamedTuple):
@@ -91,6 +89,84 @@ class LeftOut(NamedTuple):
     share: float
 
 
+Given = tuple[Array, Array, Array, Array]
+"""Wrenches as `RecordedWrenches` has them, (n - 1, width); parameters (p,), their covariance (p, p), and a root of it
+(p, q)."""
+
+
+class FilteredRow(NamedTuple):
+    """`residual = slopes @ (change of theta | lateness) + ends @ (e_k - fade e_(k-1)) + noise`, with e what is wrong
+    with the mean nu at the ends, of covariance `before` and `after`. `feigned` (p + 1,) is what noise in the slopes
+    adds to the mean of `slopesᵀ W residual`, `shared` (f, f) the part of the noise that each neighbour has, too.
+
+    `curvature` (f, f) is the covariance of what a row that is linear in the parameters leaves out, as far as they are
+    known: `tr(T T) / 2` of `zᵀ T z / 2`, with standard normal z. Load times friction is not linear."""
+
+    residual: Array
+    slopes: Array
+    ends: Array
+    fade: float
+    noise: Array
+    before: Array
+    after: Array
+    feigned: Array
+    shared: Array
+    curvature: Array
+
+
+@entry
+def over(time: Array, block: float, width: float, lag: float) -> tuple[int, int]:
+    """Of the first block of so many seconds of moments (n,), and of those that begin up to `width` later: how many
+    moments come before the second of them, and how many there are; 0 where they have not been over for the lag."""
+    n, k, end = len(time), 0, 0
+    last = time[n - 1]
+    if last - time[0] < block + lag - 1e-6:
+        return 0, 0
+    while k < n and time[k] < time[0] + block - 1e-6:
+        k += 1
+    while end < n and time[end] < time[0] + block + width - 1e-6:
+        end += 1
+    if last - time[min(end, n) - 1] < lag - 1e-6:
+        return 0, 0
+    return k, end
+
+
+@entry
+def are_known(wrenches: Array) -> bool:
+    """Whether there is a wrench at each moment."""
+    known = True
+    for i in range(len(wrenches)):
+        known &= math.isfinite(wrenches[i, 0])
+    return known
+
+
+@entry
+def drop(table: Array, k: int) -> None:
+    """The first k of a table's rows: the others take their places."""
+    for i in range(k, len(table)):
+        copy(table[i], table[i - k])
+
+
+@row_entry
+def smoothed(rows: Array, time: Array, weights: Array, known: Array, f: int) -> Smoothed:
+    """The first n moments of all that are tracked, each with what was measured after it, and the covariances of sums by
+    weights (q, n); without a memory."""
+    (q, end), d = weights.shape, 3 + 2 * f
+    mean, covariance, sums = np.empty((len(rows), d)), np.empty((len(rows), d, d)), np.empty((q, f + d, f))
+    smooth(rows, mean, covariance, weights, sums, known)
+    nu = np.empty((end, f, f))
+    nu[:] = covariance[:end, 3 : 3 + f, 3 : 3 + f]
+    return Smoothed(
+        time[:end].copy(),
+        mean[:end, :3].copy(),
+        mean[:end, 3 : 3 + f].copy(),
+        mean[:end, 3 + f :].copy(),
+        nu,
+        sums[:, :f].copy(),
+        np.zeros((end, 0)),
+    )
+
+
 @row_entry
 def weights(time: Array, width: int) -> Weights:
     """Of blocks of n - width steps that begin at each of the first `width` instants."""
@@ -115,22 +191,6 @@ def weights(time: Array, width: int) -> Weights:
             both += held[i] * held[i - n]
     of_motion[2] = of_motion[1] - fade * of_motion[0] - linear
     return Weights(linear, held, of_motion, fade, of_white, both / own)
-
-
-@row_entry
-def rising(whole: Array, covariance: Array) -> Rising:
-    return rise_of(whole, covariance)
-
-
-@row_entry
-def feigned(rise: Rising, by_acceleration: Array, mass: Array, noise: Array) -> Array:
-    return feigned_by(rise, by_acceleration, mass, noise)
-
-
-@row_entry
-def slowed(velocity: Array, covariance: Array) -> Array:
-    """The slowest (n, f) that each nu may be."""
-    return slowest(velocity, covariance)
 
 
 @row_entry
@@ -171,21 +231,18 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
 
 
 @row_entry
-def row(
-    weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: tuple[Array, Array, Array], left_out: LeftOut
-) -> Worked:
-    """Of what `begun` asked for. Given: wrenches as `RecordedWrenches` has them, (n - 1, width), parameters (p,), and
-    their spread."""
+def row(weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
+    """Of what `begun` asked for."""
     return _row(weighing, rise, found, block, given, left_out)
 
 
 @row_compiled
 def _row(
-    weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: tuple[Array, Array, Array], left_out: LeftOut
-) -> Worked:
+    weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: Given, left_out: LeftOut
+) -> FilteredRow:
     n, f = block.velocity.shape
     by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
-    wrenches, theta, spread = given
+    wrenches, theta, _, spread = given
     mass, slopes, by_acceleration = found.by_acceleration[still], np.zeros((f, p + 1)), np.empty((f, f, p))
     residual, of_memory = np.zeros(f), np.zeros(f)
     step = (block.time[n - 1] - block.time[0]) / (n - 1)
@@ -212,46 +269,40 @@ def _row(
     pull = np.zeros(p + 1)
     pull[:p] = feigned_by(rise, by_acceleration, mass, noise)
     curvature = curvature_of(by[still + f + 2 :], spread, weighing.linear.sum())
-    return residual, slopes, -RATE * mass, noise, pull, weighing.shared * white, curvature
+    before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
+    return FilteredRow(residual, slopes, -RATE * mass, weighing.fade, noise, before, after, pull, shared, curvature)
 
 
 @row_entry
 def worked_out(
-    cart: tuple[Array, Indices, int],
-    weighing: Weights,
-    block: Smoothed,
-    given: tuple[Array, Array, Array],
-    most: Array,
-    left_out: LeftOut,
-) -> Worked:
+    cart: tuple[Array, Indices, int], weighing: Weights, block: Smoothed, given: Given, left_out: LeftOut
+) -> FilteredRow:
     """`begun` and `row` at once, of a cart whose effects all have kernels: its workspace, and how many wrenches Coulomb
-    effects may give; these are as large as parameters `most` (p,) make them."""
+    effects may give."""
     floats, ints, n_stuck = cart
-    rise, asked = _begun(weighing, block, given[1], given[2])
-    n, m, s, f, p = len(block.time), len(asked.time), asked.state.shape[1], asked.acceleration.shape[1], len(most)
-    k = s - 3 - f
+    _, theta, covariance, spread = given
+    rise, asked = _begun(weighing, block, theta, spread)
+    n, m, f, p = len(block.time), len(asked.time), asked.acceleration.shape[1], len(theta)
     wrench, by_acceleration, by_parameters = np.empty((m, f)), np.empty((m, f, f)), np.empty((m, f, p))
     found = Found(wrench, by_acceleration, by_parameters, np.zeros((n, f, n_stuck)))
-    _find(floats, ints, asked, found, np.empty(f * s + k * (1 + s + p)))
-    slow = asked.state[:n].copy()
+    _find(floats, ints, asked, found, n)
+    slow, columns = asked.state[:n].copy(), np.empty(3 * n_stuck)
     slow[:, 3 : 3 + f] = slowest(block.velocity, block.covariance)
-    _find_stuck((floats, ints), (slow, block.time, most), found.stuck, np.empty(3 * n_stuck))
+    _find_stuck((floats, ints), (slow, block.time, at_most(theta, covariance)), found.stuck, columns)
     return _row(weighing, rise, found, block, given, left_out)
 
 
 @compiled
-def _find(floats: Array, ints: Indices, asked: Asked, found: Found, room: Array) -> None:
+def _find(floats: Array, ints: Indices, asked: Asked, found: Found, n: int) -> None:
+    """Of the first n the wrench alone."""
     m, _ = unpack(floats, ints)
-    s, f, p, k = asked.state.shape[1], asked.acceleration.shape[1], asked.parameters.shape[1], len(m.memory_rate)
-    by_state, at = room[: f * s].reshape((f, s)), f * s
-    rate, at = room[at : at + k], at + k
-    rate_by_state, at = room[at : at + k * s].reshape((k, s)), at + k * s
-    rate_by_parameters = room[at : at + k * p].reshape((k, p))
     for i in range(len(asked.time)):
         point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
-        by = found.by_acceleration[i], found.by_parameters[i]
-        out = Inverse(found.wrench[i], by_state, by[0], by[1], rate, rate_by_state, rate_by_parameters)
-        inverse(m, point, asked.acceleration[i], out)
+        if i < n:
+            reduced(m, point, asked.acceleration[i], found.wrench[i], found.by_acceleration[i])
+        else:
+            out = found.wrench[i], found.by_acceleration[i], found.by_parameters[i]
+            taught(m, point, asked.acceleration[i], out)
 
 
 @compiled

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from cartgrasp.frames import Array
+from cartgrasp.kernels.workspace import N_PHI
 
 from .correction import eliminate, factorise
 from .jit import row_compiled, row_entry
@@ -25,6 +26,22 @@ there are poor poses alone."""
 
 Rising = tuple[Array, Array, Array, Array]
 """B[nu'] (f,), with covariance (f, f); the part of it that stands out of its noise, with derivative (f,)."""
+
+
+@row_entry
+def rising(whole: Array, covariance: Array) -> Rising:
+    return rise_of(whole, covariance)
+
+
+@row_entry
+def feigned(rise: Rising, by_acceleration: Array, mass: Array, noise: Array) -> Array:
+    return feigned_by(rise, by_acceleration, mass, noise)
+
+
+@row_entry
+def slowed(velocity: Array, covariance: Array) -> Array:
+    """The slowest (n, f) that each nu may be."""
+    return slowest(velocity, covariance)
 
 
 @row_entry
@@ -49,6 +66,30 @@ def slowest(velocity: Array, covariance: Array) -> Array:
             left = max(abs(velocity[i, a]) - STILL * math.sqrt(covariance[i, a, a]), 0.0)
             slow[i, a] = math.copysign(left, velocity[i, a]) if left > 0.0 else 0.0
     return slow
+
+
+@row_entry
+def stands_still(velocity: Array, covariance: Array) -> bool:
+    """Whether nothing is seen to move."""
+    for i in range(len(velocity)):
+        for a in range(velocity.shape[1]):
+            if not velocity[i, a] ** 2 < STILL**2 * covariance[i, a, a]:
+                return False
+    return True
+
+
+@row_entry
+def largest(theta: Array, covariance: Array) -> Array:
+    return at_most(theta, covariance)
+
+
+@row_compiled
+def at_most(theta: Array, covariance: Array) -> Array:
+    """Parameters (p,), with effects as large as they are known to be."""
+    most = theta.copy()
+    for q in range(N_PHI, len(theta)):
+        most[q] += math.sqrt(max(covariance[q, q], 0.0))
+    return most
 
 
 @row_compiled

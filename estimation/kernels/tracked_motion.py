@@ -183,6 +183,16 @@ def smooth(rows: Array, means: Array, covariances: Array, weights: Array, sums: 
                     of_sum[a, b] += w * w * covariances[i, 3 + a, 3 + b] + w * with_later
 
 
+@entry
+def is_torn(rows: Array) -> bool:
+    """Whether more samples missed their gate than not."""
+    count = 0
+    for i in range(len(rows)):
+        missed = rows[i, rows.shape[1] - 1]
+        count += (2 if missed > 1.0 else 0) - (1 if math.isfinite(missed) else 0)
+    return count > 0
+
+
 @compiled
 def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Array, room: Array) -> None:
     """Into the first of `means` (2, d) and `covariances` (2, d, d), by the second; leaves in `back` (d, d) what takes

@@ -18,18 +18,16 @@ which Stein's lemma `E[g(x + e) e] = E[g'(x + e)] var e` gives, is told with the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
-from cartgrasp.constraints import RollingConstraints
 from cartgrasp.frames import Array
-from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from ..gaussian import Gaussian
 from ..kernels import filtered_row as kernels
-from ..kernels.filtered_row import Found, LeftOut, Smoothed, Weights
+from ..kernels import row_parts
+from ..kernels.filtered_row import FilteredRow, Found, LeftOut, Smoothed, Weights
 from ..kernels.jit import Indices
 from ..kernels.row_parts import STILL
 from ..noise import FilterNoise
@@ -37,28 +35,6 @@ from ..noise import FilterNoise
 REMEMBERED_SHARE = 1.0
 """Of what effects with a memory do in a row: what a model leaves out of it. Half of it goes wrong, where a caster
 swings a little sooner or later, and stays so for some four rows."""
-NONE = np.zeros(0, dtype=np.int64)
-
-
-@dataclass(frozen=True)
-class FilteredRow:
-    """`residual = slopes @ (change of theta | lateness) + ends @ (e_k - fade e_(k-1)) + noise`, with e what is wrong
-    with the mean nu at the ends, of covariance `before` and `after`. `feigned` (p + 1,) is what noise in the slopes
-    adds to the mean of `slopesᵀ W residual`, `shared` (f, f) the part of the noise that each neighbour has, too.
-
-    `curvature` (f, f) is the covariance of what a row that is linear in the parameters leaves out, as far as they are
-    known: `tr(T T) / 2` of `zᵀ T z / 2`, with standard normal z. Load times friction is not linear."""
-
-    residual: Array
-    slopes: Array
-    ends: Array
-    fade: float
-    noise: Array
-    before: Array
-    after: Array
-    feigned: Array
-    shared: Array
-    curvature: Array
 
 
 @dataclass(frozen=True)
@@ -72,12 +48,12 @@ class Rise:
 
     @classmethod
     def of(cls, whole: Array, covariance: Array) -> Rise:
-        return cls(*kernels.rising(whole, covariance))
+        return cls(*row_parts.rising(whole, covariance))
 
     def feigned(self, by_acceleration: Array, mass: Array, noise: Array) -> Array:
         """(p,), from the slopes' partials by B[nu'] (f, f, p), the mass matrix and the rest of a row's noise (f, f)."""
         rising = self.whole, self.covariance, self.part, self.derivative
-        return kernels.feigned(rising, by_acceleration, mass, noise)
+        return row_parts.feigned(rising, by_acceleration, mass, noise)
 
 
 @dataclass(frozen=True)
@@ -92,7 +68,7 @@ class Block:
 
 def stands_still(moved: Smoothed) -> bool:
     """Whether nothing is seen to move, all the block long."""
-    return not kernels.slowed(moved.velocity, moved.covariance).any()
+    return row_parts.stands_still(moved.velocity, moved.covariance)
 
 
 def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
@@ -103,34 +79,26 @@ def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
     return bool((found + STILL * std < speed).any())
 
 
-def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, noise: FilterNoise) -> FilteredRow:
+def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, left_out: LeftOut) -> FilteredRow:
     """Of a block around the parameters (p,) that are known by now, to within `spread @ z`, (p, q).
 
     Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they are
     believed, a swivel torque would be learned away while casters just trail."""
-    moved, weights, most = block.moved, block.weights, known.mean.copy()
-    most[N_PHI:] += known.std[N_PHI:]
-    given, left_out = (block.wrenches, known.mean, spread), _left_out(cart, noise)
-    if cart.is_compiled:
-        dynamics = cart.dynamics
-        workspace = dynamics.floats, dynamics.ints, dynamics.most_stictions
-        worked = kernels.worked_out(workspace, weights, moved, given, most, left_out)
-    else:
-        worked = _in_numpy(cart, block, given, most, left_out)
-    residual, slopes, ends, own, feigned, shared, curvature = worked
-    before, after, _ = moved.of_sums
-    return FilteredRow(residual, slopes, ends, weights.fade, own, before, after, feigned, shared, curvature)
+    given = block.wrenches, known.mean, known.covariance, spread
+    if not cart.is_compiled:
+        return _in_numpy(cart, block, given, left_out)
+    dynamics = cart.dynamics
+    workspace = dynamics.floats, dynamics.ints, dynamics.most_stictions
+    return kernels.worked_out(workspace, block.weights, block.moved, given, left_out)
 
 
-def _in_numpy(
-    cart: CartModel, block: Block, given: tuple[Array, Array, Array], most: Array, left_out: LeftOut
-) -> kernels.Worked:
+def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: LeftOut) -> FilteredRow:
     """Where some effect has no kernel."""
-    moved, (_, theta, spread) = block.moved, given
+    moved, (_, theta, covariance, spread) = block.moved, given
     rise, asked = kernels.begun(block.weights, moved, theta, spread)
     there = cart.inverse(asked.state, asked.acceleration, asked.parameters, asked.time)
-    slow = asked.state[: len(moved.time)].copy()
-    slow[:, cart.velocity_slice] = kernels.slowed(moved.velocity, moved.covariance)
+    slow, most = asked.state[: len(moved.time)].copy(), row_parts.largest(theta, covariance)
+    slow[:, cart.velocity_slice] = row_parts.slowed(moved.velocity, moved.covariance)
     found = Found(
         wrench=np.ascontiguousarray(there.wrench),
         by_acceleration=np.ascontiguousarray(there.by_acceleration),
@@ -140,21 +108,14 @@ def _in_numpy(
     return kernels.row(block.weights, rise, found, moved, given, left_out)
 
 
-def _left_out(cart: CartModel, noise: FilterNoise) -> LeftOut:
-    return LeftOut(_disturbance(cart.rolling, noise), _remembering(cart), REMEMBERED_SHARE)
-
-
-@lru_cache(maxsize=16)
-def _disturbance(rolling: RollingConstraints, noise: FilterNoise) -> Array:
-    """Density (f, f)."""
-    root = rolling.basis_b.T * [noise.disturbance, noise.disturbance, noise.lever * noise.disturbance]
-    return np.asarray(root @ root.T)
+def left_out(cart: CartModel, noise: FilterNoise) -> LeftOut:
+    """What a model leaves out."""
+    root = cart.basis_b.T * [noise.disturbance, noise.disturbance, noise.lever * noise.disturbance]
+    return LeftOut(root @ root.T, _remembering(cart), REMEMBERED_SHARE)
 
 
 def _remembering(cart: CartModel) -> Indices:
     """Which parameters effects with a memory have, and are estimated."""
-    if not cart.memory_names:
-        return NONE
     found = [
         i
         for effect, own, memory in cart.force_effects

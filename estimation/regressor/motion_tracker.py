@@ -17,7 +17,7 @@ from cartgrasp.model import CartModel
 
 from ..gaussian import Gaussian
 from ..kernels import tracked_motion as kernels
-from ..kernels.filtered_row import Smoothed
+from ..kernels.filtered_row import Smoothed, drop, smoothed
 from ..noise import FilterNoise
 from ..shallow import shallow
 
@@ -35,7 +35,7 @@ class MotionTracker:
 
     def __init__(self, cart: CartModel, noise: FilterNoise) -> None:
         f = self._free = cart.constraints.n_free
-        self._nu, self._d, self._n = slice(3, 3 + f), 3 + 2 * f, 0
+        self._d, self._n = 3 + 2 * f, 0
         self._known = np.zeros(kernels.known_size(f))
         known = kernels.known_of(self._known, f)
         known.basis[:], known.project[:] = cart.basis_b, np.linalg.pinv(cart.basis_b)
@@ -102,28 +102,15 @@ class MotionTracker:
     def smoothed(self, weights: Array) -> Smoothed:
         """The first n moments, each with what was measured after it, too, and without a memory; and the covariances of
         sums by weights (q, n)."""
-        q, end = weights.shape
-        n, d, nu = self._n, self._d, self._nu
-        mean, covariance, sums = np.empty((n, d)), np.empty((n, d, d)), np.empty((q, self._free + d, self._free))
-        kernels.smooth(self._rows, mean, covariance, weights, sums, self._known)
-        return Smoothed(
-            time=self._time[:end].copy(),
-            pose=mean[:end, :3].copy(),
-            velocity=mean[:end, nu].copy(),
-            acceleration=mean[:end, nu.stop :].copy(),
-            covariance=covariance[:end, nu, nu].copy(),
-            of_sums=sums[:, : self._free].copy(),
-            memory=np.zeros((end, 0)),
-        )
+        return smoothed(self._rows[: self._n], self._time[: self._n], weights, self._known, self._free)
 
     def is_torn(self, k: int) -> bool:
         """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""
-        missed = self._rows[: k + 1, -1]
-        return int((missed > 1.0).sum()) * 2 > int(np.isfinite(missed).sum())
+        return kernels.is_torn(self._rows[: k + 1])
 
     def drop(self, k: int) -> None:
         """The first k moments."""
-        for part in (self._time, self._rows):
-            part[: self._n - k] = part[k : self._n].copy()
+        drop(self._rows[: self._n], k)
+        drop(self._time[: self._n, None], k)
         self._n -= k
         self.first_time = float(self._time[0])

@@ -23,7 +23,7 @@ from ..batch.physical_fit import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.correction import normalised_square
-from ..kernels.filtered_row import weights
+from ..kernels.filtered_row import FilteredRow, are_known, over, weights
 from ..kernels.row_parts import SPACING
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
@@ -32,7 +32,7 @@ from ..prior import Prior
 from ..seen import NOTHING_SEEN, seen_in
 from ..shallow import shallow
 from ..wrench_sensing import SensedWrench, WrenchSensing
-from .filtered_row import Block, FilteredRow, filtered_row, is_slower, stands_still
+from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
 from .recorded_wrenches import RecordedWrenches
@@ -72,6 +72,7 @@ class ParameterLearner:
         self.tracker = MotionTracker(cart, self.noise)
         self.recorded = RecordedWrenches(cart.constraints.n_free, len(cart.parameters))
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
+        self._left_out = left_out(cart, noise)
         self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, self.prior)
@@ -195,12 +196,7 @@ class ParameterLearner:
     def over(self) -> tuple[int, int]:
         """Of the block that has been over for long enough, how many moments come before the next, and how many there
         are; 0 where there is none."""
-        tracker = self.tracker
-        if tracker.last_time - tracker.first_time < BLOCK + LAG - 1e-6:
-            return 0, 0
-        time = tracker.time
-        k, end = np.searchsorted(time, (time[0] + BLOCK - 1e-6, time[0] + BLOCK + WIDTH - 1e-6)).tolist()
-        return (0, 0) if time[-1] - time[min(end, len(time)) - 1] < LAG - 1e-6 else (k, end)
+        return over(self.tracker.time, BLOCK, WIDTH, LAG)
 
     def take_block(self, k: int, end: int) -> None:
         """The first `end` moments, of which k are dropped."""
@@ -211,7 +207,7 @@ class ParameterLearner:
             along = moved.pose, moved.velocity, moved.time
             moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
-        is_whole = math.isfinite(wrenches[:, 0].sum()) and not tracker.is_torn(end - 1)
+        is_whole = are_known(wrenches) and not tracker.is_torn(end - 1)
         if is_whole and not is_slow and not stands_still(moved):
             self._learn(Block(weighing, moved, wrenches))
         else:
@@ -232,7 +228,7 @@ class ParameterLearner:
             self._again = SecondLook(self._belief.copy())
         if self._again is not None:
             self._again = self._again.and_then(block)
-        surprise = self._belief.absorb(replace(row, noise=row.noise + row.curvature), self.theta)
+        surprise = self._belief.absorb(row, self.theta)
         root = float(self.theta[0]) * self._root
         if self._watch.note(float(block.moved.time[-1]), surprise, root):
             self._belief.open(root @ root.T)
@@ -242,7 +238,7 @@ class ParameterLearner:
 
     def _worked_out(self, block: Block) -> FilteredRow:
         """The row around what is believed now."""
-        return filtered_row(self.cart, Gaussian(self.theta, self.covariance), self._spread, block, self.noise)
+        return filtered_row(self.cart, Gaussian(self.theta, self.covariance), self._spread, block, self._left_out)
 
     def _look_again(self) -> None:
         """At the next blocks, once the first of them is no longer blurred."""
@@ -266,26 +262,22 @@ class ParameterLearner:
         if block is None:
             belief.unlink()
             return
-        row = self._worked_out(block)
-        belief.absorb(replace(row, noise=row.noise + row.curvature), self.theta)
+        belief.absorb(self._worked_out(block), self.theta)
 
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
         taken, and the belief stays as it is."""
-        believed = self._believed = self._belief.parameters
-        theta = self.cart.parameters.copy()
-        theta[self._free] = believed.mean
+        theta, self.covariance, self._spread = self._belief.concluded(self.cart.parameters)
         if len(self._free) and not self._limits.holds(theta):
-            theta = self._limits.nearest(theta, self._free, believed.information)
-        covariance, spread = np.zeros((len(theta), len(theta))), np.zeros((len(theta), len(self._free)))
-        covariance[self._pairs], spread[self._free] = believed.covariance, np.linalg.cholesky(believed.covariance)
-        self.theta, self.covariance, self._spread, self._report = theta, covariance, spread, None
+            theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
+        self.theta, self._report = theta, None
 
     @property
     def report(self) -> Mapping[str, ParameterEstimate]:
         """What is said of the parameters."""
         if self._report is None:
             share = np.ones(len(self.theta))
-            share[self._free] = self._believed.std / np.sqrt(np.diagonal(self._first_covariance))
+            variances = np.diagonal(self.covariance)[self._free] / np.diagonal(self._first_covariance)
+            share[self._free] = np.sqrt(np.maximum(variances, 0.0))
             self._report = self.reporter.of(self.theta, self.covariance, share)
         return self._report

@@ -9,6 +9,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
+from ..kernels.filtered_row import drop
 from ..shallow import shallow
 from ..wrench_sensing import SensedWrench
 
@@ -68,7 +69,7 @@ class RecordedWrenches:
 
     def drop(self, k: int) -> None:
         """The first k moments."""
-        self._rows[: self._n - k] = self._rows[k : self._n].copy()
+        drop(self.rows, k)
         self._n -= k
 
     def copy(self) -> Self:

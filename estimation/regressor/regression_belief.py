@@ -15,8 +15,8 @@ from cartgrasp.frames import Array
 
 from ..gaussian import Gaussian
 from ..kernels import belief as kernels
+from ..kernels.filtered_row import FilteredRow
 from ..shallow import shallow
-from .filtered_row import FilteredRow
 
 LATENESS, LATENESS_STD = -0.25, 0.3
 """Of a sample period, beyond a wrench that is held to the next: that has 0, a mere sample -0.5."""
@@ -42,7 +42,6 @@ class RegressionBelief:
 
     def __init__(self, free: np.ndarray, first: Gaussian, n: int) -> None:
         self._free, self._n, self._k = free, n, len(free) + 1
-        self._unknown = np.append(free, -1)
         information = np.zeros((self._k, self._k))
         information[:-1, :-1] = np.linalg.inv(first.covariance)
         information[-1, -1] = LATENESS_STD**-2
@@ -58,6 +57,11 @@ class RegressionBelief:
         m = self._k - 1
         return Gaussian(whole.mean[:m], whole.covariance[:m, :m])
 
+    def concluded(self, theta: Array) -> tuple[Array, Array, Array]:
+        """Parameters (p,), of which those that are not free are given; their covariance (p, p), and a root of it
+        (p, f)."""
+        return kernels.concluded(self._known, theta, self._free)
+
     @property
     def lateness(self) -> float:
         return float(self._solved.mean[self._k - 1])
@@ -68,20 +72,7 @@ class RegressionBelief:
 
     def absorb(self, row: FilteredRow, at: Array) -> Surprise:
         """Takes in a row around parameters (p,)."""
-        slopes = np.take(row.slopes, self._unknown, axis=1)
-        value = row.residual + slopes[:, :-1] @ at[self._free]
-        answer = kernels.Answer(
-            slopes=slopes,
-            value=value,
-            feigned=row.feigned[self._unknown],
-            ends=row.ends,
-            fade=row.fade,
-            noise=row.noise,
-            before=row.before,
-            after=row.after,
-            shared=row.shared,
-        )
-        self._known, surprised = kernels.absorbed(self._known, answer, (KEPT, GATE, ABSURD))
+        self._known, surprised = kernels.absorbed(self._known, row, at, self._free, (KEPT, GATE, ABSURD))
         surprise = Surprise(*surprised)
         if not surprise.square < ABSURD * self._n:
             self.unlink()

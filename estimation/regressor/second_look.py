@@ -12,7 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..kernels import row_parts
-from .filtered_row import Block, FilteredRow
+from ..kernels.filtered_row import FilteredRow
+from .filtered_row import Block
 from .regression_belief import RegressionBelief
 
 BLURRED = 0.1

@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import lsq_linear, minimize
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ForceBias, RollingResistance, ViscousDrag
@@ -13,7 +15,7 @@ from cartgrasp.inertia import Inertia, phi_from_physical
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior
-from estimation.batch import identify
+from estimation.batch import identify, physical_fit
 from estimation.batch.block_tridiagonal import BlockTridiagonal
 from estimation.batch.identification import fit
 from estimation.batch.motion_smoother import smooth_motion
@@ -270,6 +272,17 @@ def test_the_nearest_body_is_that_of_a_search(seed):
     nearest = limits.nearest(parameters, np.arange(4), information)
     assert limits.holds(nearest)
     assert nearest == pytest.approx(projected(parameters, information, (2.0, 0.09)), abs=3e-3)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_least_step_within_bounds_is_that_of_another_solver(seed):
+    random = np.random.default_rng(seed)
+    root = random.standard_normal((5, 5))
+    metric, low = root @ root.T + 0.1 * np.eye(5), random.normal(-0.5, 1.0, 5)
+    high = low + random.exponential(2.0, 5)
+    low[0], high[1] = -np.inf, np.inf
+    expected = lsq_linear(np.linalg.cholesky(metric).T, np.zeros(5), (low, high), method="bvls").x
+    assert physical_fit._least(metric, low, high) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))

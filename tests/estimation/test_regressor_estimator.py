@@ -13,12 +13,12 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
-from estimation.kernels.filtered_row import RATE, Smoothed, weights
+from estimation.kernels.filtered_row import RATE, FilteredRow, Smoothed, weights
 from estimation.kernels.row_parts import NOISE_SHARE
 from estimation.load_change import root_of
 from estimation.log_noise import noise_of_log
 from estimation.regressor import regression_belief
-from estimation.regressor.filtered_row import Block, FilteredRow, Rise, filtered_row
+from estimation.regressor.filtered_row import Block, Rise, filtered_row, left_out
 from estimation.regressor.load_watch import LoadWatch
 from estimation.regressor.recorded_wrenches import row_of
 from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief, Surprise
@@ -101,7 +101,7 @@ def test_a_row_of_the_truth_has_no_residual():
         sensed = [SensedWrench(w, np.eye(2), np.zeros((2, 6))) for w in wrenches[block][:-1]]
         rows = np.array([row_of(t, s, theta) for t, s in zip(time, sensed, strict=False)])
         known, spread = Gaussian(theta, np.zeros((6, 6))), np.zeros((6, 0))
-        return filtered_row(cart, known, spread, Block(weighing, moved, rows), FilterNoise())
+        return filtered_row(cart, known, spread, Block(weighing, moved, rows), left_out(cart, FilterNoise()))
 
     found = row(cart.parameters)
     size = weighing.held @ wrenches[block][:-1]
@@ -123,7 +123,7 @@ def test_what_is_not_linear_is_noise_while_little_is_known():
     rows = np.array([row_of(t, sensed, cart.parameters) for t in time[:-1]])
     spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
     known, block = Gaussian(cart.parameters, spread @ spread), Block(weights(time, 1), moved, rows)
-    found = filtered_row(cart, known, spread, block, FilterNoise()).curvature
+    found = filtered_row(cart, known, spread, block, left_out(cart, FilterNoise())).curvature
     drawn = random.standard_normal((20000, 5)) @ spread
     rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
     at = cart.inverse(rows[0], rows[1], cart.parameters)
@@ -166,7 +166,7 @@ def test_rows_add_up_to_generalised_least_squares(monkeypatch):
     monkeypatch.setattr(regression_belief, "KEPT", 1.0)
     rows, found = list(drawn_rows(30, np.random.default_rng(1))), belief()
     for row in rows:
-        found.absorb(replace(row, feigned=np.zeros(2)), np.array([4.0]))
+        found.absorb(row._replace(feigned=np.zeros(2)), np.array([4.0]))
     L = np.zeros((30, 31))
     for k in range(30):
         L[k, k], L[k, k + 1] = 0.7 * 8.0, -8.0
@@ -185,7 +185,7 @@ def test_noise_in_the_regressors_does_not_make_light():
     corrected, plain = belief(), belief()
     for row in drawn_rows(3000, random, 0.15, at=5.0):
         corrected.absorb(row, np.array([5.0]))
-        plain.absorb(replace(row, feigned=np.zeros(2)), np.array([5.0]))
+        plain.absorb(row._replace(feigned=np.zeros(2)), np.array([5.0]))
     lightness = 5.0 - plain.parameters.mean[0]
     assert lightness > 0.05
     assert abs(corrected.parameters.mean[0] - 5.0) < 0.3 * lightness
@@ -196,7 +196,7 @@ def test_noise_alone_teaches_next_to_nothing(force_is_quiet):
     found = belief()
     for row in drawn_rows(30, np.random.default_rng(3), 0.003, scale=0.0):
         noise = np.full((1, 1), 1e-9) if force_is_quiet else row.noise
-        found.absorb(replace(row, noise=noise, shared=0.0 * noise, residual=-4.0 * row.slopes[:, 0]), np.array([4.0]))
+        found.absorb(row._replace(noise=noise, shared=0.0 * noise, residual=-4.0 * row.slopes[:, 0]), np.array([4.0]))
     assert found.parameters.std[0] > 1.5
 
 
@@ -207,7 +207,7 @@ def test_only_what_is_excited_is_forgotten():
     for asked, times in ((1, 50), (0, 4000)):
         slopes = np.zeros((1, 3))
         slopes[0, asked] = 1.0
-        row = replace(one, slopes=slopes, residual=np.zeros(1), feigned=np.zeros(3))
+        row = one._replace(slopes=slopes, residual=np.zeros(1), feigned=np.zeros(3))
         found.unlink()
         before = found.parameters.std[1]
         for _ in range(times):

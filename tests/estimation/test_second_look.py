@@ -1,15 +1,13 @@
 """Blocks that are taken in once more when more is known."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive, filter_noise, guess, truth
 from estimation import CartFilter, Prior, RegressorEstimator
 from estimation.batch.physical_fit import PhysicalSet
+from estimation.kernels.filtered_row import FilteredRow
 from estimation.regressor import parameter_learner
-from estimation.regressor.filtered_row import FilteredRow
 from estimation.regressor.parameter_learner import ParameterLearner
 from estimation.regressor.second_look import blur
 
@@ -37,7 +35,7 @@ def drawn_row(random, p=3, f=2):
 def test_blur():
     """Curvature of three times the noise, in some direction."""
     row = drawn_row(np.random.default_rng(1))
-    assert blur(replace(row, curvature=3.0 * row.noise)) == pytest.approx(3.0)
+    assert blur(row._replace(curvature=3.0 * row.noise)) == pytest.approx(3.0)
     assert blur(row) == 0.0
 
 
@@ -54,7 +52,7 @@ def test_a_second_look_is_what_a_first_would_have_been(monkeypatch):
             believed, self.covariance = self.covariance, first
             row = work_out(self, block)
             self.covariance = believed
-            return replace(row, curvature=(self.time < until) * row.noise)
+            return row._replace(curvature=(self.time < until) * row.noise)
 
         monkeypatch.setattr(ParameterLearner, "_worked_out", worked_out)
         online = RegressorEstimator(guess(), list(HANDS), noise=noise)

@@ -84,8 +84,8 @@ def noise_of(scenario: Scenario, time: Array, n_state: int) -> Series:
 def _due(time: Array, period: float | None) -> np.ndarray:
     """Whether a sensor gives a sample at each time."""
     due, found = 0.0, np.zeros(len(time), dtype=bool)
-    if period is None:
-        return found
+    if not period:
+        return found if period is None else ~found
     for k, now in enumerate(time.tolist()):
         if now >= due - 1e-9:
             found[k], due = True, due + period

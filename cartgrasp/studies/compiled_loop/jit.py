@@ -5,15 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 from estimation.kernels.jit import OWN as ESTIMATION
-from estimation.kernels.jit import WITH_ARRAYS
-from estimation.kernels.jit import row_compiled as compiled
+from estimation.kernels.jit import compiled, row_compiled
+from estimation.regressor import recorded_wrenches
 from planning import steering
 from planning.kernels.jit import DIGEST as PLANNING
 
-from ...compiling import cached_as, digest
+from ...compiling import OPTIONS, cached_as, digest
 
-SOURCES = (Path(steering.__file__), *(Path(__file__).with_name(name) for name in ("jit.py", "tick.py", "values.py")))
+SOURCES = (
+    Path(recorded_wrenches.__file__),
+    Path(steering.__file__),
+    *(Path(__file__).with_name(name) for name in ("jit.py", "tick.py", "values.py")),
+)
 OWN = digest([path.read_bytes() for path in SOURCES])
-entry = cached_as("_".join((OWN, ESTIMATION, PLANNING)), WITH_ARRAYS)
+entry = cached_as("_".join((OWN, ESTIMATION, PLANNING)), OPTIONS)
+making_arrays = row_compiled
 
-__all__ = ["compiled", "entry"]
+__all__ = ["compiled", "entry", "making_arrays"]

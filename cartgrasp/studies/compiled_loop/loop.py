@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from estimation.cart_filter import core_of
+from estimation.cart_filter import core_of, takes_rows
 from estimation.learning_filter import LearningFilter
 from estimation.regressor.parameter_learner import BLOCK, LAG, WIDTH
 from planning.allocation_template import AllocationTemplate
@@ -45,7 +45,7 @@ def covers(scenario: Scenario) -> bool:
     still = all(arm.reach is None and not np.isfinite(arm.wrench_rate).any() for arm in scenario.arms)
     if not (plain and steered and still) or guess.memory_names:
         return False
-    return isinstance(_core(scenario), LearningFilter) and _allocation(scenario) is not None
+    return takes_rows(guess, scenario.noise) and _allocation(scenario) is not None
 
 
 def compiled_run(scenario: Scenario) -> RunRecord:
@@ -166,6 +166,7 @@ class _Run:
             wanted=np.zeros(3),
             seen=np.full(6, np.nan),
             jolt=np.zeros(f),
+            room=np.empty(3 * f + 2 * f * f),
             given=given,
             found=np.zeros((1, N * (4 + N + len(P)))),
             nothing=np.zeros((1, 0)),

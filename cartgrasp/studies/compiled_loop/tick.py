@@ -11,8 +11,9 @@ import math
 import numpy as np
 
 from estimation.kernels import driven_motion, tracked_motion
-from estimation.kernels.correction import normalised_square
-from estimation.kernels.driven_block import Driven, parts
+from estimation.kernels.correction import carved, eliminate, normalised_square
+from estimation.kernels.driven_block import parts
+from estimation.kernels.filtered_row import over
 from estimation.regressor.recorded_wrenches import HELD
 from planning import steering
 from planning.kernels.allocation import allocate
@@ -21,8 +22,8 @@ from planning.kernels.workspace import views
 from ...frames import Array
 from ...kernels import entries
 from ...kernels.jit import Ints
-from ...kernels.workspace import MEMORY, N_PHI
-from .jit import compiled, entry
+from ...kernels.workspace import MEMORY, N_PHI, copy
+from .jit import compiled, entry, making_arrays
 from .values import Blocks, Course, Held, Series
 
 DONE, ROW, UNPLANNED, FAILED = range(4)
@@ -52,46 +53,38 @@ def go_on(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints, 
             if not _plan(course, blocks, held, at):
                 return UNPLANNED
         at[STAGE] = TRACK
-        series.state[at[STEP]], series.wrenches[at[STEP]] = held.state, held.wrenches
+        copy(held.state, series.state[at[STEP]])
+        copy(held.wrenches, series.wrenches[at[STEP]])
         _feel(course, blocks, held, series.felt[at[STEP]], at)
         _push(course, blocks, held, at[STEP], limits)
-        if not np.isfinite(held.state).all():
-            return FAILED
+        for i in range(len(held.state)):
+            if not math.isfinite(held.state[i]):
+                return FAILED
         at[STEP] += 1
         if at[STEP] < len(course.time):
             _see(course, blocks, held, series, at)
-            if _is_over(blocks.moments[: at[MOMENTS]], limits[3]):
+            block, width, lag = limits[3]
+            if over(blocks.moments[: at[MOMENTS]], block, width, lag)[0] > 0:
                 return ROW
     return DONE
 
 
 @compiled
-def _is_over(time: Array, rows: tuple[float, float, float]) -> bool:
-    """Whether there is a row, as `ParameterLearner.over` says."""
-    block, width, lag = rows
-    last, end = time[len(time) - 1], 0
-    while end < len(time) and time[end] < time[0] + block + width - 1e-6:
-        end += 1
-    return bool(last - time[0] >= block + lag - 1e-6 and last - time[end - 1] >= lag - 1e-6)
-
-
-@compiled
-def _driven(blocks: Blocks) -> Driven:
-    return unpack_driven(blocks.driven, blocks.plan)
-
-
-@compiled
 def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
     """The tracker's wrench, for the motion and the cart that are believed."""
-    d, law, asked, states, told = _driven(blocks), course.law, held.asked, held.states, held.told
+    d, law = unpack_driven(blocks.driven, blocks.plan), course.law
+    asked, states, told = held.asked, held.states, held.told
     error = error_b(course.pose[k], d.mean[:3], law[0])
     nu, wanted, rate = d.mean[3:], course.velocity[k], course.acceleration[k]
     reference = ((wanted[0], wanted[1]), (rate[0], rate[1]))
     u, r = steered(error, law[1], (nu[0], nu[1]), reference, (law[2], law[3], law[4], law[5]))
     n, p, f = len(d.mean), len(held.theta), len(nu)
     for row in range(2):
-        states[row, :n], states[row, n], states[row, n + 1 :] = d.mean, course.time[k], held.theta
-    asked[0, : n + 1 + p], asked[0, n + 1 + p], asked[0, n + 2 + p] = states[0], u, r
+        copy(d.mean, states[row, :n])
+        copy(held.theta, states[row, n + 1 :])
+        states[row, n] = course.time[k]
+    copy(states[0], asked[0, : n + 1 + p])
+    asked[0, n + 1 + p], asked[0, n + 2 + p] = u, r
     entries.inverses(blocks.cart, blocks.cart_ints, asked, told[:1])
     u, r = told[0, 0], told[0, 1]
     for a in range(f):
@@ -111,13 +104,13 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
 def _plan(course: Course, blocks: Blocks, held: Held, at: Ints) -> bool:
     w, place, wanted = unpack_planner(blocks.planner, blocks.planner_ints), course.place[at[STEP]], held.wanted
     moved = place != at[PLACE]
-    if moved:
-        w.points[:] = course.points[place]
+    for arm in range(len(w.points) if moved else 0):
+        copy(course.points[place, arm], w.points[arm])
     if allocate(blocks.planner, blocks.planner_ints, (wanted[0], wanted[1], wanted[2]), moved) != 0:
         at[PLACE] = -1
         return False
     at[PLACE] = place
-    held.wrenches[:] = w.claim.x
+    copy(w.claim.x, held.wrenches)
     return True
 
 
@@ -126,7 +119,9 @@ def _feel(course: Course, blocks: Blocks, held: Held, felt: Array, at: Ints) -> 
     """The wrench as recorded: for the next row, and to drive the motion."""
     i, place, time, recorded = at[MOMENTS] - 1, course.place[at[STEP]], course.time[at[STEP]], blocks.recorded
     f = course.reduced.shape[1]
-    noise, value, size = course.noise[place], np.zeros(f), 0.0
+    value, step, room = held.room[:f], held.room[f : 2 * f], held.room[2 * f :]
+    noise, size = course.noise[place], 0.0
+    value[:] = 0.0
     for j in range(len(felt)):
         felt[j] += held.wrenches[j]
         for a in range(f):
@@ -136,34 +131,36 @@ def _feel(course: Course, blocks: Blocks, held: Held, felt: Array, at: Ints) -> 
     if not size < MOST_FORCE:
         return
     if i > 0 and not math.isnan(recorded[i - 1, 0]):
-        step, spread = np.empty(f), np.empty((f, f))
+        spread, room = carved(room, f, f)
         for a in range(f):
             step[a] = value[a] - recorded[i - 1, 1 + a]
             for b in range(f):
                 spread[a, b] = noise[a, b] + recorded[i - 1, 1 + f + f * a + b]
-        if not normalised_square(step, spread, np.empty(f * f + f)) < JUMP:
-            _jolt(blocks, held, step)
-    recorded[i, 0], recorded[i, 1 : 1 + f] = time, value
-    for a in range(f):
-        for b in range(f):
-            recorded[i, 1 + f + f * a + b] = noise[a, b]
-    d = _driven(blocks)
+        if not normalised_square(step, spread, room) < JUMP:
+            _jolt(blocks, held, step, room)
+    d = unpack_driven(blocks.driven, blocks.plan)
     d.pushed[1], d.pushed[0] = d.pushed[0], time
-    d.push[:], d.push_covariance[:] = value, noise
+    recorded[i, 0] = time
+    copy(value, recorded[i, 1 : 1 + f])
+    copy(value, d.push)
+    for a in range(f):
+        copy(noise[a], recorded[i, 1 + f + f * a : 1 + 2 * f + f * a])
+        copy(noise[a], d.push_covariance[a])
 
 
 @compiled
-def _jolt(blocks: Blocks, held: Held, step: Array) -> None:
+def _jolt(blocks: Blocks, held: Held, step: Array, room: Array) -> None:
     """The change of nu' that a step of the wrench makes."""
     f, p, asked, told = len(step), len(held.theta), held.asked, held.told
     n = asked.shape[1] - 1 - p - f
-    asked[0] = 0.0
-    asked[0, n + 1 : n + 1 + p] = held.theta
+    asked[:] = 0.0
+    copy(held.theta, asked[0, n + 1 : n + 1 + p])
     entries.inverses(blocks.cart, blocks.cart_ints, asked, told[:1])
-    mass = told[0, f + f * n : f + f * n + f * f].reshape((f, f))
-    change = np.linalg.solve(mass, step)
+    change = room[:f].reshape((f, 1))
+    copy(step, room[:f])
+    eliminate(told[0, f + f * n : f + f * n + f * f].reshape((f, f)), change)
     for a in range(f):
-        held.jolt[a] = min(max(change[a], -MOST_JOLT), MOST_JOLT)
+        held.jolt[a] = min(max(change[a, 0], -MOST_JOLT), MOST_JOLT)
 
 
 @compiled
@@ -172,7 +169,8 @@ def _push(course: Course, blocks: Blocks, held: Held, k: int, limits: Limits) ->
     period, longest, stable, _ = limits
     given, found, n = held.given, held.found, len(held.state)
     at = given.shape[1] - 5 - course.basis.shape[1]
-    given[0, :n], given[0, n] = held.state, course.time[k]
+    copy(held.state, given[0, :n])
+    given[0, n] = course.time[k]
     for i in range(3):
         given[0, at + i] = 0.0
         for j in range(len(held.wrenches)):
@@ -182,24 +180,29 @@ def _push(course: Course, blocks: Blocks, held: Held, k: int, limits: Limits) ->
     entries.rates(blocks.plant, blocks.plant_ints, given, found)
     count = max(1, math.ceil(period / longest - 1e-9))
     jacobian = found[0, n : n + n * n].reshape((n, n))
-    if np.isfinite(jacobian).all() and period * _bound(jacobian) / stable > count:
-        stiffness = np.abs(np.linalg.eigvals(jacobian.astype(np.complex128))).max()
-        count = max(count, math.ceil(period * stiffness / stable))
+    if period * _bound(jacobian) / stable > count:
+        count = max(count, math.ceil(period * _stiffness(jacobian) / stable))
     given[0, -2], given[0, -1] = period / count, count
     entries.rates(blocks.plant, blocks.plant_ints, given, held.nothing)
-    held.state[:] = given[0, :n]
+    copy(given[0], held.state)
 
 
 @compiled
 def _bound(matrix: Array) -> float:
-    """Of the largest eigenvalue: the smaller one of two norms."""
-    n, by_rows, by_columns = len(matrix), 0.0, 0.0
+    """Of the largest eigenvalue: the smaller one of two norms; 0 where a number is not finite."""
+    n, by_rows, by_columns, total = len(matrix), 0.0, 0.0, 0.0
     for i in range(n):
         row = column = 0.0
         for j in range(n):
             row, column = row + abs(matrix[i, j]), column + abs(matrix[j, i])
-        by_rows, by_columns = max(by_rows, row), max(by_columns, column)
-    return min(by_rows, by_columns)
+        by_rows, by_columns, total = max(by_rows, row), max(by_columns, column), total + row
+    return min(by_rows, by_columns) if math.isfinite(total) else 0.0
+
+
+@making_arrays
+def _stiffness(matrix: Array) -> float:
+    """The largest eigenvalue."""
+    return float(np.abs(np.linalg.eigvals(matrix.astype(np.complex128))).max())
 
 
 @compiled
@@ -217,12 +220,13 @@ def _see(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints) -
     velocity[0] += cosine * x - sine * y
     velocity[1] += sine * x + cosine * y
     velocity[2] += turn
-    seen[:3], seen[3:] = pose, velocity
+    copy(pose, seen[:3])
+    copy(velocity, seen[3:])
     tracked_motion.follow(blocks.rows, i, time - before, blocks.known, seen, held.jolt)
     blocks.moments[i] = time
     held.jolt[:] = 0.0
     recorded = blocks.recorded
-    recorded[i] = recorded[i - 1]
+    copy(recorded[i - 1], recorded[i])
     if not time - recorded[i, 0] < HELD:
         recorded[i, 0] = math.nan
     at[MOMENTS] = i + 1

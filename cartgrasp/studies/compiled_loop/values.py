@@ -54,9 +54,9 @@ class Held(NamedTuple):
     """What goes on from step to step: the true state (N,); the believed parameters (p,); wrenches planned (6 a,) and
     wanted (3,); what is `seen` (6,), and the `jolt` (f,) since.
 
-    Behind them room for what is asked of kernels and found by them: the true cart's, `given` and `found` (`nothing`
-    where that isn't asked for); the believed one's with an acceleration, `asked`, two states of it, and what is
-    `told`."""
+    Behind them `room`, and room for what is asked of kernels and found by them: the true cart's, `given` and `found`
+    (`nothing` where that isn't asked for); the believed one's with an acceleration, `asked`, two states of it, and what
+    is `told`."""
 
     state: Array
     theta: Array
@@ -64,6 +64,7 @@ class Held(NamedTuple):
     wanted: Array
     seen: Array
     jolt: Array
+    room: Array
     given: Array
     found: Array
     nothing: Array
