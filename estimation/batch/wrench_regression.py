@@ -181,8 +181,10 @@ class WrenchRegression:
 
     @property
     def usual_delay(self) -> tuple[float, float]:
-        """By what share of a step wrenches are late, and the standard deviation of it."""
-        return DELAY / self.size, DELAY_STD / self.size
+        """By what share of a step wrenches are late, and the standard deviation of it. Aligned by whole samples, those
+        of late sensors are so by what is left of the lateness."""
+        late = float(np.mean([self.cart.lateness(arm) for arm in self.log.arms])) / self.step
+        return (DELAY + np.ceil(late - 0.5) - late) / self.size, DELAY_STD / self.size
 
     @property
     def step(self) -> float:
@@ -333,9 +335,18 @@ class WrenchRegression:
     def bends(self) -> Array:
         """Second differences (m, f) of the wrench that the motion needs, on the rows of `linearised`: what a motion
         smoothed a little more or less would add."""
+        return self._wrench_differences(2)
+
+    def skews(self) -> Array:
+        """Third differences: with the second ones, what a wrench taken between two rows lacks of one taken later."""
+        return self._wrench_differences(3)
+
+    def _wrench_differences(self, order: int) -> Array:
         wrench = self._inverse(self.cart, self.cart.parameters)[1].wrench
         found = np.zeros_like(wrench)
-        found[1:-1] = wrench[2:] - 2 * wrench[1:-1] + wrench[:-2]
+        found[1:-1] = np.diff(wrench, 2, axis=0)
+        if order > 2:
+            found = np.gradient(found, axis=0)
         return np.asarray(found[self._used])
 
     def sensor_slopes(self, cart: CartModel, delay: float) -> Array:

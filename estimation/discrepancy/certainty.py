@@ -18,14 +18,13 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.motion import ParameterEstimate
-from cartgrasp.wheels import FIXED
 
-from ..batch.wrench_regression import BLOCK, WrenchRegression
+from ..batch.wrench_regression import BLOCK
 from ..parameter_report import ParameterReport
 from .dictionary import may_be_amplitudes
 from .fitted import Fitted
 from .forms import form_sizes
-from .manoeuvres import manoeuvres
+from .manoeuvres import manoeuvres, settled
 from .refinement import Move, Refiner, is_open, moves, prior_std
 
 FORM = {"s": 0.05, "m": 0.03}
@@ -35,8 +34,6 @@ FORM_SHARE = 0.05
 OUTLYING = 4.0
 """Times the usual scatter: what an accident counts at most."""
 FIRST, FIRST_SHARE, DOUBLINGS = {"s": 0.04, "m": 0.02}, 0.02, 7
-ROLLING, SETTLING = 0.02, 0.05
-"""m/s, m: below, and so soon after, a wheel's friction has not the value that it keeps; a caster's trail is as long."""
 MOST_LOST = 1.5
 """Times the deviation: what fewer rows may cost."""
 UNLIKELY = 8.0
@@ -72,16 +69,6 @@ def _rolling(fitted: Fitted) -> Fitted:
         for f in (fitted, fewer)
     )
     return fewer if (after < MOST_LOST**2 * before).all() else fitted
-
-
-def settled(regression: WrenchRegression) -> np.ndarray:
-    """Rows (n,) on which no fixed wheel, nor the axle's middle, is near rest or has just been."""
-    motion, tracks = regression.motion, [0.0, *(w.y for w in regression.cart.wheels if w.kind == FIXED)]
-    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))
-    slowest = np.abs(motion.velocity[:, :1] - np.outer(turning, tracks)).min(axis=1)
-    travelled = np.cumsum(np.abs(motion.velocity[:, 0]) * np.diff(motion.time, prepend=motion.time[0]))
-    rested = np.maximum.accumulate(np.where(slowest < ROLLING, travelled, 0.0))
-    return np.asarray((slowest >= ROLLING) & (travelled - rested > SETTLING))
 
 
 def balanced(fitted: Fitted) -> Fitted:

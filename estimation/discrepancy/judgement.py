@@ -11,13 +11,14 @@ from .evidence import Finding
 from .fitted import Fitted
 from .held_out import HeldOut
 
-ENOUGH, ENOUGH_PASSING = 7.0, 20.0
-"""Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
+ENOUGH, ENOUGH_SEARCHED, ENOUGH_PASSING = 7.0, 12.0, 20.0
+"""Logs of the Bayes factor of an effect that is named; of one whose speed or frequency was searched for, which finds
+what a smoothed motion lacks; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
-BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02}
+BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.01}
 """Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
-hardly like a lasting change."""
+hardly like a lasting change, or like what always acts."""
 LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
 NO_WORSE = 0.005
@@ -108,5 +109,6 @@ class Judge:
         return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
-        enough = max(ENOUGH_PASSING, BESIDE[effect.gate] * self.strongest) if effect.gate.passes else ENOUGH
+        searched = ENOUGH_SEARCHED if any(p.grid for p in effect.parameters) else ENOUGH
+        enough = max(ENOUGH_PASSING if effect.gate.passes else searched, BESIDE[effect.gate] * self.strongest)
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from cartgrasp.wheels import FIXED
+
 from ..batch.motion_smoother import SmoothMotion
+from ..batch.wrench_regression import WrenchRegression
 
 SHORTEST, USUAL, LONGEST = 1.5, 2.5, 6.0
 """s: shorter stretches belong to the one before, longer ones are cut."""
@@ -14,6 +17,8 @@ MOVING = 0.03
 """m/s."""
 TURNING = 0.05
 """rad/s."""
+ROLLING, SETTLING = 0.02, 0.05
+"""m/s, m: below, and so soon after, a wheel's friction has not the value that it keeps; a caster's trail is as long."""
 HELD_OUT = 3
 """One manoeuvre of so many is kept out of fits."""
 
@@ -39,3 +44,13 @@ def manoeuvres(motion: SmoothMotion, turns: bool) -> np.ndarray:
 def held_out(number: np.ndarray) -> np.ndarray:
     """Rows (n,) that fits on training stretches do not see."""
     return np.asarray(number % HELD_OUT == HELD_OUT - 1)
+
+
+def settled(regression: WrenchRegression) -> np.ndarray:
+    """Rows (n,) on which no fixed wheel, nor the axle's middle, is near rest or has just been."""
+    motion, tracks = regression.motion, [0.0, *(w.y for w in regression.cart.wheels if w.kind == FIXED)]
+    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))
+    slowest = np.abs(motion.velocity[:, :1] - np.outer(turning, tracks)).min(axis=1)
+    travelled = np.cumsum(np.abs(motion.velocity[:, 0]) * np.diff(motion.time, prepend=motion.time[0]))
+    rested = np.maximum.accumulate(np.where(slowest < ROLLING, travelled, 0.0))
+    return np.asarray((slowest >= ROLLING) & (travelled - rested > SETTLING))

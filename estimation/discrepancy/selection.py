@@ -17,7 +17,7 @@ from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
 from .dictionary import Dictionary
-from .evidence import findings
+from .evidence import Finding, findings
 from .fitted import Fitted
 from .held_out import HeldOut
 from .isolability import Isolability, isolability
@@ -46,7 +46,8 @@ IMPLAUSIBLE = "not plausible"
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
 MOST_BY_REFIT = 2.0
-"""Times what the linear fit gains: more is a better fit of all else."""
+"""Times what the linear fit gains, or a share of it: more is a better fit of all else, less a form that has no weight
+there."""
 MOST_EFFECTS = 4
 SIDEWAYS_ROUNDS = 2
 LEAST_CREEP = 0.002
@@ -97,7 +98,7 @@ def select(
     fitted = fitted.coloured()
     whole = tuple(r.coloured(seen.colour) for r, seen in zip(whole, fitted.regressions, strict=True))
     nominal = fitted if not steps else Fitted(fitted.regressions, cart)
-    held_out, strongest = HeldOut(nominal, whole), 0.0
+    held_out, strongest = HeldOut(nominal, whole), _creeping(fitted, steps)
     shown: dict[str, Isolability] | None = None
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
@@ -164,8 +165,24 @@ def _sideways(
         steps.append(Step(tuple(attempts), attempts[0], near, IN_VOCABULARY))
 
 
+def _creeping(fitted: Fitted, steps: Sequence[Step]) -> float:
+    """The log of the Bayes factor of wheels that creep: their tyres have other forms, as an angle has not."""
+    creep = {effect.key for effect in fitted.added if isinstance(effect, ConstraintEffect) and effect.slip_compliance}
+    return max((s.added.log_factor for s in steps if s.added and s.added.key in creep), default=0.0)
+
+
 def _on_moving_rows(whole: Sequence[WrenchRegression], cart: CartModel, added: tuple[Effect, ...]) -> Fitted:
     return Fitted(tuple(regression.within(moving(regression)) for regression in whole), cart, added)
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """An effect where it fits best, half the chi-squared that it takes away there by the linear fit, and the model with
+    it."""
+
+    effect: Effect
+    gain: float
+    model: Fitted
 
 
 def _step(
@@ -173,23 +190,22 @@ def _step(
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.loose)
     refiner = Refiner(fitted, lambda effect: effect.implausible(*judge.held_out.rolling))
-    tried = []
-    for finding in screened[:MOST_TRIED]:
-        if finding.log_factor < max(WORTH_TRYING, HOPELESS * screened[0].log_factor):
-            break
+
+    def tried(finding: Finding) -> _Tried:
         tell(f"trying {finding.effect.name}")
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
-        tried.append((effect, gain.value, fitted.with_added(effect).listening().listening()))
-    excess = min([fitted.excess, *(model.excess for *_, model in tried)])
-    again = {f.effect.key: f for f in findings(dictionary, replace(fitted.loose, excess=excess))}
-    scored, known = [], {effect.key for effect in fitted.added}
-    for effect, most, model in tried:
-        if not isinstance(effect, SensorEffect):  # one that divides wrenches would divide their noise too
-            refitted = 0.5 * (fitted.chi_squared(known) - model.chi_squared(known))
-            most = min(max(most, refitted), MOST_BY_REFIT * most)
-        scored.append((most / excess + again[effect.key].occam, effect, model))
-    scored.sort(key=lambda one: -one[0])
-    attempts, added, better, nameless = [], None, None, 0.0
+        return _Tried(effect, gain.value, fitted.with_added(effect).listening())
+
+    least = max(WORTH_TRYING, HOPELESS * screened[0].log_factor) if screened else 0.0
+    candidates = [tried(one) for one in screened[:MOST_TRIED] if one.log_factor >= least]
+    scored, again = _scored(fitted, dictionary, candidates)
+    least = max([ENOUGH, *(HOPELESS * score for score, _, _ in scored)])
+    known = {one.effect.key for one in candidates}
+    missed = [one for key, one in again.items() if key not in known and one.log_factor >= least][:MOST_TRIED]
+    if missed:
+        scored, again = _scored(fitted, dictionary, candidates + [tried(one) for one in missed])
+    attempts: list[Attempt] = []
+    added, better, nameless = None, None, 0.0
     for score, effect, model in scored:
         if added is None and score < nameless:  # it explains less of a thing that has no name
             verdict = Verdict(False, "less probable than what has no name")
@@ -211,3 +227,21 @@ def _step(
     probability = IN_VOCABULARY * float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
     near = [a.name for a in left if a.name != added.name and added.log_factor - a.log_factor < NOT_TOLD_APART]
     return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
+
+
+def _scored(
+    fitted: Fitted, dictionary: Dictionary, candidates: Sequence[_Tried]
+) -> tuple[list[tuple[float, Effect, Fitted]], dict[str, Finding]]:
+    """Logs of Bayes factors, the largest first, with the noise that the best fit leaves; and all that was screened,
+    with that noise, by key."""
+    excess = min([fitted.excess, *(one.model.excess for one in candidates)])
+    again = {f.effect.key: f for f in findings(dictionary, replace(fitted.loose, excess=excess))}
+    scored, known = [], {effect.key for effect in fitted.added}
+    for one in candidates:
+        gain, late = one.gain, isinstance(one.effect, SensorEffect) and one.effect.lateness > 0
+        if late or not isinstance(one.effect, SensorEffect):  # one that divides wrenches would divide their noise too
+            refitted = 0.5 * (fitted.chi_squared(known) - one.model.chi_squared(known | {one.effect.key}))
+            most = np.inf if late else gain * MOST_BY_REFIT  # by linear fits, wrenches are late by a share of a step
+            gain = float(np.clip(refitted, gain / MOST_BY_REFIT, most))
+        scored.append((gain / excess + again[one.effect.key].occam, one.effect, one.model))
+    return sorted(scored, key=lambda each: -each[0]), again

@@ -85,6 +85,8 @@ def test_what_is_probable_steady_and_gains_is_added():
     ("case", "said"),
     [
         ({"score": 6.9}, "below 7"),
+        ({"effect": LoadSlosh(mass=3.0), "score": 11.9}, "below 12"),
+        ({"strongest": 6000.0}, "below 60"),
         ({"effect": TimeDelay(delay=0.009)}, "less than a sample"),
         ({"change": (0.6, 0.1)}, "another part of the log"),
         ({"change": (0.1, 0.6)}, "another part of the log"),
