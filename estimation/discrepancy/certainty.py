@@ -14,13 +14,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import chi2
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.motion import ParameterEstimate
 
 from ..batch.wrench_regression import BLOCK
 from ..parameter_report import ParameterReport
+from ..prior import report_names
 from .dictionary import may_be_amplitudes
 from .fitted import Fitted
 from .forms import form_sizes
@@ -41,13 +42,31 @@ UNLIKELY = 8.0
 FINE = 400
 
 
+LEAST_DEVIATIONS = 3.0
+"""By which an effect that is named differs from none."""
+
+
 @dataclass(frozen=True)
 class Certainty:
-    """The structure with its directions in balance; its parameters; standard deviations of settings by key."""
+    """The structure with its directions in balance; its parameters; standard deviations of settings by key, and by how
+    many deviations each effect's amplitudes differ from none."""
 
     fitted: Fitted
     parameters: dict[str, ParameterEstimate]
     settings: dict[str, float]
+    deviations: dict[str, float]
+
+
+def proven(fitted: Fitted) -> tuple[Certainty, tuple[str, ...]]:
+    """Without the effects, whose keys are given too, that may as well not be there for all that other forms and the
+    scatter of manoeuvres leave sure; the least sure is left out first."""
+    removed: list[str] = []
+    while True:
+        found = certain(fitted)
+        key = min(found.deviations, key=lambda one: found.deviations[one], default=None)
+        if key is None or found.deviations[key] >= LEAST_DEVIATIONS:
+            return found, tuple(removed)
+        fitted, removed = fitted.without(key), [*removed, key]
 
 
 def certain(fitted: Fitted) -> Certainty:
@@ -56,7 +75,25 @@ def certain(fitted: Fitted) -> Certainty:
         moved, found = _settled(fitted, effect)
         fitted, settings = fitted.with_changed(effect, moved), settings | found
     fitted = balanced(_rolling(fitted))
-    return Certainty(fitted, _parameters(fitted), settings)
+    covariance, share = _covariance(fitted)
+    parameters = ParameterReport(fitted.structure, fitted.prior).of(fitted.cart.parameters, covariance, share)
+    return Certainty(fitted, parameters, settings, _deviations(fitted, covariance))
+
+
+def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
+    places, found = {name: i for i, name in enumerate(report_names(fitted.cart))}, dict[str, float]()
+    for effect in fitted.added:
+        own = [i for i in may_be_estimated(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
+        if own and not isinstance(effect, ConstraintEffect):
+            at = [places[effect.keys[i]] for i in own]
+            size = fitted.cart.parameters[at] - [effect.parameters[i].absent for i in own]
+            found[effect.key] = float(np.sqrt(size @ np.linalg.solve(covariance[np.ix_(at, at)], size)))
+    return found
+
+
+def may_be_estimated(effect: Effect) -> list[int]:
+    """Which of its parameters a linear fit gives."""
+    return [i for i, parameter in enumerate(effect.parameters) if parameter.estimated]
 
 
 def _rolling(fitted: Fitted) -> Fitted:
@@ -85,7 +122,8 @@ def balanced(fitted: Fitted) -> Fitted:
     return replace(fitted, regressions=tuple(found), start=fitted.cart.parameters)
 
 
-def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
+def _covariance(fitted: Fitted) -> tuple[Array, Array]:
+    """Of all parameters (p, p), and what share of what was believed their deviations are (p,)."""
     own, known = fitted.free[:-1], fitted.identification
     covariance = known.covariance[np.ix_(own, own)]
     there, form = (((covariance @ each) ** 2).sum(axis=1) for each in _drawn(fitted))
@@ -95,7 +133,7 @@ def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
     whole[np.ix_(own, own)] = wider[:, None] * covariance * wider
     share = np.ones(len(whole))
     share[own] = np.sqrt(np.diagonal(whole)[own] * np.diagonal(fitted.base.information)[:-1])
-    return ParameterReport(fitted.structure, fitted.prior).of(known.model_parameters, whole + _form(fitted), share)
+    return whole + _form(fitted), share
 
 
 def _form(fitted: Fitted) -> Array:

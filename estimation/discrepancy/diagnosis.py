@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
-from .certainty import Certainty, certain
+from .certainty import Certainty, proven
 from .fitted import SURE
 from .generic import Course, Dependence
 from .glitches import without_glitches
@@ -223,7 +223,7 @@ def diagnose(
         regression = WrenchRegression(log, cart, None, _in_pairs(log)).wary()
         checks.append(checked(log, cart, regression))
         whole.append(regression)
-    selection = select(whole, cart, arms, tell)
+    selection, certainty = _proven(select(whole, cart, arms, tell))
     tell("measuring the gap")
     motions = [regression.motion for regression in whole]
     before, after = (
@@ -231,9 +231,15 @@ def diagnose(
         for fitted in (selection.nominal, selection.final)
     )
     remaining = [d for d in selection.final.dependences if d.log_factor > SURE and d.share > LEAST_SHARE]
-    return Diagnosis(
-        cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection), certain(selection.final)
-    )
+    return Diagnosis(cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection), certainty)
+
+
+def _proven(selection: Selection) -> tuple[Selection, Certainty]:
+    certainty, removed = proven(selection.final)
+    final = selection.final
+    for key in removed:
+        final = final.without(key)
+    return replace(selection, final=final, removed=(*selection.removed, *removed)), certainty
 
 
 MORE_MOTION = (
