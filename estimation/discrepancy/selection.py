@@ -109,7 +109,7 @@ def select(
         steps.append(step)
         if better is None:
             break
-        fitted = searched_again(better)
+        fitted = searched_again(better, judge.implausible)
         strongest = max(strongest, step.added.log_factor if step.added else 0.0)
     fitted, removed = _pruned(fitted, held_out)
     return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})
@@ -189,7 +189,7 @@ def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.loose)
-    refiner = Refiner(fitted, lambda effect: effect.implausible(*judge.held_out.rolling))
+    refiner = Refiner(fitted, judge.implausible)
 
     def tried(finding: Finding) -> _Tried:
         tell(f"trying {finding.effect.name}")

@@ -130,13 +130,17 @@ def test_excess_tells_coloured_noise(correlation, low, high):
     assert low <= fitted.scatter.excess < high
 
 
-def test_a_force_with_the_wheels_turn_is_found_by_its_period():
+@pytest.mark.parametrize("is_drag", [False, True])
+@pytest.mark.parametrize("turns_back", [False, True])
+def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back):
+    """Of the way rolled, which turns back where the cart does, or of the way travelled; a force or a drag."""
     log, _ = simulate(TRUTH, 3, 30.0, noise=(0.0005, 0.005, 1.0))
     regression = WrenchRegression(log, guess(), None)
-    rolled = np.cumsum(np.append(0.0, np.diff(log.time)) * regression.motion.velocity[:, 0])
+    speed = regression.motion.velocity[:, 0]
+    rolled = np.cumsum(np.append(0.0, np.diff(log.time)) * (speed if turns_back else np.abs(speed)))
     (name, arm), *_ = log.arms.items()
     wrench = arm.wrench.copy()
-    wrench[:, 0] += 4.0 * np.sin(2 * np.pi * rolled / 0.4)
+    wrench[:, 0] += 4.0 * np.sin(2 * np.pi * rolled / 0.4) * (np.sign(speed) if is_drag else 1.0)
     bumped = replace(log, arms={name: ArmLog(arm.contact, wrench)})
     found = Fitted((WrenchRegression(bumped, guess(), None),), guess()).dependences[0]
     assert found.name.startswith("travelled distance")
