@@ -42,7 +42,7 @@ UNLIKELY = 8.0
 FINE = 400
 
 
-LEAST_DEVIATIONS = 3.0
+LEAST_DEVIATIONS = 2.5
 """By which an effect that is named differs from none."""
 
 

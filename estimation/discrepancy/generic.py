@@ -161,7 +161,7 @@ def _levels(values: Array) -> Array:
 def _middles(motion: SmoothMotion, middle: Array, tracks: Sequence[float]) -> tuple[Array, ...]:
     time, speed = motion.time, motion.velocity[:, 0]
     steps = np.append(0.0, np.diff(time))
-    distance = np.cumsum(np.abs(speed) * steps)
+    distance = np.cumsum(motion.speed * steps)
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(time))
     rolled = np.cumsum((speed[:, None] - np.outer(turning, tracks)) * steps[:, None], axis=0)
     rolling = np.where(np.abs(speed) > 0.02, np.sign(speed), 0.0)

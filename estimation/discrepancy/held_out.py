@@ -45,7 +45,7 @@ class HeldOut:
     @cached_property
     def rolling(self) -> tuple[WheelSet, float]:
         """The cart's wheels, and the fastest speed of all logs (m/s)."""
-        fastest = max(float(np.abs(regression.motion.velocity[:, 0]).max()) for regression in self.whole)
+        fastest = max(float(regression.motion.speed.max()) for regression in self.whole)
         return self.nominal.prior_cart.wheel_set, fastest
 
     @cached_property

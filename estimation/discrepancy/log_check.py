@@ -70,7 +70,7 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
     """After the motion has been smoothed; refuses one that goes nowhere."""
     motion, steps = regression.motion, np.diff(log.time)
     speed, h = motion.velocity[:, 0], np.diff(motion.time)
-    distance = float((np.abs(speed[:-1]) * h).sum())
+    distance = float((motion.speed[:-1] * h).sum())
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
     if distance < LEAST_DISTANCE and float((np.abs(turning[:-1]) * h).sum()) < LEAST_DISTANCE:
         raise DataError(
@@ -91,7 +91,7 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
         distance=distance,
         turned=float((np.abs(turning[:-1]) * h).sum()),
         reversals=int((np.diff(sign) != 0).sum()),
-        fastest=float(np.abs(speed).max()),
+        fastest=float(motion.speed.max()),
         moving=float(moving(regression).mean()),
     )
 
@@ -99,7 +99,7 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
 def moving(regression: WrenchRegression) -> np.ndarray:
     """Rows (n,) on which the cart surely moves."""
     velocity = regression.motion.velocity
-    fast = np.abs(velocity[:, 0]) > ROLLING
+    fast = regression.motion.speed > ROLLING
     if velocity.shape[1] > 1:
         fast |= np.abs(velocity[:, -1]) > STILL_TURNING
     return np.asarray(fast)

@@ -51,6 +51,8 @@ def settled(regression: WrenchRegression) -> np.ndarray:
     motion, tracks = regression.motion, [0.0, *(w.y for w in regression.cart.wheels if w.kind == FIXED)]
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))
     slowest = np.abs(motion.velocity[:, :1] - np.outer(turning, tracks)).min(axis=1)
-    travelled = np.cumsum(np.abs(motion.velocity[:, 0]) * np.diff(motion.time, prepend=motion.time[0]))
+    if motion.velocity.shape[1] > 2:
+        slowest = motion.speed
+    travelled = np.cumsum(motion.speed * np.diff(motion.time, prepend=motion.time[0]))
     rested = np.maximum.accumulate(np.where(slowest < ROLLING, travelled, 0.0))
     return np.asarray((slowest >= ROLLING) & (travelled - rested > SETTLING))

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import LateralSlip, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import DataError
 from cartgrasp.inertia import Inertia
@@ -16,8 +17,8 @@ from estimation.batch.wrench_regression import WrenchRegression
 from estimation.discrepancy.diagnosis import _gap
 from estimation.discrepancy.fitted import Fitted
 from estimation.discrepancy.generic import Course, dependences
-from estimation.discrepancy.log_check import check_rows, checked
-from estimation.discrepancy.manoeuvres import manoeuvres
+from estimation.discrepancy.log_check import check_rows, checked, moving
+from estimation.discrepancy.manoeuvres import manoeuvres, settled
 from estimation.discrepancy.rollouts import Rollouts, roll_out, starts
 from estimation.discrepancy.scatter import Scatter
 from estimation.discrepancy.sideways import sideways_trials
@@ -190,6 +191,17 @@ def test_a_cart_that_stands_is_refused():
     log = straight(acceleration=0.0, duration=6.0)
     with pytest.raises(DataError, match="too little"):
         checked(log, guess(), WrenchRegression(log, guess(), None))
+
+
+def test_a_cart_on_casters_moves_sideways_too():
+    log, free = straight(duration=6.0), replace(guess(()), constraints=RollingConstraints(None))
+    beside = replace(log, pose=log.pose + np.array([0.0, 0.0, np.pi / 2]))
+    ahead, across = (WrenchRegression(one, free, None) for one in (log, beside))
+    np.testing.assert_allclose(across.motion.speed, ahead.motion.speed, atol=0.01)
+    for rows in (moving, settled):
+        assert rows(across).mean() == pytest.approx(rows(ahead).mean(), abs=0.02)
+        assert rows(across).mean() > 0.3
+    assert checked(beside, free, across).distance == pytest.approx(checked(log, free, ahead).distance, rel=0.01)
 
 
 def cut(log, rows):
