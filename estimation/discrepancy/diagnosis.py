@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 SETTING_STD = {"s": 0.003, "m": 0.02, "rad": 0.001}
 SETTING_SHARE = 0.1
 """Of settings that neither a search nor a linear fit found: delays, trails, angles, stiffnesses."""
-LEAST_SHARE = 0.1
-"""Of the squares of the residual, for a dependence that is told."""
+LEAST_SHARE, LEAST_SMOOTH = 0.1, 0.15
+"""Of the squares of the residual, for a dependence that is told: on what is periodic, and on what any other form of the
+model would follow a little."""
 RATE, ENOUGH = 45.0, 2000
 """Rows a second, and rows, that are as good as more: of a log with twice as many, pairs are looked at."""
 WHOLE = 0.98
@@ -230,7 +231,11 @@ def diagnose(
         (fitted.scatter, Course.of(fitted.scatter, motions, SCATTER_BLOCK))
         for fitted in (selection.nominal, selection.final)
     )
-    remaining = [d for d in selection.final.dependences if d.log_factor > SURE and d.share > LEAST_SHARE]
+    remaining = [
+        d
+        for d in selection.final.dependences
+        if d.log_factor > SURE and d.share > (LEAST_SHARE if d.is_periodic else LEAST_SMOOTH)
+    ]
     return Diagnosis(cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection), certainty)
 
 

@@ -205,13 +205,16 @@ def _step(
     if missed:
         scored, again = _scored(fitted, dictionary, candidates + [tried(one) for one in missed])
     attempts: list[Attempt] = []
-    added, better, nameless = None, None, 0.0
+    added, better, nameless, unproven = None, None, 0.0, 0.0
     for score, effect, model in scored:
         if added is None and score < nameless:  # it explains less of a thing that has no name
             verdict = Verdict(False, "less probable than what has no name")
+        elif added is None and score < unproven and effect.gate.ends:
+            verdict = Verdict(False, "less probable than what is not proven, and lasts")
         elif added is None:
             verdict = judge.verdict(again[effect.key], score, model)
             nameless = max(nameless, score) if verdict.is_nameless else nameless
+            unproven = max(unproven, score) if verdict.is_unproven else unproven
         else:
             verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
         attempt = Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason)
