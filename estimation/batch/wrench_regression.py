@@ -268,7 +268,7 @@ class WrenchRegression:
         n, f = len(chain.time), weights.shape[1]
         if self.colour is not None:
             steps = np.diff(chain.time)
-            usual = np.median(self._record.covariance[nodes // self.size], axis=0)
+            usual = np.mean(self._record.covariance[nodes // self.size], axis=0)
             known = with_noise_states(known, chain.linked, steps, usual, self.colour)
             shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
             by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)

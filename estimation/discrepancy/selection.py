@@ -45,6 +45,8 @@ IN_VOCABULARY = 0.95
 IMPLAUSIBLE = "not plausible"
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
+NEARLY = 0.75
+"""Of the log of the Bayes factor, of an effect that looks like another: the rest may be the world's other form."""
 MOST_BY_REFIT = 2.0
 """Times what the linear fit gains, or a share of it: more is a better fit of all else, less a form that has no weight
 there."""
@@ -74,6 +76,14 @@ class Step:
     added: Attempt | None
     confusable: tuple[str, ...] = ()
     probability: float = 1.0
+
+    def beside(self, shown: dict[str, Isolability]) -> Step:
+        """With the effects that look like the added one on this motion, where they explain nearly as much."""
+        if self.added is None or self.added.key not in shown:
+            return self
+        alike, least = shown[self.added.key].alike, NEARLY * self.added.log_factor
+        near = [a.name for a in self.attempts if a.key in alike and a.log_factor > least and a.verdict != IMPLAUSIBLE]
+        return replace(self, confusable=tuple(dict.fromkeys((*self.confusable, *near))))
 
 
 @dataclass(frozen=True)
@@ -106,7 +116,7 @@ def select(
         dictionary = fitted.dictionary([one for one in trials(fitted.cart, arms) if judge.may_be(one)])
         shown = isolability(dictionary, fitted.loose) if shown is None else shown
         step, better = _step(fitted, dictionary, judge, tell)
-        steps.append(step)
+        steps.append(step.beside(shown))
         if better is None:
             break
         fitted = searched_again(better, judge.implausible)
@@ -242,9 +252,19 @@ def _scored(
     scored, known = [], {effect.key for effect in fitted.added}
     for one in candidates:
         gain, late = one.gain, isinstance(one.effect, SensorEffect) and one.effect.lateness > 0
-        if late or not isinstance(one.effect, SensorEffect):  # one that divides wrenches would divide their noise too
-            refitted = 0.5 * (fitted.chi_squared(known) - one.model.chi_squared(known | {one.effect.key}))
+        if _keeps_noise(one.effect):
+            forms = (known, known | {one.effect.key})  # it may be of ours, or of another
+            refitted = 0.5 * (fitted.chi_squared(known) - min(one.model.chi_squared(keys) for keys in forms))
             most = np.inf if late else gain * MOST_BY_REFIT  # by linear fits, wrenches are late by a share of a step
             gain = float(np.clip(refitted, gain / MOST_BY_REFIT, most))
         scored.append((gain / excess + again[one.effect.key].occam, one.effect, one.model))
     return sorted(scored, key=lambda each: -each[0]), again
+
+
+def _keeps_noise(effect: Effect) -> bool:
+    """Whether wrenches that are corrected for it have the noise of those that are recorded: one that divides wrenches
+    divides their noise too, and takes chi-squared away for nothing."""
+    if not isinstance(effect, SensorEffect):
+        return True
+    slope = effect.corrected(np.zeros(6), effect.values).by_memory
+    return slope is None or bool(np.allclose(slope @ np.swapaxes(slope, -1, -2), np.eye(6), atol=1e-6))
