@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cartgrasp.errors import DataError, UsageError
+from cartgrasp.errors import UsageError
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
 from .certainty import Certainty, proven
 from .fitted import SURE
+from .gap import Gap, measured_gap
 from .generic import Course, Dependence
 from .glitches import without_glitches
-from .held_out import BEYOND_NOISE, HeldOut, joined
+from .held_out import BEYOND_NOISE
+from .judgement import UNSTEADY
 from .log_check import LogCheck, check_rows, checked
 from .scatter import SCATTER_BLOCK, Scatter
 from .selection import Selection, Step, select
@@ -39,6 +41,8 @@ WHOLE = 0.98
 """Of the rows: so many must be whole for that."""
 CLOSED = 0.25
 """Of the nominal gap above the noise floor: what may be left where the effects explain it."""
+LEAST_UNSTEADY = 20.0
+"""Log of the Bayes factor of what has another size in another part of a log, and so no name."""
 TRIFLE = 0.02
 """Of the squares of the nominal residual: what follows something and is smaller leaves a log explained."""
 
@@ -64,30 +68,6 @@ class NamedEffect:
             "parameters": parameters,
             "confusable_with": list(self.confusable_with),
             "gap_share": self.gap_share,
-        }
-
-
-@dataclass(frozen=True)
-class Gap:
-    """Root mean square error (m) of 1 s rollouts on held-out stretches: of the nominal model, of the same refitted,
-    with the effects added, and what noise alone would do; the same by coordinate (m, m, rad) and by horizon."""
-
-    before: float
-    refitted: float
-    after: float
-    noise_floor: float
-    per_coordinate: dict[str, dict[str, float]]
-    per_horizon: dict[str, dict[str, float]]
-
-    def as_dict(self) -> dict[str, Any]:
-        return {
-            "metric": "root mean square distance after a 1 s rollout on held-out stretches, m",
-            "before": self.before,
-            "refitted": self.refitted,
-            "after": self.after,
-            "noise_floor": self.noise_floor,
-            "per_coordinate": self.per_coordinate,
-            "per_horizon": self.per_horizon,
         }
 
 
@@ -119,8 +99,11 @@ class Diagnosis:
 
     @property
     def disagrees(self) -> bool:
-        """Whether the refitted nominal model is farther from the logs than noise."""
-        return bool(self.effects or self.remaining or self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor)
+        """Whether the refitted nominal model is farther from the logs than noise, or from itself in another part."""
+        last = self.selection.steps[-1].attempts if self.selection.steps else ()
+        unsteady = any(a.verdict == UNSTEADY and a.log_factor > LEAST_UNSTEADY for a in last)
+        beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
+        return bool(self.effects or self.remaining or beyond or unsteady)
 
     @property
     def verdict(self) -> str:
@@ -236,7 +219,9 @@ def diagnose(
         for d in selection.final.dependences
         if d.log_factor > SURE and d.share > (LEAST_SHARE if d.is_periodic else LEAST_SMOOTH)
     ]
-    return Diagnosis(cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection), certainty)
+    return Diagnosis(
+        cart, selection, tuple(checks), before, after, tuple(remaining), measured_gap(cart, selection), certainty
+    )
 
 
 def _proven(selection: Selection) -> tuple[Selection, Certainty]:
@@ -263,30 +248,6 @@ def _in_pairs(log: RunLog) -> bool:
     rows = log.thinned()
     whole = np.isfinite(np.column_stack([rows.pose, *(arm.wrench for arm in rows.arms.values())])).all(axis=1)
     return len(rows) > 2 * max(ENOUGH, RATE * log.duration) and bool(whole.mean() > WHOLE)
-
-
-def _gap(cart: CartModel, selection: Selection) -> Gap:
-    held_out: HeldOut = selection.held_out
-    nominal, final = held_out.trained(selection.nominal), held_out.trained(selection.final)
-    horizons: dict[str, dict[str, float]] = {}
-    for horizon in (0.5, 1.0, 2.0):
-        rolled = {
-            "before": joined(held_out.rollouts(cart, nominal.delays, horizon)),
-            "refitted": joined(held_out.rollouts(nominal.cart, nominal.delays, horizon)),
-            "after": joined(held_out.rollouts(final.cart, final.delays, horizon)),
-            "noise_floor": joined(held_out.floor_rollouts(selection.final, horizon)),
-        }
-        if not len(rolled["after"].first):  # no stretch that is set aside is so long
-            continue
-        horizons[f"{horizon:g} s"] = {name: r.gap for name, r in rolled.items()}
-        if horizon == 1.0:
-            per_coordinate = {
-                c: {name: r.by_coordinate[c] for name, r in rolled.items()} for c in rolled["after"].by_coordinate
-            }
-    if not np.isfinite(list(horizons["1 s"].values())).all():
-        names = ", ".join(regression.name for regression in held_out.whole)
-        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
-    return Gap(**horizons["1 s"], per_coordinate=per_coordinate, per_horizon=horizons)
 
 
 def _named(diagnosis: Diagnosis, step: Step) -> NamedEffect:

@@ -117,7 +117,8 @@ class Judge:
 
     def _unsure(self, effect: Effect, score: float) -> str:
         searched = ENOUGH_SEARCHED if any(p.grid for p in effect.parameters) else ENOUGH
-        enough = max(ENOUGH_PASSING if effect.gate.passes else searched, BESIDE[effect.gate] * self.strongest)
+        usual = effect.doubt * (ENOUGH_PASSING if effect.gate.passes else searched)
+        enough = max(usual, BESIDE[effect.gate] * self.strongest)
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""
 
 

@@ -57,6 +57,16 @@ def test_pulls_cancel_against_the_prior_at_the_best_fit():
     assert (std * np.linalg.norm(each, axis=1) > 0.2).all()
 
 
+@pytest.mark.parametrize("began", [0.0, 1.7e9])
+def test_a_push_is_found_whatever_the_clock(began):
+    log = pushed(20.0)
+    log = replace(log, time=log.time + began)
+    model = Fitted((WrenchRegression(log, CART, None),), CART)
+    (found,) = findings(model.dictionary([ExternalPush()]), model.loose)
+    assert found.log_factor > 50
+    assert found.effect.start == pytest.approx(began + START, abs=0.25)
+
+
 @pytest.mark.parametrize("grows", [False, True])
 def test_an_offset_that_grows_drifts(grows):
     """It is nothing at first, and twice its mean in the end; a quarter of the log has a quarter of that at most."""

@@ -14,8 +14,8 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
-from estimation.discrepancy.diagnosis import _gap
 from estimation.discrepancy.fitted import Fitted
+from estimation.discrepancy.gap import measured_gap
 from estimation.discrepancy.generic import Course, dependences
 from estimation.discrepancy.log_check import check_rows, checked, moving
 from estimation.discrepancy.manoeuvres import manoeuvres, settled
@@ -219,4 +219,4 @@ def test_simulations_that_run_away_are_refused():
         whole=(SimpleNamespace(name="run.csv"),),
     )
     with pytest.raises(DataError, match=r"run\.csv: .*SI units"):
-        _gap(None, SimpleNamespace(held_out=held_out, nominal=fit, final=fit))
+        measured_gap(None, SimpleNamespace(held_out=held_out, nominal=fit, final=fit))

@@ -97,6 +97,7 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"proof": Proof(share=-0.01, log_likelihood=50.0)}, "closes -1.0 %"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
+        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0, moment=5.0), "score": 99.0}, "below 100"),
         ({"effect": PayloadChange(time=9.0, mass=3.0), "strongest": 5000.0}, "below 100"),
         ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
         ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(is_everywhere=True)}, "nearly everywhere"),
