@@ -6,7 +6,8 @@ smoother missed. Generalised least squares with the covariance `R + J Σ Jᵀ` i
 moved along with e, the regressors would take in the wrenches' noise.
 
 A wrench may hold from its row to the next (its middle is half a step late), or be one sample: w is taken a share
-`delay` of the step after its row, and that share is estimated too, as parameter p + 1.
+`delay` of the step after its row, and that share is estimated too, as parameter p + 1. J stays at the usual share: a
+delay that made more noise likely would look good.
 """
 
 from __future__ import annotations
@@ -253,8 +254,8 @@ class WrenchRegression:
             covariance += self._record.rounded[used, :, None] ** 2 * np.eye(residual.shape[1])
         weights = np.linalg.inv(covariance)
 
-        slopes = (1 - delay) * by_node[used], delay * by_node[after]
-        if self.size > 1:  # the mean of what was missed at both, whatever the delay
+        slopes = (1 - DELAY) * by_node[used], DELAY * by_node[after]
+        if self.size > 1:
             slopes = by_node[used] / 2, by_node[used] / 2
         by_motion, factor = self._joint(self.size * used, slopes, weights)
         return Linearisation(motion.time[used], self.size * used, residual, by, weights, by_motion, factor)

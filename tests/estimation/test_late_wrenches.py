@@ -42,3 +42,11 @@ def test_what_alignment_leaves_is_usual(delay, left):
     regression = WrenchRegression(late_log(3), CART, None, True)
     told = regression.with_cart(CART.with_effect(TimeDelay(delay)))
     assert told.usual_delay[0] - regression.usual_delay[0] == pytest.approx(left / 2, abs=1e-3)
+
+
+@pytest.mark.parametrize("pairs", [False, True])
+def test_wrenches_that_come_late_fit_best_as_late(pairs):
+    """Whether samples are looked at one by one or in pairs."""
+    fitted = Fitted((WrenchRegression(late_log(3), CART, None, pairs),), CART)
+    late = fitted.with_added(TimeDelay(delay=0.02)).listening()
+    assert fitted.chi_squared() - late.chi_squared() > 100
