@@ -211,7 +211,8 @@ def _step(
     scored, again = _scored(fitted, dictionary, candidates)
     least = max([ENOUGH, *(HOPELESS * score for score, _, _ in scored)])
     known = {one.effect.key for one in candidates}
-    missed = [one for key, one in again.items() if key not in known and one.log_factor >= least][:MOST_TRIED]
+    rest = [one for key, one in again.items() if key not in known]
+    missed = [one for one in rest if one.log_factor >= (WORTH_TRYING if _is_late(one.effect) else least)][:MOST_TRIED]
     if missed:
         scored, again = _scored(fitted, dictionary, candidates + [tried(one) for one in missed])
     attempts: list[Attempt] = []
@@ -251,14 +252,19 @@ def _scored(
     again = {f.effect.key: f for f in findings(dictionary, replace(fitted.loose, excess=excess))}
     scored, known = [], {effect.key for effect in fitted.added}
     for one in candidates:
-        gain, late = one.gain, isinstance(one.effect, SensorEffect) and one.effect.lateness > 0
+        gain = one.gain
         if _keeps_noise(one.effect):
             forms = (known, known | {one.effect.key})  # it may be of ours, or of another
             refitted = 0.5 * (fitted.chi_squared(known) - min(one.model.chi_squared(keys) for keys in forms))
-            most = np.inf if late else gain * MOST_BY_REFIT  # by linear fits, wrenches are late by a share of a step
+            most = np.inf if _is_late(one.effect) else gain * MOST_BY_REFIT
             gain = float(np.clip(refitted, gain / MOST_BY_REFIT, most))
         scored.append((gain / excess + again[one.effect.key].occam, one.effect, one.model))
     return sorted(scored, key=lambda each: -each[0]), again
+
+
+def _is_late(effect: Effect) -> bool:
+    """Of which linear fits tell little: there, wrenches are late by a share of a step."""
+    return isinstance(effect, SensorEffect) and effect.lateness > 0
 
 
 def _keeps_noise(effect: Effect) -> bool:
