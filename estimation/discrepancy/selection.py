@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import logsumexp
@@ -194,6 +195,12 @@ class _Tried:
     gain: float
     model: Fitted
 
+    @cached_property
+    def left(self) -> float:
+        """Chi-squared of the model, be the effect of our form or of another."""
+        every = {effect.key for effect in self.model.added}
+        return min(self.model.chi_squared(keys) for keys in (every - {self.effect.key}, every))
+
 
 def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
@@ -250,12 +257,11 @@ def _scored(
     with that noise, by key."""
     excess = min([fitted.excess, *(one.model.excess for one in candidates)])
     again = {f.effect.key: f for f in findings(dictionary, replace(fitted.loose, excess=excess))}
-    scored, known = [], {effect.key for effect in fitted.added}
+    scored, before = [], fitted.chi_squared({effect.key for effect in fitted.added}) if candidates else 0.0
     for one in candidates:
         gain = one.gain
         if _keeps_noise(one.effect):
-            forms = (known, known | {one.effect.key})  # it may be of ours, or of another
-            refitted = 0.5 * (fitted.chi_squared(known) - min(one.model.chi_squared(keys) for keys in forms))
+            refitted = 0.5 * (before - one.left)
             most = np.inf if _is_late(one.effect) else gain * MOST_BY_REFIT
             gain = float(np.clip(refitted, gain / MOST_BY_REFIT, most))
         scored.append((gain / excess + again[one.effect.key].occam, one.effect, one.model))
