@@ -20,7 +20,6 @@ from .gap import Gap, measured_gap
 from .generic import Course, Dependence
 from .glitches import without_glitches
 from .held_out import BEYOND_NOISE
-from .judgement import UNSTEADY
 from .log_check import LogCheck, check_rows, checked
 from .scatter import SCATTER_BLOCK, Scatter
 from .selection import Selection, Step, select
@@ -41,8 +40,9 @@ WHOLE = 0.98
 """Of the rows: so many must be whole for that."""
 CLOSED = 0.25
 """Of the nominal gap above the noise floor: what may be left where the effects explain it."""
-LEAST_UNSTEADY = 20.0
-"""Log of the Bayes factor of what has another size in another part of a log, and so no name."""
+LEAST_NAMELESS = 50.0
+"""Log of the Bayes factor of what is there, and has no name: it has another size in another part of the log, or is not
+proven."""
 TRIFLE = 0.02
 """Of the squares of the nominal residual: what follows something and is smaller leaves a log explained."""
 
@@ -99,11 +99,12 @@ class Diagnosis:
 
     @property
     def disagrees(self) -> bool:
-        """Whether the refitted nominal model is farther from the logs than noise, or from itself in another part."""
+        """Whether the refitted nominal model is farther from the logs than noise, or something is there without a
+        name."""
         last = self.selection.steps[-1].attempts if self.selection.steps else ()
-        unsteady = any(a.verdict == UNSTEADY and a.log_factor > LEAST_UNSTEADY for a in last)
+        nameless = any(a.is_there and a.log_factor > LEAST_NAMELESS for a in last)
         beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
-        return bool(self.effects or self.remaining or beyond or unsteady)
+        return bool(self.effects or self.remaining or beyond or nameless)
 
     @property
     def verdict(self) -> str:

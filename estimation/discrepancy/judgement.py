@@ -33,7 +33,7 @@ MOST_CHANGE, MOST_DRIFT, MOST_DRIFT_REMEMBERED = 0.5, 0.5, 1.0
 noise; the same of one with a memory, which in one quarter may have been another."""
 DRIVEN, NOWHERE = 0.15, 1e6
 """Of the most power that drags take: what they may give, at speeds of one sign, and be a mistake; m and s."""
-UNSTEADY = "its size is another in another part of the log"
+ADDED, UNSTEADY = "added", "its size is another in another part of the log"
 OUTSIDE, OUTSIDE_PASSING = 1.5, 0.5
 """Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
 vocabulary. What acts for a while takes away some turns of anything periodic."""
@@ -86,13 +86,13 @@ class Judge:
         proof = self.held_out.everywhere if effect.gate.ends else self.held_out
         share, of_rest = proof.gain(self.fitted, model)
         if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
-            return Verdict(True, "added", share)
+            return Verdict(True, ADDED, share)
         if (
             share >= -NO_WORSE
             and not effect.gate.ends
             and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD
         ):
-            return Verdict(True, "added", share)
+            return Verdict(True, ADDED, share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share, is_unproven=True)
 

@@ -6,7 +6,7 @@ have. At the end, what later ones have made superfluous is taken out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,6 +14,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
@@ -23,10 +24,12 @@ from .fitted import Fitted
 from .held_out import HeldOut
 from .isolability import Isolability, isolability
 from .judgement import (
+    ADDED,
     ENOUGH,
     LEAST_GAIN,
     LEAST_LIKELIHOOD,
     LEAST_OF_REST,
+    UNSTEADY,
     Judge,
     Verdict,
 )
@@ -60,13 +63,15 @@ LEAST_CREEP = 0.002
 @dataclass(frozen=True)
 class Attempt:
     """An effect tried at a step: the log of its Bayes factor, and what it gains on held-out stretches, as a share of
-    the gap above the noise floor that the refitted nominal model had. `verdict` says why it won or lost."""
+    the gap above the noise floor that the refitted nominal model had. `verdict` says why it won or lost; `is_there`
+    that it lost for its name alone: something is there, and it is not this."""
 
     key: str
     name: str
     log_factor: float
     held_out_gain: float | None
     verdict: str
+    is_there: bool = False
 
 
 @dataclass(frozen=True)
@@ -222,32 +227,41 @@ def _step(
     missed = [one for one in rest if one.log_factor >= (WORTH_TRYING if _is_late(one.effect) else least)][:MOST_TRIED]
     if missed:
         scored, again = _scored(fitted, dictionary, candidates + [tried(one) for one in missed])
-    attempts: list[Attempt] = []
-    added, better, nameless, unproven = None, None, 0.0, 0.0
-    for score, effect, model in scored:
-        if added is None and score < nameless:  # it explains less of a thing that has no name
-            verdict = Verdict(False, "less probable than what has no name")
-        elif added is None and score < unproven and effect.gate.ends:
-            verdict = Verdict(False, "less probable than what is not proven, and lasts")
-        elif added is None:
-            verdict = judge.verdict(again[effect.key], score, model)
-            nameless = max(nameless, score) if verdict.is_nameless else nameless
-            unproven = max(unproven, score) if verdict.is_unproven else unproven
-        else:
-            verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
-        attempt = Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason)
-        attempts.append(attempt)
-        if verdict.is_added:
-            added, better = attempt, model.settled()
+    attempts, better = _judged(scored, again, judge)
+    added = next((a for a in attempts if a.verdict == ADDED), None)
     rest = [f for f in again.values() if f.effect.key not in {a.key for a in attempts}]
     attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
-    if added is None:
+    if added is None or better is None:
         return Step(tuple(attempts), None), None
     left = [a for a in attempts[attempts.index(added) :] if a.verdict != IMPLAUSIBLE]
     logs = np.array([a.log_factor for a in left])
     probability = IN_VOCABULARY * float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
     near = [a.name for a in left if a.name != added.name and added.log_factor - a.log_factor < NOT_TOLD_APART]
     return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
+
+
+def _judged(
+    scored: Sequence[tuple[float, Effect, Fitted]], again: Mapping[str, Finding], judge: Judge
+) -> tuple[list[Attempt], Fitted | None]:
+    """What comes of each, the most probable first, and the model with the one that is added, if any."""
+    attempts: list[Attempt] = []
+    better, nameless, unproven = None, 0.0, 0.0
+    for score, effect, model in scored:
+        if better is None and score < nameless:  # it explains less of a thing that has no name
+            verdict = Verdict(False, "less probable than what has no name")
+        elif better is None and score < unproven and effect.gate.ends:
+            verdict = Verdict(False, "less probable than what is not proven, and lasts")
+        elif better is None:
+            verdict = judge.verdict(again[effect.key], score, model)
+            nameless = max(nameless, score) if verdict.is_nameless else nameless
+            unproven = max(unproven, score) if verdict.is_unproven and effect.gate is Gate.ALWAYS else unproven
+        else:
+            verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
+        is_there = verdict.is_unproven or verdict.reason == UNSTEADY
+        attempts.append(Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason, is_there))
+        if verdict.is_added:
+            better = model.settled()
+    return attempts, better
 
 
 def _scored(
