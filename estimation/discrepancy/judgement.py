@@ -65,6 +65,10 @@ class Judge:
         searched = absent.gate is Gate.ALWAYS and any(p.grid for p in absent.parameters)
         return not (searched and absent.implausible(*self.held_out.rolling))
 
+    def is_odd(self, effect: Effect) -> bool:
+        """Whether a search keeps away from a setting. A place may grow until it is everywhere: it is none then."""
+        return bool(effect.implausible(*self.held_out.rolling))
+
     def implausible(self, effect: Effect) -> str:
         """Why nobody would call it so on these logs; empty where they would."""
         nowhere_else = "it would be nearly everywhere" if self.held_out.covers(effect) else ""

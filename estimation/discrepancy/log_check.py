@@ -20,6 +20,8 @@ SHORTEST = 4.0
 """s."""
 LEAST_DISTANCE = 0.3
 """m."""
+FASTEST, NOISES = 40.0, 10.0
+"""m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 ROLLING, STILL_TURNING = 0.015, 0.015
 """m/s, rad/s: below both a cart may stand still, and friction takes whatever value holds it."""
 
@@ -66,8 +68,22 @@ def check_rows(log: RunLog, cart: CartModel) -> None:
         raise DataError(f"{log.name}: no wrench ever changes, as if no sensor were there; look at its connection")
 
 
+def _check_steps(log: RunLog, noise: float) -> None:
+    """Refuses poses that jump beyond their noise (m)."""
+    seen = np.flatnonzero(np.isfinite(log.pose[:, :2]).all(axis=1))
+    step = np.hypot(*np.diff(log.pose[seen, :2], axis=0).T)
+    speed = np.maximum(step - NOISES * noise, 0.0) / np.diff(log.time[seen])
+    if speed.max() > FASTEST:
+        at = int(np.argmax(speed))
+        raise DataError(
+            f"{log.name}: the cart jumps by {step[at]:.2f} m at t = {log.time[seen][at]:g} s; cut the log there, and "
+            "look for numbers that are not in SI units"
+        )
+
+
 def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCheck:
     """After the motion has been smoothed; refuses one that goes nowhere."""
+    _check_steps(log, regression.noise.position)
     motion, steps = regression.motion, np.diff(log.time)
     speed, h = motion.velocity[:, 0], np.diff(motion.time)
     distance = float((motion.speed[:-1] * h).sum())

@@ -125,7 +125,7 @@ def select(
         steps.append(step.beside(shown))
         if better is None:
             break
-        fitted = searched_again(better, judge.implausible)
+        fitted = searched_again(better, judge.is_odd)
         strongest = max(strongest, step.added.log_factor if step.added else 0.0)
     fitted, removed = _pruned(fitted, held_out)
     return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})
@@ -211,7 +211,7 @@ def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.loose)
-    refiner = Refiner(fitted, judge.implausible)
+    refiner = Refiner(fitted, judge.is_odd)
 
     def tried(finding: Finding) -> _Tried:
         tell(f"trying {finding.effect.name}")
