@@ -29,6 +29,7 @@ def main() -> None:
     scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
     scoring.add_argument("folder", type=Path, metavar="DIR")
     scoring.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
+    scoring.add_argument("--reliability", type=Path, metavar="FILE", help="draw said against true probabilities there")
     regressing = commands.add_parser("baselines", help="general methods on DIR/logs/*, to be scored too")
     regressing.add_argument("folder", type=Path, metavar="DIR")
     regressing.add_argument("--method", choices=list(METHODS), default="err")
@@ -43,9 +44,13 @@ def main() -> None:
         print(f"{count} reports; judge them with: score {options.folder} --reports {reports}")
         return
     if options.command == "score":
-        from .score import score
+        from .score import judged, score
 
         print(score(options.folder, options.reports))
+        if options.reliability:
+            from .reliability_plot import save_reliability
+
+            save_reliability(judged(options.folder, options.reports), options.reliability)
         return
     cases = {"all": CASES, "single": tuple(VOCABULARY), "mujoco": MUJOCO_CASES}.get(
         options.cases

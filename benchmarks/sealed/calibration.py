@@ -28,18 +28,29 @@ def coverage(groups: dict[str, Sequence[Estimate]]) -> str:
 
 def reliability(judgements: Sequence[Judgement]) -> str:
     """By what was said to be the probability of a name: how often it is true."""
-    told = [one for j in judgements for one in j.probabilities]
-    if not told:
+    told = probabilities(judgements)
+    if not len(told):
         return ""
-    said, right = np.array(told, dtype=float).T
     lines = [f"{'Probability of a name':<32} {'n':>4} {'mean said':>10} {'true':>7}"]
-    for low, high in pairwise(EDGES):
-        inside = (said > low) & (said <= high)
-        if inside.any():
-            cells = f"{int(inside.sum()):>4} {said[inside].mean():>10.3f} {right[inside].mean():>7.3f}"
-            lines.append(f"{f'{low:g} to {high:g}':<32} {cells}")
-    lines.append(f"{'Brier score':<32} {len(said):>4} {np.mean((said - right) ** 2):>10.3f}")
+    for (low, high), said, right in bins(told):
+        lines.append(f"{f'{low:g} to {high:g}':<32} {len(right):>4} {said:>10.3f} {right.mean():>7.3f}")
+    lines.append(f"{'Brier score':<32} {len(told):>4} {np.mean((told[:, 0] - told[:, 1]) ** 2):>10.3f}")
     return "\n".join(lines)
+
+
+def probabilities(judgements: Sequence[Judgement]) -> np.ndarray:
+    """Of all names: what was said, and whether it is true (n, 2)."""
+    return np.array([one for j in judgements for one in j.probabilities], dtype=float).reshape(-1, 2)
+
+
+def bins(told: np.ndarray) -> list[tuple[tuple[float, float], float, np.ndarray]]:
+    """Limits of each that has names, the mean that was said in it, and which of its names are true."""
+    found = []
+    for low, high in pairwise(EDGES):
+        inside = told[(told[:, 0] > low) & (told[:, 0] <= high)]
+        if len(inside):
+            found.append(((low, high), float(inside[:, 0].mean()), inside[:, 1]))
+    return found
 
 
 def duration(judgements: Sequence[Judgement]) -> str:

@@ -13,6 +13,7 @@ PARAMETERS, DRAG = ("mass", "com_x", "com_y", "inertia"), ("linear", "angular")
 CLOSE_DRAG = 0.25
 """A drag that the cart file lacks counts as found when it is refitted this near, as a share."""
 CLOSE_PERIOD = 0.1
+MOST = 0.5
 FOLLOWS = {"flat_spot": ("travelled distance", "m"), "wind": ("time", "s"), "oscillating_floor": ("time", "s")}
 """What the residual of an effect without a name depends on, and the unit of its period."""
 
@@ -145,6 +146,11 @@ class Judgement:
         if not gap or not gap["refitted"] or not gap["noise_floor"]:
             return None
         return gap["after"] / gap["refitted"], gap["after"] / gap["noise_floor"]
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether most of the refitted nominal model's squared gap is more than noise."""
+        return self.gap is not None and self.gap[1] > MOST**-0.5 * self.gap[0]
 
     @cached_property
     def estimates(self) -> tuple[Estimate, ...]:

@@ -25,7 +25,7 @@ POWER = 0.9
 
 
 def score(folder: Path, reports: str = "out") -> str:
-    everyone = [read(folder, path, reports) for path in sorted((folder / "truth").glob("*.json"))]
+    everyone = judged(folder, reports)
     known = [j for j in everyone if j.report is not None]
     everyone, there = ([j for j in group if j.share == 1.0] for group in (everyone, known))
     named = [e for j in there for e in j.estimates]
@@ -45,6 +45,10 @@ def score(folder: Path, reports: str = "out") -> str:
         strays(there),
     ]
     return "\n\n".join(part for part in parts if part)
+
+
+def judged(folder: Path, reports: str = "out") -> list[Judgement]:
+    return [read(folder, path, reports) for path in sorted((folder / "truth").glob("*.json"))]
 
 
 def read(folder: Path, path: Path, reports: str) -> Judgement:
@@ -93,13 +97,16 @@ def rates(judgements: Sequence[Judgement]) -> str:
 
 
 def gaps(judgements: Sequence[Judgement]) -> str:
-    lines = ["Held-out gap (median; 90 %)      after / refitted    after / noise floor"]
+    """Of all, and of those in which what is hidden makes most of the gap."""
+    lines = [f"{'Held-out gap (median; 90 %)':<44} {'n':>3}   after / refitted    after / noise floor"]
     for kind in ("single", "pair", "outside", "nothing"):
-        found = np.array([j.gap for j in judgements if j.kind == kind and j.gap is not None])
-        if len(found):
-            middle, high = np.median(found, axis=0), np.quantile(found, 0.9, axis=0)
-            cells = (f"{m:.3f}; {h:.3f}" for m, h in zip(middle, high, strict=True))
-            lines.append(f"{kind:<32} " + "        ".join(cells))
+        group = [j for j in judgements if j.kind == kind and j.gap is not None]
+        for title, own in ((kind, group), (f"{kind}, most of it more than noise", [j for j in group if j.stands_out])):
+            if own and (own is group or kind in ("single", "pair")):
+                found = np.array([j.gap for j in own])
+                middle, high = np.median(found, axis=0), np.quantile(found, 0.9, axis=0)
+                cells = (f"{m:.3f}; {h:.3f}" for m, h in zip(middle, high, strict=True))
+                lines.append(f"{title:<44} {len(own):>3}   " + "        ".join(cells))
     return "\n".join(lines) if len(lines) > 1 else ""
 
 

@@ -141,6 +141,11 @@ class Effect(ABC):
         empty where they are such as it has."""
         return ""
 
+    @property
+    def doubt(self) -> float:
+        """How many times the usual evidence it needs at these values, since other things look like it."""
+        return 1.0
+
     def with_values(self, values: ArrayLike) -> Self:
         """The same effect with other parameter values (n,); they are brought inside their bounds."""
         clipped: dict[str, Any] = {

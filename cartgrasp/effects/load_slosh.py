@@ -22,7 +22,7 @@ from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
-MOST_DAMPING = 0.3
+MOST_DAMPING = 0.25
 FREQUENCIES, DAMPINGS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4), (0.05, 0.2)
 
 

@@ -27,6 +27,8 @@ from .physical_fit import PhysicalSet
 from .wrench_regression import WrenchRegression
 
 ROUNDS, SETTLED = 20, 1e-3
+EARLIEST, LATEST = -0.5, 1.0
+"""Steps after its row at which a wrench may act."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ class _Fit:
             aim = limits.nearest(aim, self.free, np.linalg.inv(covariance[:f, :f]))
             moved = (aim - parameters)[self.free] / np.sqrt(np.diagonal(covariance)[:f])
             parameters = aim
-            delays = np.minimum(np.maximum(delays + move[f:], 0.0), 1.0)
+            delays = np.clip(delays + move[f:], EARLIEST, LATEST)
             if not np.isfinite(parameters).all():
                 raise DataError(f"{self.source}: can't be fitted; look for numbers that are not in SI units")
             if np.abs(moved).max(initial=0.0) < settled:

@@ -59,6 +59,11 @@ class SmoothMotion:
         one[n // 2, 3 : 3 + f] = np.eye(f)
         return np.sqrt(np.diagonal(self.information.factor().solve(one)[n // 2, 3 : 3 + f]))
 
+    @property
+    def speed(self) -> Array:
+        """Of {b}'s origin (n,), whatever way it goes."""
+        return np.abs(self.velocity[:, 0]) if self.velocity.shape[1] < 3 else np.hypot(*self.velocity[:, :2].T)
+
     def paired(self) -> SmoothMotion:
         """Means of two rows each."""
         n = len(self.time) // 2

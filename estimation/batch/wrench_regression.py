@@ -6,7 +6,8 @@ smoother missed. Generalised least squares with the covariance `R + J Σ Jᵀ` i
 moved along with e, the regressors would take in the wrenches' noise.
 
 A wrench may hold from its row to the next (its middle is half a step late), or be one sample: w is taken a share
-`delay` of the step after its row, and that share is estimated too, as parameter p + 1.
+`delay` of the step after its row, and that share is estimated too, as parameter p + 1. J stays at the usual share: a
+delay that made more noise likely would look good.
 """
 
 from __future__ import annotations
@@ -181,8 +182,10 @@ class WrenchRegression:
 
     @property
     def usual_delay(self) -> tuple[float, float]:
-        """By what share of a step wrenches are late, and the standard deviation of it."""
-        return DELAY / self.size, DELAY_STD / self.size
+        """By what share of a step wrenches are late, and the standard deviation of it. Aligned by whole samples, those
+        of late sensors are so by what is left of the lateness."""
+        late = float(np.mean([self.cart.lateness(arm) for arm in self.log.arms])) / self.step
+        return (DELAY + np.ceil(late - 0.5) - late) / self.size, DELAY_STD / self.size
 
     @property
     def step(self) -> float:
@@ -251,8 +254,8 @@ class WrenchRegression:
             covariance += self._record.rounded[used, :, None] ** 2 * np.eye(residual.shape[1])
         weights = np.linalg.inv(covariance)
 
-        slopes = (1 - delay) * by_node[used], delay * by_node[after]
-        if self.size > 1:  # the mean of what was missed at both, whatever the delay
+        slopes = (1 - DELAY) * by_node[used], DELAY * by_node[after]
+        if self.size > 1:
             slopes = by_node[used] / 2, by_node[used] / 2
         by_motion, factor = self._joint(self.size * used, slopes, weights)
         return Linearisation(motion.time[used], self.size * used, residual, by, weights, by_motion, factor)
@@ -266,7 +269,7 @@ class WrenchRegression:
         n, f = len(chain.time), weights.shape[1]
         if self.colour is not None:
             steps = np.diff(chain.time)
-            usual = np.median(self._record.covariance[nodes // self.size], axis=0)
+            usual = np.mean(self._record.covariance[nodes // self.size], axis=0)
             known = with_noise_states(known, chain.linked, steps, usual, self.colour)
             shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
             by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)
@@ -333,9 +336,18 @@ class WrenchRegression:
     def bends(self) -> Array:
         """Second differences (m, f) of the wrench that the motion needs, on the rows of `linearised`: what a motion
         smoothed a little more or less would add."""
+        return self._wrench_differences(2)
+
+    def skews(self) -> Array:
+        """Third differences: with the second ones, what a wrench taken between two rows lacks of one taken later."""
+        return self._wrench_differences(3)
+
+    def _wrench_differences(self, order: int) -> Array:
         wrench = self._inverse(self.cart, self.cart.parameters)[1].wrench
         found = np.zeros_like(wrench)
-        found[1:-1] = wrench[2:] - 2 * wrench[1:-1] + wrench[:-2]
+        found[1:-1] = np.diff(wrench, 2, axis=0)
+        if order > 2:
+            found = np.gradient(found, axis=0)
         return np.asarray(found[self._used])
 
     def sensor_slopes(self, cart: CartModel, delay: float) -> Array:

@@ -14,18 +14,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import chi2
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.motion import ParameterEstimate
-from cartgrasp.wheels import FIXED
 
-from ..batch.wrench_regression import BLOCK, WrenchRegression
+from ..batch.wrench_regression import BLOCK
 from ..parameter_report import ParameterReport
+from ..prior import report_names
 from .dictionary import may_be_amplitudes
 from .fitted import Fitted
 from .forms import form_sizes
-from .manoeuvres import manoeuvres
+from .manoeuvres import manoeuvres, settled
 from .refinement import Move, Refiner, is_open, moves, prior_std
 
 FORM = {"s": 0.05, "m": 0.03}
@@ -35,8 +35,6 @@ FORM_SHARE = 0.05
 OUTLYING = 4.0
 """Times the usual scatter: what an accident counts at most."""
 FIRST, FIRST_SHARE, DOUBLINGS = {"s": 0.04, "m": 0.02}, 0.02, 7
-ROLLING, SETTLING = 0.02, 0.05
-"""m/s, m: below, and so soon after, a wheel's friction has not the value that it keeps; a caster's trail is as long."""
 MOST_LOST = 1.5
 """Times the deviation: what fewer rows may cost."""
 UNLIKELY = 8.0
@@ -44,13 +42,31 @@ UNLIKELY = 8.0
 FINE = 400
 
 
+LEAST_DEVIATIONS = 2.5
+"""By which an effect that is named differs from none."""
+
+
 @dataclass(frozen=True)
 class Certainty:
-    """The structure with its directions in balance; its parameters; standard deviations of settings by key."""
+    """The structure with its directions in balance; its parameters; standard deviations of settings by key, and by how
+    many deviations each effect's amplitudes differ from none."""
 
     fitted: Fitted
     parameters: dict[str, ParameterEstimate]
     settings: dict[str, float]
+    deviations: dict[str, float]
+
+
+def proven(fitted: Fitted) -> tuple[Certainty, tuple[str, ...]]:
+    """Without the effects, whose keys are given too, that may as well not be there for all that other forms and the
+    scatter of manoeuvres leave sure; the least sure is left out first."""
+    removed: list[str] = []
+    while True:
+        found = certain(fitted)
+        key = min(found.deviations, key=lambda one: found.deviations[one], default=None)
+        if key is None or found.deviations[key] >= LEAST_DEVIATIONS:
+            return found, tuple(removed)
+        fitted, removed = fitted.without(key), [*removed, key]
 
 
 def certain(fitted: Fitted) -> Certainty:
@@ -59,7 +75,25 @@ def certain(fitted: Fitted) -> Certainty:
         moved, found = _settled(fitted, effect)
         fitted, settings = fitted.with_changed(effect, moved), settings | found
     fitted = balanced(_rolling(fitted))
-    return Certainty(fitted, _parameters(fitted), settings)
+    covariance, share = _covariance(fitted)
+    parameters = ParameterReport(fitted.structure, fitted.prior).of(fitted.cart.parameters, covariance, share)
+    return Certainty(fitted, parameters, settings, _deviations(fitted, covariance))
+
+
+def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
+    places, found = {name: i for i, name in enumerate(report_names(fitted.cart))}, dict[str, float]()
+    for effect in fitted.added:
+        own = [i for i in may_be_estimated(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
+        if own and not isinstance(effect, ConstraintEffect):
+            at = [places[effect.keys[i]] for i in own]
+            size = fitted.cart.parameters[at] - [effect.parameters[i].absent for i in own]
+            found[effect.key] = float(np.sqrt(size @ np.linalg.solve(covariance[np.ix_(at, at)], size)))
+    return found
+
+
+def may_be_estimated(effect: Effect) -> list[int]:
+    """Which of its parameters a linear fit gives."""
+    return [i for i, parameter in enumerate(effect.parameters) if parameter.estimated]
 
 
 def _rolling(fitted: Fitted) -> Fitted:
@@ -72,16 +106,6 @@ def _rolling(fitted: Fitted) -> Fitted:
         for f in (fitted, fewer)
     )
     return fewer if (after < MOST_LOST**2 * before).all() else fitted
-
-
-def settled(regression: WrenchRegression) -> np.ndarray:
-    """Rows (n,) on which no fixed wheel, nor the axle's middle, is near rest or has just been."""
-    motion, tracks = regression.motion, [0.0, *(w.y for w in regression.cart.wheels if w.kind == FIXED)]
-    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))
-    slowest = np.abs(motion.velocity[:, :1] - np.outer(turning, tracks)).min(axis=1)
-    travelled = np.cumsum(np.abs(motion.velocity[:, 0]) * np.diff(motion.time, prepend=motion.time[0]))
-    rested = np.maximum.accumulate(np.where(slowest < ROLLING, travelled, 0.0))
-    return np.asarray((slowest >= ROLLING) & (travelled - rested > SETTLING))
 
 
 def balanced(fitted: Fitted) -> Fitted:
@@ -98,7 +122,8 @@ def balanced(fitted: Fitted) -> Fitted:
     return replace(fitted, regressions=tuple(found), start=fitted.cart.parameters)
 
 
-def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
+def _covariance(fitted: Fitted) -> tuple[Array, Array]:
+    """Of all parameters (p, p), and what share of what was believed their deviations are (p,)."""
     own, known = fitted.free[:-1], fitted.identification
     covariance = known.covariance[np.ix_(own, own)]
     there, form = (((covariance @ each) ** 2).sum(axis=1) for each in _drawn(fitted))
@@ -108,7 +133,7 @@ def _parameters(fitted: Fitted) -> dict[str, ParameterEstimate]:
     whole[np.ix_(own, own)] = wider[:, None] * covariance * wider
     share = np.ones(len(whole))
     share[own] = np.sqrt(np.diagonal(whole)[own] * np.diagonal(fitted.base.information)[:-1])
-    return ParameterReport(fitted.structure, fitted.prior).of(known.model_parameters, whole + _form(fitted), share)
+    return whole + _form(fitted), share
 
 
 def _form(fitted: Fitted) -> Array:

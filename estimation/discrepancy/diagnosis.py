@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cartgrasp.errors import DataError, UsageError
+from cartgrasp.errors import UsageError
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
-from .certainty import Certainty, certain
+from .certainty import Certainty, proven
 from .fitted import SURE
+from .gap import Gap, measured_gap
 from .generic import Course, Dependence
 from .glitches import without_glitches
-from .held_out import BEYOND_NOISE, HeldOut, joined
+from .held_out import BEYOND_NOISE
 from .log_check import LogCheck, check_rows, checked
 from .scatter import SCATTER_BLOCK, Scatter
 from .selection import Selection, Step, select
@@ -30,14 +31,18 @@ if TYPE_CHECKING:
 SETTING_STD = {"s": 0.003, "m": 0.02, "rad": 0.001}
 SETTING_SHARE = 0.1
 """Of settings that neither a search nor a linear fit found: delays, trails, angles, stiffnesses."""
-LEAST_SHARE = 0.1
-"""Of the squares of the residual, for a dependence that is told."""
+LEAST_SHARE, LEAST_SMOOTH = 0.1, 0.15
+"""Of the squares of the residual, for a dependence that is told: on what is periodic, and on what any other form of the
+model would follow a little."""
 RATE, ENOUGH = 45.0, 2000
 """Rows a second, and rows, that are as good as more: of a log with twice as many, pairs are looked at."""
 WHOLE = 0.98
 """Of the rows: so many must be whole for that."""
 CLOSED = 0.25
 """Of the nominal gap above the noise floor: what may be left where the effects explain it."""
+LEAST_NAMELESS = 50.0
+"""Log of the Bayes factor of what is there, and has no name: it has another size in another part of the log, or is not
+proven."""
 TRIFLE = 0.02
 """Of the squares of the nominal residual: what follows something and is smaller leaves a log explained."""
 
@@ -63,30 +68,6 @@ class NamedEffect:
             "parameters": parameters,
             "confusable_with": list(self.confusable_with),
             "gap_share": self.gap_share,
-        }
-
-
-@dataclass(frozen=True)
-class Gap:
-    """Root mean square error (m) of 1 s rollouts on held-out stretches: of the nominal model, of the same refitted,
-    with the effects added, and what noise alone would do; the same by coordinate (m, m, rad) and by horizon."""
-
-    before: float
-    refitted: float
-    after: float
-    noise_floor: float
-    per_coordinate: dict[str, dict[str, float]]
-    per_horizon: dict[str, dict[str, float]]
-
-    def as_dict(self) -> dict[str, Any]:
-        return {
-            "metric": "root mean square distance after a 1 s rollout on held-out stretches, m",
-            "before": self.before,
-            "refitted": self.refitted,
-            "after": self.after,
-            "noise_floor": self.noise_floor,
-            "per_coordinate": self.per_coordinate,
-            "per_horizon": self.per_horizon,
         }
 
 
@@ -118,8 +99,12 @@ class Diagnosis:
 
     @property
     def disagrees(self) -> bool:
-        """Whether the refitted nominal model is farther from the logs than noise."""
-        return bool(self.effects or self.remaining or self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor)
+        """Whether the refitted nominal model is farther from the logs than noise, or something is there without a
+        name."""
+        last = self.selection.steps[-1].attempts if self.selection.steps else ()
+        nameless = any(a.is_there and a.log_factor > LEAST_NAMELESS for a in last)
+        beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
+        return bool(self.effects or self.remaining or beyond or nameless)
 
     @property
     def verdict(self) -> str:
@@ -223,17 +208,29 @@ def diagnose(
         regression = WrenchRegression(log, cart, None, _in_pairs(log)).wary()
         checks.append(checked(log, cart, regression))
         whole.append(regression)
-    selection = select(whole, cart, arms, tell)
+    selection, certainty = _proven(select(whole, cart, arms, tell))
     tell("measuring the gap")
     motions = [regression.motion for regression in whole]
     before, after = (
         (fitted.scatter, Course.of(fitted.scatter, motions, SCATTER_BLOCK))
         for fitted in (selection.nominal, selection.final)
     )
-    remaining = [d for d in selection.final.dependences if d.log_factor > SURE and d.share > LEAST_SHARE]
+    remaining = [
+        d
+        for d in selection.final.dependences
+        if d.log_factor > SURE and d.share > (LEAST_SHARE if d.is_periodic else LEAST_SMOOTH)
+    ]
     return Diagnosis(
-        cart, selection, tuple(checks), before, after, tuple(remaining), _gap(cart, selection), certain(selection.final)
+        cart, selection, tuple(checks), before, after, tuple(remaining), measured_gap(cart, selection), certainty
     )
+
+
+def _proven(selection: Selection) -> tuple[Selection, Certainty]:
+    certainty, removed = proven(selection.final)
+    final = selection.final
+    for key in removed:
+        final = final.without(key)
+    return replace(selection, final=final, removed=(*selection.removed, *removed)), certainty
 
 
 MORE_MOTION = (
@@ -252,30 +249,6 @@ def _in_pairs(log: RunLog) -> bool:
     rows = log.thinned()
     whole = np.isfinite(np.column_stack([rows.pose, *(arm.wrench for arm in rows.arms.values())])).all(axis=1)
     return len(rows) > 2 * max(ENOUGH, RATE * log.duration) and bool(whole.mean() > WHOLE)
-
-
-def _gap(cart: CartModel, selection: Selection) -> Gap:
-    held_out: HeldOut = selection.held_out
-    nominal, final = held_out.trained(selection.nominal), held_out.trained(selection.final)
-    horizons: dict[str, dict[str, float]] = {}
-    for horizon in (0.5, 1.0, 2.0):
-        rolled = {
-            "before": joined(held_out.rollouts(cart, nominal.delays, horizon)),
-            "refitted": joined(held_out.rollouts(nominal.cart, nominal.delays, horizon)),
-            "after": joined(held_out.rollouts(final.cart, final.delays, horizon)),
-            "noise_floor": joined(held_out.floor_rollouts(selection.final, horizon)),
-        }
-        if not len(rolled["after"].first):  # no stretch that is set aside is so long
-            continue
-        horizons[f"{horizon:g} s"] = {name: r.gap for name, r in rolled.items()}
-        if horizon == 1.0:
-            per_coordinate = {
-                c: {name: r.by_coordinate[c] for name, r in rolled.items()} for c in rolled["after"].by_coordinate
-            }
-    if not np.isfinite(list(horizons["1 s"].values())).all():
-        names = ", ".join(regression.name for regression in held_out.whole)
-        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
-    return Gap(**horizons["1 s"], per_coordinate=per_coordinate, per_horizon=horizons)
 
 
 def _named(diagnosis: Diagnosis, step: Step) -> NamedEffect:

@@ -25,8 +25,8 @@ BLOCK = 0.25
 CELL = 0.4
 """m."""
 MOST_CELLS = 144
-EVER = 1e9
-"""s, m: as long, and as far, as no log goes."""
+EVER = 1e12
+"""s, m: as long, and as far, as no log goes, be its clock that of the world, which began in 1970."""
 TRACE = 1e-9
 """Of a column's largest one: below it an amplitude leaves no trace."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from cartgrasp.effects import Effect, SensorEffect
 from cartgrasp.frames import Array
@@ -19,13 +20,15 @@ from ..batch.wrench_regression import Linearisation, WrenchRegression
 from ..prior import Prior, report_names
 from .dictionary import Dictionary, build_dictionary
 from .evidence import Base
-from .forms import Forms
+from .forms import BLUR, Forms
 from .generic import Course, Dependence, dependences
 from .scatter import FINE_BLOCK, Scatter, noise_excess
 
 SURE = 12.0
 """Log of the Bayes factor of a dependence that is told."""
 SETTLED = 0.03
+LISTENING, HEARD = 6, 5e-4
+"""Rounds, and s: to read how late wrenches are."""
 EFFECTS_SHARE = 1.0
 ADDED_SHARE = 10.0
 """Of its typical size: the standard deviation of an added effect before data, which tell nearly all."""
@@ -84,7 +87,7 @@ class Fitted:
         own = self.free[:-1]
         information = np.zeros((len(own) + 1, len(own) + 1))
         information[:-1, :-1] = np.linalg.inv(self.prior.covariance(self.structure)[np.ix_(own, own)])
-        delay, std = np.mean([regression.usual_delay for regression in self.regressions], axis=0)
+        delay, std = np.mean([regression.usual_delay for regression, _, _ in self.linearised], axis=0)
         information[-1, -1] = std**-2
         first = np.append(self.structure.parameters[own], delay)
         now = np.append(self.cart.parameters[own], np.mean(self.delays))
@@ -157,25 +160,43 @@ class Fitted:
         return replace(self, start=self.cart.parameters)
 
     def listening(self) -> Fitted:
-        """With the delay that the fit found in samples' holding, but for its usual share, moved into an added effect
-        that is late."""
-        late = [effect for effect in self.added if isinstance(effect, SensorEffect) and effect.lateness > 0]
-        if not late:
-            return self
-        step = float(np.median([r.step for r in self.regressions]))
-        whole = round(late[0].lateness / step) * step  # what aligning by nearest samples took back
-        found = zip(self.regressions, self.delays, strict=True)
-        missing = whole + float(np.mean([(r.usual_delay[0] - d) * np.median(np.diff(r.motion.time)) for r, d in found]))
-        moved = late[0].with_values(late[0].values + missing - late[0].lateness)
-        return self.with_changed(late[0], moved)
+        """With the lateness of an added effect where the log has it, round by round: its wrenches are aligned by whole
+        samples, and what is left is read beside all else."""
+        found = self
+        for _ in range(LISTENING):
+            late = next((e for e in found.added if isinstance(e, SensorEffect) and e.lateness > 0), None)
+            missing = 0.0 if late is None else found._unheard
+            if late is None or abs(missing) < HEARD:
+                break
+            found = found.with_changed(late, late.with_values(np.maximum(late.values + missing, 0.0)))
+        return found
+
+    @property
+    def _unheard(self) -> float:
+        """By how much later (s) than the cart's sensors say wrenches are recorded. To take a wrench between two rows
+        smooths it, and is not quite a shift, so the second and third differences are unknowns beside it."""
+        p = len(self.base.pull)
+        information, pull = block_diag(self.loose.information, np.ones((1, 1))), np.append(self.loose.pull, 0.0)
+        information[p - 1, p - 1] = pull[p - 1] = 0.0
+        for (regression, line, _), known in zip(self.linearised, self.loose_columns, strict=True):
+            columns = np.concatenate([known, BLUR * regression.skews()[..., None]], axis=2)
+            sides = np.concatenate([columns, line.residual[..., None]], axis=2)
+            sums = np.tensordot(columns, line.whitened(sides), ((0, 1), (0, 1)))
+            information, pull = information + sums[:, :-1], pull + sums[:, -1]
+        share = float(np.linalg.solve(information, pull)[p - 1])
+        logs = [(r.usual_delay[0] - d - share) * r.step * r.size for r, _, d in self.linearised]
+        return float(np.mean(logs))
 
     def without(self, key: str) -> Fitted:
         return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)
 
     def chi_squared(self, keys: Collection[str] = ()) -> float:
-        """Of the residuals, beside other forms of added effects with `keys`, and of the parameters against what was
-        believed of them."""
+        """Of the residuals, beside other forms of added effects with `keys`, and of the parameters and delays against
+        what was believed of them."""
         total = sum(line.chi_squared - self.forms(r, line, keys).taken(line) for r, line, _ in self.linearised)
+        for regression, _, delay in self.linearised:
+            usual, std = regression.usual_delay
+            total += ((delay - usual) / std) ** 2
         own = self.free[:-1]
         moved = (self.cart.parameters - self.structure.parameters)[own]
         return total + float(moved @ self.base.information[:-1, :-1] @ moved)

@@ -2,8 +2,10 @@
 
 A name stands for many forms: friction of bristles or of a step, drag at the origin or at the CoM, a carpet's ramp. What
 a form leaves looks like a small second effect. So from one manoeuvre to the next the size of an added effect is free by
-a share, and the line along which its force acts by a lever; both are unknowns beside the parameters. So is how sharply
-the smoothed motion bends, which looks like a small delay, or like something that swings and is damped at once.
+a share, and the line along which its force acts by a lever; both are unknowns beside the parameters. Near rest so is
+its whole moment: a caster drags along its own heading, and takes a trail's length to find that of its pivot's velocity.
+So is how sharply the smoothed motion bends, which looks like a small delay, or like something that swings and is damped
+at once.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from cartgrasp.effects import Effect, ForceEffect
 from cartgrasp.frames import Array
 
 from ..batch.wrench_regression import Linearisation, WrenchRegression
-from .manoeuvres import manoeuvres
+from .manoeuvres import manoeuvres, settled
 
 SHARE = 0.1
 """Of its size: how far an effect may be from ours in one manoeuvre."""
@@ -26,6 +28,7 @@ LEVER = 0.05
 BLUR = 0.5
 """Times second differences of wrenches, those of a motion smoothed over a row more or less."""
 TRACE = 1e-9
+KINDS = 3
 SIZES = np.array([0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0])
 """Times SHARE or LEVER: what a family of forms may come to on some logs."""
 ROUNDS = 2
@@ -34,7 +37,7 @@ ROUNDS = 2
 @dataclass(frozen=True)
 class Forms:
     """Of a log: what other forms, each of one deviation, add to its rows (m, f, k), and of which family each is (k,):
-    one effect's shares, its levers, or the smoothing."""
+    one effect's shares, its levers, its moments near rest, or the smoothing."""
 
     columns: Array
     family: np.ndarray
@@ -45,25 +48,33 @@ class Forms:
         turns = not regression.cart.constraints.no_rotation
         rows = line.nodes // regression.size
         number = manoeuvres(regression.motion, turns)[rows]
-        inside = number[:, None] == np.unique(number)
+        inside, swings = number[:, None] == np.unique(number), ~settled(regression)[rows]
         parts, family = [BLUR * regression.bends()[..., None]], [-1]
         for k, (effect, trace) in enumerate(traces):
             if np.abs(trace).max(initial=0.0) < TRACE:
                 continue
-            moment = np.zeros_like(trace)
-            moment[:, -1] = LEVER * trace[:, 0]
-            kinds = [SHARE * trace, moment] if turns and isinstance(effect, ForceEffect) else [SHARE * trace]
+            kinds = [SHARE * trace]
+            if turns and isinstance(effect, ForceEffect):
+                kinds += [_moment(trace, LEVER * trace[:, 0]), _moment(trace, swings * trace[:, -1])]
             for i, kind in enumerate(kinds):
                 parts.append(kind[:, :, None] * inside[:, None, :])
-                family += inside.shape[1] * [2 * k + i]
+                family += inside.shape[1] * [KINDS * k + i]
         return cls(np.concatenate(parts, axis=2), np.array(family, dtype=int))
 
     def taken(self, line: Linearisation) -> float:
-        """Of the residual's chi-squared: what they take away."""
+        """Of the residual's chi-squared: what they take away, less what they cost for all that they might have been, so
+        that the rest is -2 log of a likelihood."""
         sides = np.concatenate([self.columns, line.residual[..., None]], axis=2)
         sums = np.tensordot(self.columns, line.whitened(sides), ((0, 1), (0, 1)))
-        information, pull = sums[:, :-1], sums[:, -1]
-        return float(pull @ np.linalg.solve(information + np.eye(len(pull)), pull))
+        information, pull = sums[:, :-1] + np.eye(self.columns.shape[2]), sums[:, -1]
+        return float(pull @ np.linalg.solve(information, pull)) - float(np.linalg.slogdet(information)[1])
+
+
+def _moment(trace: Array, moment: Array) -> Array:
+    """Alone, on rows like those of a trace (m, f)."""
+    found = np.zeros_like(trace)
+    found[:, -1] = moment
+    return found
 
 
 def form_sizes(information: Array, pull: Array, family: np.ndarray) -> Array:

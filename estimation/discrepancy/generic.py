@@ -52,7 +52,8 @@ class Dependence:
 @dataclass(frozen=True)
 class Course:
     """Where the middles of stretches are (b,): time, heading, forward speed, yaw rate, place, distance since the last
-    reversal; and how far each fixed wheel, or the axle's middle, has rolled, (b, w)."""
+    reversal; how far each fixed wheel, or the axle's middle, has rolled, and as the last the way of the middle,
+    backward or forward, (b, w)."""
 
     time: Array
     rolled: Array
@@ -109,8 +110,9 @@ def _families(course: Course) -> Iterator[_Family]:
     for rolled in course.rolled.T:
         turns = _turns(rolled, WAVENUMBERS)
         waves = np.concatenate([_wave(k * np.outer(turns, rolled)) for k in range(1, HARMONICS + 1)], axis=2)
-        tried = 2 * len(turns) * course.rolled.shape[1]
-        for columns in (waves[..., :2], waves):
+        drags = np.sign(course.speed)[None, :, None] * waves
+        tried = 4 * len(turns) * course.rolled.shape[1]
+        for columns in (waves[..., :2], waves, drags[..., :2], drags):
             yield _Family("travelled distance, periodic", columns, tried, 1 / turns, "m")
     yield _Family("heading", _wave(course.heading / (2 * np.pi))[None])
     yield _Family("speed", _levels(course.speed)[None])
@@ -159,7 +161,7 @@ def _levels(values: Array) -> Array:
 def _middles(motion: SmoothMotion, middle: Array, tracks: Sequence[float]) -> tuple[Array, ...]:
     time, speed = motion.time, motion.velocity[:, 0]
     steps = np.append(0.0, np.diff(time))
-    distance = np.cumsum(np.abs(speed) * steps)
+    distance = np.cumsum(motion.speed * steps)
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(time))
     rolled = np.cumsum((speed[:, None] - np.outer(turning, tracks)) * steps[:, None], axis=0)
     rolling = np.where(np.abs(speed) > 0.02, np.sign(speed), 0.0)
@@ -170,5 +172,6 @@ def _middles(motion: SmoothMotion, middle: Array, tracks: Sequence[float]) -> tu
             last = rolling[i]
         at[i] = distance[i] - reversed_at
     rows = np.clip(np.searchsorted(time, middle), 0, len(time) - 1)
+    rolled = np.column_stack([rolled, distance])
     columns = (rolled, np.unwrap(motion.pose[:, 2]), speed, turning, motion.pose[:, :2], at)
     return middle, *(column[rows] for column in columns)

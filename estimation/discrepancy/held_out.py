@@ -45,7 +45,7 @@ class HeldOut:
     @cached_property
     def rolling(self) -> tuple[WheelSet, float]:
         """The cart's wheels, and the fastest speed of all logs (m/s)."""
-        fastest = max(float(np.abs(regression.motion.velocity[:, 0]).max()) for regression in self.whole)
+        fastest = max(float(regression.motion.speed.max()) for regression in self.whole)
         return self.nominal.prior_cart.wheel_set, fastest
 
     @cached_property
@@ -110,8 +110,8 @@ class HeldOut:
     def _surprise(self, fitted: Fitted, loose: Collection[str]) -> float:
         trained, total = self.trained(fitted), 0.0
         for regression, kept in zip(fitted.regressions, self._kept, strict=True):
-            own, delay = regression.within(kept).with_cart(trained.cart), regression.usual_delay[0]
-            line = own.linearised(trained.cart.parameters, delay)
+            own = regression.within(kept).with_cart(trained.cart)
+            line = own.linearised(trained.cart.parameters, own.usual_delay[0])
             total += line.chi_squared - trained.forms(own, line, loose).taken(line)
         return total
 

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
+from cartgrasp.model import CartModel
 
 from .evidence import Finding
 from .fitted import Fitted
 from .held_out import HeldOut
 
-ENOUGH, ENOUGH_PASSING = 7.0, 20.0
-"""Logs of the Bayes factor of an effect that is named; of one that acts for a while, which any accident is like."""
+ENOUGH, ENOUGH_SEARCHED, ENOUGH_PASSING = 7.0, 12.0, 20.0
+"""Logs of the Bayes factor of an effect that is named; of one whose speed or frequency was searched for, which finds
+what a smoothed motion lacks; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
-BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02}
+BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.01}
 """Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
-hardly like a lasting change."""
+hardly like a lasting change, or like what always acts."""
 LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
 NO_WORSE = 0.005
@@ -27,7 +31,9 @@ LEAST_OF_REST = 0.3
 MOST_CHANGE, MOST_DRIFT, MOST_DRIFT_REMEMBERED = 0.5, 0.5, 1.0
 """Of its size: what an effect may change by when a quarter of the log is left out; from all to one quarter, beyond
 noise; the same of one with a memory, which in one quarter may have been another."""
-UNSTEADY = "its size is another in another part of the log"
+DRIVEN, NOWHERE = 0.15, 1e6
+"""Of the most power that drags take: what they may give, at speeds of one sign, and be a mistake; m and s."""
+ADDED, UNSTEADY = "added", "its size is another in another part of the log"
 OUTSIDE, OUTSIDE_PASSING = 1.5, 0.5
 """Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
 vocabulary. What acts for a while takes away some turns of anything periodic."""
@@ -37,12 +43,13 @@ vocabulary. What acts for a while takes away some turns of anything periodic."""
 class Verdict:
     """Whether an effect is added; if not, why; the share of the gap above the noise floor that it closes on held-out
     stretches, where it came to that; whether there is something like it that has no name, so that nothing that explains
-    less is its name."""
+    less is its name; and whether it is only not proven, so that no accident that explains less is."""
 
     is_added: bool
     reason: str
     held_out_gain: float | None = None
     is_nameless: bool = False
+    is_unproven: bool = False
 
 
 @dataclass(frozen=True)
@@ -58,6 +65,10 @@ class Judge:
         searched = absent.gate is Gate.ALWAYS and any(p.grid for p in absent.parameters)
         return not (searched and absent.implausible(*self.held_out.rolling))
 
+    def is_odd(self, effect: Effect) -> bool:
+        """Whether a search keeps away from a setting. A place may grow until it is everywhere: it is none then."""
+        return bool(effect.implausible(*self.held_out.rolling))
+
     def implausible(self, effect: Effect) -> str:
         """Why nobody would call it so on these logs; empty where they would."""
         nowhere_else = "it would be nearly everywhere" if self.held_out.covers(effect) else ""
@@ -72,21 +83,22 @@ class Judge:
             or self._unsteady(found)
             or self._outside(effect, model)
             or self._unsure(effect, score)
+            or _drives(model.cart, self.held_out.rolling[1])
         )
         if reason:
             return Verdict(False, reason, is_nameless=bool(self._held(effect, model) or self._unsteady(found)))
         proof = self.held_out.everywhere if effect.gate.ends else self.held_out
         share, of_rest = proof.gain(self.fitted, model)
         if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
-            return Verdict(True, "added", share)
+            return Verdict(True, ADDED, share)
         if (
             share >= -NO_WORSE
             and not effect.gate.ends
             and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD
         ):
-            return Verdict(True, "added", share)
+            return Verdict(True, ADDED, share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
-        return Verdict(False, reason, share)
+        return Verdict(False, reason, share, is_unproven=True)
 
     def _held(self, effect: Effect, model: Fitted) -> str:
         late = effect.lateness if isinstance(effect, SensorEffect) else 0.0
@@ -108,5 +120,23 @@ class Judge:
         return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
-        enough = max(ENOUGH_PASSING, BESIDE[effect.gate] * self.strongest) if effect.gate.passes else ENOUGH
+        searched = ENOUGH_SEARCHED if any(p.grid for p in effect.parameters) else ENOUGH
+        usual = effect.doubt * (ENOUGH_PASSING if effect.gate.passes else searched)
+        enough = max(usual, BESIDE[effect.gate] * self.strongest)
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""
+
+
+def _drives(cart: CartModel, fastest: float) -> str:
+    """Why no cart is like this that needs to be held back; headings, far from any place and time, are averaged over."""
+    headings = np.linspace(0, 2 * np.pi, 4, endpoint=False)
+    pose = np.column_stack([np.full(4, NOWHERE), np.full(4, NOWHERE), headings])
+    still = np.zeros((4, cart.constraints.n_free))
+    power = []
+    for speed in fastest * np.array([-1.0, -0.5, 0.5, 1.0]):
+        velocity = still.copy()
+        velocity[:, 0] = speed
+        state = np.hstack([pose, velocity, np.zeros((4, len(cart.memory_names)))])
+        state[:, cart.memory_slice] = cart.settled_memory(state, np.tile(cart.parameters, (4, 1)), NOWHERE)
+        power.append(speed * float(cart.required_wrench(state, still, time=NOWHERE)[:, 0].mean()))
+    backward = min(power) < -DRIVEN * max(np.abs(power))
+    return "with it, the cart would drive itself" if backward else ""

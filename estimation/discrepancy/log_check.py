@@ -20,6 +20,8 @@ SHORTEST = 4.0
 """s."""
 LEAST_DISTANCE = 0.3
 """m."""
+FASTEST, NOISES = 40.0, 10.0
+"""m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 ROLLING, STILL_TURNING = 0.015, 0.015
 """m/s, rad/s: below both a cart may stand still, and friction takes whatever value holds it."""
 
@@ -66,11 +68,25 @@ def check_rows(log: RunLog, cart: CartModel) -> None:
         raise DataError(f"{log.name}: no wrench ever changes, as if no sensor were there; look at its connection")
 
 
+def _check_steps(log: RunLog, noise: float) -> None:
+    """Refuses poses that jump beyond their noise (m)."""
+    seen = np.flatnonzero(np.isfinite(log.pose[:, :2]).all(axis=1))
+    step = np.hypot(*np.diff(log.pose[seen, :2], axis=0).T)
+    speed = np.maximum(step - NOISES * noise, 0.0) / np.diff(log.time[seen])
+    if speed.max() > FASTEST:
+        at = int(np.argmax(speed))
+        raise DataError(
+            f"{log.name}: the cart jumps by {step[at]:.2f} m at t = {log.time[seen][at]:g} s; cut the log there, and "
+            "look for numbers that are not in SI units"
+        )
+
+
 def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCheck:
     """After the motion has been smoothed; refuses one that goes nowhere."""
+    _check_steps(log, regression.noise.position)
     motion, steps = regression.motion, np.diff(log.time)
     speed, h = motion.velocity[:, 0], np.diff(motion.time)
-    distance = float((np.abs(speed[:-1]) * h).sum())
+    distance = float((motion.speed[:-1] * h).sum())
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
     if distance < LEAST_DISTANCE and float((np.abs(turning[:-1]) * h).sum()) < LEAST_DISTANCE:
         raise DataError(
@@ -91,7 +107,7 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
         distance=distance,
         turned=float((np.abs(turning[:-1]) * h).sum()),
         reversals=int((np.diff(sign) != 0).sum()),
-        fastest=float(np.abs(speed).max()),
+        fastest=float(motion.speed.max()),
         moving=float(moving(regression).mean()),
     )
 
@@ -99,7 +115,7 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
 def moving(regression: WrenchRegression) -> np.ndarray:
     """Rows (n,) on which the cart surely moves."""
     velocity = regression.motion.velocity
-    fast = np.abs(velocity[:, 0]) > ROLLING
+    fast = regression.motion.speed > ROLLING
     if velocity.shape[1] > 1:
         fast |= np.abs(velocity[:, -1]) > STILL_TURNING
     return np.asarray(fast)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from cartgrasp.wheels import FIXED
+
 from ..batch.motion_smoother import SmoothMotion
+from ..batch.wrench_regression import WrenchRegression
 
 SHORTEST, USUAL, LONGEST = 1.5, 2.5, 6.0
 """s: shorter stretches belong to the one before, longer ones are cut."""
@@ -14,6 +17,9 @@ MOVING = 0.03
 """m/s."""
 TURNING = 0.05
 """rad/s."""
+ROLLING, SETTLING, TRAILS = 0.02, 0.05, 3.0
+"""m/s, m: below, and so soon after, a wheel's friction has not the value that it keeps. A caster that has to turn round
+takes some times its trail."""
 HELD_OUT = 3
 """One manoeuvre of so many is kept out of fits."""
 
@@ -39,3 +45,18 @@ def manoeuvres(motion: SmoothMotion, turns: bool) -> np.ndarray:
 def held_out(number: np.ndarray) -> np.ndarray:
     """Rows (n,) that fits on training stretches do not see."""
     return np.asarray(number % HELD_OUT == HELD_OUT - 1)
+
+
+def settled(regression: WrenchRegression) -> np.ndarray:
+    """Rows (n,) on which no fixed wheel, nor the axle's middle, is near rest or turns round, or has just done so."""
+    motion, wheels = regression.motion, regression.cart.wheels
+    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))
+    rolling = motion.velocity[:, :1] - np.outer(turning, [0.0, *(w.y for w in wheels if w.kind == FIXED)])
+    if motion.velocity.shape[1] > 2:
+        rolling = motion.speed[:, None]
+    turned = np.diff(np.sign(rolling), axis=0, prepend=np.sign(rolling[:1])) != 0
+    slow = np.any(turned | (np.abs(rolling) < ROLLING), axis=1)
+    travelled = np.cumsum(motion.speed * np.diff(motion.time, prepend=motion.time[0]))
+    rested = np.maximum.accumulate(np.where(slow, travelled, 0.0))
+    settling = max([SETTLING, *(TRAILS * w.trail for w in wheels if w.kind != FIXED)])
+    return np.asarray(~slow & (travelled - rested > settling))

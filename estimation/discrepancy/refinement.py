@@ -89,13 +89,13 @@ class Refiner:
         return effect.with_values(values), best
 
 
-def searched_again(fitted: Fitted) -> Fitted:
+def searched_again(fitted: Fitted, implausible: Callable[[Effect], object]) -> Fitted:
     """With the settings of all effects but the last, which were searched for without it, where they are best now."""
     for effect in fitted.added[:-1]:
         amplitudes = np.flatnonzero(may_be_amplitudes(effect))
         if any(not effect.parameters[move.which].estimated for move in moves(effect, amplitudes)):
             known = next(one for one in fitted.cart.effects if one.key == effect.key)
-            refiner = Refiner(fitted.without(effect.key))
+            refiner = Refiner(fitted.without(effect.key), implausible)
             fitted = fitted.with_changed(effect, refiner.refined(known, amplitudes, prior_std(effect, amplitudes))[0])
     return fitted
 

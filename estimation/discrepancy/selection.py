@@ -6,26 +6,30 @@ have. At the end, what later ones have made superfluous is taken out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import logsumexp
 
 from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
 from .dictionary import Dictionary
-from .evidence import findings
+from .evidence import Finding, findings
 from .fitted import Fitted
 from .held_out import HeldOut
 from .isolability import Isolability, isolability
 from .judgement import (
+    ADDED,
     ENOUGH,
     LEAST_GAIN,
     LEAST_LIKELIHOOD,
     LEAST_OF_REST,
+    UNSTEADY,
     Judge,
     Verdict,
 )
@@ -45,8 +49,11 @@ IN_VOCABULARY = 0.95
 IMPLAUSIBLE = "not plausible"
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
+NEARLY = 0.75
+"""Of the log of the Bayes factor, of an effect that looks like another: the rest may be the world's other form."""
 MOST_BY_REFIT = 2.0
-"""Times what the linear fit gains: more is a better fit of all else."""
+"""Times what the linear fit gains, or a share of it: more is a better fit of all else, less a form that has no weight
+there."""
 MOST_EFFECTS = 4
 SIDEWAYS_ROUNDS = 2
 LEAST_CREEP = 0.002
@@ -56,13 +63,15 @@ LEAST_CREEP = 0.002
 @dataclass(frozen=True)
 class Attempt:
     """An effect tried at a step: the log of its Bayes factor, and what it gains on held-out stretches, as a share of
-    the gap above the noise floor that the refitted nominal model had. `verdict` says why it won or lost."""
+    the gap above the noise floor that the refitted nominal model had. `verdict` says why it won or lost; `is_there`
+    that it lost for its name alone: something is there, and it is not this."""
 
     key: str
     name: str
     log_factor: float
     held_out_gain: float | None
     verdict: str
+    is_there: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,6 +82,14 @@ class Step:
     added: Attempt | None
     confusable: tuple[str, ...] = ()
     probability: float = 1.0
+
+    def beside(self, shown: dict[str, Isolability]) -> Step:
+        """With the effects that look like the added one on this motion, where they explain nearly as much."""
+        if self.added is None or self.added.key not in shown:
+            return self
+        alike, least = shown[self.added.key].alike, NEARLY * self.added.log_factor
+        near = [a.name for a in self.attempts if a.key in alike and a.log_factor > least and a.verdict != IMPLAUSIBLE]
+        return replace(self, confusable=tuple(dict.fromkeys((*self.confusable, *near))))
 
 
 @dataclass(frozen=True)
@@ -97,7 +114,7 @@ def select(
     fitted = fitted.coloured()
     whole = tuple(r.coloured(seen.colour) for r, seen in zip(whole, fitted.regressions, strict=True))
     nominal = fitted if not steps else Fitted(fitted.regressions, cart)
-    held_out, strongest = HeldOut(nominal, whole), 0.0
+    held_out, strongest = HeldOut(nominal, whole), _creeping(fitted, steps)
     shown: dict[str, Isolability] | None = None
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
@@ -105,10 +122,10 @@ def select(
         dictionary = fitted.dictionary([one for one in trials(fitted.cart, arms) if judge.may_be(one)])
         shown = isolability(dictionary, fitted.loose) if shown is None else shown
         step, better = _step(fitted, dictionary, judge, tell)
-        steps.append(step)
+        steps.append(step.beside(shown))
         if better is None:
             break
-        fitted = searched_again(better)
+        fitted = searched_again(better, judge.is_odd)
         strongest = max(strongest, step.added.log_factor if step.added else 0.0)
     fitted, removed = _pruned(fitted, held_out)
     return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})
@@ -164,50 +181,116 @@ def _sideways(
         steps.append(Step(tuple(attempts), attempts[0], near, IN_VOCABULARY))
 
 
+def _creeping(fitted: Fitted, steps: Sequence[Step]) -> float:
+    """The log of the Bayes factor of wheels that creep: their tyres have other forms, as an angle has not."""
+    creep = {effect.key for effect in fitted.added if isinstance(effect, ConstraintEffect) and effect.slip_compliance}
+    return max((s.added.log_factor for s in steps if s.added and s.added.key in creep), default=0.0)
+
+
 def _on_moving_rows(whole: Sequence[WrenchRegression], cart: CartModel, added: tuple[Effect, ...]) -> Fitted:
     return Fitted(tuple(regression.within(moving(regression)) for regression in whole), cart, added)
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """An effect where it fits best, half the chi-squared that it takes away there by the linear fit, and the model with
+    it."""
+
+    effect: Effect
+    gain: float
+    model: Fitted
+
+    @cached_property
+    def left(self) -> float:
+        """Chi-squared of the model, be the effect of our form or of another."""
+        every = {effect.key for effect in self.model.added}
+        return min(self.model.chi_squared(keys) for keys in (every - {self.effect.key}, every))
 
 
 def _step(
     fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
 ) -> tuple[Step, Fitted | None]:
     screened = findings(dictionary, fitted.loose)
-    refiner = Refiner(fitted, lambda effect: effect.implausible(*judge.held_out.rolling))
-    tried = []
-    for finding in screened[:MOST_TRIED]:
-        if finding.log_factor < max(WORTH_TRYING, HOPELESS * screened[0].log_factor):
-            break
+    refiner = Refiner(fitted, judge.is_odd)
+
+    def tried(finding: Finding) -> _Tried:
         tell(f"trying {finding.effect.name}")
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
-        tried.append((effect, gain.value, fitted.with_added(effect).listening().listening()))
-    excess = min([fitted.excess, *(model.excess for *_, model in tried)])
-    again = {f.effect.key: f for f in findings(dictionary, replace(fitted.loose, excess=excess))}
-    scored, known = [], {effect.key for effect in fitted.added}
-    for effect, most, model in tried:
-        if not isinstance(effect, SensorEffect):  # one that divides wrenches would divide their noise too
-            refitted = 0.5 * (fitted.chi_squared(known) - model.chi_squared(known))
-            most = min(max(most, refitted), MOST_BY_REFIT * most)
-        scored.append((most / excess + again[effect.key].occam, effect, model))
-    scored.sort(key=lambda one: -one[0])
-    attempts, added, better, nameless = [], None, None, 0.0
-    for score, effect, model in scored:
-        if added is None and score < nameless:  # it explains less of a thing that has no name
-            verdict = Verdict(False, "less probable than what has no name")
-        elif added is None:
-            verdict = judge.verdict(again[effect.key], score, model)
-            nameless = max(nameless, score) if verdict.is_nameless else nameless
-        else:
-            verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
-        attempt = Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason)
-        attempts.append(attempt)
-        if verdict.is_added:
-            added, better = attempt, model.settled()
+        return _Tried(effect, gain.value, fitted.with_added(effect).listening())
+
+    least = max(WORTH_TRYING, HOPELESS * screened[0].log_factor) if screened else 0.0
+    candidates = [tried(one) for one in screened[:MOST_TRIED] if one.log_factor >= least]
+    scored, again = _scored(fitted, dictionary, candidates)
+    least = max([ENOUGH, *(HOPELESS * score for score, _, _ in scored)])
+    known = {one.effect.key for one in candidates}
+    rest = [one for key, one in again.items() if key not in known]
+    missed = [one for one in rest if one.log_factor >= (WORTH_TRYING if _is_late(one.effect) else least)][:MOST_TRIED]
+    if missed:
+        scored, again = _scored(fitted, dictionary, candidates + [tried(one) for one in missed])
+    attempts, better = _judged(scored, again, judge)
+    added = next((a for a in attempts if a.verdict == ADDED), None)
     rest = [f for f in again.values() if f.effect.key not in {a.key for a in attempts}]
     attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
-    if added is None:
+    if added is None or better is None:
         return Step(tuple(attempts), None), None
     left = [a for a in attempts[attempts.index(added) :] if a.verdict != IMPLAUSIBLE]
     logs = np.array([a.log_factor for a in left])
     probability = IN_VOCABULARY * float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
     near = [a.name for a in left if a.name != added.name and added.log_factor - a.log_factor < NOT_TOLD_APART]
     return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
+
+
+def _judged(
+    scored: Sequence[tuple[float, Effect, Fitted]], again: Mapping[str, Finding], judge: Judge
+) -> tuple[list[Attempt], Fitted | None]:
+    """What comes of each, the most probable first, and the model with the one that is added, if any."""
+    attempts: list[Attempt] = []
+    better, nameless, unproven = None, 0.0, 0.0
+    for score, effect, model in scored:
+        if better is None and score < nameless:  # it explains less of a thing that has no name
+            verdict = Verdict(False, "less probable than what has no name")
+        elif better is None and score < unproven and effect.gate.ends:
+            verdict = Verdict(False, "less probable than what is not proven, and lasts")
+        elif better is None:
+            verdict = judge.verdict(again[effect.key], score, model)
+            nameless = max(nameless, score) if verdict.is_nameless else nameless
+            unproven = max(unproven, score) if verdict.is_unproven and effect.gate is Gate.ALWAYS else unproven
+        else:
+            verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
+        is_there = verdict.is_unproven or verdict.reason == UNSTEADY
+        attempts.append(Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason, is_there))
+        if verdict.is_added:
+            better = model.settled()
+    return attempts, better
+
+
+def _scored(
+    fitted: Fitted, dictionary: Dictionary, candidates: Sequence[_Tried]
+) -> tuple[list[tuple[float, Effect, Fitted]], dict[str, Finding]]:
+    """Logs of Bayes factors, the largest first, with the noise that the best fit leaves; and all that was screened,
+    with that noise, by key."""
+    excess = min([fitted.excess, *(one.model.excess for one in candidates)])
+    again = {f.effect.key: f for f in findings(dictionary, replace(fitted.loose, excess=excess))}
+    scored, before = [], fitted.chi_squared({effect.key for effect in fitted.added}) if candidates else 0.0
+    for one in candidates:
+        gain = one.gain
+        if _keeps_noise(one.effect):
+            refitted = 0.5 * (before - one.left)
+            most = np.inf if _is_late(one.effect) else gain * MOST_BY_REFIT
+            gain = float(np.clip(refitted, gain / MOST_BY_REFIT, most))
+        scored.append((gain / excess + again[one.effect.key].occam, one.effect, one.model))
+    return sorted(scored, key=lambda each: -each[0]), again
+
+
+def _is_late(effect: Effect) -> bool:
+    """Of which linear fits tell little: there, wrenches are late by a share of a step."""
+    return isinstance(effect, SensorEffect) and effect.lateness > 0
+
+
+def _keeps_noise(effect: Effect) -> bool:
+    """Whether wrenches that are corrected for it have the noise of those that are recorded: one that divides wrenches
+    divides their noise too, and takes chi-squared away for nothing."""
+    if not isinstance(effect, SensorEffect):
+        return True
+    slope = effect.corrected(np.zeros(6), effect.values).by_memory
+    return slope is None or bool(np.allclose(slope @ np.swapaxes(slope, -1, -2), np.eye(6), atol=1e-6))

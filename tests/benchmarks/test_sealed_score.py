@@ -8,7 +8,8 @@ import pytest
 
 from benchmarks.sealed.calibration import coverage, reliability
 from benchmarks.sealed.judging import Estimate, Judgement, matched
-from benchmarks.sealed.score import score
+from benchmarks.sealed.reliability_plot import save_reliability
+from benchmarks.sealed.score import gaps, score
 
 CART = {"mass": 20.0, "com_x": 0.3, "com_y": 0.0, "inertia": 2.0, "viscous_drag": {"linear": 5.0, "angular": 2.0}}
 
@@ -151,7 +152,29 @@ def test_the_score_counts(tmp_path):
     assert "single effect: in the reported set 2 of 2 100.0 %" in lines
     assert "single effect: mean size of the reported set 2.00" in lines
     assert "nothing: false alarms 1 of 1 100.0 %" in lines
-    assert any(line.startswith("single 0.250; 0.250 1.250; 1.250") for line in lines)
+    assert any(line.startswith("single 1 0.250; 0.250 1.250; 1.250") for line in lines)
     assert any(line.startswith("floor_slope.grade_x 1 0.001 0.001") for line in lines)
     assert "Names given in vain: force_bias 2" in lines
     assert any("1 (no report)" in line for line in lines)
+
+
+def test_gaps_that_are_more_than_noise_are_told_apart(tmp_path):
+    def gap(refitted):
+        return {"before": 0.2, "refitted": refitted, "after": 0.02, "noise_floor": 0.02}
+
+    rolling = truth(effect("rolling_resistance"))
+    told = [Judgement(rolling, report("explained", gap=gap(refitted))) for refitted in (0.025, 0.2)]
+    assert [j.stands_out for j in told] == [False, True]
+    lines = [line.split() for line in gaps(told).splitlines()]
+    assert lines[1][:4] == ["single", "2", "0.450;", "0.730"]
+    assert lines[2][-5:-2] == ["1", "0.100;", "0.100"]
+
+
+def test_reliability_is_drawn(tmp_path):
+    said = [("floor_slope", 0.9), ("force_bias.left", 0.7)]
+    judgement = Judgement(
+        truth(effect("floor_slope")), report("explained", *(entry(name, told=told) for name, told in said))
+    )
+    save_reliability([judgement], tmp_path / "reliability.svg")
+    drawn = (tmp_path / "reliability.svg").read_text(encoding="utf-8")
+    assert "probability that is said" in drawn

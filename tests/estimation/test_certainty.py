@@ -10,7 +10,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.batch.wrench_regression import WrenchRegression
-from estimation.discrepancy.certainty import balanced, certain, pulls
+from estimation.discrepancy.certainty import balanced, certain, proven, pulls
 from estimation.discrepancy.evidence import findings
 from estimation.discrepancy.fitted import Fitted
 
@@ -57,6 +57,16 @@ def test_pulls_cancel_against_the_prior_at_the_best_fit():
     assert (std * np.linalg.norm(each, axis=1) > 0.2).all()
 
 
+@pytest.mark.parametrize("began", [0.0, 1.7e9])
+def test_a_push_is_found_whatever_the_clock(began):
+    log = pushed(20.0)
+    log = replace(log, time=log.time + began)
+    model = Fitted((WrenchRegression(log, CART, None),), CART)
+    (found,) = findings(model.dictionary([ExternalPush()]), model.loose)
+    assert found.log_factor > 50
+    assert found.effect.start == pytest.approx(began + START, abs=0.25)
+
+
 @pytest.mark.parametrize("grows", [False, True])
 def test_an_offset_that_grows_drifts(grows):
     """It is nothing at first, and twice its mean in the end; a quarter of the log has a quarter of that at most."""
@@ -69,6 +79,20 @@ def test_an_offset_that_grows_drifts(grows):
     (found,) = findings(model.dictionary([ForceBias()]), model.loose)
     assert found.log_factor > 50
     assert found.drift > 0.5 if grows else found.drift < 0.15
+
+
+def test_what_is_hardly_surer_than_nothing_is_left_out():
+    """Of a push that is there and an offset that is not; an offset as large as its noise allows says how sure it is."""
+    sure, removed = proven(replace(fitted(20.0), added=(*fitted(20.0).added, ForceBias())))
+    assert removed == ("force_bias",)
+    assert [effect.name for effect in sure.fitted.added] == ["external_push"]
+    assert sure.deviations["external_push"] > 5
+    ((name, arm),) = (log := pushed(0.0)).arms.items()
+    biased = replace(log, arms={name: ArmLog(arm.contact, arm.wrench + 3.0 * np.eye(6)[0])})
+    kept, removed = proven(Fitted((WrenchRegression(biased, CART, None),), CART, (ForceBias(),)))
+    assert removed == ()
+    offset = kept.parameters["force_bias.fx"]
+    assert kept.deviations["force_bias"] >= 0.99 * offset.value / offset.std
 
 
 def test_a_direction_with_misfit_is_believed_less():

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import LateralSlip, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import DataError
 from cartgrasp.inertia import Inertia
@@ -13,11 +14,11 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
-from estimation.discrepancy.diagnosis import _gap
 from estimation.discrepancy.fitted import Fitted
+from estimation.discrepancy.gap import measured_gap
 from estimation.discrepancy.generic import Course, dependences
-from estimation.discrepancy.log_check import check_rows, checked
-from estimation.discrepancy.manoeuvres import manoeuvres
+from estimation.discrepancy.log_check import check_rows, checked, moving
+from estimation.discrepancy.manoeuvres import manoeuvres, settled
 from estimation.discrepancy.rollouts import Rollouts, roll_out, starts
 from estimation.discrepancy.scatter import Scatter
 from estimation.discrepancy.sideways import sideways_trials
@@ -130,13 +131,17 @@ def test_excess_tells_coloured_noise(correlation, low, high):
     assert low <= fitted.scatter.excess < high
 
 
-def test_a_force_with_the_wheels_turn_is_found_by_its_period():
+@pytest.mark.parametrize("is_drag", [False, True])
+@pytest.mark.parametrize("turns_back", [False, True])
+def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back):
+    """Of the way rolled, which turns back where the cart does, or of the way travelled; a force or a drag."""
     log, _ = simulate(TRUTH, 3, 30.0, noise=(0.0005, 0.005, 1.0))
     regression = WrenchRegression(log, guess(), None)
-    rolled = np.cumsum(np.append(0.0, np.diff(log.time)) * regression.motion.velocity[:, 0])
+    speed = regression.motion.velocity[:, 0]
+    rolled = np.cumsum(np.append(0.0, np.diff(log.time)) * (speed if turns_back else np.abs(speed)))
     (name, arm), *_ = log.arms.items()
     wrench = arm.wrench.copy()
-    wrench[:, 0] += 4.0 * np.sin(2 * np.pi * rolled / 0.4)
+    wrench[:, 0] += 4.0 * np.sin(2 * np.pi * rolled / 0.4) * (np.sign(speed) if is_drag else 1.0)
     bumped = replace(log, arms={name: ArmLog(arm.contact, wrench)})
     found = Fitted((WrenchRegression(bumped, guess(), None),), guess()).dependences[0]
     assert found.name.startswith("travelled distance")
@@ -188,6 +193,17 @@ def test_a_cart_that_stands_is_refused():
         checked(log, guess(), WrenchRegression(log, guess(), None))
 
 
+def test_a_cart_on_casters_moves_sideways_too():
+    log, free = straight(duration=6.0), replace(guess(()), constraints=RollingConstraints(None))
+    beside = replace(log, pose=log.pose + np.array([0.0, 0.0, np.pi / 2]))
+    ahead, across = (WrenchRegression(one, free, None) for one in (log, beside))
+    np.testing.assert_allclose(across.motion.speed, ahead.motion.speed, atol=0.01)
+    for rows in (moving, settled):
+        assert rows(across).mean() == pytest.approx(rows(ahead).mean(), abs=0.02)
+        assert rows(across).mean() > 0.3
+    assert checked(beside, free, across).distance == pytest.approx(checked(log, free, ahead).distance, rel=0.01)
+
+
 def cut(log, rows):
     return {name: ArmLog(arm.contact[:rows], arm.wrench[:rows]) for name, arm in log.arms.items()}
 
@@ -203,4 +219,4 @@ def test_simulations_that_run_away_are_refused():
         whole=(SimpleNamespace(name="run.csv"),),
     )
     with pytest.raises(DataError, match=r"run\.csv: .*SI units"):
-        _gap(None, SimpleNamespace(held_out=held_out, nominal=fit, final=fit))
+        measured_gap(None, SimpleNamespace(held_out=held_out, nominal=fit, final=fit))

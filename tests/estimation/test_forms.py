@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from cartgrasp.effects import RollingResistance, ViscousDrag
+from cartgrasp.effects import RollingResistance, ViscousDrag, WheelDragImbalance
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.batch.wrench_regression import WrenchRegression
 from estimation.discrepancy.evidence import findings
 from estimation.discrepancy.fitted import Fitted
 from estimation.discrepancy.forms import form_sizes
+from estimation.discrepancy.manoeuvres import settled
 
 from .runs import simulate
 
@@ -24,6 +25,7 @@ def regression():
 
 
 def test_forms_are_a_larger_covariance(regression):
+    """And cost what its determinant does."""
     few = regression.within(np.arange(len(regression.motion.time)) % 8 == 0)
     fitted = Fitted((few,), CART, (RollingResistance(coefficient=0.02),), start=np.append(CART.parameters, 0.02))
     ((own, line, _),) = fitted.linearised
@@ -32,8 +34,24 @@ def test_forms_are_a_larger_covariance(regression):
     inverse = line.whitened(np.eye(n * f).reshape(n, f, n * f)).reshape(n * f, n * f)
     flat = forms.columns.reshape(n * f, k)
     residual = line.residual.reshape(n * f)
-    dense = residual @ np.linalg.solve(np.linalg.inv(inverse) + flat @ flat.T, residual)
+    wide = np.linalg.inv(inverse) + flat @ flat.T
+    dense = residual @ np.linalg.solve(wide, residual) + np.linalg.slogdet(wide)[1] + np.linalg.slogdet(inverse)[1]
     assert line.chi_squared - forms.taken(line) == pytest.approx(dense, rel=1e-6)
+
+
+def test_near_rest_a_moment_may_be_any(regression):
+    """Of an effect that turns the cart, in manoeuvres in which it comes to rest; at speed it may not."""
+    fitted = Fitted((regression,), CART, (WheelDragImbalance(force=4.0, moment=1.0),))
+    ((own, line, _),) = fitted.linearised
+    forms = fitted.forms(own, line)
+    near_rest = forms.columns[:, :, forms.family == 2]
+    slow = ~settled(own)[line.nodes]
+    assert slow.any()
+    assert not slow.all()
+    assert not near_rest[~slow].any()
+    assert not near_rest[:, 0].any()
+    turned = line.by[:, 1, fitted.free] @ fitted.shares[:, 0]
+    np.testing.assert_allclose(near_rest[:, 1].sum(axis=1), slow * turned, atol=1e-12)
 
 
 def test_what_is_a_form_of_a_known_effect_is_hardly_evidence_for_another(regression):

@@ -21,7 +21,7 @@ from estimation.batch.identification import fit
 from estimation.batch.motion_smoother import smooth_motion
 from estimation.batch.physical_fit import PhysicalSet
 from estimation.batch.wrench_record import WrenchRecord
-from estimation.batch.wrench_regression import WrenchRegression
+from estimation.batch.wrench_regression import DELAY, WrenchRegression
 from estimation.log_noise import noise_of_log
 
 from .runs import simulate, simulate_two_hands
@@ -186,7 +186,7 @@ def test_banded_solutions_are_dense_ones(n, d):
 
 
 def test_the_evidence_is_that_of_dense_least_squares():
-    """Partials by differences, and the covariance `R + J Σ Jᵀ` written out."""
+    """Partials by differences, and the covariance `R + J Σ Jᵀ` written out, J at the usual delay."""
     log = drawn(1.0, 9, duration=0.8)
     cart, delay = guess(effects=DRAGS[:1]), 0.3
     noise = noise_of_log(log, cart)
@@ -206,7 +206,7 @@ def test_the_evidence_is_that_of_dense_least_squares():
         return np.stack([(function(at + move) - function(at - move)) / (2 * step) for move in moves], axis=1)
 
     first, state = cart.parameters, motion.state.ravel()
-    J = differences(lambda moved: residual(first, moved), state, 1e-5)
+    J = differences(lambda moved: residual(first, moved, DELAY), state, 1e-5)
     G = -differences(lambda moved: residual(moved, state), first, 1e-5)
     late = -differences(lambda moved: residual(first, state, moved[0]), np.array([delay]), 1e-4)
     G = np.hstack([G, late])

@@ -8,13 +8,16 @@ import pytest
 
 from cartgrasp.effects import (
     CasterRealignment,
+    DirectionalDrag,
     ExternalPush,
     FloorPatch,
+    FloorSlope,
     LoadSlosh,
     PayloadChange,
     QuadraticDrag,
     StribeckFriction,
     TimeDelay,
+    ViscousDrag,
     WheelDragImbalance,
 )
 from cartgrasp.inertia import Inertia
@@ -22,7 +25,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel, WheelSet
 from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.generic import Dependence
-from estimation.discrepancy.judgement import Judge
+from estimation.discrepancy.judgement import Judge, _drives
 
 WHEELS = WheelSet.of(
     (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.7, 0.0, 0.05)), rolls_along_x=True
@@ -85,6 +88,8 @@ def test_what_is_probable_steady_and_gains_is_added():
     ("case", "said"),
     [
         ({"score": 6.9}, "below 7"),
+        ({"effect": LoadSlosh(mass=3.0), "score": 11.9}, "below 12"),
+        ({"strongest": 6000.0}, "below 60"),
         ({"effect": TimeDelay(delay=0.009)}, "less than a sample"),
         ({"change": (0.6, 0.1)}, "another part of the log"),
         ({"change": (0.1, 0.6)}, "another part of the log"),
@@ -92,6 +97,7 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"proof": Proof(share=-0.01, log_likelihood=50.0)}, "closes -1.0 %"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
+        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0, moment=5.0), "score": 99.0}, "below 100"),
         ({"effect": PayloadChange(time=9.0, mass=3.0), "strongest": 5000.0}, "below 100"),
         ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
         ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(is_everywhere=True)}, "nearly everywhere"),
@@ -100,6 +106,7 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"effect": ExternalPush(start=1.0, duration=9.0, force=9.0)}, "nobody pushes for 9.0 s"),
         ({"effect": StribeckFriction(breakaway=3.0, speed=0.5)}, "far from standstill"),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, "nothing swings"),
+        ({"effect": DirectionalDrag(forward=-11.0, backward=11.0)}, "drive itself"),
         (
             {
                 "effect": ExternalPush(start=1.0, duration=0.5, force=9.0),
@@ -137,6 +144,14 @@ def test_a_lasting_change_counts_beside_a_strong_effect():
 
 def test_a_lasting_change_is_proven_by_what_came_after_it():
     assert judged(PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.0, log_likelihood=5.0)).is_added
+
+
+def test_a_drag_may_be_less_one_way_than_what_is_known_of_it():
+    """On a cart that drags more than that in all; and a floor that slopes drives no cart along all headings."""
+    cart = CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(ViscousDrag(linear=12.0),))
+    for effect in (DirectionalDrag(forward=-11.0, backward=11.0), FloorSlope(grade_x=0.05)):
+        assert not _drives(cart.with_effect(effect), 0.8)
+    assert _drives(cart.with_effect(DirectionalDrag(forward=-17.0, backward=11.0)), 0.8)
 
 
 def test_what_is_remembered_may_have_been_remembered_wrongly():

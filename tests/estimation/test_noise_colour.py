@@ -1,10 +1,19 @@
 """Coloured wrench noise: read off differences, and as states beside the motion's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog
+from cartgrasp.model import CartModel
 from estimation.batch.block_tridiagonal import BlockTridiagonal
 from estimation.batch.noise_colour import NoiseColour, colour_of, with_noise_states
+from estimation.batch.wrench_regression import WrenchRegression
+
+from .runs import simulate_two_hands
 
 TIME = np.arange(0, 60, 0.01)
 
@@ -71,3 +80,15 @@ def test_the_states_have_an_autoregression_s_covariance():
     at, group = np.append(0, np.cumsum(steps)), np.append(0, np.cumsum(~linked))
     fade = np.exp(-np.abs(at[:, None] - at) / colour.time) * (group[:, None] == group)
     assert found == pytest.approx(colour.slow * fade[:, None, :, None] * covariance[None, :, None, :], abs=1e-9)
+
+
+def test_coloured_noise_of_an_arm_that_regrasps():
+    """On casters alone: the usual noise at three places of its hand is that of no single one."""
+    log = simulate_two_hands((24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0), 0, 6.0)
+    third, places = len(log) // 3, np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0]])
+    contact = np.repeat(places, [third, third, len(log) - 2 * third], axis=0)
+    regrasped = replace(log, arms={"hand": ArmLog(contact, log.arms["left"].wrench)})
+    cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), RollingConstraints(None))
+    regression = WrenchRegression(regrasped, cart, None).coloured(NoiseColour(0.3, 5.0, 0.05))
+    evidence = regression.evidence(cart.parameters, 0.25)
+    assert np.linalg.eigvalsh(evidence.blocks.sum(axis=0)).min() > 0
