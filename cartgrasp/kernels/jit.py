@@ -19,8 +19,9 @@ entry = cached_as(DIGEST, OPTIONS)
 
 
 def compiled(function: F) -> F:
-    """For kernels that kernels call."""
-    return njit(function, **OPTIONS, **INNER)  # type: ignore[no-any-return]
+    """For kernels that kernels call. What they are given is a hundred numbers of views: to hand it over costs more than
+    the arithmetic, so they are put where they are called."""
+    return njit(function, forceinline=True, **OPTIONS, **INNER)  # type: ignore[no-any-return]
 
 
 def inlined(function: F) -> F:

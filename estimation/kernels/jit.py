@@ -22,7 +22,7 @@ row_entry = cached_as(OWN, WITH_ARRAYS)
 
 def compiled(function: F) -> F:
     """For kernels that kernels call."""
-    return njit(function, **OPTIONS)  # type: ignore[no-any-return]
+    return njit(function, forceinline=True, **OPTIONS)  # type: ignore[no-any-return]
 
 
 def row_compiled(function: F) -> F:
