@@ -152,6 +152,16 @@ class CartModel(CartStructure):
                 found.append(math.sqrt(effect.stuck_for) * columns)
         return np.concatenate(found, axis=-1)
 
+    @cached_property
+    def stiction_roots(self) -> Array:
+        """The root of how long each column (k,) of `stiction` keeps its value, √s."""
+        state, roots = self.state(), list[float]()
+        situation, memory = self._situation(state, self.parameters, 0.0), state[self.memory_slice]
+        for effect, own, remembered in self.force_effects:
+            columns = effect.stiction(situation, memory[remembered], self.parameters[own])
+            roots += [math.sqrt(effect.stuck_for)] * (0 if columns is None else columns.shape[-1])
+        return np.array(roots)
+
     def settled_memory(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Where the effects' memories (..., k) come to rest when the motion goes on as it is."""
         memory = state[..., self.memory_slice]

@@ -41,6 +41,9 @@ from .wrench_walk import WrenchWalk
 JUMP = 14.0
 STANDS_OUT = 1.0
 MEASUREMENT_FLOOR = 1e-10
+BRIEFLY = 0.1
+"""s: how long stiction keeps its value here, be it stuck for seconds: as white noise of that density it would drown
+what changes faster."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,7 @@ class AugmentedFilter:
         self._unknown_wrench = (noise.wrench_scale(cart) * UNKNOWN_FORCE) ** 2
         self._walk = WrenchWalk(self._unknown_wrench)
         self._poise = np.zeros(len(cart.memory_names))
+        self._brief = math.sqrt(BRIEFLY) / cart.stiction_roots
         self._belief: Gaussian | None = None
         self._physical: tuple[Gaussian, Array] | None = None  # of a belief
         self._sensors = dict.fromkeys(SENSORS, SensorHealth())
@@ -201,7 +205,7 @@ class AugmentedFilter:
         jacobian[where, where] = -fade
         rate[rows] += jacobian[rows, layout.parameters] @ (believed - block)
         self._note_poise(np.diagonal(jacobian)[cart.memory_slice], step)
-        stiction = cart.stiction(state, theta, time)
+        stiction = cart.stiction(state, theta, time) * self._brief
         density = self._density(state[2], flow.by_wrench[cart.velocity_slice], stiction)
         advance = exponential_step(rate, jacobian, density, step)
         self._belief = predicted(belief, replace(advance, noise=advance.noise + self._walked(walk, step)))

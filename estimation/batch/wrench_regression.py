@@ -190,7 +190,8 @@ class WrenchRegression:
     @property
     def step(self) -> float:
         """Between rows of the log, s."""
-        return float(np.median(np.diff(self.motion.time))) / self.size
+        steps = np.diff(self.motion.time)
+        return float(np.median(steps)) / self.size if len(steps) else np.inf
 
     def _listen(self) -> None:
         """Takes the wrenches as the cart's sensors are late."""

@@ -24,6 +24,7 @@ ALLOWED = {
         "functools",
         "hashlib",
         "itertools",
+        "matplotlib",
         "json",
         "math",
         "pathlib",

@@ -63,9 +63,11 @@ def with_values(cart: CartModel, values: dict[str, float]) -> CartModel:
 
 
 def _is_cart(cart: CartModel, values: dict[str, float]) -> bool:
+    """The drawn values themselves: a model that is given what no effect can be takes the nearest that it can."""
     try:
-        found = with_values(cart, values)
+        with_values(cart, values)
     except CartgraspError:
         return False
-    bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
-    return all(low <= value <= high for value, (low, high) in zip(found.parameters[N_PHI:], bounds, strict=True))
+    own = [p for effect in cart.effects for p in effect.parameters]
+    bounds = {name: (p.lower, p.upper) for name, p in zip(cart.parameter_names[N_PHI:], own, strict=True)}
+    return all(low <= values.get(name, low) <= high for name, (low, high) in bounds.items())
