@@ -82,7 +82,7 @@ def _campaigns(rounds: int, single: float) -> Table:
         results = Results.under(Path(folder))
         run_campaign(study(2 * CORES, seed=2), results, workers)  # processes begin, kernels are loaded
         for i, share in enumerate(SHARES):
-            count = round(share * rounds)
+            count = max(i + 1, round(share * rounds))
             start = time.perf_counter()
             found = run_campaign(study(count, seed=3 + i), results, workers)
             taken = time.perf_counter() - start

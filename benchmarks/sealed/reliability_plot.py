@@ -9,29 +9,24 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import beta
 
-from cartgrasp.view.figures import save_figure
-from cartgrasp.view.plots import OKABE_ITO, house_style
-
 from .calibration import bins, probabilities
 from .judging import Judgement
 
 LIMITS = 0.025, 0.975
+BLUE = "#0072B2"
 
 
 def save_reliability(judgements: Sequence[Judgement], path: Path) -> None:
     """A point for each bin of probability, with what binomial chance leaves open of it (Clopper and Pearson)."""
-    with house_style():
-        figure = Figure(figsize=(4.2, 4.0), layout="constrained")
-        axes = figure.subplots()
-        axes.plot([0, 1], [0, 1], color="0.6", linestyle=":")
-        for _, said, true in bins(probabilities(judgements)):
-            right, count = int(true.sum()), len(true)
-            low, high = beta.ppf(LIMITS, [right, right + 1], [count - right + 1, count - right])
-            low, high = np.nan_to_num(low, nan=0.0), np.nan_to_num(high, nan=1.0)
-            axes.plot([said, said], [low, high], color=OKABE_ITO[0])
-            axes.plot(said, right / count, "o", color=OKABE_ITO[0])
-            axes.annotate(f"{count}", (said, right / count), xytext=(-6, -3), textcoords="offset points", ha="right")
-        axes.set(
-            xlim=(0, 1.02), ylim=(0, 1.02), xlabel="probability that is said", ylabel="share of names that are true"
-        )
-        save_figure(figure, path)
+    figure = Figure(figsize=(4.2, 4.0), layout="constrained")
+    axes = figure.subplots()
+    axes.plot([0, 1], [0, 1], color="0.6", linestyle=":")
+    for _, said, true in bins(probabilities(judgements)):
+        right, count = int(true.sum()), len(true)
+        low, high = beta.ppf(LIMITS, [right, right + 1], [count - right + 1, count - right])
+        low, high = np.nan_to_num(low, nan=0.0), np.nan_to_num(high, nan=1.0)
+        axes.plot([said, said], [low, high], color=BLUE)
+        axes.plot(said, right / count, "o", color=BLUE)
+        axes.annotate(f"{count}", (said, right / count), xytext=(-6, -3), textcoords="offset points", ha="right")
+    axes.set(xlim=(0, 1.02), ylim=(0, 1.02), xlabel="probability that is said", ylabel="share of names that are true")
+    figure.savefig(path, dpi=200)

@@ -24,7 +24,6 @@ ALLOWED = {
         "functools",
         "hashlib",
         "itertools",
-        "matplotlib",
         "json",
         "math",
         "pathlib",
@@ -32,7 +31,7 @@ ALLOWED = {
         "typing",
         "zlib",
     ),
-    *("mujoco", "numba", "numpy", "pysindy", "ruamel"),
+    *("matplotlib", "mujoco", "numba", "numpy", "pysindy", "ruamel", "scipy"),
 }
 SOME = ("nothing", "floor_patch", "force_scale", "viscous_drag", "wind", "payload_change+floor_slope")
 
