@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -22,14 +23,9 @@ COLUMNS = (
     "CoM y cm",
     "inertia kg·m²",
     "z",
-    "u mm/s",
-    "r mrad/s",
-    "µs a row",
 )
-BETTER_COLUMNS = (
-    *("path", "sensors", *(f"{name}: filter / regressor" for name in (*PHYSICAL, "u", "r"))),
-    *("parameters by", "motion by"),
-)
+MOTION_COLUMNS = ("path, sensors", "estimator", "u mm/s", "r mrad/s", "µs a row")
+BETTER_COLUMNS = ("path", "sensors", *PHYSICAL, "u", "r", "parameters by", "motion by")
 CLEARLY = 1.15
 """By what factor one must be better to be called so."""
 
@@ -76,26 +72,36 @@ def case(trials: Sequence[Trial], path: str, sensors: str) -> list[Trial]:
 
 def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """By COLUMNS."""
-    return [_row(path, sensors, way, trials) for path in PATHS for sensors in SENSORS for way in WAYS]
+    told = []
+    for path, sensors, way, found in _scores(trials):
+        mass, com_x, com_y, inertia = found.errors
+        sizes = f"{mass:.3g}", f"{found.bias[0]:+.2g}", f"{100 * com_x:.2g}", f"{100 * com_y:.2g}", f"{inertia:.2g}"
+        told.append((f"{path}, {sensors}", way, *sizes, f"{found.z:.2g}"))
+    return told
 
 
-def _row(path: str, sensors: str, way: str, trials: Sequence[Trial]) -> tuple[str, ...]:
-    found = score(case(trials, path, sensors), way)
-    mass, com_x, com_y, inertia = found.errors
-    sizes = (f"{mass:.3g}", f"{found.bias[0]:+.2g}", f"{100 * com_x:.2g}", f"{100 * com_y:.2g}", f"{inertia:.2g}")
-    motion = tuple("" if np.isnan(error) else f"{1e3 * error:.3g}" for error in found.motion)
-    return f"{path}, {sensors}", way, *sizes, f"{found.z:.2g}", *motion, f"{1e6 * found.step_time:.0f}"
+def motion_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
+    """By MOTION_COLUMNS."""
+    told = []
+    for path, sensors, way, found in _scores(trials):
+        motion = ("" if np.isnan(error) else f"{1e3 * error:.3g}" for error in found.motion)
+        told.append((f"{path}, {sensors}", way, *motion, f"{1e6 * found.step_time:.0f}"))
+    return told
+
+
+def _scores(trials: Sequence[Trial]) -> Iterator[tuple[str, str, str, Score]]:
+    for path, sensors, way in product(PATHS, SENSORS, WAYS):
+        yield path, sensors, way, score(case(trials, path, sensors), way)
 
 
 def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """Ratios of rms errors by case, and which of the two is better at parameters and at motion, in geometric means."""
     told = []
-    for path in PATHS:
-        for sensors in SENSORS:
-            filters, regressors = (score(case(trials, path, sensors), way) for way in (FILTER, REGRESSOR))
-            ratios = filters.errors / regressors.errors, filters.motion / regressors.motion
-            figures = (f"{value:.2f}" for value in np.concatenate(ratios))
-            told.append((path, sensors, *figures, *(better(ratio) for ratio in ratios)))
+    for path, sensors in product(PATHS, SENSORS):
+        filters, regressors = (score(case(trials, path, sensors), way) for way in (FILTER, REGRESSOR))
+        ratios = filters.errors / regressors.errors, filters.motion / regressors.motion
+        figures = (f"{value:.2f}" for value in np.concatenate(ratios))
+        told.append((path, sensors, *figures, *(better(ratio) for ratio in ratios)))
     return told
 
 

@@ -9,10 +9,12 @@ from cartgrasp.studies.estimators import PATHS, SENSORS, WAYS, Answer, Job, Tria
 from cartgrasp.studies.estimators_figures_of_merit import (
     BETTER_COLUMNS,
     COLUMNS,
+    MOTION_COLUMNS,
     PHYSICAL,
     as_dict,
     better_rows,
     claims,
+    motion_rows,
     rows,
     score,
 )
@@ -61,6 +63,8 @@ def test_figures():
     assert found.motion == pytest.approx([0.002, 0.003])
     assert found.spread == pytest.approx(0.006 * np.array(TRUE))
     assert {len(row) for row in rows(trials)} == {len(COLUMNS)}
+    assert {row[2:4] for row in motion_rows(trials) if row[1] == "regressor"} == {("2", "3")}
+    assert {len(row) for row in motion_rows(trials)} == {len(MOTION_COLUMNS)}
     better = better_rows(trials)
     assert {len(row) for row in better} == {len(BETTER_COLUMNS)}
     assert {row[2:] for row in better} == {(*["2.00"] * 4, "0.50", "0.67", "regressor", "filter")}
