@@ -15,6 +15,7 @@ from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
 from .objectives import Cost, Lexicographic
+from .quadratic_program import LimitNames
 
 if TYPE_CHECKING:
     from .kernels.working_set import Ints
@@ -29,9 +30,11 @@ Progress = tuple[Array, "Ints"]
 
 
 class CompiledAllocation:
-    """One workspace, kept warm. After `solve` has returned True, `answer` and `names` are its."""
+    """One workspace, kept warm. After `solve` has returned True, `answer` is its; `names` are
+    of the limits, but for the wrench asked for."""
 
     cost: Cost
+    names: LimitNames
     _points: Array | None
 
     def __init__(self, template: AllocationTemplate, cost: Cost) -> None:
@@ -92,7 +95,7 @@ class CompiledAllocation:
             self._loading.load_spans(workspace, pattern)
             self._entries = entries
         stop = len(program.lower) - program.n_equalities
-        self._names = program.lower_names[:stop], program.upper_names[:stop]
+        self.names = program.lower_names[:stop], program.upper_names[:stop]
         self._template, self.cost, self._points = template, cost, None
 
     def _take_limits(self, template: AllocationTemplate) -> None:
@@ -103,8 +106,8 @@ class CompiledAllocation:
         if template.limits is not self._template.limits:
             bounds = template.limits
             self._workspace.problem.limits[:, : template.n] = bounds.lower, bounds.upper
-            lower, upper = (names[template.n :] for names in self._names)
-            self._names = bounds.lower_names + lower, bounds.upper_names + upper
+            lower, upper = (names[template.n :] for names in self.names)
+            self.names = bounds.lower_names + lower, bounds.upper_names + upper
         self._workspace.held.size[0] = 0
         self._template = template
 
@@ -142,11 +145,6 @@ class CompiledAllocation:
     def answer(self) -> Array:
         """A copy of what was found: wrenches (6n,), multipliers as of a `QPSolution`, residuals."""
         return self._answer.copy()
-
-    @property
-    def names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Of the lower and upper limits, but for the wrench asked for."""
-        return self._names
 
 
 def _is_covered(template: AllocationTemplate) -> bool:

@@ -28,11 +28,10 @@ from .given_contacts import REACH_TOLERANCE
 from .objectives import Cost
 from .plan import ChoiceProof, Figures, Plan
 from .plan_inputs import real_numbers
-from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals, active_limits
+from .quadratic_program import OPTIMAL, LimitNames, QPSolution, QuadraticProgram, Residuals, active_limits
 from .switching_cost import Switching
 from .terms import Terms
 
-Names = tuple[tuple[str, ...], tuple[str, ...]]
 N_RESIDUALS = len(Residuals._fields)
 
 
@@ -155,7 +154,7 @@ class CompiledPlanning:
         return Plan.optimal(fields)
 
 
-def _told(template: AllocationTemplate, answer: Array, names: Names, choice: ChoiceProof | None) -> Figures:
+def _told(template: AllocationTemplate, answer: Array, names: LimitNames, choice: ChoiceProof | None) -> Figures:
     wrenches, multipliers = answer[: template.n], answer[template.n : -N_RESIDUALS]
     residuals = Residuals._make(answer[-N_RESIDUALS:].tolist())
     proof = choice or ChoiceProof(residuals.cost, 0.0, 1)

@@ -28,6 +28,8 @@ from cartgrasp.frames import Array
 OPTIMAL, INFEASIBLE, NUMERICAL = "optimal", "infeasible", "numerical"
 EQUALITY_TOLERANCE = 1e-9
 STATIONARITY_TOLERANCE = 1e-8
+LimitNames = tuple[tuple[str, ...], tuple[str, ...]]
+"""Of the lower and of the upper limits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +292,7 @@ def into_cone(multiplier: Array) -> Array:
     return inside
 
 
-def active_limits(multipliers: Array, names: tuple[tuple[str, ...], tuple[str, ...]]) -> tuple[str, ...]:
+def active_limits(multipliers: Array, names: LimitNames) -> tuple[str, ...]:
     """Those of the lower and upper limits, whose multipliers come first, that push back: above 1e-7 of the largest."""
     lower, upper = names
     least, found = _least_active(multipliers), []

@@ -72,7 +72,7 @@ def case(trials: Sequence[Trial], path: str, sensors: str) -> list[Trial]:
 
 def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """By COLUMNS."""
-    told = []
+    told: list[tuple[str, ...]] = []
     for path, sensors, way, found in _scores(trials):
         mass, com_x, com_y, inertia = found.errors
         sizes = f"{mass:.3g}", f"{found.bias[0]:+.2g}", f"{100 * com_x:.2g}", f"{100 * com_y:.2g}", f"{inertia:.2g}"
@@ -82,7 +82,7 @@ def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
 
 def motion_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """By MOTION_COLUMNS."""
-    told = []
+    told: list[tuple[str, ...]] = []
     for path, sensors, way, found in _scores(trials):
         motion = ("" if np.isnan(error) else f"{1e3 * error:.3g}" for error in found.motion)
         told.append((f"{path}, {sensors}", way, *motion, f"{1e6 * found.step_time:.0f}"))
@@ -96,7 +96,7 @@ def _scores(trials: Sequence[Trial]) -> Iterator[tuple[str, str, str, Score]]:
 
 def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """Ratios of rms errors by case, and which of the two is better at parameters and at motion, in geometric means."""
-    told = []
+    told: list[tuple[str, ...]] = []
     for path, sensors in product(PATHS, SENSORS):
         filters, regressors = (score(case(trials, path, sensors), way) for way in (FILTER, REGRESSOR))
         ratios = filters.errors / regressors.errors, filters.motion / regressors.motion

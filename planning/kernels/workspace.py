@@ -12,12 +12,13 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
+from ..quadratic_program import Residuals
 from .jit import compiled
 from .proof import Claim
 from .working_set import Held, Ints, Problem
 
 N_SIZES = 6
-N_FOUND = 7  # residuals
+N_FOUND = len(Residuals._fields)
 
 
 class Sizes(NamedTuple):
@@ -40,9 +41,8 @@ class Sizes(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Beside a program with what solves it: H⁻¹; points (arms, 3); the rows that depend on them, the last but the
-    order of `affine` (4, moving, n), as a base and slopes along x, y and z; S (3, k); and
-    the residuals."""
+    """Beside a program with what solves it: H⁻¹; points (arms, 3); those last rows that depend on them,
+    as a base and slopes along x, y and z, `affine` (4, moving, n); S (3, k); and the residuals."""
 
     problem: Problem
     held: Held
