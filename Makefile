@@ -118,7 +118,7 @@ lock: | $(BIN)/pip
 	@[ -x $(BIN)/uv ] || $(PIP_INSTALL) uv
 	@index=$${PIP_INDEX_URL:-$$($(BIN)/pip config get global.index-url 2>/dev/null)}; \
 	[ -z "$$index" ] || export UV_DEFAULT_INDEX="$$index"; \
-	$(COMPILE) --extra dev --extra docs --extra parquet --extra arms --extra dask -o requirements.txt && \
+	$(COMPILE) --extra dev --extra docs --extra parquet --extra arms --extra rendering --extra dask -o requirements.txt && \
 	$(COMPILE) --extra bench --constraint requirements.txt -o requirements-bench.txt
 
 clean:

@@ -106,13 +106,14 @@ def view(
     svg: Annotated[Path | None, typer.Option("--svg", help="The same, to edit.")] = None,
     pdf: Annotated[Path | None, typer.Option("--pdf", help="The same, for a paper.")] = None,
     gif: Annotated[Path | None, typer.Option("--gif", help="The top view, moving.")] = None,
+    scene: Annotated[Path | None, typer.Option("--scene", help="In three dimensions, by MuJoCo: .png or .gif.")] = None,
     topics: Topics = None,
     json: Json = False,
 ) -> None:
     """Show a run: an animated page that opens offline, or figures."""
     from . import view as command
 
-    raise typer.Exit(command.run(log, cart, topics, command.Pictures(out, png, svg, pdf, gif), json))
+    raise typer.Exit(command.run(log, cart, topics, command.Pictures(out, png, svg, pdf, gif, scene), json))
 
 
 @app.command()

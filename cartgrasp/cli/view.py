@@ -28,14 +28,16 @@ class Pictures:
     svg: Path | None
     pdf: Path | None
     gif: Path | None
+    scene: Path | None
 
     def checked(self, log: Path) -> dict[str, Path]:
         """By kind; refused before any work if one can't be written or would replace the log."""
-        given = {"png": self.png, "svg": self.svg, "pdf": self.pdf, "gif": self.gif}
+        given = {"png": self.png, "svg": self.svg, "pdf": self.pdf, "gif": self.gif, "scene": self.scene}
         wanted = {kind: path for kind, path in given.items() if path is not None}
         for kind, path in wanted.items():
-            if path.suffix.lower() != f".{kind}":
-                raise UsageError(f"--{kind} {path}: give a name that ends in .{kind}")
+            endings = (".png", ".gif") if kind == "scene" else (f".{kind}",)
+            if path.suffix.lower() not in endings:
+                raise UsageError(f"--{kind} {path}: give a name that ends in {' or '.join(endings)}")
         if self.page is not None or not wanted:
             wanted["page"] = self.page or log.with_suffix(".html")
         for path in wanted.values():
@@ -67,7 +69,7 @@ def _estimates(log: RunLog, cart: CartModel | None) -> tuple[Estimate, ...]:
 
 
 def _write(shown: ShownRun, wanted: dict[str, Path], title: str) -> None:
-    page, gif = wanted.get("page"), wanted.get("gif")
+    page, gif, scene = wanted.get("page"), wanted.get("gif"), wanted.get("scene")
     if page is not None:
         write_player(shown, page, title)
     for kind in ("png", "svg", "pdf"):
@@ -80,3 +82,8 @@ def _write(shown: ShownRun, wanted: dict[str, Path], title: str) -> None:
 
         with progress(f"drawing {gif.name}") as tell:
             write_gif(shown, gif, tell)
+    if scene is not None:
+        from ..view.rendering import write_scene
+
+        with progress(f"rendering {scene.name}") as tell:
+            write_scene(shown, scene, tell)

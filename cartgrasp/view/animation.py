@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +48,11 @@ def write_gif(run: ShownRun, path: str | os.PathLike[str], progress: Callable[[f
             frames.append(_picture(figure))
             if progress is not None:
                 progress(k / len(instants))
+    return save_frames(frames, path)
+
+
+def save_frames(frames: Sequence[Image.Image], path: str | os.PathLike[str]) -> Path:
+    """As a GIF, over and over."""
     content = io.BytesIO()
     pause = 1000 // FRAMES_PER_SECOND
     frames[0].save(content, "GIF", save_all=True, append_images=frames[1:], duration=pause, loop=0)

@@ -112,7 +112,7 @@ def _arrow(axes: Axes, start: Array, along: Array, head: float, colour: str) -> 
 
 def large_force(run: ShownRun) -> float:
     """N: one in twenty of the run's is larger."""
-    sizes = np.concatenate([np.hypot(*wrench[:, :2].T) for wrench in run.wrenches.values()])
+    sizes = np.concatenate([np.zeros(0), *(np.hypot(*wrench[:, :2].T) for wrench in run.wrenches.values())])
     sizes = sizes[np.isfinite(sizes)]
     return max(1.0, float(np.quantile(sizes, 0.95))) if len(sizes) else 1.0
 

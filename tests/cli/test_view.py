@@ -10,6 +10,7 @@ import pytest
 
 from cartgrasp.logs import read_log, write_log
 from tests.view.browser import needs_browser, visit
+from tests.view.offscreen import needs_opengl
 
 from .commands import CART, ROOT, run
 from .pushed_cart import HEADER, as_csv, pushed_cart
@@ -62,8 +63,17 @@ def test_figures(kind, begins, log, capsys):
     assert not log.with_suffix(".html").exists()
 
 
+@needs_opengl
+def test_scene(log, capsys):
+    scene = log.with_name("scene.png")
+    answer = run(capsys, "view", log, "--cart", log.with_name("cart.yaml"), "--scene", scene, "--json")
+    assert answer.json == {"scene": {"path": str(scene), "bytes": scene.stat().st_size}}
+    assert scene.read_bytes().startswith(b"\x89PNG")
+
+
 def test_what_it_refuses(log, tmp_path, capsys):
     run(capsys, "view", log, "--png", tmp_path / "figure.gif").refused(2, "--png", ".png")
+    run(capsys, "view", log, "--scene", tmp_path / "scene.mp4").refused(2, "--scene", ".png or .gif")
     run(capsys, "view", log, "--out", log).refused(2, "is the log itself")
     run(capsys, "view", log, "--out", tmp_path / "nowhere" / "page.html").refused(2, "there is no folder")
     run(capsys, "view", tmp_path / "none.csv").refused(3, "there is no such file")

@@ -1,0 +1,16 @@
+"""Whether MuJoCo can draw here."""
+
+import pytest
+
+from cartgrasp.view.rendering import offscreen
+
+
+def has_opengl() -> bool:
+    try:
+        offscreen().free()
+    except Exception:
+        return False
+    return True
+
+
+needs_opengl = pytest.mark.skipif(not has_opengl(), reason="no OpenGL here that draws without a display")
