@@ -20,14 +20,16 @@ WIDE = 0.4
 def draw_mass(axes: Axes, outcome: Outcome) -> None:
     """Each run, what 95 % of the filter's own intervals say around their mean, the truth, and the reversals."""
     mass = outcome.experiment.mass
-    axes.plot(outcome.time, outcome.mass[:10].T, color=OKABE_ITO[0], linewidth=0.4, alpha=0.6)
+    runs = axes.plot(outcome.time, outcome.mass[:10].T, color=OKABE_ITO[0], linewidth=0.4, alpha=0.6)
+    runs[0].set_label("runs")
     mean, std = outcome.mass.mean(axis=0), outcome.std.mean(axis=0)
-    axes.fill_between(outcome.time, mean - 1.96 * std, mean + 1.96 * std, color=OKABE_ITO[1], alpha=0.2, linewidth=0)
-    axes.axhline(mass, color="black", linewidth=0.8)
-    for time in outcome.reversals:
-        axes.axvline(time, color=OKABE_ITO[2], linewidth=0.6, linestyle=":")
+    low, high = mean - 1.96 * std, mean + 1.96 * std
+    axes.fill_between(outcome.time, low, high, color=OKABE_ITO[1], alpha=0.2, linewidth=0, label="95 % intervals, mean")
+    axes.axhline(mass, color="black", linewidth=0.8, label="truth")
+    for i, time in enumerate(outcome.reversals):
+        axes.axvline(time, color=OKABE_ITO[2], linewidth=0.6, linestyle=":", label="" if i else "reversals")
     axes.set(ylim=(mass * (1 - WIDE), mass * (1 + WIDE)), xlim=(0.0, float(outcome.time[-1])))
-    axes.set_title(f"{outcome.experiment.name}, {mass:g} kg, {outcome.experiment.casters}")
+    axes.set_title(", ".join(dict.fromkeys((outcome.experiment.name, f"{mass:g} kg", outcome.experiment.casters))))
 
 
 def figure_hardware(outcomes: Sequence[Outcome]) -> Figure:
@@ -40,6 +42,10 @@ def figure_hardware(outcomes: Sequence[Outcome]) -> Figure:
             axes.set(xlabel="Time (s)", ylabel="Mass (kg)")
         for axes in panels[len(outcomes) :]:
             axes.set_axis_off()
+        labelled = {
+            label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        figure.legend(labelled.values(), labelled.keys(), loc="outside upper center", ncols=len(labelled))
     return figure
 
 

@@ -22,10 +22,10 @@ def save_plots(results: Sequence[RowResult], curve: Sequence[tuple[float, float]
     with house_style():
         save_figure(_tracking(results), out / "tracking_error.png")
         for name, label in (
-            ("mass", "mass (kg)"),
+            ("mass", "Mass (kg)"),
             ("com_x", "CoM x (m)"),
             ("com_y", "CoM y (m)"),
-            ("inertia", "inertia (kg·m²)"),
+            ("inertia", "Inertia (kg·m²)"),
         ):
             save_figure(_parameter(results, name, label), out / f"{name}.png")
         if curve:
@@ -48,8 +48,8 @@ def _tracking(results: Sequence[RowResult]) -> Figure:
             record = result.runs[mode]
             axes.semilogy(record.time, 100 * record.tracking_error + 1e-3, **_style(i), label=str(result.row.test))
         axes.axhline(3.0, color="0.5", linewidth=0.8)
-        axes.set(ylabel="tracking error (cm)", title=title, ylim=(1e-2, 3e2))
-    axes.set_xlabel("time (s)")
+        axes.set(ylabel="Tracking error (cm)", title=title, ylim=(1e-2, 3e2))
+    axes.set_xlabel("Time (s)")
     figure.legend(*axes.get_legend_handles_labels(), title="test", loc="outside right upper")
     return figure
 
@@ -68,7 +68,7 @@ def _parameter(results: Sequence[RowResult], name: str, label: str) -> Figure:
     low = min(float(s.value[100:].min()) for s in values)
     high = max(float(s.value[100:].max()) for s in values)
     margin = 0.1 * (high - low) + 1e-3
-    axes.set(xlabel="time (s)", ylabel=label, ylim=(low - margin, high + margin))
+    axes.set(xlabel="Time (s)", ylabel=label, ylim=(low - margin, high + margin))
     figure.legend(*axes.get_legend_handles_labels(), title="test", loc="outside right upper")
     return figure
 
@@ -78,7 +78,7 @@ def _gains(curve: Sequence[tuple[float, float]]) -> Figure:
     axes = figure.subplots()
     axes.loglog([s for s, _ in curve], [100 * e for _, e in curve], "o-", color=OKABE_ITO[0])
     axes.axhline(20.0, color="0.5", linewidth=0.8)
-    axes.set(xlabel="scale of all gains (1)", ylabel="largest tracking error (cm)")
+    axes.set(xlabel="Scale of all gains (1)", ylabel="Largest tracking error (cm)")
     axes.set_title("Test 1 without estimation: 4 kg of error")
     return figure
 
