@@ -82,7 +82,7 @@ sealed: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED)
-	@for method in err sindy everything; do \
+	@for method in err sindy everything sysid; do \
 	    echo && echo "General method: $$method" && \
 	    $(ENV) $(BIN)/python -m benchmarks.sealed baselines $(SEALED) --method $$method && \
 	    $(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED) --reports out-$$method || exit 1; \

@@ -22,6 +22,7 @@ from . import (
     ticks,
 )
 from .report import document
+from .sysid_peer import installed
 
 BENCHMARKS = {
     "allocation": (allocation.run, 200),
@@ -55,7 +56,7 @@ def main() -> None:
         run, rounds = BENCHMARKS[name]
         print(f"{name} ...", file=sys.stderr)
         results.append(run(QUICK if options.quick else rounds))
-    missing = [name for name in PEERS if find_spec(name) is None]
+    missing = [name for name in PEERS if find_spec(name) is None] + ["mujoco.sysid"] * (not installed())
     text = document(results, f"python -m benchmarks {' '.join(sys.argv[1:])}".strip(), missing)
     if options.out is None:
         print(text)

@@ -24,6 +24,7 @@ from estimation.gaussian import Gaussian, normalised_square
 from estimation.paper_filter import DIVERGED
 
 from .report import Result, Table, number
+from .sysid_peer import WINDOW, installed, rolled_out
 from .textbook_filters import TextbookEkf, TextbookUkf
 
 SENSORS = "usual"
@@ -35,7 +36,9 @@ NOTE = f"""Carts drawn from the prior that every estimator begins with, driven i
 noise on each of two hands; all are told the sensors' noise. Errors at the end are rms over the runs, `bias` their mean;
 NEES is of (m, m dx, m dy, J) and should be 1 a dimension; `lost` are runs whose numbers were no body in the end, which
 are left out of the rest. filterpy's filters have pose, velocities and parameters as their state and the wrench as an
-input with its noise in Q; the paper's knows viscous drag alone, as guessed; the batch fit sees whole logs at once."""
+input with its noise in Q; the paper's knows viscous drag alone, as guessed; the batch fit sees whole logs at once. So
+does MuJoCo's `sysid`, which rolls its model out over windows of {WINDOW:g} s from smoothed motion; it has no prior but
+wide bounds, and its intervals take what is left for white noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +80,8 @@ def _ways() -> dict[str, Way]:
     if find_spec("filterpy") is not None:
         ways["filterpy EKF"] = lambda log: _textbook(log, TextbookEkf(guess(), arms, NOISE, PRIOR))
         ways["filterpy UKF"] = lambda log: _textbook(log, TextbookUkf(guess(), arms, NOISE, PRIOR))
+    if installed():
+        ways["MuJoCo sysid"] = lambda log: rolled_out(log, guess())
     return ways
 
 

@@ -3,9 +3,10 @@
 - `err`: forward regression by error reduction ratios, with orthogonal least squares (Chen, Billings and Luo, 1989);
 - `sindy`: sequentially thresholded least squares as pysindy has it (extra `bench`);
 - `everything`: least squares with all terms free at once, as system identification of a given structure does; named is
-  what would be missed.
+  what would be missed;
+- `sysid`: MuJoCo's `sysid` with everything free that its model has (extra `bench`), by rollouts instead of terms.
 
-Their reports have the shape of the workflow's; they have no probabilities, no rollouts, and nothing to say of what no
+Their reports have the shape of the workflow's; they have no probabilities, no gaps, and nothing to say of what no
 term explains.
 """
 
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -21,6 +23,7 @@ import numpy as np
 
 from .columns import Candidate, body_columns, candidates, drag_columns
 from .recorded import Cart, Recorded, read_cart, read_recorded
+from .sysid_report import rolled_out
 
 STOP = 0.02
 """Of the residual's energy: a term that takes away less ends the search."""
@@ -42,7 +45,7 @@ def regress_all(folder: Path, reports: str, stop: float, method: str = "err") ->
     found = sorted(path.parent for path in folder.glob("logs/*/run.csv"))
     for log in found:
         start = perf_counter()
-        report = regress(read_recorded(log / "run.csv"), read_cart(log / "cart.yaml"), stop, METHODS[method])
+        report = METHODS[method](read_recorded(log / "run.csv"), read_cart(log / "cart.yaml"), stop)
         out = log / reports
         out.mkdir(exist_ok=True)
         (out / "report.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
@@ -144,7 +147,12 @@ def all_free(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarray],
     return [int(i) for i in np.argsort(-np.array(missed)) if missed[i] >= stop]
 
 
-METHODS: dict[str, Selector] = {"err": selected, "sindy": thresholded, "everything": all_free}
+METHODS: dict[str, Callable[[Recorded, Cart, float], dict[str, Any]]] = {
+    "err": regress,
+    "sindy": partial(regress, select=thresholded),
+    "everything": partial(regress, select=all_free),
+    "sysid": rolled_out,
+}
 
 
 def orthonormal(columns: np.ndarray, lengths: np.ndarray) -> np.ndarray:

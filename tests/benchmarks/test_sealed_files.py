@@ -23,6 +23,7 @@ ALLOWED = {
         "dataclasses",
         "functools",
         "hashlib",
+        "io",
         "itertools",
         "json",
         "math",
