@@ -132,6 +132,12 @@ class Linearisation:
         residual = self.residual[..., None]
         return float((residual * self.whitened(residual)).sum())
 
+    def taught(self, columns: Array) -> tuple[Array, Array]:
+        """By the residual, of what adds columns (m, f, k) to it: information (k, k) and pull (k,)."""
+        sides = np.concatenate([columns, self.residual[..., None]], axis=2)
+        sums = np.tensordot(columns, self.whitened(sides), ((0, 1), (0, 1)))
+        return sums[:, :-1], sums[:, -1]
+
     def by_block(self, left: Array, right: Array, duration: float) -> Array:
         """`leftᵀ right` (b, k, l), summed over stretches of `duration` (s)."""
         f = left.shape[1]
@@ -371,8 +377,7 @@ class WrenchRegression:
         nu = state[:, self.cart.velocity_slice]
         slow[:, self.cart.velocity_slice] = np.sign(nu) * np.maximum(np.abs(nu) - STILL * self.motion.velocity_std, 0.0)
         forces = self.cart.basis_b.T @ self.cart.stiction(slow, parameters, self.motion.time)
-        step = min(BLOCK, float(np.median(np.diff(self.motion.time))))
-        return np.asarray(forces @ np.swapaxes(forces, 1, 2) / step)
+        return np.asarray(forces @ np.swapaxes(forces, 1, 2) / min(BLOCK, self.step * self.size))
 
 
 def _delayed(wrench: Array, delay: float) -> Array:

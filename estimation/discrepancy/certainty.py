@@ -40,8 +40,6 @@ MOST_LOST = 1.5
 UNLIKELY = 8.0
 """Difference of logs of likelihoods beyond which nobody looks."""
 FINE = 400
-
-
 LEAST_DEVIATIONS = 2.5
 """By which an effect that is named differs from none."""
 
@@ -83,7 +81,7 @@ def certain(fitted: Fitted) -> Certainty:
 def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
     places, found = {name: i for i, name in enumerate(report_names(fitted.cart))}, dict[str, float]()
     for effect in fitted.added:
-        own = [i for i in may_be_estimated(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
+        own = [i for i in _may_be_estimated(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
         if own and not isinstance(effect, ConstraintEffect):
             at = [places[effect.keys[i]] for i in own]
             size = fitted.cart.parameters[at] - [effect.parameters[i].absent for i in own]
@@ -91,7 +89,7 @@ def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
     return found
 
 
-def may_be_estimated(effect: Effect) -> list[int]:
+def _may_be_estimated(effect: Effect) -> list[int]:
     """Which of its parameters a linear fit gives."""
     return [i for i, parameter in enumerate(effect.parameters) if parameter.estimated]
 
@@ -164,7 +162,8 @@ class Pulls:
 def pulls(fitted: Fitted) -> list[Pulls]:
     """Of each log."""
     found, sizes, at = [], _form_sizes(fitted), 0
-    for (regression, line, delay), told in zip(fitted.linearised, fitted.identification.logs, strict=True):
+    logs = zip(fitted.linearised, fitted.identification.logs, fitted.other_forms, strict=True)
+    for (regression, line, delay), told, forms in logs:
         evidence = regression.evidence(fitted.cart.parameters, delay).part(fitted.free).kept(fitted.base.information)
         first = line.nodes[line.ends(BLOCK)[:-1]] // regression.size
         number = manoeuvres(regression.motion, not regression.cart.constraints.no_rotation)[first]
@@ -172,9 +171,9 @@ def pulls(fitted: Fitted) -> list[Pulls]:
         there = np.zeros((m, k))
         np.add.at(there, number, evidence.pulls / told.noise_excess)
         late = evidence.blocks.sum(axis=0)[-1] / told.noise_excess
-        columns = fitted.forms(regression, line).columns
-        own = sizes[at : at + columns.shape[2]]
-        form = np.tensordot(line.by[..., fitted.free], line.whitened(columns), ((0, 1), (0, 1))) / told.noise_excess
+        own = sizes[at : at + len(forms.family)]
+        form = np.tensordot(line.by[..., fitted.free], line.whitened(forms.columns), ((0, 1), (0, 1)))
+        form /= told.noise_excess
         found.append(Pulls(there.T, np.asarray(own * form), late))
         at += len(own)
     return found
@@ -186,11 +185,10 @@ def _form_sizes(fitted: Fitted) -> Array:
     information, pull = fitted.loose.information.copy(), fitted.loose.pull.copy()
     information[p:, p:] = 0.0
     for (_, line, _), columns in zip(fitted.linearised, fitted.loose_columns, strict=True):
-        sides = np.concatenate([columns, line.residual[..., None]], axis=2)
-        sums = np.tensordot(columns, line.whitened(sides), ((0, 1), (0, 1))) / excess
-        information, pull = information + sums[:, :-1], pull + sums[:, -1]
+        taught, drawn = line.taught(columns)
+        information, pull = information + taught / excess, pull + drawn / excess
     through = information[p:, :p] @ np.linalg.inv(information[:p, :p])
-    family = [fitted.forms(regression, line).family for regression, line, _ in fitted.linearised]
+    family = [forms.family for forms in fitted.other_forms]
     return form_sizes(
         information[p:, p:] - through @ information[:p, p:], pull[p:] - through @ pull[:p], np.concatenate(family)
     )

@@ -113,9 +113,14 @@ class Fitted:
         return Forms.of(regression, line, [(self.added[k], traces[..., k]) for k in chosen])
 
     @cached_property
+    def other_forms(self) -> tuple[Forms, ...]:
+        """Of all added effects, on each log."""
+        return tuple(self.forms(regression, line) for regression, line, _ in self.linearised)
+
+    @cached_property
     def loose_columns(self) -> tuple[Array, ...]:
         """Of each log, slopes (m, f, b) by the base's parameters, and what other forms of all logs' effects add."""
-        forms = [self.forms(regression, line).columns for regression, line, _ in self.linearised]
+        forms = [each.columns for each in self.other_forms]
         count, found, at = sum(each.shape[2] for each in forms), [], 0
         for (_, line, _), own in zip(self.linearised, forms, strict=True):
             beside = np.zeros((*line.residual.shape, count))
@@ -180,9 +185,8 @@ class Fitted:
         information[p - 1, p - 1] = pull[p - 1] = 0.0
         for (regression, line, _), known in zip(self.linearised, self.loose_columns, strict=True):
             columns = np.concatenate([known, BLUR * regression.skews()[..., None]], axis=2)
-            sides = np.concatenate([columns, line.residual[..., None]], axis=2)
-            sums = np.tensordot(columns, line.whitened(sides), ((0, 1), (0, 1)))
-            information, pull = information + sums[:, :-1], pull + sums[:, -1]
+            taught, drawn = line.taught(columns)
+            information, pull = information + taught, pull + drawn
         share = float(np.linalg.solve(information, pull)[p - 1])
         logs = [(r.usual_delay[0] - d - share) * r.step * r.size for r, _, d in self.linearised]
         return float(np.mean(logs))

@@ -64,9 +64,8 @@ class Forms:
     def taken(self, line: Linearisation) -> float:
         """Of the residual's chi-squared: what they take away, less what they cost for all that they might have been, so
         that the rest is -2 log of a likelihood."""
-        sides = np.concatenate([self.columns, line.residual[..., None]], axis=2)
-        sums = np.tensordot(self.columns, line.whitened(sides), ((0, 1), (0, 1)))
-        information, pull = sums[:, :-1] + np.eye(self.columns.shape[2]), sums[:, -1]
+        taught, pull = line.taught(self.columns)
+        information = taught + np.eye(len(pull))
         return float(pull @ np.linalg.solve(information, pull)) - float(np.linalg.slogdet(information)[1])
 
 

@@ -37,25 +37,21 @@ class Refiner:
     def __init__(self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None) -> None:
         """`implausible` says of an effect at a setting why it can't be, where it can't."""
         self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
-        self._base: list[tuple[Array, Array]] = []
-        information = fitted.loose.information.copy()
+        information, self._pull = fitted.loose.information, fitted.loose.pull
         for (_, line, _), known in zip(fitted.linearised, fitted.loose_columns, strict=True):
-            sides = np.concatenate([known, line.residual[..., None]], axis=2)
-            weighted = line.whitened(sides)
-            self._base.append((sides, weighted))
-            information += _product(sides[..., :-1], weighted[..., :-1])
+            taught, drawn = line.taught(known)
+            information, self._pull = information + taught, self._pull + drawn
         self._covariance = np.linalg.inv(information)
-        self._pull = fitted.loose.pull + sum(_product(s[..., :-1], w[..., -1:])[:, 0] for s, w in self._base)
 
     def gain(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> Gain:
         """Of amplitudes with prior standard deviations, added to the absent effect at a setting."""
         information, pull = np.diag(std**-2.0), np.zeros(len(std))
         to_base = np.zeros((len(std), len(self._pull)))
-        for (regression, line, delay), (_, weighted) in zip(self._fitted.linearised, self._base, strict=True):
+        for (regression, line, delay), known in zip(self._fitted.linearised, self._fitted.loose_columns, strict=True):
             columns = slopes_of(regression, [effect], delay)[0][..., amplitudes]
-            information = information + _product(columns, line.whitened(columns))
-            both = _product(columns, weighted)
-            to_base, pull = to_base + both[:, :-1], pull + both[:, -1]
+            whitened = line.whitened(columns)
+            information, to_base = information + _product(whitened, columns), to_base + _product(whitened, known)
+            pull = pull + _product(whitened, line.residual[..., None])[:, 0]
         through = to_base @ self._covariance
         information, pull = information - through @ to_base.T, pull - through @ self._pull
         best = np.linalg.solve(information, pull)
