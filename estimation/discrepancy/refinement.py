@@ -5,7 +5,7 @@ Each setting is judged by the most that the effect's amplitudes gain there, with
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,9 +85,12 @@ class Refiner:
         return effect.with_values(values), best
 
 
-def searched_again(fitted: Fitted, implausible: Callable[[Effect], object]) -> Fitted:
-    """With the settings of all effects but the last, which were searched for without it, where they are best now."""
-    for effect in fitted.added[:-1]:
+def searched_again(
+    fitted: Fitted, effects: Iterable[Effect], implausible: Callable[[Effect], object] | None = None
+) -> Fitted:
+    """With the settings of effects that were added, which were searched for without later ones, where they are best
+    now."""
+    for effect in effects:
         amplitudes = np.flatnonzero(may_be_amplitudes(effect))
         if any(not effect.parameters[move.which].estimated for move in moves(effect, amplitudes)):
             known = next(one for one in fitted.cart.effects if one.key == effect.key)
