@@ -15,7 +15,7 @@ import numpy as np
 
 from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import Linearisation, WrenchRegression
@@ -24,6 +24,8 @@ BLOCK = 0.25
 """s."""
 CELL = 0.4
 """m."""
+RIM = 0.05
+"""m: so far outside of all wheels' tracks a grid ends."""
 MOST_CELLS = 144
 EVER = 1e12
 """s, m: as long, and as far, as no log goes, be its clock that of the world, which began in 1970."""
@@ -52,7 +54,7 @@ class Grid:
 
     @classmethod
     def over(cls, points: Array) -> Grid:
-        low, high = points.min(axis=0), points.max(axis=0)
+        low, high = points.min(axis=0) - RIM, points.max(axis=0) + RIM
         size = max(CELL, float(np.sqrt(np.prod(np.maximum(high - low, CELL)) / MOST_CELLS)))
         counts = np.maximum(1, np.ceil((high - low) / size)).astype(int)
         return cls(np.linspace(low[0], high[0], counts[0] + 1), np.linspace(low[1], high[1], counts[1] + 1))
@@ -81,7 +83,7 @@ def build_dictionary(
     base: Sequence[Array],
 ) -> Dictionary:
     """Of logs, each with a linearisation of the same cart, its delay, and columns (m, f, b) of the base."""
-    grid = Grid.over(np.concatenate([regression.motion.pose[:, :2] for regression, _, _ in linearised]))
+    grid = Grid.over(np.concatenate([_tracks(regression) for regression, _, _ in linearised]))
     opened = [one for effect in effects for one in _opened(effect, grid)]
     slopes = [slopes_of(regression, [effect for effect, _ in opened], delay) for regression, _, delay in linearised]
     trials, chosen, at = [], [], base[0].shape[2]
@@ -104,6 +106,12 @@ def build_dictionary(
     return Dictionary(
         tuple(trials), grid, np.concatenate(grams), np.concatenate(starts), np.concatenate(logs), base[0].shape[2]
     )
+
+
+def _tracks(regression: WrenchRegression) -> Array:
+    """Where wheels, or a caster's pivot, have been (..., 2)."""
+    pose, wheels = regression.motion.pose, regression.cart.wheel_set.wheels
+    return np.concatenate([pose[:, :2] + rotation_planar(pose[:, 2]) @ [wheel.x, wheel.y] for wheel in wheels])
 
 
 def may_be_amplitudes(effect: Effect) -> np.ndarray:

@@ -117,7 +117,8 @@ def _change(reduce: _Reduction, trial: Trial, whole: Array) -> float:
 
 
 def _drift(reduce: _Reduction, trial: Trial, whole: Array) -> float:
-    """The same, of each part's own size beside those of the others, with one base for all."""
+    """The same, of each part's own size beside those of the others, with one base for all; of the parts' mean, as much
+    is believed before data as of the whole."""
     own = reduce.gram[:, trial.columns[:, None], reduce.rows(trial.columns)]
     k, prior = len(whole), np.diag(trial.std**-2.0)
     metric = reduce.of(own.sum(axis=0))[0] + prior
@@ -128,7 +129,8 @@ def _drift(reduce: _Reduction, trial: Trial, whole: Array) -> float:
     for i in range(PARTS):
         apart[i, :, p + i * k : p + (i + 1) * k] = sums[i, :, p:-1]
     information, pull = reduce.of(apart.reshape(PARTS * k, -1))
-    spread = np.linalg.inv(information + np.kron(np.eye(PARTS), prior))
+    believed = np.eye(PARTS) - (1 / PARTS - 1 / PARTS**2)
+    spread = np.linalg.inv(information + np.kron(believed, prior))
     other = (spread @ pull).reshape(PARTS, k) - whole
     found = 0.0
     for i in range(PARTS):

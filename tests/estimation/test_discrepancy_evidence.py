@@ -130,6 +130,17 @@ def mean_of_exp(values):
     return values.max() + np.log(np.exp(values - values.max()).mean())
 
 
+@settings(deadline=None, max_examples=15)
+@given(SEEDS, st.floats(20.0, 50.0))
+def test_what_is_far_larger_than_was_believed_drifts_no_more_for_it(seed, size):
+    """Four quarters that say the same, and little against what was believed before."""
+    base, columns, _ = drawn(seed, 5, 1)
+    columns /= np.sqrt((columns**2).sum())
+    base, columns = (np.tile(part, (4, 1, 1)) for part in (base, columns))
+    trial = Trial(FloorSlope(), np.array([3]), np.array([0]), np.array([1.0]))
+    assert best([trial], base, columns, size * columns[..., 0]).drift < 1e-6
+
+
 def test_what_grows_is_told_from_what_stays():
     """An amplitude that doubles from the first half of a log to the second changes when a part is left out."""
     random = np.random.default_rng(5)

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import LateralSlip, ViscousDrag, WheelMisalignment
+from cartgrasp.effects import FloorPatch, LateralSlip, RollingResistance, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import DataError
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
+from cartgrasp.wheels import Wheel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
 from estimation.discrepancy.fitted import Fitted
@@ -54,6 +55,19 @@ def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
     assert found.error[:, 0] == pytest.approx(0.5 * (20.0 / 25.0 - 1.0) / 2, abs=2e-4)
     assert found.error[:, 1:] == pytest.approx(0.0, abs=1e-6)
     assert found.gap == pytest.approx(0.05, abs=3e-4)
+
+
+@pytest.mark.parametrize("curved", [False, True])
+def test_places_everywhere_are_the_whole_floor(curved):
+    """Under each wheel: on a straight way, that of the axle's middle meets none."""
+    wheels = (Wheel("fixed", 0.0, 0.25), Wheel("fixed", 0.0, -0.25), Wheel("caster", 0.6, 0.2))
+    cart = replace(guess(), wheels=wheels)
+    log, _ = simulate(TRUTH, 0, 8.0, curved)
+    dictionary = Fitted((WrenchRegression(log, cart, None),), cart).dictionary([FloorPatch(), RollingResistance()])
+    sums = dictionary.gram.sum(axis=0)
+    *cells, everywhere = (int(trial.columns[0]) for trial in dictionary.trials)
+    assert len(cells) > 4
+    assert sums[cells].sum(axis=0) == pytest.approx(sums[everywhere], rel=1e-6, abs=1e-6 * np.abs(sums).max())
 
 
 def test_rollouts_stay_where_they_are_allowed():
