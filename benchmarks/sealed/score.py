@@ -71,30 +71,30 @@ def refitted(judgements: Iterable[Judgement], kinds: Sequence[str]) -> list[Esti
 
 
 def rates(judgements: Sequence[Judgement]) -> str:
-    def of(kind: str) -> list[Judgement]:
-        return [j for j in judgements if j.kind == kind]
-
-    def rate(what: str, kind: str, holds: Callable[[Judgement], object]) -> str:
-        group = of(kind)
+    def rate(what: str, group: Sequence[Judgement], holds: Callable[[Judgement], object]) -> str:
         right = sum(bool(holds(j)) for j in group)
         return f"{what:<52} {right:>3} of {len(group):<3} {percent(right, len(group))}"
 
-    sized = [len(frozenset().union(*j.sets)) for j in of("single") if j.sets]
-    periods = [right for j in of("outside") if (right := j.period_right) is not None]
+    kinds = ("single", "pair", "nothing", "outside")
+    single, pair, nothing, outside = ([j for j in judgements if j.kind == kind] for kind in kinds)
+    wrong = [j for j in single if j.names and not j.exact]
+    sized = [len(frozenset().union(*j.sets)) for j in single if j.sets]
+    periods = [right for j in outside if (right := j.period_right) is not None]
     return "\n".join(
         [
-            rate("single effect: its name and no other", "single", lambda j: j.exact),
-            rate("single effect: named first", "single", lambda j: j.names[:1] == tuple(j.true_names)),
-            rate("single effect: in the reported set", "single", lambda j: j.within),
+            rate("single effect: its name and no other", single, lambda j: j.exact),
+            rate("single effect: named first", single, lambda j: j.names[:1] == tuple(j.true_names)),
+            rate("single effect: in the reported set", single, lambda j: j.within),
+            rate("single effect: wrong name, but the truth in its set", wrong, lambda j: j.within),
             f"{'single effect: mean size of the reported set':<52} {mean(sized)}",
-            rate("pair: both named and no other", "pair", lambda j: j.exact),
-            rate("pair: both named", "pair", lambda j: j.true_names <= set(j.names)),
-            rate("pair: both in the reported sets", "pair", lambda j: j.within),
-            rate("pair: one named at least", "pair", lambda j: j.true_names & set(j.names)),
-            rate("nothing: false alarms", "nothing", lambda j: not j.called_nothing),
-            rate("outside: unexplained and no name", "outside", lambda j: j.called_unexplained),
-            rate("outside: something left unexplained", "outside", lambda j: j.partly),
-            rate("outside: what it follows is told", "outside", lambda j: j.dependence_right),
+            rate("pair: both named and no other", pair, lambda j: j.exact),
+            rate("pair: both named", pair, lambda j: j.true_names <= set(j.names)),
+            rate("pair: both in the reported sets", pair, lambda j: j.within),
+            rate("pair: one named at least", pair, lambda j: j.true_names & set(j.names)),
+            rate("nothing: false alarms", nothing, lambda j: not j.called_nothing),
+            rate("outside: unexplained and no name", outside, lambda j: j.called_unexplained),
+            rate("outside: something left unexplained", outside, lambda j: j.partly),
+            rate("outside: what it follows is told", outside, lambda j: j.dependence_right),
             f"{'outside: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
         ]
     )

@@ -151,6 +151,7 @@ def test_the_score_counts(tmp_path):
     assert "3 reports of 4 logs; 1 missing" in lines
     assert "single effect: its name and no other 1 of 2 50.0 %" in lines
     assert "single effect: in the reported set 2 of 2 100.0 %" in lines
+    assert "single effect: wrong name, but the truth in its set 1 of 1 100.0 %" in lines
     assert "single effect: mean size of the reported set 2.00" in lines
     assert "nothing: false alarms 1 of 1 100.0 %" in lines
     assert any(line.startswith("single 1 0.250; 0.250 1.250; 1.250") for line in lines)
