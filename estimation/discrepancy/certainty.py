@@ -26,6 +26,7 @@ from .dictionary import may_be_amplitudes
 from .fitted import Fitted
 from .forms import form_sizes
 from .manoeuvres import manoeuvres, settled
+from .profiles import MEAN, around, half_sine
 from .refinement import Move, Refiner, is_open, moves, prior_std
 
 FORM = {"s": 0.05, "m": 0.03}
@@ -208,7 +209,11 @@ def _settled(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
     if not searched:
         return effect, {}
     own = next(one for one in fitted.cart.effects if one.key == effect.key)
-    refiner, excess = Refiner(fitted.without(effect.key)), max(fitted.excess, 1.0)
+    if own.gate is Gate.WHILE:
+        own, refiner = _shaped(fitted.without(effect.key), own, amplitudes)
+    else:
+        refiner = Refiner(fitted.without(effect.key))
+    excess = max(fitted.excess, 1.0)
     values, found = own.values.copy(), dict[str, float]()
     for move in searched:
         parameter = own.parameters[move.which]
@@ -221,6 +226,19 @@ def _settled(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
     if own.gate is Gate.WHILE:  # its start moves one end, its duration the other
         found[own.keys[1]] = float(np.hypot(found[own.keys[0]], found[own.keys[1]]))
     return own.with_values(values), found
+
+
+def _shaped(fitted: Fitted, effect: Effect, amplitudes: np.ndarray) -> tuple[Effect, Refiner]:
+    """What acts for a while, from where it begins to where it ends, with its mean size, be it there at once or rise and
+    fall; and a refiner of what fits better."""
+    std, sharp, swelling = prior_std(effect, amplitudes), Refiner(fitted), Refiner(fitted, profile=half_sine)
+    known, least = sharp.refined(effect, amplitudes, std)
+    found, gain = swelling.refined(around(known), amplitudes, std)
+    if gain.value <= least.value:
+        return known, sharp
+    values = found.values.copy()
+    values[amplitudes] *= MEAN
+    return found.with_values(values), swelling
 
 
 def _posterior(

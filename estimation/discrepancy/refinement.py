@@ -16,6 +16,7 @@ from cartgrasp.frames import Array
 
 from .dictionary import BLOCK, CELL, may_be_amplitudes, slopes_of
 from .fitted import Fitted
+from .profiles import Profile, at_once
 
 HALVINGS = 5
 EVALUATIONS = 60
@@ -34,9 +35,13 @@ class Gain:
 class Refiner:
     """Around one fit."""
 
-    def __init__(self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None) -> None:
-        """`implausible` says of an effect at a setting why it can't be, where it can't."""
+    def __init__(
+        self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None, profile: Profile = at_once
+    ) -> None:
+        """`implausible` says of an effect at a setting why it can't be, where it can't; `profile`, how it rises and
+        falls."""
         self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
+        self._profile = profile
         information, self._pull = fitted.loose.information, fitted.loose.pull
         for (_, line, _), known in zip(fitted.linearised, fitted.loose_columns, strict=True):
             taught, drawn = line.taught(known)
@@ -48,7 +53,9 @@ class Refiner:
         information, pull = np.diag(std**-2.0), np.zeros(len(std))
         to_base = np.zeros((len(std), len(self._pull)))
         for (regression, line, delay), known in zip(self._fitted.linearised, self._fitted.loose_columns, strict=True):
-            columns = slopes_of(regression, [effect], delay)[0][..., amplitudes]
+            shares, parts = zip(*self._profile(effect), strict=True)
+            slopes = slopes_of(regression, parts, delay)
+            columns = np.sum([share * own[..., amplitudes] for share, own in zip(shares, slopes, strict=True)], axis=0)
             whitened = line.whitened(columns)
             information, to_base = information + _product(whitened, columns), to_base + _product(whitened, known)
             pull = pull + _product(whitened, line.residual[..., None])[:, 0]
