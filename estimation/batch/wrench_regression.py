@@ -29,7 +29,7 @@ from cartgrasp.model import CartModel, InverseDynamics
 
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
-from .block_tridiagonal import BlockTridiagonal, Factor
+from .block_tridiagonal import Factor
 from .motion_smoother import smooth_motion
 from .noise_colour import NoiseColour, with_noise_states
 from .wrench_record import WrenchRecord
@@ -167,10 +167,12 @@ class WrenchRegression:
         with self._sized():
             self._chain = smooth_motion(thinned, cart, noise)
             self.motion = self._chain.paired() if pairs else self._chain
+            steps = np.diff(self.motion.time)
+            steady = (
+                self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
+            )
+            self._steady = np.append(steady, False)
             self._listen()
-        steps = np.diff(self.motion.time)
-        steady = self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
-        self._steady = np.append(steady, False)
 
     @cached_property
     def rows(self) -> RunLog:
@@ -206,6 +208,14 @@ class WrenchRegression:
         record = WrenchRecord.of(rows, self.cart, self.row_noise)
         self._record = replace(record, covariance=record.covariance * self._loudness)
         self._neighbours = self._record.of_neighbours(float(np.median(steps)) if len(steps) else 1.0)
+        self._know()
+
+    def _know(self) -> None:
+        """Puts together what is known before any wrench, of the motion and of slow noise."""
+        self._known, chain = self.motion.information, self._chain
+        if self.colour is not None:
+            usual = np.mean(self._record.covariance[self._record.seen], axis=0)
+            self._known = with_noise_states(self._known, chain.linked, np.diff(chain.time), usual, self.colour)
 
     @property
     def _used(self) -> np.ndarray:
@@ -272,20 +282,13 @@ class WrenchRegression:
     ) -> tuple[tuple[Array, Array], Factor]:
         """Slopes by the states of the chain from `nodes` (m,) to the next, slow noise among them, and the factor of
         what wrenches and smoother know of these states."""
-        known, chain = self.motion.information, self._chain
-        n, f = len(chain.time), weights.shape[1]
+        f = weights.shape[1]
         if self.colour is not None:
-            steps = np.diff(chain.time)
-            usual = np.mean(self._record.covariance[nodes // self.size], axis=0)
-            known = with_noise_states(known, chain.linked, steps, usual, self.colour)
             shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
             by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)
             first, second = (np.concatenate(both, axis=2) for both in zip(slopes, by_noise, strict=True))
             slopes = first, second
-        first, second, all_weights = (np.zeros((n - 1, f, k)) for k in (slopes[0].shape[2], slopes[0].shape[2], f))
-        first[nodes], second[nodes], all_weights[nodes] = *slopes, weights
-        joint = known + BlockTridiagonal.of_pairs(first, second, all_weights)
-        return slopes, joint.factor()
+        return slopes, self._known.with_pairs(nodes, *slopes, weights).factor()
 
     @property
     def usable(self) -> np.ndarray:
@@ -313,6 +316,7 @@ class WrenchRegression:
         """The same, with wrench noise of another colour."""
         other = copy(self)
         other.colour = colour
+        other._know()
         return other
 
     def wary(self) -> WrenchRegression:

@@ -166,14 +166,18 @@ class Fitted:
 
     def listening(self) -> Fitted:
         """With the lateness of an added effect where the log has it, round by round: its wrenches are aligned by whole
-        samples, and what is left is read beside all else."""
-        found = self
-        for _ in range(LISTENING):
+        samples, and what is left is read beside all else. Between two alignments, each of which asks for the other, it
+        stays."""
+        found, known = self, list[float]()
+        while len(known) < LISTENING:
             late = next((e for e in found.added if isinstance(e, SensorEffect) and e.lateness > 0), None)
-            missing = 0.0 if late is None else found._unheard
-            if late is None or abs(missing) < HEARD:
+            if late is None:
                 break
-            found = found.with_changed(late, late.with_values(np.maximum(late.values + missing, 0.0)))
+            known.append(late.lateness)
+            aim = late.with_values(np.maximum(late.values + found._unheard, 0.0))
+            if min(abs(aim.lateness - one) for one in known) < HEARD:
+                break
+            found = found.with_changed(late, aim)
         return found
 
     @property

@@ -27,8 +27,8 @@ def drawn(seed, n_blocks, n_columns, rows=6):
 def dictionary(base, columns, residual, trials, grid=None):
     sides = np.concatenate([base, columns, residual[..., None]], axis=2)
     gram = np.swapaxes(sides, 1, 2) @ sides
-    n = len(gram)
-    return Dictionary(tuple(trials), grid, gram, np.arange(n) * 0.25, np.zeros(n, dtype=int), 3)
+    n, places = len(gram), gram.sum(axis=0)[3:-1]
+    return Dictionary(tuple(trials), grid, gram, places, np.arange(n) * 0.25, np.zeros(n, dtype=int), 3)
 
 
 def density(residual, base, columns, std, excess=1.0):
@@ -99,7 +99,7 @@ def test_a_place_is_a_box_of_cells(seed):
     std = np.array([0.8])
     grid = Grid(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 0.5, 1.0]))
     cells = [(i, j) for i in range(3) for j in range(2)]
-    trials = [Trial(FloorPatch(), np.array([3 + k]), np.array([4]), std, cell) for k, cell in enumerate(cells)]
+    trials = [Trial(FloorPatch(), np.array([k]), np.array([4]), std, cell) for k, cell in enumerate(cells)]
     found = best(trials, base, columns, residual, grid=grid)
     nothing, factors = density(residual, base, None, std), {}
     for a in range(3):
