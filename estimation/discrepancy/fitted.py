@@ -26,7 +26,8 @@ from .scatter import FINE_BLOCK, Scatter, noise_excess
 
 SURE = 12.0
 """Log of the Bayes factor of a dependence that is told."""
-SETTLED = 0.03
+SETTLED, ROUGH = 0.03, 0.1
+"""Standard deviations: by what a fit's last round moves a parameter; and that of an effect which is only tried."""
 LISTENING, HEARD = 6, 5e-4
 """Rounds, and s: to read how late wrenches are."""
 EFFECTS_SHARE = 1.0
@@ -37,12 +38,13 @@ ADDED_SHARE = 10.0
 @dataclass(frozen=True, eq=False)
 class Fitted:
     """`prior_cart` is what was believed; `added` the effects that a search has put on it; `start` parameters near the
-    best ones."""
+    best ones; `moves` what the last round of the fit may move (standard deviations)."""
 
     regressions: tuple[WrenchRegression, ...]
     prior_cart: CartModel
     added: tuple[Effect, ...] = ()
     start: Array | None = None
+    moves: float = SETTLED
 
     @cached_property
     def prior(self) -> Prior:
@@ -59,7 +61,7 @@ class Fitted:
 
     @cached_property
     def identification(self) -> Identification:
-        return fit(self.structure, self.prior, self.regressions, self.start, SETTLED)
+        return fit(self.structure, self.prior, self.regressions, self.start, self.moves)
 
     @cached_property
     def cart(self) -> CartModel:
@@ -161,8 +163,12 @@ class Fitted:
         return replace(self, regressions=tuple(found), start=self.cart.parameters)
 
     def settled(self) -> Fitted:
-        """Fitted once more, from where the fit ended."""
-        return replace(self, start=self.cart.parameters)
+        """Fitted once more, from where the fit ended, and to the end."""
+        return replace(self, start=self.cart.parameters, moves=SETTLED)
+
+    def tried(self, effect: Effect) -> Fitted:
+        """With another effect, as far as a comparison needs."""
+        return replace(self.with_added(effect), moves=ROUGH).listening()
 
     def listening(self) -> Fitted:
         """With the lateness of an added effect where the log has it, round by round: its wrenches are aligned by whole

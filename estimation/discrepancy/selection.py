@@ -204,7 +204,7 @@ def _step(
     def tried(finding: Finding) -> _Tried:
         tell(f"trying {finding.effect.name}")
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
-        return _Tried(effect, gain.value, fitted.with_added(effect).listening())
+        return _Tried(effect, gain.value, fitted.tried(effect))
 
     least = max(WORTH_TRYING, HOPELESS * screened[0].log_factor) if screened else 0.0
     candidates = [tried(one) for one in screened[:MOST_TRIED] if one.log_factor >= least]
