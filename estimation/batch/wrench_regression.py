@@ -82,13 +82,17 @@ class Evidence:
 
     def kept(self, background: Array) -> Evidence:
         """With less weight for stretches that contradict themselves."""
+        weights = self.weights(background)
+        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+
+    def weights(self, background: Array) -> Array:
+        """Of stretches (b,): less than 1 where they contradict themselves."""
         if len(self.pulls) < FEWEST_BLOCKS:
-            return self
+            return np.ones(len(self.pulls))
         expected, scatter = self._scatter(np.linalg.inv(self.blocks.sum(axis=0) + background))
         ratio = scatter / np.maximum(expected, 1e-12)
         usual = max(1.0, float(np.median(ratio)))
-        weights = np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
-        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+        return np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
 
     def _overlapping(self) -> Evidence:
         """Of neighbours together: what is left of a jolt between them has one sign before it, and the other after."""

@@ -86,7 +86,7 @@ class Diagnosis:
 
     @cached_property
     def cart(self) -> CartModel:
-        return self.certainty.fitted.cart
+        return self.certainty.cart
 
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:

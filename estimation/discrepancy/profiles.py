@@ -1,6 +1,7 @@
 """How what passes may rise and fall: at once, as a model's effect does, or as somebody pushes, in half a sine.
 
 A profile is a sum of effects that act at once, nested in time; with amplitudes that are linear, so are their slopes.
+Smoothed motion smears what begins at once over a tenth of a second or two.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ import numpy as np
 
 from cartgrasp.effects import Effect
 
-LEVELS = 8
+LEVELS, EDGES = 8, 4
+MOST_EDGE = 0.9
+"""Of what is smeared: how long its edges are at most."""
 MEAN = 2 / np.pi
 """Of half a sine, over its height."""
 WIDTH, BEFORE = 0.742, 0.129
@@ -25,14 +28,26 @@ def at_once(effect: Effect) -> list[tuple[float, Effect]]:
     return [(1.0, effect)]
 
 
+def smeared(width: float) -> Profile:
+    """Of one that begins and ends in the middle of edges which take `width` (s)."""
+
+    def profile(effect: Effect) -> list[tuple[float, Effect]]:
+        edge = min(width, MOST_EDGE * float(effect.values[1]))
+        return [(1 / EDGES, _trimmed(effect, edge * share)) for share in (np.arange(EDGES) + 0.5) / EDGES - 0.5]
+
+    return profile
+
+
 def half_sine(effect: Effect) -> list[tuple[float, Effect]]:
     """Of one that begins at its first value (s) and lasts for its second."""
+    rises = np.arcsin((np.arange(LEVELS) + 0.5) / LEVELS) / np.pi * effect.values[1]
+    return [(1 / LEVELS, _trimmed(effect, rise)) for rise in rises]
+
+
+def _trimmed(effect: Effect, by: float) -> Effect:
+    """Begins later, and ends earlier (s)."""
     start, duration = effect.values[:2]
-    found = []
-    for height in (np.arange(LEVELS) + 0.5) / LEVELS:
-        rises = float(np.arcsin(height)) / np.pi * duration
-        found.append((1 / LEVELS, effect.with_values(np.r_[start + rises, duration - 2 * rises, effect.values[2:]])))
-    return found
+    return effect.with_values(np.r_[start + by, duration - 2 * by, effect.values[2:]])
 
 
 def around(effect: Effect) -> Effect:

@@ -6,6 +6,7 @@ Each setting is judged by the most that the effect's amplitudes gain there, with
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,18 +36,21 @@ class Gain:
 class Refiner:
     """Around one fit."""
 
-    def __init__(
-        self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None, profile: Profile = at_once
-    ) -> None:
-        """`implausible` says of an effect at a setting why it can't be, where it can't; `profile`, how it rises and
-        falls."""
+    def __init__(self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None) -> None:
+        """`implausible` says of an effect at a setting why it can't be, where it can't."""
         self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
-        self._profile = profile
+        self._profile: Profile = at_once
         information, self._pull = fitted.loose.information, fitted.loose.pull
         for (_, line, _), known in zip(fitted.linearised, fitted.loose_columns, strict=True):
             taught, drawn = line.taught(known)
             information, self._pull = information + taught, self._pull + drawn
         self._covariance = np.linalg.inv(information)
+
+    def shaped(self, profile: Profile) -> Refiner:
+        """The same, of what rises and falls otherwise."""
+        other = copy(self)
+        other._profile = profile
+        return other
 
     def gain(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> Gain:
         """Of amplitudes with prior standard deviations, added to the absent effect at a setting."""
@@ -66,10 +70,8 @@ class Refiner:
 
     def refined(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> tuple[Effect, Gain]:
         """From an effect whose amplitudes have values."""
-        absent = effect.values.copy()
-        absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
-        steps = moves(effect, amplitudes)
-        values, best = absent, self.gain(effect.with_values(absent), amplitudes, std)
+        effect, steps = absent(effect, amplitudes), moves(effect, amplitudes)
+        values, best = effect.values, self.gain(effect, amplitudes, std)
         left = EVALUATIONS
         for halving in range(HALVINGS if steps else 0):
             improved = True
@@ -104,6 +106,13 @@ def searched_again(
             refiner = Refiner(fitted.without(effect.key), implausible)
             fitted = fitted.with_changed(effect, refiner.refined(known, amplitudes, prior_std(effect, amplitudes))[0])
     return fitted
+
+
+def absent(effect: Effect, amplitudes: np.ndarray) -> Effect:
+    """At the same setting, without its amplitudes."""
+    values = effect.values.copy()
+    values[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
+    return effect.with_values(values)
 
 
 def prior_std(effect: Effect, amplitudes: np.ndarray) -> Array:
