@@ -165,6 +165,20 @@ def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back
     assert quiet.log_factor < 6 < found.log_factor
 
 
+def test_a_period_is_the_whole_turn():
+    """Of a force with its second and fifth harmonics: alone, the second looks like half a turn."""
+    log, _ = simulate(TRUTH, 3, 40.0, noise=(0.0005, 0.005, 1.0))
+    speed = WrenchRegression(log, guess(), None).motion.velocity[:, 0]
+    phase = 2 * np.pi * np.cumsum(np.append(0.0, np.diff(log.time)) * speed) / 1.6
+    (name, arm), *_ = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] += 5.0 * np.sin(2 * phase) + 4.0 * np.sin(5 * phase)
+    bumped = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    found = Fitted((WrenchRegression(bumped, guess(), None),), guess()).dependences[0]
+    assert found.name.startswith("travelled distance")
+    assert found.period == pytest.approx(1.6, rel=0.02)
+
+
 def test_a_scatter_of_a_right_model_is_noise():
     log, _ = simulate(TRUTH, 7, 20.0, noise=(0.0005, 0.005, 2.0))
     fitted = Fitted((WrenchRegression(log, guess(), None),), guess())
