@@ -81,6 +81,7 @@ SEALED := out/sealed
 sealed: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(SEALED)
+	$(ENV) $(BIN)/python -m benchmarks.true_structures $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED)
 	@for method in err sindy everything sysid; do \
 	    echo && echo "General method: $$method" && \

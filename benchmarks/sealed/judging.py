@@ -39,11 +39,13 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """A truth file's and a report's contents (None: there is no report), and how long that took."""
+    """A truth file's and a report's contents (None: there is no report), how long that took, and the gap (m) of the
+    true structure."""
 
     truth: Mapping[str, Any]
     report: Mapping[str, Any] | None
     seconds: float | None = None
+    refit: float | None = None
 
     @property
     def case(self) -> str:
@@ -146,6 +148,12 @@ class Judgement:
         if not gap or not gap["refitted"] or not gap["noise_floor"]:
             return None
         return gap["after"] / gap["refitted"], gap["after"] / gap["noise_floor"]
+
+    @property
+    def beside_truth(self) -> float | None:
+        """Held-out gap after over that of a refit of the true structure."""
+        gap = (self.report or {}).get("gap")
+        return gap["after"] / self.refit if gap and self.refit else None
 
     @property
     def stands_out(self) -> bool:

@@ -1,7 +1,7 @@
 """Reports of the workflow beside the truth: DIR/logs/NAME/out/report.json and DIR/truth/NAME.json.
 
 `out` may be another folder, of another method. A report that tells no probability, gap or standard deviation is not
-judged by it.
+judged by it. DIR/logs/NAME/refit.json tells what the true structure would have reached.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ NONE = "(none)"
 MISSING = "(no report)"
 UNEXPLAINED = "(unexplained)"
 POWER = 0.9
+CLOSE = 1.1
+"""Times the gap of a refit of the true structure."""
 
 
 def score(folder: Path, reports: str = "out") -> str:
@@ -34,6 +36,7 @@ def score(folder: Path, reports: str = "out") -> str:
         f"{len(there)} reports of {len(everyone)} logs; {len(everyone) - len(there)} missing",
         rates(there),
         gaps(there),
+        beside_truth(there),
         coverage({"parameters of named effects": named, "cart, nothing beside": alone, "cart, effects beside": beside}),
         reliability(there),
         duration(there),
@@ -54,7 +57,8 @@ def judged(folder: Path, reports: str = "out") -> list[Judgement]:
 def read(folder: Path, path: Path, reports: str) -> Judgement:
     out = folder / "logs" / path.stem / reports
     taken = contents(out / "seconds.json") or {}
-    return Judgement(contents(path), contents(out / "report.json"), taken.get("seconds"))
+    known = contents(folder / "logs" / path.stem / "refit.json") or {}
+    return Judgement(contents(path), contents(out / "report.json"), taken.get("seconds"), known.get("gap"))
 
 
 def contents(path: Path) -> Any:
@@ -67,30 +71,30 @@ def refitted(judgements: Iterable[Judgement], kinds: Sequence[str]) -> list[Esti
 
 
 def rates(judgements: Sequence[Judgement]) -> str:
-    def of(kind: str) -> list[Judgement]:
-        return [j for j in judgements if j.kind == kind]
-
-    def rate(what: str, kind: str, holds: Callable[[Judgement], object]) -> str:
-        group = of(kind)
+    def rate(what: str, group: Sequence[Judgement], holds: Callable[[Judgement], object]) -> str:
         right = sum(bool(holds(j)) for j in group)
         return f"{what:<52} {right:>3} of {len(group):<3} {percent(right, len(group))}"
 
-    sized = [len(frozenset().union(*j.sets)) for j in of("single") if j.sets]
-    periods = [right for j in of("outside") if (right := j.period_right) is not None]
+    kinds = ("single", "pair", "nothing", "outside")
+    single, pair, nothing, outside = ([j for j in judgements if j.kind == kind] for kind in kinds)
+    wrong = [j for j in single if j.names and not j.exact]
+    sized = [len(frozenset().union(*j.sets)) for j in single if j.sets]
+    periods = [right for j in outside if (right := j.period_right) is not None]
     return "\n".join(
         [
-            rate("single effect: its name and no other", "single", lambda j: j.exact),
-            rate("single effect: named first", "single", lambda j: j.names[:1] == tuple(j.true_names)),
-            rate("single effect: in the reported set", "single", lambda j: j.within),
+            rate("single effect: its name and no other", single, lambda j: j.exact),
+            rate("single effect: named first", single, lambda j: j.names[:1] == tuple(j.true_names)),
+            rate("single effect: in the reported set", single, lambda j: j.within),
+            rate("single effect: wrong name, but the truth in its set", wrong, lambda j: j.within),
             f"{'single effect: mean size of the reported set':<52} {mean(sized)}",
-            rate("pair: both named and no other", "pair", lambda j: j.exact),
-            rate("pair: both named", "pair", lambda j: j.true_names <= set(j.names)),
-            rate("pair: both in the reported sets", "pair", lambda j: j.within),
-            rate("pair: one named at least", "pair", lambda j: j.true_names & set(j.names)),
-            rate("nothing: false alarms", "nothing", lambda j: not j.called_nothing),
-            rate("outside: unexplained and no name", "outside", lambda j: j.called_unexplained),
-            rate("outside: something left unexplained", "outside", lambda j: j.partly),
-            rate("outside: what it follows is told", "outside", lambda j: j.dependence_right),
+            rate("pair: both named and no other", pair, lambda j: j.exact),
+            rate("pair: both named", pair, lambda j: j.true_names <= set(j.names)),
+            rate("pair: both in the reported sets", pair, lambda j: j.within),
+            rate("pair: one named at least", pair, lambda j: j.true_names & set(j.names)),
+            rate("nothing: false alarms", nothing, lambda j: not j.called_nothing),
+            rate("outside: unexplained and no name", outside, lambda j: j.called_unexplained),
+            rate("outside: something left unexplained", outside, lambda j: j.partly),
+            rate("outside: what it follows is told", outside, lambda j: j.dependence_right),
             f"{'outside: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
         ]
     )
@@ -107,6 +111,18 @@ def gaps(judgements: Sequence[Judgement]) -> str:
                 middle, high = np.median(found, axis=0), np.quantile(found, 0.9, axis=0)
                 cells = (f"{m:.3f}; {h:.3f}" for m, h in zip(middle, high, strict=True))
                 lines.append(f"{title:<44} {len(own):>3}   " + "        ".join(cells))
+    return "\n".join(lines) if len(lines) > 1 else ""
+
+
+def beside_truth(judgements: Sequence[Judgement]) -> str:
+    """The held-out gap, of a refit of the true structure where there is one."""
+    lines = [f"{'Held-out gap, after / true structure refitted':<52} {'n':>3}  median    90 %  within {CLOSE:g}"]
+    for kind in ("single", "pair", "nothing"):
+        found = np.array([j.beside_truth for j in judgements if j.kind == kind and j.beside_truth is not None])
+        if len(found):
+            near = int((found <= CLOSE).sum())
+            cells = f"{np.median(found):8.3f}{np.quantile(found, 0.9):8.3f}  {near:>4} of {len(found):<3}"
+            lines.append(f"{kind:<52} {len(found):>3}{cells} {percent(near, len(found))}")
     return "\n".join(lines) if len(lines) > 1 else ""
 
 

@@ -38,13 +38,22 @@ class BlockTridiagonal:
     def __add__(self, other: BlockTridiagonal) -> BlockTridiagonal:
         return BlockTridiagonal(self.diagonal + other.diagonal, self.below + other.below)
 
+    def with_pairs(self, nodes: np.ndarray, first: Array, second: Array, weights: Array) -> BlockTridiagonal:
+        """With `Jᵀ W J` of rows (m,) between a node and the next: partials (m, f, d) by both, and weights (m, f, f)."""
+        from .chain_sums import add_pairs
+
+        found = BlockTridiagonal(self.diagonal.copy(), self.below.copy())
+        add_pairs(found.diagonal, found.below, nodes, (first, second, weights))
+        return found
+
     def factor(self) -> Factor:
         n, d, _ = self.diagonal.shape
-        bands = np.zeros((2 * d, n, d))
+        chain = np.zeros((n, d, 2 * d))
         for column in range(d):
-            bands[: d - column, :, column] = self.diagonal[:, column:, column].T
-            bands[d - column : 2 * d - column, :-1, column] = self.below[:, :, column].T
-        return Factor(cholesky_banded(bands.reshape(2 * d, n * d), lower=True))
+            chain[:, column, : d - column] = self.diagonal[:, column:, column]
+            chain[:-1, column, d - column : 2 * d - column] = self.below[:, :, column]
+        bands = chain.reshape(n * d, 2 * d).T
+        return Factor(cholesky_banded(bands, overwrite_ab=True, lower=True))
 
 
 @final

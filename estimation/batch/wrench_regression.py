@@ -29,7 +29,7 @@ from cartgrasp.model import CartModel, InverseDynamics
 
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
-from .block_tridiagonal import BlockTridiagonal, Factor
+from .block_tridiagonal import Factor
 from .motion_smoother import smooth_motion
 from .noise_colour import NoiseColour, with_noise_states
 from .wrench_record import WrenchRecord
@@ -82,13 +82,17 @@ class Evidence:
 
     def kept(self, background: Array) -> Evidence:
         """With less weight for stretches that contradict themselves."""
+        weights = self.weights(background)
+        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+
+    def weights(self, background: Array) -> Array:
+        """Of stretches (b,): less than 1 where they contradict themselves."""
         if len(self.pulls) < FEWEST_BLOCKS:
-            return self
+            return np.ones(len(self.pulls))
         expected, scatter = self._scatter(np.linalg.inv(self.blocks.sum(axis=0) + background))
         ratio = scatter / np.maximum(expected, 1e-12)
         usual = max(1.0, float(np.median(ratio)))
-        weights = np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
-        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+        return np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
 
     def _overlapping(self) -> Evidence:
         """Of neighbours together: what is left of a jolt between them has one sign before it, and the other after."""
@@ -132,6 +136,12 @@ class Linearisation:
         residual = self.residual[..., None]
         return float((residual * self.whitened(residual)).sum())
 
+    def taught(self, columns: Array) -> tuple[Array, Array]:
+        """By the residual, of what adds columns (m, f, k) to it: information (k, k) and pull (k,)."""
+        sides = np.concatenate([columns, self.residual[..., None]], axis=2)
+        sums = np.tensordot(columns, self.whitened(sides), ((0, 1), (0, 1)))
+        return sums[:, :-1], sums[:, -1]
+
     def by_block(self, left: Array, right: Array, duration: float) -> Array:
         """`leftᵀ right` (b, k, l), summed over stretches of `duration` (s)."""
         f = left.shape[1]
@@ -161,10 +171,12 @@ class WrenchRegression:
         with self._sized():
             self._chain = smooth_motion(thinned, cart, noise)
             self.motion = self._chain.paired() if pairs else self._chain
+            steps = np.diff(self.motion.time)
+            steady = (
+                self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
+            )
+            self._steady = np.append(steady, False)
             self._listen()
-        steps = np.diff(self.motion.time)
-        steady = self.motion.linked & (steps < LONGEST_STEP * np.median(steps)) if len(steps) else self.motion.linked
-        self._steady = np.append(steady, False)
 
     @cached_property
     def rows(self) -> RunLog:
@@ -200,6 +212,14 @@ class WrenchRegression:
         record = WrenchRecord.of(rows, self.cart, self.row_noise)
         self._record = replace(record, covariance=record.covariance * self._loudness)
         self._neighbours = self._record.of_neighbours(float(np.median(steps)) if len(steps) else 1.0)
+        self._know()
+
+    def _know(self) -> None:
+        """Puts together what is known before any wrench, of the motion and of slow noise."""
+        self._known, chain = self.motion.information, self._chain
+        if self.colour is not None:
+            usual = np.mean(self._record.covariance[self._record.seen], axis=0)
+            self._known = with_noise_states(self._known, chain.linked, np.diff(chain.time), usual, self.colour)
 
     @property
     def _used(self) -> np.ndarray:
@@ -266,20 +286,13 @@ class WrenchRegression:
     ) -> tuple[tuple[Array, Array], Factor]:
         """Slopes by the states of the chain from `nodes` (m,) to the next, slow noise among them, and the factor of
         what wrenches and smoother know of these states."""
-        known, chain = self.motion.information, self._chain
-        n, f = len(chain.time), weights.shape[1]
+        f = weights.shape[1]
         if self.colour is not None:
-            steps = np.diff(chain.time)
-            usual = np.mean(self._record.covariance[nodes // self.size], axis=0)
-            known = with_noise_states(known, chain.linked, steps, usual, self.colour)
             shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
             by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)
             first, second = (np.concatenate(both, axis=2) for both in zip(slopes, by_noise, strict=True))
             slopes = first, second
-        first, second, all_weights = (np.zeros((n - 1, f, k)) for k in (slopes[0].shape[2], slopes[0].shape[2], f))
-        first[nodes], second[nodes], all_weights[nodes] = *slopes, weights
-        joint = known + BlockTridiagonal.of_pairs(first, second, all_weights)
-        return slopes, joint.factor()
+        return slopes, self._known.with_pairs(nodes, *slopes, weights).factor()
 
     @property
     def usable(self) -> np.ndarray:
@@ -307,6 +320,7 @@ class WrenchRegression:
         """The same, with wrench noise of another colour."""
         other = copy(self)
         other.colour = colour
+        other._know()
         return other
 
     def wary(self) -> WrenchRegression:
@@ -371,8 +385,7 @@ class WrenchRegression:
         nu = state[:, self.cart.velocity_slice]
         slow[:, self.cart.velocity_slice] = np.sign(nu) * np.maximum(np.abs(nu) - STILL * self.motion.velocity_std, 0.0)
         forces = self.cart.basis_b.T @ self.cart.stiction(slow, parameters, self.motion.time)
-        step = min(BLOCK, float(np.median(np.diff(self.motion.time))))
-        return np.asarray(forces @ np.swapaxes(forces, 1, 2) / step)
+        return np.asarray(forces @ np.swapaxes(forces, 1, 2) / min(BLOCK, self.step * self.size))
 
 
 def _delayed(wrench: Array, delay: float) -> Array:

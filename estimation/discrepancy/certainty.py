@@ -3,8 +3,7 @@
 A form that is a little wrong leaves residuals that are no noise, in one direction more than in another, and alike
 within a manoeuvre. Each direction is weighed by what is left along it; and the pulls of whole manoeuvres, which cancel
 at the best fit, say by their scatter how far it may be off: White's (1980) sandwich `A⁻¹ (Σ g gᵀ) A⁻¹`, with stretches
-that belong together in one pull (Liang and Zeger, 1986). The larger deviation of the two counts. Times, places and
-frequencies, which no linear fit gives, have the deviation of their posterior along the line through the best.
+that belong together in one pull (Liang and Zeger, 1986). The larger deviation of the two counts.
 """
 
 from __future__ import annotations
@@ -17,41 +16,32 @@ from scipy.stats import chi2
 from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..batch.wrench_regression import BLOCK
 from ..parameter_report import ParameterReport
 from ..prior import report_names
-from .dictionary import may_be_amplitudes
 from .fitted import Fitted
 from .forms import form_sizes
 from .manoeuvres import manoeuvres, settled
-from .refinement import Move, Refiner, is_open, moves, prior_std
+from .settings import FORM_SHARE, settled_setting, swelling
 
-FORM = {"s": 0.05, "m": 0.03}
-"""How much less sharp the world is than a step in time or place."""
-FORM_SHARE = 0.05
-"""Of every other value of an effect: how near to one another two forms of one name are."""
 OUTLYING = 4.0
 """Times the usual scatter: what an accident counts at most."""
-FIRST, FIRST_SHARE, DOUBLINGS = {"s": 0.04, "m": 0.02}, 0.02, 7
 MOST_LOST = 1.5
 """Times the deviation: what fewer rows may cost."""
-UNLIKELY = 8.0
-"""Difference of logs of likelihoods beyond which nobody looks."""
-FINE = 400
-
-
 LEAST_DEVIATIONS = 2.5
 """By which an effect that is named differs from none."""
 
 
 @dataclass(frozen=True)
 class Certainty:
-    """The structure with its directions in balance; its parameters; standard deviations of settings by key, and by how
-    many deviations each effect's amplitudes differ from none."""
+    """The structure with its directions in balance, and the cart; its parameters; standard deviations of settings by
+    key, and by how many deviations each effect's amplitudes differ from none."""
 
     fitted: Fitted
+    cart: CartModel
     parameters: dict[str, ParameterEstimate]
     settings: dict[str, float]
     deviations: dict[str, float]
@@ -65,25 +55,42 @@ def proven(fitted: Fitted) -> tuple[Certainty, tuple[str, ...]]:
         found = certain(fitted)
         key = min(found.deviations, key=lambda one: found.deviations[one], default=None)
         if key is None or found.deviations[key] >= LEAST_DEVIATIONS:
-            return found, tuple(removed)
+            return _with_swelling(fitted, found), tuple(removed)
         fitted, removed = fitted.without(key), [*removed, key]
 
 
 def certain(fitted: Fitted) -> Certainty:
     settings: dict[str, float] = {}
     for effect in fitted.added:
-        moved, found = _settled(fitted, effect)
+        moved, found = settled_setting(fitted, effect)
         fitted, settings = fitted.with_changed(effect, moved), settings | found
     fitted = balanced(_rolling(fitted))
     covariance, share = _covariance(fitted)
     parameters = ParameterReport(fitted.structure, fitted.prior).of(fitted.cart.parameters, covariance, share)
-    return Certainty(fitted, parameters, settings, _deviations(fitted, covariance))
+    return Certainty(fitted, fitted.cart, parameters, settings, _deviations(fitted, covariance))
+
+
+def _with_swelling(fitted: Fitted, known: Certainty) -> Certainty:
+    """With pushes that rise and fall from where they begin to where they end."""
+    effects, parameters, settings = list(known.cart.effects), dict(known.parameters), dict(known.settings)
+    added = {effect.key for effect in fitted.added}
+    for k, effect in enumerate(effects):
+        found = swelling(fitted, effect) if effect.gate is Gate.WHILE and effect.key in added else None
+        if found is not None:
+            effects[k], deviations = found
+            settings |= deviations
+            share = float(effect.values[1] / effects[k].values[1])
+            for i in _may_be_estimated(effect):
+                one = parameters[effect.keys[i]]
+                value = float(effects[k].values[i])
+                parameters[effect.keys[i]] = replace(one, value=value, std=share * one.std)
+    return replace(known, cart=replace(known.cart, effects=tuple(effects)), parameters=parameters, settings=settings)
 
 
 def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
     places, found = {name: i for i, name in enumerate(report_names(fitted.cart))}, dict[str, float]()
     for effect in fitted.added:
-        own = [i for i in may_be_estimated(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
+        own = [i for i in _may_be_estimated(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
         if own and not isinstance(effect, ConstraintEffect):
             at = [places[effect.keys[i]] for i in own]
             size = fitted.cart.parameters[at] - [effect.parameters[i].absent for i in own]
@@ -91,7 +98,7 @@ def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
     return found
 
 
-def may_be_estimated(effect: Effect) -> list[int]:
+def _may_be_estimated(effect: Effect) -> list[int]:
     """Which of its parameters a linear fit gives."""
     return [i for i, parameter in enumerate(effect.parameters) if parameter.estimated]
 
@@ -164,17 +171,19 @@ class Pulls:
 def pulls(fitted: Fitted) -> list[Pulls]:
     """Of each log."""
     found, sizes, at = [], _form_sizes(fitted), 0
-    for (regression, line, delay), told in zip(fitted.linearised, fitted.identification.logs, strict=True):
-        evidence = regression.evidence(fitted.cart.parameters, delay).part(fitted.free).kept(fitted.base.information)
+    logs = zip(fitted.linearised, fitted.identification.logs, fitted.other_forms, strict=True)
+    for (regression, line, delay), told, forms in logs:
+        whole = regression.evidence(fitted.cart.parameters, delay).part(fitted.free)
+        evidence, weights = whole.kept(fitted.base.information), whole.weights(fitted.base.information)
         first = line.nodes[line.ends(BLOCK)[:-1]] // regression.size
         number = manoeuvres(regression.motion, not regression.cart.constraints.no_rotation)[first]
         m, k = number.max(initial=0) + 1, len(fitted.free)
         there = np.zeros((m, k))
         np.add.at(there, number, evidence.pulls / told.noise_excess)
         late = evidence.blocks.sum(axis=0)[-1] / told.noise_excess
-        columns = fitted.forms(regression, line).columns
-        own = sizes[at : at + columns.shape[2]]
-        form = np.tensordot(line.by[..., fitted.free], line.whitened(columns), ((0, 1), (0, 1))) / told.noise_excess
+        own = sizes[at : at + len(forms.family)]
+        weighed = np.repeat(weights, np.diff(line.ends(BLOCK)))[:, None, None] * line.by[..., fitted.free]
+        form = np.tensordot(weighed, line.whitened(forms.columns), ((0, 1), (0, 1))) / told.noise_excess
         found.append(Pulls(there.T, np.asarray(own * form), late))
         at += len(own)
     return found
@@ -186,11 +195,10 @@ def _form_sizes(fitted: Fitted) -> Array:
     information, pull = fitted.loose.information.copy(), fitted.loose.pull.copy()
     information[p:, p:] = 0.0
     for (_, line, _), columns in zip(fitted.linearised, fitted.loose_columns, strict=True):
-        sides = np.concatenate([columns, line.residual[..., None]], axis=2)
-        sums = np.tensordot(columns, line.whitened(sides), ((0, 1), (0, 1))) / excess
-        information, pull = information + sums[:, :-1], pull + sums[:, -1]
+        taught, drawn = line.taught(columns)
+        information, pull = information + taught / excess, pull + drawn / excess
     through = information[p:, :p] @ np.linalg.inv(information[:p, :p])
-    family = [fitted.forms(regression, line).family for regression, line, _ in fitted.linearised]
+    family = [forms.family for forms in fitted.other_forms]
     return form_sizes(
         information[p:, p:] - through @ information[:p, p:], pull[p:] - through @ pull[:p], np.concatenate(family)
     )
@@ -201,51 +209,3 @@ def _drawn(fitted: Fitted) -> tuple[Array, Array]:
     background = float(fitted.base.information[-1, -1])
     there, form = zip(*(each.on_parameters(background) for each in pulls(fitted)), strict=True)
     return np.concatenate(there, axis=1), np.concatenate(form, axis=1)
-
-
-def _settled(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
-    """An effect with times in the middle of where they may be, and its settings' deviations."""
-    amplitudes = np.flatnonzero(may_be_amplitudes(effect))
-    searched = [move for move in moves(effect, amplitudes) if not effect.parameters[move.which].estimated]
-    if not searched:
-        return effect, {}
-    own = next(one for one in fitted.cart.effects if one.key == effect.key)
-    refiner, excess = Refiner(fitted.without(effect.key)), max(fitted.excess, 1.0)
-    values, found = own.values.copy(), dict[str, float]()
-    for move in searched:
-        parameter = own.parameters[move.which]
-        offset, std = _posterior(refiner, own, amplitudes, move, excess)
-        if own.gate.passes and offset != 0.0:
-            moved = replace(move, step=offset).applied(values, 1.0)
-            values = values if moved is None else moved
-        floor = FORM.get(parameter.unit, FORM_SHARE * abs(float(values[move.which])))
-        found[own.keys[move.which]] = float(np.hypot(std, floor))
-    if own.gate is Gate.WHILE:  # its start moves one end, its duration the other
-        found[own.keys[1]] = float(np.hypot(found[own.keys[0]], found[own.keys[1]]))
-    return own.with_values(values), found
-
-
-def _posterior(
-    refiner: Refiner, effect: Effect, amplitudes: np.ndarray, move: Move, excess: float
-) -> tuple[float, float]:
-    """Mean, from where it is, and standard deviation of a setting, with the amplitudes as they fit best."""
-    absent, unit = effect.values.copy(), effect.parameters[move.which].unit
-    absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
-    std = prior_std(effect, amplitudes)
-    first = FIRST.get(unit, FIRST_SHARE * abs(float(effect.values[move.which])))
-    best = refiner.gain(effect.with_values(absent), amplitudes, std).value
-    known = {0.0: 0.0}
-    for sign in (1.0, -1.0):
-        for k in range(DOUBLINGS):
-            offset = sign * first * 2**k
-            tried = replace(move, step=offset).applied(absent, 1.0)
-            if tried is None or not is_open(effect, tried) or (effect.with_values(tried).values != tried).any():
-                break
-            known[offset] = (refiner.gain(effect.with_values(tried), amplitudes, std).value - best) / excess
-            if known[offset] < -UNLIKELY:
-                break
-    at = np.array(sorted(known))
-    fine = np.linspace(at[0], at[-1], FINE) if len(at) > 1 else at
-    weight = np.exp(np.interp(fine, at, [known[one] for one in at]))
-    mean = float(weight @ fine / weight.sum())
-    return mean, float(np.sqrt(weight @ (fine - mean) ** 2 / weight.sum()))

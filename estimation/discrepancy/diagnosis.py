@@ -86,7 +86,7 @@ class Diagnosis:
 
     @cached_property
     def cart(self) -> CartModel:
-        return self.certainty.fitted.cart
+        return self.certainty.cart
 
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:
@@ -204,9 +204,8 @@ def diagnose(
     for log in logs:
         tell(f"smoothing {log.name}")
         check_rows(log, cart)
-        log = without_glitches(log)
-        regression = WrenchRegression(log, cart, None, _in_pairs(log)).wary()
-        checks.append(checked(log, cart, regression))
+        regression = smoothed(log, cart)
+        checks.append(checked(regression.log, cart, regression))
         whole.append(regression)
     selection, certainty = _proven(select(whole, cart, arms, tell))
     tell("measuring the gap")
@@ -223,6 +222,12 @@ def diagnose(
     return Diagnosis(
         cart, selection, tuple(checks), before, after, tuple(remaining), measured_gap(cart, selection), certainty
     )
+
+
+def smoothed(log: RunLog, cart: CartModel) -> WrenchRegression:
+    """A log as the search sees it."""
+    log = without_glitches(log)
+    return WrenchRegression(log, cart, None, _in_pairs(log)).wary()
 
 
 def _proven(selection: Selection) -> tuple[Selection, Certainty]:

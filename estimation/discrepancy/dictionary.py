@@ -1,8 +1,9 @@
 """Every trial's trace in a log: the slopes of the reduced wrench by its amplitudes, whitened, and summed by blocks.
 
 What an amplitude adds is linear near absence, so that one linearisation of a cart with every trial on it holds all.
-Sums of products over blocks of time are then all that a comparison needs. An effect that acts for a while is worked
-out as if it always acted, and its blocks are picked; one that acts in a place is worked out on the cells of a grid.
+Sums of products over blocks of time are then all that a comparison needs. An effect that acts for a while is worked out
+as if it always acted, and its blocks are picked; one that acts in a place is worked out on the cells of a grid, over
+all times.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 
 from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import Linearisation, WrenchRegression
@@ -24,6 +25,8 @@ BLOCK = 0.25
 """s."""
 CELL = 0.4
 """m."""
+RIM = 0.05
+"""m: so far outside of all wheels' tracks a grid ends."""
 MOST_CELLS = 144
 EVER = 1e12
 """s, m: as long, and as far, as no log goes, be its clock that of the world, which began in 1970."""
@@ -34,7 +37,8 @@ TRACE = 1e-9
 @dataclass(frozen=True)
 class Trial:
     """An absent effect, its gate open, with the columns of its amplitudes; which of its parameters they are; their
-    standard deviations before any data. `cell` counts along x and y where the gate is a place."""
+    standard deviations before any data. `cell` counts along x and y where the gate is a place, and columns are those of
+    places then."""
 
     effect: Effect
     columns: np.ndarray
@@ -52,7 +56,7 @@ class Grid:
 
     @classmethod
     def over(cls, points: Array) -> Grid:
-        low, high = points.min(axis=0), points.max(axis=0)
+        low, high = points.min(axis=0) - RIM, points.max(axis=0) + RIM
         size = max(CELL, float(np.sqrt(np.prod(np.maximum(high - low, CELL)) / MOST_CELLS)))
         counts = np.maximum(1, np.ceil((high - low) / size)).astype(int)
         return cls(np.linspace(low[0], high[0], counts[0] + 1), np.linspace(low[1], high[1], counts[1] + 1))
@@ -60,12 +64,14 @@ class Grid:
 
 @dataclass(frozen=True)
 class Dictionary:
-    """Sums over blocks (b,), which begin at `start` of log `log`, of products of columns: the base's first, then the
-    trials', and the residual last."""
+    """Sums over blocks (b,), which begin at `start` of log `log`, of products of columns: the base's (p) first, then
+    the trials', and the residual last. `places` (c, p + c + 1) are those of cells' columns, over all blocks, with the
+    base's, their own, and the residual."""
 
     trials: tuple[Trial, ...]
     grid: Grid
     gram: Array
+    places: Array
     start: Array
     log: np.ndarray
     n_base: int
@@ -81,29 +87,52 @@ def build_dictionary(
     base: Sequence[Array],
 ) -> Dictionary:
     """Of logs, each with a linearisation of the same cart, its delay, and columns (m, f, b) of the base."""
-    grid = Grid.over(np.concatenate([regression.motion.pose[:, :2] for regression, _, _ in linearised]))
+    grid = Grid.over(np.concatenate([_tracks(regression) for regression, _, _ in linearised]))
     opened = [one for effect in effects for one in _opened(effect, grid)]
     slopes = [slopes_of(regression, [effect for effect, _ in opened], delay) for regression, _, delay in linearised]
-    trials, chosen, at = [], [], base[0].shape[2]
+    trials, chosen, at = [], list[tuple[int, np.ndarray]](), base[0].shape[2]
+    cells = list[tuple[int, np.ndarray]]()
     for i, (effect, cell) in enumerate(opened):
         scale = np.max([np.abs(own[i]).max(axis=(0, 1), initial=0.0) for own in slopes], axis=0)
         typical = np.array([p.typical for p in effect.parameters])
         seen = np.flatnonzero((scale * typical > TRACE) & may_be_amplitudes(effect))
         if len(seen):
-            trials.append(Trial(effect, np.arange(at, at + len(seen)), seen, 2 * typical[seen], cell))
-            chosen.append((i, seen))
-            at += len(seen)
+            first = at if cell is None else len(cells)
+            trials.append(Trial(effect, np.arange(first, first + len(seen)), seen, 2 * typical[seen], cell))
+            (chosen if cell is None else cells).append((i, seen))
+            at += len(seen) if cell is None else 0
     grams, starts, logs = [], [], []
+    places = np.zeros((len(cells), base[0].shape[2] + len(cells) + 1))
     for k, ((_, line, _), known, own) in enumerate(zip(linearised, base, slopes, strict=True)):
-        parts = [known, *(own[i][..., seen] for i, seen in chosen)]
-        sides = np.concatenate([*parts, line.residual[..., None]], axis=2)
+        timed, placed = (_columns(line, own, which) for which in (chosen, cells))
+        sides = np.concatenate([known, timed, line.residual[..., None]], axis=2)
         gram = line.by_block(sides, line.whitened(sides), BLOCK)
         grams.append((gram + np.swapaxes(gram, 1, 2)) / 2)
+        whitened = line.whitened(placed)
+        parts = known, placed, line.residual[..., None]
+        places += np.concatenate([np.tensordot(whitened, part, ((0, 1), (0, 1))) for part in parts], axis=1)
         starts.append(np.unique((line.time - line.time[0]) // BLOCK) * BLOCK + line.time[0])
         logs.append(np.full(len(gram), k))
     return Dictionary(
-        tuple(trials), grid, np.concatenate(grams), np.concatenate(starts), np.concatenate(logs), base[0].shape[2]
+        tuple(trials),
+        grid,
+        np.concatenate(grams),
+        places,
+        np.concatenate(starts),
+        np.concatenate(logs),
+        base[0].shape[2],
     )
+
+
+def _columns(line: Linearisation, slopes: Sequence[Array], which: Sequence[tuple[int, np.ndarray]]) -> Array:
+    """Chosen slopes (m, f, k)."""
+    return np.concatenate([np.empty((*line.residual.shape, 0)), *(slopes[i][..., seen] for i, seen in which)], axis=2)
+
+
+def _tracks(regression: WrenchRegression) -> Array:
+    """Where wheels, or a caster's pivot, have been (..., 2)."""
+    pose, wheels = regression.motion.pose, regression.cart.wheel_set.wheels
+    return np.concatenate([pose[:, :2] + rotation_planar(pose[:, 2]) @ [wheel.x, wheel.y] for wheel in wheels])
 
 
 def may_be_amplitudes(effect: Effect) -> np.ndarray:

@@ -105,10 +105,11 @@ def _change(reduce: _Reduction, trial: Trial, whole: Array) -> float:
     alone may change is taken off."""
     own = reduce.gram[:, trial.columns[:, None], reduce.rows(trial.columns)]
     prior = np.diag(trial.std**-2.0)
-    information = reduce.of(own.sum(axis=0))[0] + prior
+    total = own.sum(axis=0)
+    information = reduce.of(total)[0] + prior
     size, found = float(whole @ information @ whole), 0.0
     for left_out in np.array_split(np.arange(len(own)), PARTS):
-        left, pull = reduce.without(left_out).of(np.delete(own, left_out, axis=0).sum(axis=0))
+        left, pull = reduce.without(left_out).of(total - own[left_out].sum(axis=0))
         spread = np.linalg.inv(left + prior)
         other = spread @ pull - whole
         noise = float(np.trace(spread @ information)) - len(whole)
@@ -117,7 +118,8 @@ def _change(reduce: _Reduction, trial: Trial, whole: Array) -> float:
 
 
 def _drift(reduce: _Reduction, trial: Trial, whole: Array) -> float:
-    """The same, of each part's own size beside those of the others, with one base for all."""
+    """The same, of each part's own size beside those of the others, with one base for all; of the parts' mean, as much
+    is believed before data as of the whole."""
     own = reduce.gram[:, trial.columns[:, None], reduce.rows(trial.columns)]
     k, prior = len(whole), np.diag(trial.std**-2.0)
     metric = reduce.of(own.sum(axis=0))[0] + prior
@@ -128,7 +130,8 @@ def _drift(reduce: _Reduction, trial: Trial, whole: Array) -> float:
     for i in range(PARTS):
         apart[i, :, p + i * k : p + (i + 1) * k] = sums[i, :, p:-1]
     information, pull = reduce.of(apart.reshape(PARTS * k, -1))
-    spread = np.linalg.inv(information + np.kron(np.eye(PARTS), prior))
+    believed = np.eye(PARTS) - (1 / PARTS - 1 / PARTS**2)
+    spread = np.linalg.inv(information + np.kron(believed, prior))
     other = (spread @ pull).reshape(PARTS, k) - whole
     found = 0.0
     for i in range(PARTS):
@@ -160,8 +163,9 @@ class _Reduction:
 
     def __init__(self, dictionary: Dictionary, base: Base) -> None:
         self.dictionary, self.base = dictionary, base
-        self.gram = dictionary.gram / base.excess
-        self._take_out(self.gram[:, dictionary.base].sum(axis=0))
+        self.gram, self.places = dictionary.gram / base.excess, dictionary.places / base.excess
+        self._whole = self.gram[:, dictionary.base].sum(axis=0)
+        self._take_out(self._whole)
 
     def _take_out(self, whole: Array) -> None:
         """The base, whose rows of the sums are `whole`."""
@@ -171,7 +175,7 @@ class _Reduction:
     def without(self, blocks: np.ndarray) -> _Reduction:
         """As if these blocks had not been recorded."""
         other = copy(self)
-        other._take_out(np.delete(self.gram[:, self.dictionary.base], blocks, axis=0).sum(axis=0))
+        other._take_out(self._whole - self.gram[blocks, self.dictionary.base].sum(axis=0))
         return other
 
     def of(self, gram: Array) -> tuple[Array, Array]:
@@ -222,12 +226,11 @@ def _inside(reduce: _Reduction, trials: Sequence[Trial]) -> Settings:
     nx, ny = len(grid.x) - 1, len(grid.y) - 1
     cells = np.array([trial.cell for trial in trials])
     columns = np.concatenate([trial.columns for trial in trials])
-    whole = reduce.gram.sum(axis=0)
     own = np.zeros((nx, ny, nx, ny))
     i, j = cells.T
-    own[i[:, None], j[:, None], i, j] = whole[np.ix_(columns, columns)]
+    own[i[:, None], j[:, None], i, j] = reduce.places[np.ix_(columns, p + columns)]
     other = np.zeros((nx, ny, p + 1))
-    other[i, j] = whole[columns][:, reduce.rows(columns[:0])]
+    other[i, j] = np.delete(reduce.places[columns], np.s_[p:-1], axis=1)
     boxes = np.array(
         [(a, b, c, d) for a in range(nx) for b in range(a + 1, nx + 1) for c in range(ny) for d in range(c + 1, ny + 1)]
     )

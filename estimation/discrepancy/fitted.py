@@ -26,7 +26,8 @@ from .scatter import FINE_BLOCK, Scatter, noise_excess
 
 SURE = 12.0
 """Log of the Bayes factor of a dependence that is told."""
-SETTLED = 0.03
+SETTLED, ROUGH = 0.03, 0.1
+"""Standard deviations: by what a fit's last round moves a parameter; and that of an effect which is only tried."""
 LISTENING, HEARD = 6, 5e-4
 """Rounds, and s: to read how late wrenches are."""
 EFFECTS_SHARE = 1.0
@@ -37,12 +38,13 @@ ADDED_SHARE = 10.0
 @dataclass(frozen=True, eq=False)
 class Fitted:
     """`prior_cart` is what was believed; `added` the effects that a search has put on it; `start` parameters near the
-    best ones."""
+    best ones; `moves` what the last round of the fit may move (standard deviations)."""
 
     regressions: tuple[WrenchRegression, ...]
     prior_cart: CartModel
     added: tuple[Effect, ...] = ()
     start: Array | None = None
+    moves: float = SETTLED
 
     @cached_property
     def prior(self) -> Prior:
@@ -59,7 +61,7 @@ class Fitted:
 
     @cached_property
     def identification(self) -> Identification:
-        return fit(self.structure, self.prior, self.regressions, self.start, SETTLED)
+        return fit(self.structure, self.prior, self.regressions, self.start, self.moves)
 
     @cached_property
     def cart(self) -> CartModel:
@@ -113,9 +115,14 @@ class Fitted:
         return Forms.of(regression, line, [(self.added[k], traces[..., k]) for k in chosen])
 
     @cached_property
+    def other_forms(self) -> tuple[Forms, ...]:
+        """Of all added effects, on each log."""
+        return tuple(self.forms(regression, line) for regression, line, _ in self.linearised)
+
+    @cached_property
     def loose_columns(self) -> tuple[Array, ...]:
         """Of each log, slopes (m, f, b) by the base's parameters, and what other forms of all logs' effects add."""
-        forms = [self.forms(regression, line).columns for regression, line, _ in self.linearised]
+        forms = [each.columns for each in self.other_forms]
         count, found, at = sum(each.shape[2] for each in forms), [], 0
         for (_, line, _), own in zip(self.linearised, forms, strict=True):
             beside = np.zeros((*line.residual.shape, count))
@@ -156,19 +163,27 @@ class Fitted:
         return replace(self, regressions=tuple(found), start=self.cart.parameters)
 
     def settled(self) -> Fitted:
-        """Fitted once more, from where the fit ended."""
-        return replace(self, start=self.cart.parameters)
+        """Fitted once more, from where the fit ended, and to the end."""
+        return replace(self, start=self.cart.parameters, moves=SETTLED)
+
+    def tried(self, effect: Effect) -> Fitted:
+        """With another effect, as far as a comparison needs."""
+        return replace(self.with_added(effect), moves=ROUGH).listening()
 
     def listening(self) -> Fitted:
         """With the lateness of an added effect where the log has it, round by round: its wrenches are aligned by whole
-        samples, and what is left is read beside all else."""
-        found = self
-        for _ in range(LISTENING):
+        samples, and what is left is read beside all else. Between two alignments, each of which asks for the other, it
+        stays."""
+        found, known = self, list[float]()
+        while len(known) < LISTENING:
             late = next((e for e in found.added if isinstance(e, SensorEffect) and e.lateness > 0), None)
-            missing = 0.0 if late is None else found._unheard
-            if late is None or abs(missing) < HEARD:
+            if late is None:
                 break
-            found = found.with_changed(late, late.with_values(np.maximum(late.values + missing, 0.0)))
+            known.append(late.lateness)
+            aim = late.with_values(np.maximum(late.values + found._unheard, 0.0))
+            if min(abs(aim.lateness - one) for one in known) < HEARD:
+                break
+            found = found.with_changed(late, aim)
         return found
 
     @property
@@ -180,9 +195,8 @@ class Fitted:
         information[p - 1, p - 1] = pull[p - 1] = 0.0
         for (regression, line, _), known in zip(self.linearised, self.loose_columns, strict=True):
             columns = np.concatenate([known, BLUR * regression.skews()[..., None]], axis=2)
-            sides = np.concatenate([columns, line.residual[..., None]], axis=2)
-            sums = np.tensordot(columns, line.whitened(sides), ((0, 1), (0, 1)))
-            information, pull = information + sums[:, :-1], pull + sums[:, -1]
+            taught, drawn = line.taught(columns)
+            information, pull = information + taught, pull + drawn
         share = float(np.linalg.solve(information, pull)[p - 1])
         logs = [(r.usual_delay[0] - d - share) * r.step * r.size for r, _, d in self.linearised]
         return float(np.mean(logs))

@@ -5,7 +5,7 @@ a form leaves looks like a small second effect. So from one manoeuvre to the nex
 a share, and the line along which its force acts by a lever; both are unknowns beside the parameters. Near rest so is
 its whole moment: a caster drags along its own heading, and takes a trail's length to find that of its pivot's velocity.
 So is how sharply the smoothed motion bends, which looks like a small delay, or like something that swings and is damped
-at once.
+at once. What passes has one share, whatever the cart does meanwhile.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Forms:
         turns = not regression.cart.constraints.no_rotation
         rows = line.nodes // regression.size
         number = manoeuvres(regression.motion, turns)[rows]
-        inside, swings = number[:, None] == np.unique(number), ~settled(regression)[rows]
+        each, swings = number[:, None] == np.unique(number), ~settled(regression)[rows]
         parts, family = [BLUR * regression.bends()[..., None]], [-1]
         for k, (effect, trace) in enumerate(traces):
             if np.abs(trace).max(initial=0.0) < TRACE:
@@ -56,6 +56,9 @@ class Forms:
             kinds = [SHARE * trace]
             if turns and isinstance(effect, ForceEffect):
                 kinds += [_moment(trace, LEVER * trace[:, 0]), _moment(trace, swings * trace[:, -1])]
+            inside = (
+                np.ones((len(rows), 1)) if effect.gate.ends else each[:, each[np.abs(trace).any(axis=1)].any(axis=0)]
+            )
             for i, kind in enumerate(kinds):
                 parts.append(kind[:, :, None] * inside[:, None, :])
                 family += inside.shape[1] * [KINDS * k + i]
@@ -64,9 +67,8 @@ class Forms:
     def taken(self, line: Linearisation) -> float:
         """Of the residual's chi-squared: what they take away, less what they cost for all that they might have been, so
         that the rest is -2 log of a likelihood."""
-        sides = np.concatenate([self.columns, line.residual[..., None]], axis=2)
-        sums = np.tensordot(self.columns, line.whitened(sides), ((0, 1), (0, 1)))
-        information, pull = sums[:, :-1] + np.eye(self.columns.shape[2]), sums[:, -1]
+        taught, pull = line.taught(self.columns)
+        information = taught + np.eye(len(pull))
         return float(pull @ np.linalg.solve(information, pull)) - float(np.linalg.slogdet(information)[1])
 
 

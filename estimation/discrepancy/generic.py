@@ -6,8 +6,8 @@ away is judged by Schwarz's criterion, which needs no size of the noise.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,8 +21,11 @@ FREQUENCIES = 0.1, 4.0
 WAVENUMBERS = 1 / 3.0, 5.0
 """1/m."""
 MOST_TURNS = 800
-HARMONICS = 3
-"""Of a wheel's turn: a flat spot bumps."""
+HARMONICS, MORE_HARMONICS = 3, 6
+"""Of a wheel's turn: a flat spot bumps for a fraction of it. So many are tried everywhere, and where a period is known.
+"""
+LONGER, BESIDE = (1, 2, 3), 3
+"""Turns that may look like one with fewer harmonics; settings on each side of a period that is known."""
 LEVELS = 5
 """Of speed."""
 DRIFT = 4
@@ -84,9 +87,11 @@ def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
         for family in families:
             factor, share = _judged(scatter.mean[:, i], weight, family.columns)
             factor -= np.log(family.tried)
-            k = int(np.argmax(factor))
-            period = None if family.periods is None else float(family.periods[k])
-            one = Dependence(family.name, i, period, family.unit, float(factor[k]), float(share[k]))
+            one = _best(family, i, factor, share)
+            if one.period is not None and one.log_factor > 0 and family.finer is not None:
+                finer = family.finer(one.period)
+                factor, share = _judged(scatter.mean[:, i], weight, finer.columns)
+                one = max(one, _best(finer, i, factor - np.log(finer.tried), share), key=lambda each: each.log_factor)
             if family.name not in best or one.log_factor > best[family.name].log_factor:
                 best[family.name] = one
         found += best.values()
@@ -95,13 +100,21 @@ def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
 
 @dataclass(frozen=True)
 class _Family:
-    """Columns (s, b, k) at settings (s,), which may be periods; how many settings share one prior."""
+    """Columns (s, b, k) at settings (s,), which may be periods; how many settings share one prior; what to look at
+    where a period is found."""
 
     name: str
     columns: Array
     tried: int = 1
     periods: Array | None = None
     unit: str = ""
+    finer: Callable[[float], _Family] | None = None
+
+
+def _best(family: _Family, direction: int, factor: Array, share: Array) -> Dependence:
+    k = int(np.argmax(factor))
+    period = None if family.periods is None else float(family.periods[k])
+    return Dependence(family.name, direction, period, family.unit, float(factor[k]), float(share[k]))
 
 
 def _families(course: Course) -> Iterator[_Family]:
@@ -109,11 +122,12 @@ def _families(course: Course) -> Iterator[_Family]:
     yield _Family("time, periodic", _wave(np.outer(frequencies, course.time)), len(frequencies), 1 / frequencies, "s")
     for rolled in course.rolled.T:
         turns = _turns(rolled, WAVENUMBERS)
-        waves = np.concatenate([_wave(k * np.outer(turns, rolled)) for k in range(1, HARMONICS + 1)], axis=2)
-        drags = np.sign(course.speed)[None, :, None] * waves
         tried = 4 * len(turns) * course.rolled.shape[1]
-        for columns in (waves[..., :2], waves, drags[..., :2], drags):
-            yield _Family("travelled distance, periodic", columns, tried, 1 / turns, "m")
+        waves = _harmonics(turns, rolled, HARMONICS)
+        for sign in (np.ones_like(course.speed), np.sign(course.speed)):
+            wheel = _Wheel(rolled, sign, tried)
+            yield wheel.family(turns, waves[..., :2])
+            yield replace(wheel.family(turns, waves), finer=wheel.near)
     yield _Family("heading", _wave(course.heading / (2 * np.pi))[None])
     yield _Family("speed", _levels(course.speed)[None])
     yield _Family("yaw rate", _levels(course.turning)[None])
@@ -123,6 +137,27 @@ def _families(course: Course) -> Iterator[_Family]:
     place = course.place - course.place.mean(axis=0)
     x, y = (place / np.maximum(np.abs(place).max(axis=0), 1e-9)).T
     yield _Family("place", np.column_stack([x, y, x * y, x**2, y**2])[None])
+
+
+@dataclass(frozen=True)
+class _Wheel:
+    """How far one has rolled (b,), whether it pushes or drags (b,), and how many settings share one prior."""
+
+    rolled: Array
+    sign: Array
+    tried: int
+
+    def family(self, turns: Array, waves: Array) -> _Family:
+        """Of waves (s, b, k) at turns a metre (s,)."""
+        columns = self.sign[None, :, None] * waves
+        return _Family("travelled distance, periodic", columns, self.tried, 1 / turns, "m")
+
+    def near(self, period: float) -> _Family:
+        """With more harmonics, of which a part may have looked like a shorter period."""
+        step = FINE_TURN / max(float(np.ptp(self.rolled)), 1e-9) / MORE_HARMONICS
+        turns = np.concatenate([1 / (period * k) + step * np.arange(-BESIDE, BESIDE + 1) for k in LONGER])
+        turns = turns[turns > WAVENUMBERS[0]]
+        return self.family(turns, _harmonics(turns, self.rolled, MORE_HARMONICS))
 
 
 def _turns(along: Array, limits: tuple[float, float]) -> Array:
@@ -151,6 +186,11 @@ def _judged(value: Array, weight: Array, columns: Array) -> tuple[Array, Array]:
 
 def _wave(turns: Array) -> Array:
     return np.stack([np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)], axis=-1)
+
+
+def _harmonics(turns: Array, along: Array, number: int) -> Array:
+    """Waves (s, b, 2 number) at turns (s,)."""
+    return np.concatenate([_wave(k * np.outer(turns, along)) for k in range(1, number + 1)], axis=2)
 
 
 def _levels(values: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.errors import DataError
+from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import WheelSet
 
@@ -25,6 +26,8 @@ LEAST_WHOLE = 0.3
 EVERYWHERE = 0.8
 HORIZON, EVERY = 1.0, 0.5
 """s."""
+SURELY = 2.0
+"""Standard deviations of a mean."""
 
 
 class HeldOut:
@@ -35,7 +38,7 @@ class HeldOut:
         self.nominal, self.whole, self._is_everywhere = nominal, tuple(whole), everywhere
         self._kept = [np.ones(len(r.motion.time), dtype=bool) if everywhere else _stretches(r) for r in whole]
         self._trained: dict[Fitted, Fitted] = {}
-        self._gaps: dict[Fitted, float] = {}
+        self._rolled: dict[Fitted, Rollouts] = {}
         if not any(len(starts(r, kept, HORIZON, EVERY)) for r, kept in zip(whole, self._kept, strict=True)):
             raise DataError(
                 f"{', '.join(r.name for r in whole)}: no {HORIZON:g} s of what is set aside for the proof has every "
@@ -75,11 +78,20 @@ class HeldOut:
         return tuple(found)
 
     def gap(self, fitted: Fitted) -> float:
-        """Root mean square distance (m) of a structure trained elsewhere, worked out once."""
-        if fitted not in self._gaps:
+        """Root mean square distance (m) of a structure trained elsewhere."""
+        return self._of(fitted).gap
+
+    def _of(self, fitted: Fitted) -> Rollouts:
+        """Worked out once."""
+        if fitted not in self._rolled:
             trained = self.trained(fitted)
-            self._gaps[fitted] = joined(self.rollouts(trained.cart, trained.delays)).gap
-        return self._gaps[fitted]
+            self._rolled[fitted] = joined(self.rollouts(trained.cart, trained.delays))
+        return self._rolled[fitted]
+
+    def is_worse(self, fitted: Fitted, better: Fitted) -> bool:
+        """Whether the rollouts of the second go farther astray, by more than they scatter."""
+        squares = [(self._of(one).error[:, :2] ** 2).sum(axis=1) for one in (fitted, better)]
+        return is_surely_more(squares[1] - squares[0])
 
     def floor(self, fitted: Fitted) -> float:
         return joined(self.floor_rollouts(fitted, HORIZON)).gap
@@ -122,6 +134,12 @@ class HeldOut:
         x, y = np.concatenate([regression.motion.pose[:, :2] for regression in self.whole]).T
         low_x, high_x, low_y, high_y = effect.values[:4]
         return bool(((x > low_x) & (x < high_x) & (y > low_y) & (y < high_y)).mean() > EVERYWHERE)
+
+
+def is_surely_more(differences: Array) -> bool:
+    """Whether the mean of what rollouts differ by (r,), neighbours of which share half of their rows, is above 0."""
+    n = len(differences)
+    return bool(differences.mean() > SURELY * differences.std() / np.sqrt(max(n * EVERY / HORIZON - 1, 1)))
 
 
 def _stretches(regression: WrenchRegression) -> np.ndarray:

@@ -5,7 +5,8 @@ Each setting is judged by the most that the effect's amplitudes gain there, with
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from cartgrasp.frames import Array
 
 from .dictionary import BLOCK, CELL, may_be_amplitudes, slopes_of
 from .fitted import Fitted
+from .profiles import Profile, at_once
 
 HALVINGS = 5
 EVALUATIONS = 60
@@ -37,25 +39,30 @@ class Refiner:
     def __init__(self, fitted: Fitted, implausible: Callable[[Effect], object] | None = None) -> None:
         """`implausible` says of an effect at a setting why it can't be, where it can't."""
         self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
-        self._base: list[tuple[Array, Array]] = []
-        information = fitted.loose.information.copy()
+        self._profile: Profile = at_once
+        information, self._pull = fitted.loose.information, fitted.loose.pull
         for (_, line, _), known in zip(fitted.linearised, fitted.loose_columns, strict=True):
-            sides = np.concatenate([known, line.residual[..., None]], axis=2)
-            weighted = line.whitened(sides)
-            self._base.append((sides, weighted))
-            information += _product(sides[..., :-1], weighted[..., :-1])
+            taught, drawn = line.taught(known)
+            information, self._pull = information + taught, self._pull + drawn
         self._covariance = np.linalg.inv(information)
-        self._pull = fitted.loose.pull + sum(_product(s[..., :-1], w[..., -1:])[:, 0] for s, w in self._base)
+
+    def shaped(self, profile: Profile) -> Refiner:
+        """The same, of what rises and falls otherwise."""
+        other = copy(self)
+        other._profile = profile
+        return other
 
     def gain(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> Gain:
         """Of amplitudes with prior standard deviations, added to the absent effect at a setting."""
         information, pull = np.diag(std**-2.0), np.zeros(len(std))
         to_base = np.zeros((len(std), len(self._pull)))
-        for (regression, line, delay), (_, weighted) in zip(self._fitted.linearised, self._base, strict=True):
-            columns = slopes_of(regression, [effect], delay)[0][..., amplitudes]
-            information = information + _product(columns, line.whitened(columns))
-            both = _product(columns, weighted)
-            to_base, pull = to_base + both[:, :-1], pull + both[:, -1]
+        for (regression, line, delay), known in zip(self._fitted.linearised, self._fitted.loose_columns, strict=True):
+            shares, parts = zip(*self._profile(effect), strict=True)
+            slopes = slopes_of(regression, parts, delay)
+            columns = np.sum([share * own[..., amplitudes] for share, own in zip(shares, slopes, strict=True)], axis=0)
+            whitened = line.whitened(columns)
+            information, to_base = information + _product(whitened, columns), to_base + _product(whitened, known)
+            pull = pull + _product(whitened, line.residual[..., None])[:, 0]
         through = to_base @ self._covariance
         information, pull = information - through @ to_base.T, pull - through @ self._pull
         best = np.linalg.solve(information, pull)
@@ -63,10 +70,8 @@ class Refiner:
 
     def refined(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> tuple[Effect, Gain]:
         """From an effect whose amplitudes have values."""
-        absent = effect.values.copy()
-        absent[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
-        steps = moves(effect, amplitudes)
-        values, best = absent, self.gain(effect.with_values(absent), amplitudes, std)
+        effect, steps = absent(effect, amplitudes), moves(effect, amplitudes)
+        values, best = effect.values, self.gain(effect, amplitudes, std)
         left = EVALUATIONS
         for halving in range(HALVINGS if steps else 0):
             improved = True
@@ -89,15 +94,25 @@ class Refiner:
         return effect.with_values(values), best
 
 
-def searched_again(fitted: Fitted, implausible: Callable[[Effect], object]) -> Fitted:
-    """With the settings of all effects but the last, which were searched for without it, where they are best now."""
-    for effect in fitted.added[:-1]:
+def searched_again(
+    fitted: Fitted, effects: Iterable[Effect], implausible: Callable[[Effect], object] | None = None
+) -> Fitted:
+    """With the settings of effects that were added, which were searched for without later ones, where they are best
+    now."""
+    for effect in effects:
         amplitudes = np.flatnonzero(may_be_amplitudes(effect))
         if any(not effect.parameters[move.which].estimated for move in moves(effect, amplitudes)):
             known = next(one for one in fitted.cart.effects if one.key == effect.key)
             refiner = Refiner(fitted.without(effect.key), implausible)
             fitted = fitted.with_changed(effect, refiner.refined(known, amplitudes, prior_std(effect, amplitudes))[0])
     return fitted
+
+
+def absent(effect: Effect, amplitudes: np.ndarray) -> Effect:
+    """At the same setting, without its amplitudes."""
+    values = effect.values.copy()
+    values[amplitudes] = [effect.parameters[i].absent for i in amplitudes]
+    return effect.with_values(values)
 
 
 def prior_std(effect: Effect, amplitudes: np.ndarray) -> Array:

@@ -18,6 +18,7 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
+from .bent_motion import bent, on_moving_rows, with_its_noise
 from .dictionary import Dictionary
 from .evidence import Finding, findings
 from .fitted import Fitted
@@ -33,7 +34,6 @@ from .judgement import (
     Judge,
     Verdict,
 )
-from .log_check import moving
 from .refinement import Refiner, searched_again
 from .sideways import sideways_trials
 from .vocabulary import trials
@@ -55,7 +55,6 @@ MOST_BY_REFIT = 2.0
 """Times what the linear fit gains, or a share of it: more is a better fit of all else, less a form that has no weight
 there."""
 MOST_EFFECTS = 4
-SIDEWAYS_ROUNDS = 2
 LEAST_CREEP = 0.002
 """m/s, root mean square: less is in every bearing."""
 
@@ -111,8 +110,7 @@ def select(
     """From regressions of every log on the cart's smoothed motion."""
     tell("looking sideways")
     whole, fitted, steps = _sideways(whole, cart)
-    fitted = fitted.coloured()
-    whole = tuple(r.coloured(seen.colour) for r, seen in zip(whole, fitted.regressions, strict=True))
+    whole, fitted = with_its_noise(whole, fitted)
     nominal = fitted if not steps else Fitted(fitted.regressions, cart)
     held_out, strongest = HeldOut(nominal, whole), _creeping(fitted, steps)
     shown: dict[str, Isolability] | None = None
@@ -125,7 +123,7 @@ def select(
         steps.append(step.beside(shown))
         if better is None:
             break
-        fitted = searched_again(better, judge.is_odd)
+        fitted = searched_again(better, better.added[:-1], judge.is_odd)
         strongest = max(strongest, step.added.log_factor if step.added else 0.0)
     fitted, removed = _pruned(fitted, held_out)
     return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})
@@ -160,17 +158,11 @@ def _sideways(
     whole, steps = tuple(whole), list[Step]()
     added: tuple[Effect, ...] = ()
     while True:
-        fitted = _on_moving_rows(whole, cart, added)
+        fitted = on_moving_rows(whole, cart, added)
         trials = sideways_trials(whole, fitted.cart)
         if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, LEAST_CREEP):
             return whole, fitted, steps
-        first = trials[0].finding.effect
-        for _ in range(SIDEWAYS_ROUNDS):
-            bent = replace(cart, effects=(*cart.effects, *added, first))
-            whole = tuple(WrenchRegression(r.log, bent, r.noise, r.size > 1).wary() for r in whole)
-            fitted = _on_moving_rows(whole, cart, (*added, first))
-            again = sideways_trials(whole, fitted.cart.without_effect(first.key))
-            first = next(t.finding.effect for t in again if type(t.finding.effect) is type(first))
+        whole, first = bent(whole, cart, added, trials[0].finding.effect)
         added = (*added, first)
         attempts = [
             Attempt(t.finding.effect.key, t.finding.effect.name, t.finding.log_factor, t.held_out_gain, "less probable")
@@ -185,10 +177,6 @@ def _creeping(fitted: Fitted, steps: Sequence[Step]) -> float:
     """The log of the Bayes factor of wheels that creep: their tyres have other forms, as an angle has not."""
     creep = {effect.key for effect in fitted.added if isinstance(effect, ConstraintEffect) and effect.slip_compliance}
     return max((s.added.log_factor for s in steps if s.added and s.added.key in creep), default=0.0)
-
-
-def _on_moving_rows(whole: Sequence[WrenchRegression], cart: CartModel, added: tuple[Effect, ...]) -> Fitted:
-    return Fitted(tuple(regression.within(moving(regression)) for regression in whole), cart, added)
 
 
 @dataclass(frozen=True)
@@ -216,7 +204,7 @@ def _step(
     def tried(finding: Finding) -> _Tried:
         tell(f"trying {finding.effect.name}")
         effect, gain = refiner.refined(finding.effect, finding.amplitudes, finding.prior_std)
-        return _Tried(effect, gain.value, fitted.with_added(effect).listening())
+        return _Tried(effect, gain.value, fitted.tried(effect))
 
     least = max(WORTH_TRYING, HOPELESS * screened[0].log_factor) if screened else 0.0
     candidates = [tried(one) for one in screened[:MOST_TRIED] if one.log_factor >= least]

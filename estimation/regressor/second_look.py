@@ -1,10 +1,10 @@
 """Blocks that came before the parameters were known well enough to work them out are taken in once more, later.
 
 Load times friction is no linear function of the parameters, and while both are hardly known, what a row leaves out
-(`curvature_noise`) may be many times its noise: a first push, half of what a straight run can teach, would be worth
-nothing. So what was believed before the first such block is kept, with all blocks since. Once they can be worked out,
-they are taken in anew from there, in their order, since neighbours share what is wrong with the motion between them;
-what comes out replaces what the first look gave.
+(`FilteredRow.curvature`) may be many times its noise: a first push, half of what a straight run can teach, would be
+worth nothing. So what was believed before the first such block is kept, with all blocks since. Once they can be worked
+out, they are taken in anew from there, in their order, since neighbours share what is wrong with the motion between
+them; what comes out replaces what the first look gave.
 """
 
 from __future__ import annotations

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import ast
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks.sealed.cases import CASES, PAIRS, draw_case
+from benchmarks.sealed.effects import VOCABULARY
 from benchmarks.sealed.generate import generate
 from benchmarks.sealed.sizes import NOMINAL
+from benchmarks.true_structures import effect_of
 from cartgrasp import load_cart, read_log
 
 PACKAGE = Path(__file__).parents[2] / "benchmarks" / "sealed"
@@ -117,3 +120,17 @@ def test_the_cart_meets_its_carpet(seed):
     y = states[:, 1] + 0.5 * world.caster_x * np.sin(states[:, 2])
     inside = (world.patch_x_min < x) & (x < world.patch_x_max) & (world.patch_y_min < y) & (y < world.patch_y_max)
     assert 0.08 < inside.mean() < 0.7
+
+
+@pytest.mark.parametrize("name", VOCABULARY)
+def test_a_refit_begins_at_the_truth(name):
+    """At each of its values, of the arm that is meant."""
+    for seed in range(1200, 1204):
+        scene = draw_case(name, seed, "straight")
+        (truth,) = scene.truths
+        effect = effect_of(asdict(truth), scene.arms)
+        assert effect.name == name
+        assert (effect.label or truth.arm) == truth.arm
+        assert truth.parameters or truth.roughly
+        for key, value in {**truth.parameters, **truth.roughly}.items():
+            assert getattr(effect, key) == value

@@ -140,6 +140,7 @@ def test_the_score_counts(tmp_path):
         report("explained", entry("floor_slope", grade_x=(0.021, 0.001)), **gap),
     )
     write("b", truth(effect("floor_slope")), report("explained", entry("force_bias", ["floor_slope", "wind"])))
+    (tmp_path / "logs" / "a" / "refit.json").write_text('{"gap": 0.8}')
     write("c", truth(effect("floor_slope")))
     write("d", truth(), report("explained", entry("force_bias")))
     (tmp_path / "logs" / "a" / "out" / "seconds.json").write_text('{"seconds": 12.5}')
@@ -150,11 +151,13 @@ def test_the_score_counts(tmp_path):
     assert "3 reports of 4 logs; 1 missing" in lines
     assert "single effect: its name and no other 1 of 2 50.0 %" in lines
     assert "single effect: in the reported set 2 of 2 100.0 %" in lines
+    assert "single effect: wrong name, but the truth in its set 1 of 1 100.0 %" in lines
     assert "single effect: mean size of the reported set 2.00" in lines
     assert "nothing: false alarms 1 of 1 100.0 %" in lines
     assert any(line.startswith("single 1 0.250; 0.250 1.250; 1.250") for line in lines)
     assert any(line.startswith("floor_slope.grade_x 1 0.001 0.001") for line in lines)
     assert "Names given in vain: force_bias 2" in lines
+    assert "single 1 1.250 1.250 0 of 1 0.0 %" in lines
     assert any("1 (no report)" in line for line in lines)
 
 

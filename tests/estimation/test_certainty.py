@@ -46,6 +46,36 @@ def test_times_are_known_as_well_as_they_are_said_to_be(seed):
     assert sure.settings["external_push.start"] < vague.settings["external_push.start"]
 
 
+def test_a_push_of_another_form_is_no_less_sure():
+    """Half a sine whose halves contradict the rectangle that is fitted to it, by so much that it weighs less."""
+    log = pushed(0.0)
+    ((name, arm),) = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] -= 90.0 * np.sin(np.pi * np.clip((log.time - START) / 1.5, 0, 1))
+    log = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    nearest = ExternalPush(START + 0.19, 1.11, 70.0, 0.0)
+    found = certain(Fitted((WrenchRegression(log, CART, None),), CART, (nearest,)))
+    assert found.deviations["external_push"] > 4
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_what_rises_and_falls_begins_and_ends_where_it_does(seed):
+    """The rectangle that is nearest to half a sine begins 0.12 s later; with the same mean it has the same impulse."""
+    log = pushed(0.0, seed)
+    ((name, arm),) = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] -= 40.0 * np.sin(np.pi * np.clip((log.time - START) / DURATION, 0, 1))
+    log = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    nearest = ExternalPush(START + 0.12, 0.742 * DURATION, 40.0, 0.0)
+    found, removed = proven(Fitted((WrenchRegression(log, CART, None),), CART, (nearest,)))
+    assert removed == ()
+    push = found.cart.effects[-1]
+    assert abs(push.start - START) < min(0.08, 3 * found.settings["external_push.start"])
+    assert abs(push.duration - DURATION) < min(0.15, 3 * found.settings["external_push.duration"])
+    force = found.parameters["external_push.force"]
+    assert force.value == pytest.approx(2 / np.pi * 40.0, abs=3 * force.std)
+
+
 def test_pulls_cancel_against_the_prior_at_the_best_fit():
     model = fitted(20.0)
     model = replace(model, start=model.cart.parameters)

@@ -7,6 +7,7 @@ import pytest
 
 import cartgrasp as cg
 from benchmarks.sealed.generate import generate
+from benchmarks.true_structures import refit_all
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
@@ -17,15 +18,18 @@ EMPS = Path(__file__).parents[3] / "shared" / "data" / "emps" / "DATA_EMPS.mat"
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
-    """Diagnoses by case."""
+def sealed(tmp_path_factory):
+    """A folder of logs, and their names by case."""
     folder = tmp_path_factory.mktemp("sealed")
-    told = {}
-    for case in ("nothing", "floor_slope", "flat_spot"):
-        (name,) = generate(folder, [case], [40], "rich")
-        log = cg.read_log(folder / "logs" / name / "run.csv")
-        told[case] = diagnose(log, cg.load_cart(folder / "logs" / name / "cart.yaml"))
-    return told
+    return folder, {case: generate(folder, [case], [40], "rich")[0] for case in ("nothing", "floor_slope", "flat_spot")}
+
+
+@pytest.fixture(scope="module")
+def found(sealed):
+    """Diagnoses by case."""
+    folder, names = sealed
+    logs = {case: folder / "logs" / name for case, name in names.items()}
+    return {case: diagnose(cg.read_log(log / "run.csv"), cg.load_cart(log / "cart.yaml")) for case, log in logs.items()}
 
 
 def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
@@ -60,6 +64,19 @@ def test_parameters_of_the_nominal_model_are_told_apart_from_effects(found):
         mass = diagnosis.parameter_mismatch["mass"]
         assert abs(mass["refitted"] - mass["nominal"]) > 0
         assert 0 < mass["std"] < 0.2 * mass["refitted"]
+
+
+def test_what_is_named_reaches_the_true_structure_refitted(found, sealed):
+    """From no effect, or from the truth's own values: one gap. What has no name has no refit."""
+    folder, names = sealed
+    assert refit_all(folder) == 2
+    refits = {path.parent.name: json.loads(path.read_text()) for path in folder.glob("logs/*/refit.json")}
+    assert sorted(refits) == sorted([names["nothing"], names["floor_slope"]])
+    assert refits[names["nothing"]]["gap"] == pytest.approx(found["nothing"].gap.refitted)
+    slope = refits[names["floor_slope"]]
+    assert slope["gap"] == pytest.approx(found["floor_slope"].gap.after, rel=0.01)
+    (true,) = json.loads((folder / "truth" / f"{names['floor_slope']}.json").read_text())["effects"]
+    assert slope["effects"]["floor_slope"] == pytest.approx(true["parameters"], abs=0.002)
 
 
 def diagnose_names(report):

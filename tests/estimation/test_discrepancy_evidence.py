@@ -27,8 +27,8 @@ def drawn(seed, n_blocks, n_columns, rows=6):
 def dictionary(base, columns, residual, trials, grid=None):
     sides = np.concatenate([base, columns, residual[..., None]], axis=2)
     gram = np.swapaxes(sides, 1, 2) @ sides
-    n = len(gram)
-    return Dictionary(tuple(trials), grid, gram, np.arange(n) * 0.25, np.zeros(n, dtype=int), 3)
+    n, places = len(gram), gram.sum(axis=0)[3:-1]
+    return Dictionary(tuple(trials), grid, gram, places, np.arange(n) * 0.25, np.zeros(n, dtype=int), 3)
 
 
 def density(residual, base, columns, std, excess=1.0):
@@ -99,7 +99,7 @@ def test_a_place_is_a_box_of_cells(seed):
     std = np.array([0.8])
     grid = Grid(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 0.5, 1.0]))
     cells = [(i, j) for i in range(3) for j in range(2)]
-    trials = [Trial(FloorPatch(), np.array([3 + k]), np.array([4]), std, cell) for k, cell in enumerate(cells)]
+    trials = [Trial(FloorPatch(), np.array([k]), np.array([4]), std, cell) for k, cell in enumerate(cells)]
     found = best(trials, base, columns, residual, grid=grid)
     nothing, factors = density(residual, base, None, std), {}
     for a in range(3):
@@ -128,6 +128,17 @@ def signed_factor(residual, base, column, std, nothing):
 def mean_of_exp(values):
     values = np.array(list(values))
     return values.max() + np.log(np.exp(values - values.max()).mean())
+
+
+@settings(deadline=None, max_examples=15)
+@given(SEEDS, st.floats(20.0, 50.0))
+def test_what_is_far_larger_than_was_believed_drifts_no_more_for_it(seed, size):
+    """Four quarters that say the same, and little against what was believed before."""
+    base, columns, _ = drawn(seed, 5, 1)
+    columns /= np.sqrt((columns**2).sum())
+    base, columns = (np.tile(part, (4, 1, 1)) for part in (base, columns))
+    trial = Trial(FloorSlope(), np.array([3]), np.array([0]), np.array([1.0]))
+    assert best([trial], base, columns, size * columns[..., 0]).drift < 1e-6
 
 
 def test_what_grows_is_told_from_what_stays():

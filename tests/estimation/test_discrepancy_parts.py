@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import LateralSlip, ViscousDrag, WheelMisalignment
+from cartgrasp.effects import FloorPatch, LateralSlip, RollingResistance, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import DataError
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
+from cartgrasp.wheels import Wheel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
 from estimation.discrepancy.fitted import Fitted
@@ -54,6 +55,20 @@ def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
     assert found.error[:, 0] == pytest.approx(0.5 * (20.0 / 25.0 - 1.0) / 2, abs=2e-4)
     assert found.error[:, 1:] == pytest.approx(0.0, abs=1e-6)
     assert found.gap == pytest.approx(0.05, abs=3e-4)
+
+
+@pytest.mark.parametrize("curved", [False, True])
+def test_places_everywhere_are_the_whole_floor(curved):
+    """Under each wheel: on a straight way, that of the axle's middle meets none."""
+    wheels = (Wheel("fixed", 0.0, 0.25), Wheel("fixed", 0.0, -0.25), Wheel("caster", 0.6, 0.2))
+    cart = replace(guess(), wheels=wheels)
+    log, _ = simulate(TRUTH, 0, 8.0, curved)
+    dictionary = Fitted((WrenchRegression(log, cart, None),), cart).dictionary([FloorPatch(), RollingResistance()])
+    p, sums = dictionary.n_base, dictionary.gram.sum(axis=0)
+    cells, everywhere = dictionary.places.sum(axis=0), sums[dictionary.trials[-1].columns[0]]
+    assert len(dictionary.places) > 4
+    assert np.r_[cells[:p], cells[-1]] == pytest.approx(np.r_[everywhere[:p], everywhere[-1]], rel=1e-6)
+    assert cells[p:-1].sum() == pytest.approx(everywhere[p], rel=1e-6)
 
 
 def test_rollouts_stay_where_they_are_allowed():
@@ -148,6 +163,20 @@ def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back
     assert found.period == pytest.approx(0.4, rel=0.02)
     quiet = Fitted((regression,), guess()).dependences[0]
     assert quiet.log_factor < 6 < found.log_factor
+
+
+def test_a_period_is_the_whole_turn():
+    """Of a force with its second and fifth harmonics: alone, the second looks like half a turn."""
+    log, _ = simulate(TRUTH, 3, 40.0, noise=(0.0005, 0.005, 1.0))
+    speed = WrenchRegression(log, guess(), None).motion.velocity[:, 0]
+    phase = 2 * np.pi * np.cumsum(np.append(0.0, np.diff(log.time)) * speed) / 1.6
+    (name, arm), *_ = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] += 5.0 * np.sin(2 * phase) + 4.0 * np.sin(5 * phase)
+    bumped = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    found = Fitted((WrenchRegression(bumped, guess(), None),), guess()).dependences[0]
+    assert found.name.startswith("travelled distance")
+    assert found.period == pytest.approx(1.6, rel=0.02)
 
 
 def test_a_scatter_of_a_right_model_is_noise():

@@ -185,6 +185,21 @@ def test_banded_solutions_are_dense_ones(n, d):
     assert chain.factor().log_determinant == pytest.approx(np.linalg.slogdet(dense(chain))[1])
 
 
+@pytest.mark.parametrize("f", [1, 2, 3])
+def test_rows_between_some_nodes_add_to_a_chain(f):
+    """As pairs of all nodes, most of which say nothing."""
+    random, n, d = np.random.default_rng(f), 7, 4
+    known = BlockTridiagonal(random.standard_normal((n, d, d)), random.standard_normal((n - 1, d, d)))
+    nodes, roots = np.array([0, 2, 5]), random.standard_normal((3, f, f))
+    parts = random.standard_normal((3, f, d)), random.standard_normal((3, f, d)), roots @ np.swapaxes(roots, 1, 2)
+    every = [np.zeros((n - 1, *part.shape[1:])) for part in parts]
+    for whole, part in zip(every, parts, strict=True):
+        whole[nodes] = part
+    found, wanted = known.with_pairs(nodes, *parts), known + BlockTridiagonal.of_pairs(*every)
+    assert found.diagonal == pytest.approx(wanted.diagonal)
+    assert found.below == pytest.approx(wanted.below)
+
+
 def test_the_evidence_is_that_of_dense_least_squares():
     """Partials by differences, and the covariance `R + J Σ Jᵀ` written out, J at the usual delay."""
     log = drawn(1.0, 9, duration=0.8)

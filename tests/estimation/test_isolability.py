@@ -19,7 +19,7 @@ def of(columns, effects, base):
         trials.append(Trial(effect, np.arange(at, at + size), np.arange(size), np.full(size, 2.0)))
         at += size
     n = len(base)
-    dictionary = Dictionary(tuple(trials), None, gram, np.arange(n) * 0.25, np.zeros(n, dtype=int), p)
+    dictionary = Dictionary(tuple(trials), None, gram, np.empty((0, 0)), np.arange(n) * 0.25, np.zeros(n, dtype=int), p)
     return isolability(dictionary, Base(np.eye(p) * 1e-9, np.zeros(p)))
 
 

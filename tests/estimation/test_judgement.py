@@ -25,6 +25,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel, WheelSet
 from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.generic import Dependence
+from estimation.discrepancy.held_out import is_surely_more
 from estimation.discrepancy.judgement import Judge, _drives
 
 WHEELS = WheelSet.of(
@@ -42,10 +43,21 @@ class Proof:
     is_everywhere: bool = False
     rolling: tuple = (WHEELS, 0.8)
     share_everywhere: float = 0.0
+    largest: float = 2.0
+    worse: bool = False
 
     @property
     def everywhere(self):
         return Proof(self.share_everywhere, log_likelihood=self.log_likelihood)
+
+    def gap(self, fitted):
+        return self.largest
+
+    def floor(self, fitted):
+        return 1.0
+
+    def is_worse(self, fitted, better):
+        return self.worse
 
     def covers(self, effect):
         return self.is_everywhere and isinstance(effect, FloorPatch)
@@ -95,6 +107,8 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"change": (0.1, 0.6)}, "another part of the log"),
         ({"proof": Proof(share=0.04)}, "closes 4.0 %"),
         ({"proof": Proof(share=-0.01, log_likelihood=50.0)}, "closes -1.0 %"),
+        ({"proof": Proof(share=-0.5, log_likelihood=9.0, largest=1.2)}, "closes -50.0 %"),
+        ({"proof": Proof(share=-0.5, log_likelihood=50.0, largest=1.2, worse=True)}, "closes -50.0 %"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0, moment=5.0), "score": 99.0}, "below 100"),
@@ -127,7 +141,13 @@ def test_a_reason_against_it(case, said):
 
 
 @pytest.mark.parametrize(
-    "proof", [Proof(share=0.051), Proof(share=0.0, of_rest=0.31), Proof(share=0.001, log_likelihood=4.1)]
+    "proof",
+    [
+        Proof(share=0.051),
+        Proof(share=0.0, of_rest=0.31),
+        Proof(share=0.001, log_likelihood=4.1),
+        Proof(share=-0.5, log_likelihood=11.0, largest=1.2),
+    ],
 )
 def test_one_gain_is_enough(proof):
     assert judged(proof=proof).is_added
@@ -166,3 +186,13 @@ def test_a_delay_of_some_samples_is_one():
 
 def test_a_tight_wheel_is_plausible():
     assert judged(WheelDragImbalance(force=4.0, moment=-1.2)).is_added
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0])
+def test_what_scatters_more_than_it_differs_is_no_worse(scale):
+    """Of 40 rollouts, as many as are left when neighbours share half of their rows."""
+    scatter = np.tile([1.0, -1.0], 20)
+    limit = 2 / np.sqrt(40 / 2 - 1)
+    assert is_surely_more(scale * (scatter + 1.01 * limit))
+    assert not is_surely_more(scale * (scatter + 0.99 * limit))
+    assert not is_surely_more(scale * (scatter - 9.0))
