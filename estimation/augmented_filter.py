@@ -25,12 +25,13 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion
 
 from .filtering import exponential_step, innovation, predicted, updated
-from .first_motion import LONG_GAP, UNKNOWN_FORCE, first_motion
+from .first_motion import LOST_AFTER, UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
 from .innovation_watch import InnovationWatch
 from .kernels.correction import GATE
 from .kernels.driven_motion import MAX_STEP, POISED
+from .kernels.wrench_limits import JUMP
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior
@@ -38,7 +39,6 @@ from .shallow import shallow
 from .wrench_sensing import WrenchSensing
 from .wrench_walk import WrenchWalk
 
-JUMP = 14.0
 STANDS_OUT = 1.0
 MEASUREMENT_FLOOR = 1e-10
 BRIEFLY = 0.1
@@ -177,7 +177,7 @@ class AugmentedFilter:
 
     def _predict(self, time: float) -> None:
         gap = time - self.time
-        if gap > LONG_GAP:
+        if gap > LOST_AFTER:
             self._coast(gap)
         else:
             n = int(np.ceil(gap / MAX_STEP - 1e-6))

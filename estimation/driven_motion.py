@@ -16,8 +16,9 @@ from .first_motion import UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
 from .kernels import driven_motion as kernels
 from .kernels.driven_block import new_block, parts
-from .kernels.driven_motion import HELD, MAX_STEP
+from .kernels.driven_motion import MAX_STEP
 from .kernels.jit import Indices
+from .kernels.wrench_limits import HELD
 from .noise import FilterNoise
 from .seen import NOTHING_SEEN
 from .shallow import shallow

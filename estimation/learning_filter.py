@@ -20,7 +20,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
 from .driven_motion import DrivenMotion
-from .first_motion import LONG_GAP
+from .first_motion import LOST_AFTER
 from .gaussian import Gaussian
 from .health import SENSORS, Health, SensorHealth, said
 from .kernels.correction import GATE
@@ -57,7 +57,7 @@ class LearningFilter:
     def _move(self, time: float, seen: Array) -> None:
         motion = self.motion
         if self._started:
-            if time - motion.time > LONG_GAP:
+            if time - motion.time > LOST_AFTER:
                 motion.coast(time)
             motion.advance(time, seen)
         else:

@@ -12,10 +12,8 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 
+from .kernels.wrench_limits import MOST_FORCE
 from .shallow import shallow
-
-MOST_FORCE = 1e6
-"""N, N·m: more in all is no wrench, nor is NaN."""
 
 
 class SensedWrench(NamedTuple):

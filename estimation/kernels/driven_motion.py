@@ -19,10 +19,9 @@ from cartgrasp.kernels.workspace import unpack as unpack_cart
 from .correction import Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .driven_block import N_SIZES, Driven, parts
 from .jit import Indices, compiled, entry
+from .wrench_limits import HELD
 
 MAX_STEP = 0.01
-HELD = 0.1
-"""s: for how long a wrench is taken to go on."""
 POISED = 12.0
 """e-foldings of an instability after which nothing is poised there any more."""
 

@@ -19,12 +19,14 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
+from ..batch.motion_smoother import LONG_GAP
 from ..batch.physical_fit import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.correction import normalised_square
 from ..kernels.filtered_row import FilteredRow, are_known, over, weights
 from ..kernels.row_parts import SPACING
+from ..kernels.wrench_limits import JUMP, MOST_JOLT
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
@@ -42,12 +44,6 @@ from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
 BLOCK, WIDTH, LAG = SPACING, 0.1, 0.12
 """s: how long a block is, over how long its ends are means, and how much later its row is worked out, when they are
 smoothed."""
-LONG_GAP = 0.3
-"""s: across a longer one nothing is carried."""
-JUMP = 14.0
-"""Normalised square of a step of the wrench that is no noise."""
-MOST_JOLT = 100.0
-"""m/s² or rad/s²."""
 
 
 class ParameterLearner:

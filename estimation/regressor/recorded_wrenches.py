@@ -10,11 +10,10 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from ..kernels.filtered_row import drop
+from ..kernels.wrench_limits import HELD
 from ..shallow import shallow
 from ..wrench_sensing import SensedWrench
 
-HELD = 0.1
-"""s: how old a wrench may be."""
 ROOM = 64
 
 

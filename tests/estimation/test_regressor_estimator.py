@@ -14,11 +14,11 @@ from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.kernels.filtered_row import RATE, FilteredRow, Smoothed, weights
-from estimation.kernels.row_parts import NOISE_SHARE
+from estimation.kernels.row_parts import NOISE_SHARE, feigned, rising
 from estimation.load_change import root_of
 from estimation.log_noise import noise_of_log
 from estimation.regressor import regression_belief
-from estimation.regressor.filtered_row import Block, Rise, filtered_row, left_out
+from estimation.regressor.filtered_row import Block, filtered_row, left_out
 from estimation.regressor.load_watch import LoadWatch
 from estimation.regressor.recorded_wrenches import row_of
 from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief, Surprise
@@ -142,16 +142,16 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
     variance = np.array([[noise_of_velocity**2]])
     for k in range(n):
         rise = RATE * (rises[k] + errors[k + 1] - fade * errors[k])
-        seen = Rise.of(np.array([rise]), RATE**2 * (1 + fade**2) * variance)
+        seen = rising(np.array([rise]), RATE**2 * (1 + fade**2) * variance)
         yield FilteredRow(
             residual=np.array([forces[k] - at * rise]),
-            slopes=np.array([[seen.part[0], 0.0]]),
+            slopes=np.array([[seen[2][0], 0.0]]),
             ends=np.array([[-RATE * at]]),
             fade=fade,
             noise=np.array([[0.09]]),
             before=variance,
             after=variance,
-            feigned=np.append(seen.feigned(np.ones((1, 1, 1)), np.array([[at]]), np.array([[0.09]])), 0.0),
+            feigned=np.append(feigned(seen, np.ones((1, 1, 1)), np.array([[at]]), np.array([[0.09]])), 0.0),
             shared=np.array([[0.02]]),
             curvature=np.zeros((1, 1)),
         )

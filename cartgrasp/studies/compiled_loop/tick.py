@@ -14,7 +14,7 @@ from estimation.kernels import driven_motion, tracked_motion
 from estimation.kernels.correction import carved, eliminate, normalised_square
 from estimation.kernels.driven_block import parts
 from estimation.kernels.filtered_row import over
-from estimation.regressor.recorded_wrenches import HELD
+from estimation.kernels.wrench_limits import HELD, JUMP, MOST_FORCE, MOST_JOLT
 from planning import steering
 from planning.kernels.allocation import allocate
 from planning.kernels.workspace import views
@@ -33,9 +33,6 @@ TRACK, GIVE = range(2)
 """Where a step goes on: with the wrench wanted, or with one that is planned."""
 STEP, STAGE, MOMENTS, PLACE = range(4)
 """Of `at`: the step, its stage, how many moments are tracked, and the place in the planner's workspace (-1: none)."""
-JUMP, MOST_JOLT = 14.0, 100.0
-MOST_FORCE = 1e6
-STILL = 1e-3
 
 Limits = tuple[float, float, float, tuple[float, float, float]]
 """The period; the plant's longest step, and `stable` of step times stiffness; BLOCK, WIDTH and LAG of rows."""
@@ -88,7 +85,7 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
     entries.inverses(blocks.cart, blocks.cart_ints, asked, told[:1])
     u, r = told[0, 0], told[0, 1]
     for a in range(f):
-        if abs(wanted[a]) > STILL:
+        if abs(wanted[a]) > steering.STILL:
             states[1, 3 + a] = wanted[a]
     entries.effects(blocks.cart, blocks.cart_ints, states, told)
     first, width = N_PHI + N_PHI * p, MEMORY + p
