@@ -1,4 +1,4 @@
-"""What a measurement says of the motion, as one row of numbers."""
+"""What a measurement says of the motion, as one row of numbers; and what says nothing of motion, and of wrenches."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
-NOTHING_SEEN = np.full(6, np.nan)
+NOTHING_SEEN, NOTHING_FELT = np.full(6, np.nan), np.full(1, np.nan)
 
 
 def seen_in(measurement: Measurement) -> Array:

@@ -12,7 +12,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 
-from .kernels.wrench_limits import MOST_FORCE
+from .kernels.felt_wrench import MOST_FORCE
 from .shallow import shallow
 
 
@@ -32,10 +32,12 @@ class Hold(NamedTuple):
 
 
 class Grip(NamedTuple):
-    """Of all arms: what takes their n wrenches (6 n,) to the reduced one, and the noise of that."""
+    """Of n arms: what takes their wrenches (6 n,) to the reduced one, beside the noise of that, in `matrix` (f, 6 n +
+    f); and room for these `wrenches`, with each arm's `places` in it."""
 
-    reduced: Array
-    covariance: Array
+    matrix: Array
+    wrenches: Array
+    places: tuple[Array, ...]
 
 
 class WrenchSensing:
@@ -46,8 +48,8 @@ class WrenchSensing:
         self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
-        self._corrects = bool(cart.sensor_effects)
-        self._nothing = np.zeros((cart.constraints.n_free, len(cart.parameters)))
+        self.corrects = bool(cart.sensor_effects)
+        self.by_parameters = np.zeros((cart.constraints.n_free, len(cart.parameters)))
 
     def copy(self) -> Self:
         other = shallow(self)
@@ -63,30 +65,39 @@ class WrenchSensing:
                 reduced = self.cart.basis_b.T @ grasp_map_planar(point, self.yaws.get(arm, 0.0))
                 self._holds[arm], self._grip = Hold(numbers, reduced), None
 
-    def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
-        """None where an arm's wrench or contact is missing: the total is then not known."""
-        recorded, true = measurement.wrenches, []
+    def gripped(self, recorded: Mapping[str, Array], parameters: Array) -> Grip | None:
+        """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. None where an
+        arm's wrench or contact is missing: the total is then not known."""
         if self._takes_all:
             self._note_arms(recorded)
-        for arm in self._arms:
-            wrench = recorded.get(arm)
-            if wrench is None:
-                return None
-            true.append(wrench)
         grip = self._grip = self._grip or self._gripped()
         if grip is None:
             return None
-        by_parameters = self._nothing
-        if self._corrects:
-            corrected = [
-                self.cart.corrected_wrench(arm, np.asarray(wrench), parameters)
-                for arm, wrench in zip(self._arms, true, strict=True)
-            ]
-            true = [wrench for wrench, _ in corrected]
-            by_parameters = grip.reduced @ np.concatenate([by for _, by in corrected])
-        value = grip.reduced @ np.concatenate(true)
-        is_wrench = sum(map(abs, value.tolist())) < MOST_FORCE
-        return SensedWrench(value, grip.covariance, by_parameters) if is_wrench else None
+        for arm, place in zip(self._arms, grip.places, strict=True):
+            wrench = recorded.get(arm)
+            if wrench is None:
+                return None
+            place[:] = wrench
+        if self.corrects:
+            self._correct(grip, parameters)
+        return grip
+
+    def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
+        """What all arms do together; None where that is not known."""
+        grip = self.gripped(measurement.wrenches, parameters)
+        if grip is None:
+            return None
+        n = len(grip.wrenches)
+        value = grip.matrix[:, :n] @ grip.wrenches
+        is_wrench = np.abs(value).sum() < MOST_FORCE
+        return SensedWrench(value, grip.matrix[:, n:], self.by_parameters) if is_wrench else None
+
+    def _correct(self, grip: Grip, parameters: Array) -> None:
+        by = []
+        for arm, place in zip(self._arms, grip.places, strict=True):
+            place[:], by_parameters = self.cart.corrected_wrench(arm, place.copy(), parameters)
+            by.append(by_parameters)
+        self.by_parameters = grip.matrix[:, : len(grip.wrenches)] @ np.concatenate(by)
 
     def _note_arms(self, recorded: Mapping[str, Array]) -> None:
         for arm in recorded:
@@ -99,4 +110,6 @@ class WrenchSensing:
         reduced = [hold.reduced for hold in holds if hold is not None]
         if len(reduced) < max(len(holds), 1):
             return None
-        return Grip(np.hstack(reduced), np.add.reduce([r @ self._noise @ r.T for r in reduced]))
+        noise = np.add.reduce([r @ self._noise @ r.T for r in reduced])
+        wrenches = np.zeros(6 * len(reduced))
+        return Grip(np.hstack([*reduced, noise]), wrenches, tuple(wrenches.reshape(-1, 6)))

@@ -16,10 +16,11 @@ from cartgrasp.kernels.entries import effects
 from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
-from .correction import Believed, add_congruence, carved, eliminate, take_pose, take_velocity
+from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .driven_block import N_SIZES, Driven, parts
+from .felt_wrench import HELD
 from .jit import Indices, compiled, entry
-from .wrench_limits import HELD
+from .sensor_health import note, said_of
 
 MAX_STEP = 0.01
 POISED = 12.0
@@ -29,26 +30,36 @@ unpack = compiled(parts)
 
 
 @entry
-def drive(floats: Array, ints: Indices, block: Array, plan: Indices, seen: Array, span: tuple[float, float]) -> None:
-    """From a time to another with nothing measured on the way but the last push; then takes in what is `seen` (6,).
-    `floats` and `ints` are the cart's workspace."""
+def drive(
+    floats: Array,
+    ints: Indices,
+    block: Array,
+    plan: Indices,
+    begin: float,
+    end: float,
+    seen: Array,
+    felt: Array,
+    surprise: float,
+) -> int:
+    """From a time to another with nothing measured on the way but the last push; then as `take`. `floats` and `ints`
+    are the cart's workspace."""
     d, (cart, flow) = unpack(block, plan), unpack_cart(floats, ints)
     k = len(d.push)
-    push, room = d.room[: 3 + k], d.room[3 + k :]
-    push[3:] = 1.0
+    given, room = d.room[: 3 + k], d.room[3 + k :]
+    given[3:] = 1.0
     stuck, room = room[: plan[6] - plan[5]], room[plan[6] - plan[5] :]
-    count = math.ceil((span[1] - span[0]) / MAX_STEP - 1e-6)
+    count = math.ceil((end - begin) / MAX_STEP - 1e-6)
     for i in range(count):
-        step = (span[1] - span[0]) / count
-        time = span[0] + i * step
+        step = (end - begin) / count
+        time = begin + i * step
         if time - d.pushed[0] > HELD:
             _let_go(d)
         for j in range(3):
-            push[j] = 0.0
+            given[j] = 0.0
             for a in range(k):
-                push[j] += d.lift[j, a] * d.push[a]
+                given[j] += d.lift[j, a] * d.push[a]
         point = Point(d.mean, time, d.theta, d.mean[:0])
-        forward(cart, point, push, flow)
+        forward(cart, point, given, flow)
         n_stuck = stictions(cart, point, stuck) if plan[7] > 0 else 0
         _predict(d, flow, stuck[: 3 * n_stuck], plan[N_SIZES:], step, room)
         if _is_poised(d):
@@ -60,7 +71,7 @@ def drive(floats: Array, ints: Indices, block: Array, plan: Indices, seen: Array
             copy(d.theta, asked[0, n + 1 :])
             effects(floats, ints, asked, found)
             _topple(d, found[0, first:])
-    _take(d, seen)
+    return _take(d, end, seen, felt, surprise)
 
 
 @entry
@@ -87,9 +98,10 @@ def learn(block: Array, plan: Indices, theta: Array, covariance: Array) -> None:
 
 
 @entry
-def take(block: Array, plan: Indices, seen: Array) -> None:
-    """A pose (3,) and a velocity (3,), NaN where missing."""
-    _take(unpack(block, plan), seen)
+def take(block: Array, plan: Indices, time: float, seen: Array, felt: Array, surprise: float) -> int:
+    """What is `seen` (6,), a pose and a velocity, NaN where missing; then what is felt from now on, from the time of a
+    sample on as in `felt_wrench.py`, or NaN. Returns how sensors do; `surprise` is the ratio of the wrench's."""
+    return _take(unpack(block, plan), time, seen, felt, surprise)
 
 
 @entry
@@ -202,7 +214,22 @@ def _topple(d: Driven, settled: Array) -> None:
 
 
 @compiled
-def _take(d: Driven, seen: Array) -> None:
-    believed = Believed(d.mean, d.own, d.slopes, d.beside)
+def _take(d: Driven, time: float, seen: Array, felt: Array, surprise: float) -> int:
+    believed, is_felt = Believed(d.mean, d.own, d.slopes, d.beside), math.isfinite(felt[0])
     d.nis[0] = take_pose(believed, seen[:3], d.variances[:3], d.room)
     d.nis[1] = take_velocity(believed, seen[3:], d.variances[3:], d.project, d.room)
+    note(d.health[0], time, d.nis[0] / (3 * GATE))
+    note(d.health[1], time, d.nis[1] / (len(d.push) * GATE))
+    note(d.health[2], time, surprise if is_felt else math.nan)
+    if is_felt:
+        push(d, time, felt)
+    return said_of(d.health)
+
+
+@compiled
+def push(d: Driven, time: float, felt: Array) -> None:
+    k = len(d.push)
+    d.pushed[1], d.pushed[0] = d.pushed[0], time
+    copy(felt[1:], d.push)
+    for a in range(k):
+        copy(felt[1 + k + k * a :], d.push_covariance[a])

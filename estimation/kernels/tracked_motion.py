@@ -16,8 +16,9 @@ PATH_FLOOR = 1e-6
 
 
 class Moment(NamedTuple):
-    """Views of a row: mean (d,) and covariance (d, d) as believed, the same two as predicted from the moment before,
-    and the transition (d, d) from there; and by how much (1,) the worst sample missed its gate, NaN where none came."""
+    """Views of a moment's row, which they end: mean (d,) and covariance (d, d) as believed, the same two as predicted
+    from the moment before, and the transition (d, d) from there; and by how much (1,) the worst sample missed its gate,
+    NaN where none came."""
 
     mean: Array
     covariance: Array
@@ -40,9 +41,14 @@ class Known(NamedTuple):
     room: Array
 
 
+def row_size(d: int) -> int:
+    """Of what a row tells of the motion."""
+    return 2 * d + 3 * d * d + 1
+
+
 def moment(row: Array, d: int) -> Moment:
-    """Of a row (2 d + 3 d² + 1,)."""
-    mean, at = row[:d], d
+    at = len(row) - (2 * d + 3 * d * d + 1)
+    mean, at = row[at : at + d], at + d
     covariance, at = row[at : at + d * d].reshape((d, d)), at + d * d
     ahead, at = row[at : at + d], at + d
     ahead_covariance, at = row[at : at + d * d].reshape((d, d)), at + d * d
@@ -65,26 +71,20 @@ def known_of(known: Array, f: int) -> Known:
 _moment, _known_of = compiled(moment), compiled(known_of)
 
 
-@entry
-def follow(rows: Array, i: int, step: float, known: Array, seen: Array, jolt: Array) -> None:
-    """Fills row i > 0 from the one before, and takes in what is `seen` (6,): a pose and a velocity, NaN where missing;
-    nu' may have changed by `jolt` (f,) at the last moment."""
+@compiled
+def follow(rows: Array, i: int, step: float, known: Array, jolt: Array) -> None:
+    """Fills row i > 0 from the one before; nu' may have changed by `jolt` (f,) at the last moment."""
     f = len(jolt)
     d = 3 + 2 * f
-    before, now, c = _moment(rows[i - 1], d), _moment(rows[i], d), _known_of(known, f)
-    _predict(before, now, step, c, jolt)
+    now = _moment(rows[i], d)
+    _predict(_moment(rows[i - 1], d), now, step, _known_of(known, f), jolt)
     now.worst[0] = math.nan
-    _take(now, c, seen)
-
-
-@entry
-def take(rows: Array, i: int, known: Array, seen: Array, f: int) -> None:
-    """As `follow`, with no time gone by."""
-    _take(_moment(rows[i], 3 + 2 * f), _known_of(known, f), seen)
 
 
 @compiled
-def _take(now: Moment, c: Known, seen: Array) -> None:
+def take(rows: Array, i: int, known: Array, seen: Array, f: int) -> None:
+    """What is `seen` (6,) at moment i: a pose and a velocity, NaN where missing."""
+    now, c = _moment(rows[i], 3 + 2 * f), _known_of(known, f)
     nothing = now.mean[:0]
     believed = Believed(now.mean, now.covariance, nothing.reshape((len(now.mean), 0)), nothing.reshape((0, 0)))
     pose = take_pose(believed, seen[:3], c.variances[:3], c.room)
