@@ -35,11 +35,11 @@ class DrivenMotion:
         self._workspace = cart.dynamics.floats, cart.dynamics.ints
         self._sticks = cart.stiction(cart.state(), cart.parameters, 0.0).shape[-1] > 0
         n, k, m = len(cart.state_names), cart.constraints.n_free, len(cart.memory_names)
-        first = cart.dynamics.n_sums + m
-        end = first + 3 * cart.dynamics.most_stictions
-        self._plan = np.array([n, k, m, len(cart.parameters), len(free), first, end, self._sticks, *free], np.int64)
+        most = 3 * cart.dynamics.most_stictions if self._sticks else 0
+        self._plan = np.array([n, k, m, len(cart.parameters), len(free), most, *free], np.int64)
         self._block = new_block(self._plan)
         self._now: Driven | None = None
+        self._pose_and_nu = self._block[:3], self._block[self._nu]
         self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
         self.now.health[:] = no_health()
@@ -78,6 +78,7 @@ class DrivenMotion:
     def copy(self) -> Self:
         other = shallow(self)
         other._block, other._now = self._block.copy(), None
+        other._pose_and_nu = other._block[:3], other._block[self._nu]
         return other
 
     def start(self, time: float, pose: Array) -> None:
@@ -99,8 +100,8 @@ class DrivenMotion:
 
     @property
     def motion(self) -> Motion:
-        mean = self._block[: self._nu.stop].copy()
-        return Motion(mean[:3], mean[3:])
+        pose, nu = self._pose_and_nu
+        return Motion(pose.copy(), nu.copy())
 
     def learn(self, theta: Array, covariance: Array) -> None:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""

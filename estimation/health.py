@@ -57,8 +57,6 @@ def said(of_sensors: int, learner: Health) -> Health:
     """The first that holds, of what is said of the sensors and by what learns from them."""
     if of_sensors & POSE_MISSED:
         return Health.STALE
-    if learner is Health.NO_WRENCH or of_sensors & WRENCH_MISSED:
+    if of_sensors & WRENCH_MISSED:
         return Health.NO_WRENCH
-    if learner is not Health.OK:
-        return learner
-    return Health.OUTLIERS if of_sensors & OUTLYING else Health.OK
+    return Health.OUTLIERS if of_sensors & OUTLYING and learner is Health.OK else learner

@@ -22,9 +22,9 @@ from cartgrasp.motion import Estimate, Measurement
 from .driven_motion import DrivenMotion
 from .first_motion import LOST_AFTER
 from .gaussian import Gaussian
-from .health import Health, SensorHealth, by_sensor, said
+from .health import SensorHealth, by_sensor, said
 from .regressor.parameter_learner import ParameterLearner
-from .seen import NOTHING_FELT, NOTHING_SEEN, seen_in
+from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from .shallow import shallow
 
 
@@ -60,10 +60,10 @@ class LearningFilter:
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, and learned nothing."""
-        other = shallow(self)
+        other, seen = shallow(self), Seen()
         other.motion = self.motion.copy()
         for sample in samples:
-            other._move(sample.time, seen_in(sample))
+            other._move(sample.time, seen.of(sample))
         return other
 
     @property
@@ -72,11 +72,8 @@ class LearningFilter:
         return 3, self.cart.constraints.n_free
 
     def estimate(self) -> Estimate:
-        return self.learner.estimate(self.motion.motion, self.health)
-
-    @property
-    def health(self) -> Health:
-        return said(self.motion.said, self.learner.health)
+        learner, motion = self.learner, self.motion
+        return learner.estimate(motion.motion, said(motion.said, learner.health))
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:

@@ -10,9 +10,16 @@ from cartgrasp.motion import Measurement
 NOTHING_SEEN, NOTHING_FELT = np.full(6, np.nan), np.full(1, np.nan)
 
 
-def seen_in(measurement: Measurement) -> Array:
-    """Pose and velocity (6,), NaN where missing."""
-    seen = np.empty(6)
-    seen[:3] = np.nan if measurement.pose is None else measurement.pose
-    seen[3:] = np.nan if measurement.velocity is None else measurement.velocity
-    return seen
+class Seen:
+    """Room for what is seen, which is filled anew for each measurement."""
+
+    def __init__(self) -> None:
+        self._whole = np.empty(6)
+        self._pose, self._velocity = self._whole[:3], self._whole[3:]
+
+    def of(self, measurement: Measurement) -> Array:
+        """Pose and velocity (6,), NaN where missing."""
+        pose, velocity = measurement.pose, measurement.velocity
+        self._pose[:] = np.nan if pose is None else pose
+        self._velocity[:] = np.nan if velocity is None else velocity
+        return self._whole

@@ -33,11 +33,11 @@ class Hold(NamedTuple):
 
 class Grip(NamedTuple):
     """Of n arms: what takes their wrenches (6 n,) to the reduced one, beside the noise of that, in `matrix` (f, 6 n +
-    f); and room for these `wrenches`, with each arm's `places` in it."""
+    f); and room for these `wrenches`, with the `places` in it by arm."""
 
     matrix: Array
     wrenches: Array
-    places: tuple[Array, ...]
+    places: dict[str, Array]
 
 
 class WrenchSensing:
@@ -48,6 +48,7 @@ class WrenchSensing:
         self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
+        self._no_grip = Grip(np.zeros((cart.constraints.n_free, cart.constraints.n_free)), np.zeros(0), {})
         self.corrects = bool(cart.sensor_effects)
         self.by_parameters = np.zeros((cart.constraints.n_free, len(cart.parameters)))
 
@@ -58,43 +59,39 @@ class WrenchSensing:
 
     def note_contacts(self, measurement: Measurement) -> None:
         for arm, contact in measurement.contacts.items():
-            point = np.asarray(contact, dtype=float)
-            numbers = point.tolist()
-            known = self._holds.get(arm)
-            if (known is None or known.contact != numbers) and np.isfinite(point).all():
-                reduced = self.cart.basis_b.T @ grasp_map_planar(point, self.yaws.get(arm, 0.0))
+            numbers, known = np.asarray(contact, dtype=float).tolist(), self._holds.get(arm)
+            if (known is None or known.contact != numbers) and np.isfinite(numbers).all():
+                reduced = self.cart.basis_b.T @ grasp_map_planar(numbers, self.yaws.get(arm, 0.0))
                 self._holds[arm], self._grip = Hold(numbers, reduced), None
 
-    def gripped(self, recorded: Mapping[str, Array], parameters: Array) -> Grip | None:
-        """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. None where an
-        arm's wrench or contact is missing: the total is then not known."""
+    def gripped(self, recorded: Mapping[str, Array], parameters: Array) -> Grip:
+        """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. Of no arms where
+        an arm's wrench or contact is missing: the total is then not known."""
         if self._takes_all:
             self._note_arms(recorded)
         grip = self._grip = self._grip or self._gripped()
-        if grip is None:
-            return None
-        for arm, place in zip(self._arms, grip.places, strict=True):
+        for arm, place in grip.places.items():
             wrench = recorded.get(arm)
             if wrench is None:
-                return None
+                return self._no_grip
             place[:] = wrench
-        if self.corrects:
+        if self.corrects and grip.places:
             self._correct(grip, parameters)
         return grip
 
     def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
         """What all arms do together; None where that is not known."""
         grip = self.gripped(measurement.wrenches, parameters)
-        if grip is None:
-            return None
         n = len(grip.wrenches)
+        if n == 0:
+            return None
         value = grip.matrix[:, :n] @ grip.wrenches
         is_wrench = np.abs(value).sum() < MOST_FORCE
         return SensedWrench(value, grip.matrix[:, n:], self.by_parameters) if is_wrench else None
 
     def _correct(self, grip: Grip, parameters: Array) -> None:
         by = []
-        for arm, place in zip(self._arms, grip.places, strict=True):
+        for arm, place in grip.places.items():
             place[:], by_parameters = self.cart.corrected_wrench(arm, place.copy(), parameters)
             by.append(by_parameters)
         self.by_parameters = grip.matrix[:, : len(grip.wrenches)] @ np.concatenate(by)
@@ -104,12 +101,12 @@ class WrenchSensing:
             if arm not in self._arms:
                 self._arms, self._grip = (*self._arms, arm), None
 
-    def _gripped(self) -> Grip | None:
-        """None where there is no arm, or a contact is not known."""
+    def _gripped(self) -> Grip:
+        """Of no arms where there is none, or a contact is not known."""
         holds = [self._holds.get(arm) for arm in self._arms]
         reduced = [hold.reduced for hold in holds if hold is not None]
         if len(reduced) < max(len(holds), 1):
-            return None
+            return self._no_grip
         noise = np.add.reduce([r @ self._noise @ r.T for r in reduced])
         wrenches = np.zeros(6 * len(reduced))
-        return Grip(np.hstack([*reduced, noise]), wrenches, tuple(wrenches.reshape(-1, 6)))
+        return Grip(np.hstack([*reduced, noise]), wrenches, dict(zip(self._arms, wrenches.reshape(-1, 6), strict=True)))

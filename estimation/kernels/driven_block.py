@@ -10,9 +10,9 @@ from cartgrasp.frames import Array
 
 from .jit import Indices
 
-N_SIZES = 8
+N_SIZES = 6
 """Numbers of a plan before the indices of the free parameters: how many states, reduced wrenches, memories, parameters
-and free ones; where stiction begins in a row of `entries.effects`, and where it ends; 1 where anything sticks."""
+and free ones, and how many numbers stiction has at most."""
 
 
 class Driven(NamedTuple):
@@ -52,7 +52,7 @@ class Driven(NamedTuple):
 def new_block(plan: Indices) -> Array:
     n, k, m, p, f = plan[:5].tolist()
     kept = 2 * n + n * n + n * f + 2 * m + 2 + 12 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2
-    room = 6 * (n + 3) ** 2 + 2 * n * (f + k) + 3 * f + p + 2 * int(plan[6]) + 60
+    room = 6 * (n + 3) ** 2 + 2 * n * (f + k) + 3 * f + p + int(plan[5]) + 60
     return np.zeros(kept + room)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.kernels.dynamics import Point, lifted, reduced, situation, stictions, taught
+from cartgrasp.kernels.dynamics import Point, lifted, situation, stictions, taught
 from cartgrasp.kernels.workspace import copy, unpack
 
 from .jit import Indices, compiled, entry, row_compiled, row_entry
@@ -302,11 +302,8 @@ def _find(floats: Array, ints: Indices, asked: Asked, found: Found, n: int) -> N
     m, _ = unpack(floats, ints)
     for i in range(len(asked.time)):
         point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
-        if i < n:
-            reduced(m, point, asked.acceleration[i], found.wrench[i], found.by_acceleration[i])
-        else:
-            out = found.wrench[i], found.by_acceleration[i], found.by_parameters[i]
-            taught(m, point, asked.acceleration[i], out)
+        by_parameters = found.by_parameters[i] if i >= n else found.by_parameters[i, :0]
+        taught(m, point, asked.acceleration[i], (found.wrench[i], found.by_acceleration[i], by_parameters))
 
 
 @compiled

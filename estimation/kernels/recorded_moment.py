@@ -7,7 +7,7 @@ from cartgrasp.frames import Array
 
 from .felt_wrench import Felt, feel, hold, size
 from .filtered_row import over
-from .jit import compiled, entry
+from .jit import compiled, entry, inlined
 from .tracked_motion import follow, known_of, take
 
 LATER, FELT, DUE = 1, 2, 4
@@ -36,7 +36,7 @@ def record(
     return said
 
 
-@compiled
+@inlined
 def go_on(rows: Array, known: Array, i: int, time: float, felt: Felt) -> None:
     """To moment i > 0, of which nothing is seen yet, and which has the last one's wrench."""
     f = len(felt.grip)

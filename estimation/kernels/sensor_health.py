@@ -8,7 +8,7 @@ import math
 
 from cartgrasp.frames import Array
 
-from .jit import compiled, entry
+from .jit import compiled, entry, inlined
 
 TIME_OUT = 0.5
 """s without a usable sample after which a sensor that spoke before is missed."""
@@ -35,7 +35,7 @@ def note(row: Array, time: float, ratio: float) -> None:
         row[3] = 1.0 if math.isfinite(row[0]) and time - row[0] > TIME_OUT else 0.0
 
 
-@compiled
+@inlined
 def said_of(table: Array) -> int:
     said = (POSE_MISSED if table[0, 3] > 0.0 else 0) + (WRENCH_MISSED if table[2, 3] > 0.0 else 0)
     return said + (OUTLYING if table[0, 2] > OUTLYING_SHARE or table[1, 2] > OUTLYING_SHARE else 0)

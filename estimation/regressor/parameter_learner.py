@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -27,9 +28,9 @@ from ..kernels.filtered_row import FilteredRow, are_known, weights
 from ..kernels.recorded_moment import DUE, FELT
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
-from ..parameter_report import ParameterReport
+from ..parameter_report import ParameterReport, WhenAsked
 from ..prior import Prior
-from ..seen import NOTHING_FELT, NOTHING_SEEN, seen_in
+from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..shallow import shallow
 from ..wrench_sensing import WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
@@ -37,8 +38,6 @@ from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
 from .regression_belief import RegressionBelief
 from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
-
-NO_WRENCHES = np.zeros(0)
 
 
 class ParameterLearner:
@@ -55,10 +54,10 @@ class ParameterLearner:
     ) -> None:
         self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
         self._free = self.prior.free(cart)
-        self._pairs = np.ix_(self._free, self._free)
-        self._first_covariance = self.prior.covariance(cart)[self._pairs]
-        self._root = root_of(load_covariance(cart, self.prior, 1.0)[self._pairs])  # of a load's covariance, by mass
-        first = Gaussian(cart.parameters[self._free], self._first_covariance)
+        pairs = np.ix_(self._free, self._free)
+        self._root = root_of(load_covariance(cart, self.prior, 1.0)[pairs])  # of a load's covariance, by mass
+        first = Gaussian(cart.parameters[self._free], self.prior.covariance(cart)[pairs])
+        self._first_variances = np.diagonal(first.covariance)
         self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
         self.tracker = MotionTracker(cart, self.noise)
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
@@ -69,38 +68,31 @@ class ParameterLearner:
         self._report: Mapping[str, ParameterEstimate] | None = None
         self._again: SecondLook | None = None
         self._memory: Array | None = None
-        self.believed = np.zeros(0)  # as in `Felt`
-        self._started = self._has_wrench = False
-        self.time, self.seen = -math.inf, NOTHING_SEEN  # of the last measurement
-        self._is_felt, self._no_grip = False, np.zeros((cart.constraints.n_free, cart.constraints.n_free))
+        self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
+        self._seen, self._started, self._has_wrench = Seen(), False, False
+        self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
         self._conclude()
 
     def take(self, measurement: Measurement) -> None:
         """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
         time, sensing = float(measurement.time), self._sensing
         sensing.note_contacts(measurement)
-        seen = self.seen = seen_in(measurement)
+        seen = self.seen = self._seen.of(measurement)
         if not self._started or time - self.time > LONG_GAP:
             self._start(time)
             seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
-        grip = sensing.gripped(measurement.wrenches, self.theta) if measurement.wrenches else None
-        if grip is None:
-            said = self.tracker.record(time, seen, NO_WRENCHES, self._no_grip, self.believed)
-        else:
-            if sensing.corrects:
-                self._believe()
-            said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
-        self.time, self._is_felt = self.tracker.last_time, said & FELT > 0
-        self._has_wrench |= self._is_felt
+        grip = sensing.gripped(measurement.wrenches, self.theta)
+        if sensing.corrects:
+            self._believe()
+        said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
+        self.time = self.tracker.last_time
         if said & DUE:
             self._take_row()
         self._watch.go_on(time)
-
-    @property
-    def felt(self) -> Array:
-        """The wrench of the last measurement, from its time on as in `kernels/felt_wrench.py`; NaN where there is
-        none."""
-        return self.tracker.felt if self._is_felt else NOTHING_FELT
+        if said & FELT:
+            self.felt, self._has_wrench = self.tracker.felt, True
+        else:
+            self.felt = NOTHING_FELT
 
     @property
     def motion(self) -> Motion:
@@ -242,15 +234,13 @@ class ParameterLearner:
         if len(self._free) and not self._limits.holds(theta):
             theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
         self.theta, self._report = theta, None
-        self._mass = self.cart.inverse(self.cart.state(), np.zeros(self.cart.constraints.n_free), theta).by_acceleration
+        self._mass = self.cart.inverse(*self._at_rest, theta).by_acceleration
         self._believe()
 
     @property
     def report(self) -> Mapping[str, ParameterEstimate]:
         """What is said of the parameters."""
         if self._report is None:
-            share = np.ones(len(self.theta))
-            variances = np.diagonal(self.covariance)[self._free] / np.diagonal(self._first_covariance)
-            share[self._free] = np.sqrt(np.maximum(variances, 0.0))
-            self._report = self.reporter.of(self.theta, self.covariance, share)
+            given = self.theta, self.covariance, self._free, self._first_variances
+            self._report = WhenAsked(partial(self.reporter.of_free, *given))
         return self._report

@@ -6,6 +6,7 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from numba import njit
 
 from cartgrasp.effects import CasterRealignment, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
@@ -17,11 +18,23 @@ from estimation.driven_motion import DrivenMotion
 from estimation.kernels import correction
 from estimation.kernels.tracked_motion import PATH_FLOOR
 from estimation.regressor.motion_tracker import MotionTracker
-from estimation.seen import seen_in
+from estimation.seen import Seen
 
 numbers = st.floats(-3, 3, allow_nan=False, allow_infinity=False)
 seeds = st.integers(0, 2**32 - 1)
 ROOM = 200
+
+
+@njit
+def corrected(mean, own, slopes, beside, where, residual, R):
+    """The NIS."""
+    believed = correction.Believed(mean, own, slopes, beside)
+    return correction.correct(believed, where, residual, R, np.empty(ROOM))
+
+
+@njit
+def eliminated(matrix, right):
+    correction.eliminate(matrix, right)
 
 
 def covariance_of(root):
@@ -33,7 +46,7 @@ def test_elimination_solves(root, right):
     matrix = covariance_of(root)[::-1].copy()  # no large numbers on the diagonal: pivots are needed
     expected = np.linalg.solve(matrix, right)
     solved = right.copy()
-    correction.eliminate(matrix.copy(), solved)
+    eliminated(matrix.copy(), solved)
     np.testing.assert_allclose(matrix @ solved, right, atol=1e-7 * (1 + np.abs(expected).max()))
 
 
@@ -51,7 +64,7 @@ def test_a_correction_is_conditioning_that_leaves_the_parameters(seed, m):
     gain = np.linalg.solve(S, H @ whole).T
     keep = np.eye(n) - gain @ H
     got = correction.Believed(mean.copy(), own.copy(), slopes.copy(), beside)
-    nis = correction.correct(got, (first, m), residual, R, np.empty(ROOM))
+    nis = corrected(*got, (first, m), residual, R)
     assert nis == pytest.approx(residual @ np.linalg.solve(S, residual), rel=1e-6)
     np.testing.assert_allclose(got.mean, gain @ residual, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(got.own, keep @ own @ keep.T + gain @ R @ gain.T, rtol=1e-6, atol=1e-7)
@@ -77,7 +90,7 @@ def test_numbers_that_are_missing_say_nothing(seed, missing):
 
 def test_an_outlier_pulls_but_can_not_tear():
     got = correction.Believed(np.zeros(3), np.eye(3), np.zeros((3, 1)), np.zeros((1, 1)))
-    nis = correction.correct(got, (0, 1), np.array([1e4]), np.array([[0.01]]), np.empty(ROOM))
+    nis = corrected(*got, (0, 1), np.array([1e4]), np.array([[0.01]]))
     assert nis == pytest.approx(1e8 / 1.01, rel=1e-6)
     assert 0 < got.mean[0] < 1e4
     assert got.own[0, 0] > 0.9, "it teaches nearly nothing"
@@ -156,7 +169,7 @@ def test_effects_without_kernels_go_the_same_way(seed, turned):
             if k % 13:
                 pushed(motion, wrench, np.diag([3.0, 1.0]))
             seen = {"pose": pose} if k % 3 == 0 else {"velocity": velocity}
-            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), seen_in(Measurement(0.0, **seen)))
+            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), Seen().of(Measurement(0.0, **seen)))
     for found, expected in zip(motions[0].now[:-1], motions[1].now[:-1], strict=True):  # without the room
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
 
