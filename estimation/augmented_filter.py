@@ -25,12 +25,14 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion
 
 from .filtering import exponential_step, innovation, predicted, updated
-from .first_motion import LONG_GAP, UNKNOWN_FORCE, first_motion
+from .first_motion import LOST_AFTER, UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
-from .health import SENSORS, Health, SensorHealth, said
+from .health import SENSORS, Health, SensorHealth, by_sensor, no_health, said
 from .innovation_watch import InnovationWatch
 from .kernels.correction import GATE
 from .kernels.driven_motion import MAX_STEP, POISED
+from .kernels.felt_wrench import JUMP
+from .kernels.sensor_health import noted
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .prior import Prior
@@ -38,7 +40,6 @@ from .shallow import shallow
 from .wrench_sensing import WrenchSensing
 from .wrench_walk import WrenchWalk
 
-JUMP = 14.0
 STANDS_OUT = 1.0
 MEASUREMENT_FLOOR = 1e-10
 BRIEFLY = 0.1
@@ -83,7 +84,7 @@ class AugmentedFilter:
         self._brief = math.sqrt(BRIEFLY) / cart.stiction_roots
         self._belief: Gaussian | None = None
         self._physical: tuple[Gaussian, Array] | None = None  # of a belief
-        self._sensors = dict.fromkeys(SENSORS, SensorHealth())
+        self._sensors, self._said = no_health(), 0
         self.time = -math.inf
         self._started = self._has_wrench = False
         self._lift = cart.planar_wrench(np.eye(cart.constraints.n_free)).T
@@ -105,14 +106,13 @@ class AugmentedFilter:
             self._take_wrenches(measurement)
         if self._watch.wants_reset(self.time):
             self._open_load()
-        for name in SENSORS:
-            nis, size = self._watch.last.get(name, (math.nan, 1))
-            self._sensors[name] = self._sensors[name].seen(measurement.time, nis / (GATE * size))
+        found = [self._watch.last.get(name, (math.nan, 1)) for name in SENSORS]
+        self._said = noted(self._sensors, measurement.time, np.array([nis / (GATE * size) for nis, size in found]))
 
     def copy(self) -> Self:
         other = shallow(self)
         other._watch, other._walk, other._sensing = self._watch.copy(), shallow(self._walk), self._sensing.copy()
-        other._poise, other._sensors = self._poise.copy(), dict(self._sensors)
+        other._poise, other._sensors = self._poise.copy(), self._sensors.copy()
         return other
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
@@ -124,7 +124,7 @@ class AugmentedFilter:
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:
-        return self._sensors
+        return by_sensor(self._sensors)
 
     @property
     def belief(self) -> Gaussian:
@@ -150,7 +150,7 @@ class AugmentedFilter:
     @property
     def health(self) -> Health:
         own = self._watch.health if self._has_wrench else Health.NO_WRENCH
-        return said(self._sensors, own)
+        return said(self._said, own)
 
     @property
     def _physical_block(self) -> Array:
@@ -177,7 +177,7 @@ class AugmentedFilter:
 
     def _predict(self, time: float) -> None:
         gap = time - self.time
-        if gap > LONG_GAP:
+        if gap > LOST_AFTER:
             self._coast(gap)
         else:
             n = int(np.ceil(gap / MAX_STEP - 1e-6))

@@ -14,14 +14,16 @@ from cartgrasp.motion import Motion
 
 from .first_motion import UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
+from .health import no_health
 from .kernels import driven_motion as kernels
-from .kernels.driven_block import new_block, parts
-from .kernels.driven_motion import HELD, MAX_STEP
+from .kernels.driven_block import Driven, new_block, parts
+from .kernels.driven_motion import MAX_STEP
+from .kernels.felt_wrench import HELD
 from .kernels.jit import Indices
+from .kernels.sensor_health import noted
 from .noise import FilterNoise
-from .seen import NOTHING_SEEN
+from .seen import NOTHING_FELT, NOTHING_SEEN
 from .shallow import shallow
-from .wrench_sensing import SensedWrench
 
 
 class DrivenMotion:
@@ -30,15 +32,17 @@ class DrivenMotion:
     def __init__(self, cart: CartModel, noise: FilterNoise, free: np.ndarray) -> None:
         self.cart, self._noise, self._free, self._nu = cart, noise, free, cart.velocity_slice
         self._in_kernels = cart.is_compiled and not cart.slip_compliance
+        self._workspace = cart.dynamics.floats, cart.dynamics.ints
         self._sticks = cart.stiction(cart.state(), cart.parameters, 0.0).shape[-1] > 0
         n, k, m = len(cart.state_names), cart.constraints.n_free, len(cart.memory_names)
-        first = cart.dynamics.n_sums + m
-        end = first + 3 * cart.dynamics.most_stictions
-        self._plan = np.array([n, k, m, len(cart.parameters), len(free), first, end, self._sticks, *free], np.int64)
+        most = 3 * cart.dynamics.most_stictions if self._sticks else 0
+        self._plan = np.array([n, k, m, len(cart.parameters), len(free), most, *free], np.int64)
         self._block = new_block(self._plan)
-        self.now = parts(self._block, self._plan)
-        self.time = math.nan
+        self._now: Driven | None = None
+        self._pose_and_nu = self._block[:3], self._block[self._nu]
+        self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
+        self.now.health[:] = no_health()
         self._set_constants()
         self._let_go()
 
@@ -59,6 +63,13 @@ class DrivenMotion:
         return self._block, self._plan
 
     @property
+    def now(self) -> Driven:
+        """Views of the block."""
+        if self._now is None:
+            self._now = parts(self._block, self._plan)
+        return self._now
+
+    @property
     def belief(self) -> Gaussian:
         """Mean and whole covariance."""
         now = self.now
@@ -66,8 +77,8 @@ class DrivenMotion:
 
     def copy(self) -> Self:
         other = shallow(self)
-        other._block = self._block.copy()
-        other.now = parts(other._block, self._plan)
+        other._block, other._now = self._block.copy(), None
+        other._pose_and_nu = other._block[:3], other._block[self._nu]
         return other
 
     def start(self, time: float, pose: Array) -> None:
@@ -77,6 +88,8 @@ class DrivenMotion:
         now.own[:], now.slopes[:], now.nis[:] = np.diag(variances), 0.0, np.nan
         self._let_go()
         self.time = time
+        if np.isfinite(pose).all():
+            noted(now.health, time, np.array([0.0, math.nan, math.nan]))
 
     def coast(self, time: float) -> None:
         """Over a long gap: anything may have happened."""
@@ -87,8 +100,8 @@ class DrivenMotion:
 
     @property
     def motion(self) -> Motion:
-        mean = self.now.mean.copy()
-        return Motion(mean[:3], mean[self._nu])
+        pose, nu = self._pose_and_nu
+        return Motion(pose.copy(), nu.copy())
 
     def learn(self, theta: Array, covariance: Array) -> None:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""
@@ -97,31 +110,28 @@ class DrivenMotion:
         kernels.learn(self._block, self._plan, theta, covariance)
         self._theta = theta
 
-    def push(self, wrench: SensedWrench) -> None:
-        """From now on."""
-        now = self.now
-        now.pushed[1], now.pushed[0] = now.pushed[0], self.time
-        now.push[:], now.push_covariance[:] = wrench.value, wrench.covariance
-
-    def advance(self, time: float, seen: Array = NOTHING_SEEN) -> None:
+    def advance(
+        self, time: float, seen: Array = NOTHING_SEEN, felt: Array = NOTHING_FELT, surprise: float = 0.0
+    ) -> None:
         """With nothing measured on the way but the last push; then takes in what is `seen` (6,) at that time: pose and
-        velocity, NaN where missing."""
-        span = self.time, time
+        velocity, NaN where missing; and what is `felt` from then on, from the time of a sample on as in
+        `kernels/felt_wrench.py`, with its `surprise`."""
+        block, plan = self._block, self._plan
         if self._in_kernels:
-            floats, ints = self.cart.dynamics.floats, self.cart.dynamics.ints
-            kernels.drive(floats, ints, self._block, self._plan, seen, span)
+            floats, ints = self._workspace
+            self.said = kernels.drive(floats, ints, block, plan, self.time, time, seen, felt, surprise)
         else:
-            self._go(span)
-            kernels.take(self._block, self._plan, seen)
+            self._go(self.time, time)
+            self.said = kernels.take(block, plan, time, seen, felt, surprise)
         self.time = time
 
-    def _go(self, span: tuple[float, float]) -> None:
+    def _go(self, begin: float, end: float) -> None:
         """What `kernels.drive` does, of effects without kernels."""
         cart, now = self.cart, self.now
-        count = math.ceil((span[1] - span[0]) / MAX_STEP - 1e-6)
+        count = math.ceil((end - begin) / MAX_STEP - 1e-6)
         for i in range(count):
-            step = (span[1] - span[0]) / count
-            time = span[0] + i * step
+            step = (end - begin) / count
+            time = begin + i * step
             if time - now.pushed[0] > HELD:
                 self._let_go()
             rate = cart.rate(now.mean, now.lift @ now.push, now.theta, time)

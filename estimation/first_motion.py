@@ -9,7 +9,7 @@ from cartgrasp.model import CartModel
 
 from .noise import FilterNoise
 
-LONG_GAP = 1.0
+LOST_AFTER = 1.0
 """s without a sample after which the motion may be any again."""
 UNKNOWN_FORCE = 100.0
 """N: of a wrench of which nothing is known."""

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import NamedTuple
 
-TIME_OUT = 0.5
-"""s without a usable sample after which a sensor that spoke before is missed."""
-OUTLYING_SHARE, SMOOTHING = 0.1, 0.05
-"""Of the last samples: from how many beyond their gate on outliers are called so."""
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .kernels.sensor_health import OUTLYING, OUTLYING_SHARE, POSE_MISSED, WRENCH_MISSED
 
 
 class Health(StrEnum):
@@ -32,35 +33,30 @@ class SensorHealth(NamedTuple):
     """The last usable sample's `time`, its `ratio`, the normalised innovation squared over the gate beyond which it
     counts less, and the `outlying` share of the last samples; whether nothing has come for too long."""
 
-    time: float = -math.inf
-    ratio: float = math.nan
-    outlying: float = 0.0
-    is_missed: bool = False
-
-    def seen(self, time: float, ratio: float) -> SensorHealth:
-        """After a sample; a ratio that is not finite is of one that could not be used."""
-        if not math.isfinite(ratio):
-            return self.later(time)
-        outlying = self.outlying + SMOOTHING * (float(ratio > 1.0) - self.outlying)
-        return SensorHealth(time, ratio, outlying)
-
-    def later(self, time: float) -> SensorHealth:
-        """With nothing new."""
-        is_missed = self.time > -math.inf and time - self.time > TIME_OUT
-        return self if is_missed == self.is_missed else SensorHealth(self.time, self.ratio, self.outlying, is_missed)
+    time: float
+    ratio: float
+    outlying: float
+    is_missed: bool
 
     @property
     def has_outliers(self) -> bool:
         return self.outlying > OUTLYING_SHARE
 
 
-def said(sensors: Mapping[str, SensorHealth], learner: Health) -> Health:
-    """The first that holds, of sensors and of what learns from them."""
-    pose, velocity, wrench = sensors["pose"], sensors["velocity"], sensors["wrench"]
-    if pose.is_missed:
+def no_health() -> Array:
+    """The table of `kernels/sensor_health.py`, before any sample."""
+    return np.tile([-math.inf, math.nan, 0.0, 0.0], (len(SENSORS), 1))
+
+
+def by_sensor(table: Array) -> Mapping[str, SensorHealth]:
+    rows = zip(SENSORS, table.tolist(), strict=True)
+    return {sensor: SensorHealth(time, ratio, outlying, missed > 0) for sensor, (time, ratio, outlying, missed) in rows}
+
+
+def said(of_sensors: int, learner: Health) -> Health:
+    """The first that holds, of what is said of the sensors and by what learns from them."""
+    if of_sensors & POSE_MISSED:
         return Health.STALE
-    if learner == Health.NO_WRENCH or wrench.is_missed:
+    if of_sensors & WRENCH_MISSED:
         return Health.NO_WRENCH
-    if learner != Health.OK:
-        return learner
-    return Health.OUTLIERS if pose.has_outliers or velocity.has_outliers else Health.OK
+    return Health.OUTLIERS if of_sensors & OUTLYING and learner is Health.OK else learner

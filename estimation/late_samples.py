@@ -45,6 +45,7 @@ class LateSamples(Generic[T]):
     def __init__(self, state: T) -> None:
         self.state = state
         self._kept: list[Kept[T]] = []
+        self._due = -math.inf  # when the next state is kept
         self._samples: list[Measurement] = []
         self._forgotten = 0
         self._refused: tuple[float, float] | None = None  # first and last in a row
@@ -77,7 +78,7 @@ class LateSamples(Generic[T]):
         while self._kept[-1].state.time > measurement.time:
             self._kept.pop()
         last = self._kept[-1]
-        self.state = last.state.copy()
+        self.state, self._due = last.state.copy(), last.state.time + EVERY
         first = last.seen - self._forgotten
         again, self._samples = self._samples[first:], self._samples[:first]
         late = sum(sample.time <= measurement.time for sample in again)
@@ -88,9 +89,13 @@ class LateSamples(Generic[T]):
     def _go_on(self, measurement: Measurement) -> None:
         self.state.take(measurement)
         self._samples.append(measurement)
-        if not self._kept or self.state.time - self._kept[-1].state.time >= EVERY:
-            self._kept.append(Kept(self.state.copy(), self._forgotten + len(self._samples)))
-            while len(self._kept) > 1 and self._kept[1].state.time <= self.state.time - REACH:
-                self._kept.pop(0)
-            passed = self._kept[0].seen - self._forgotten
-            self._samples, self._forgotten = self._samples[passed:], self._forgotten + passed
+        if self.state.time >= self._due:
+            self._keep()
+
+    def _keep(self) -> None:
+        self._kept.append(Kept(self.state.copy(), self._forgotten + len(self._samples)))
+        self._due = self.state.time + EVERY
+        while len(self._kept) > 1 and self._kept[1].state.time <= self.state.time - REACH:
+            self._kept.pop(0)
+        passed = self._kept[0].seen - self._forgotten
+        self._samples, self._forgotten = self._samples[passed:], self._forgotten + passed

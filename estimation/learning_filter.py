@@ -20,12 +20,11 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 
 from .driven_motion import DrivenMotion
-from .first_motion import LONG_GAP
+from .first_motion import LOST_AFTER
 from .gaussian import Gaussian
-from .health import SENSORS, Health, SensorHealth, said
-from .kernels.correction import GATE
+from .health import SensorHealth, by_sensor, said
 from .regressor.parameter_learner import ParameterLearner
-from .seen import NOTHING_SEEN, seen_in
+from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from .shallow import shallow
 
 
@@ -34,9 +33,8 @@ class LearningFilter:
 
     def __init__(self, learner: ParameterLearner, motion: DrivenMotion) -> None:
         self.learner, self.motion = learner, motion
-        self.sensors = dict.fromkeys(SENSORS, SensorHealth())
         self.time = -math.inf  # of the last sample
-        self._gates, self._started = [GATE * size for size in self.sizes], False
+        self._started = False
 
     @property
     def cart(self) -> CartModel:
@@ -47,31 +45,25 @@ class LearningFilter:
         learner, motion = self.learner, self.motion
         learner.take(measurement)
         self.time = learner.time
-        self._move(measurement.time, learner.seen)
+        self._move(float(measurement.time), learner.seen, learner.felt)
         motion.learn(learner.theta, learner.covariance)
-        sensed = learner.sensed if measurement.wrenches else None
-        if sensed is not None:
-            motion.push(sensed)
-        self._note_sensors(measurement, sensed is not None)
 
-    def _move(self, time: float, seen: Array) -> None:
+    def _move(self, time: float, seen: Array, felt: Array = NOTHING_FELT) -> None:
         motion = self.motion
-        if self._started:
-            if time - motion.time > LONG_GAP:
-                motion.coast(time)
-            motion.advance(time, seen)
-        else:
+        if not self._started:
             motion.start(time, seen[:3])
-            motion.advance(time, np.concatenate([NOTHING_SEEN[:3], seen[3:]]))
             self._started = math.isfinite(seen[2])  # without a heading nobody knows where anything pushes
+            seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
+        elif time - motion.time > LOST_AFTER:
+            motion.coast(time)
+        motion.advance(time, seen, felt, self.learner.surprise)
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, and learned nothing."""
-        other = shallow(self)
-        other.motion, other.sensors = self.motion.copy(), dict(self.sensors)
+        other, seen = shallow(self), Seen()
+        other.motion = self.motion.copy()
         for sample in samples:
-            other._move(sample.time, seen_in(sample))
-            other._note_sensors(sample, False)
+            other._move(sample.time, seen.of(sample))
         return other
 
     @property
@@ -80,11 +72,13 @@ class LearningFilter:
         return 3, self.cart.constraints.n_free
 
     def estimate(self) -> Estimate:
-        return self.learner.estimate(self.motion.motion, self.health)
+        learner, motion = self.learner, self.motion
+        return learner.estimate(motion.motion, said(motion.said, learner.health))
 
     @property
-    def health(self) -> Health:
-        return said(self.sensors, self.learner.health)
+    def sensors(self) -> Mapping[str, SensorHealth]:
+        """How pose, velocity and wrench do."""
+        return by_sensor(self.motion.now.health)
 
     @property
     def belief(self) -> Gaussian:
@@ -100,14 +94,4 @@ class LearningFilter:
     def copy(self) -> Self:
         other = shallow(self)
         other.learner, other.motion = self.learner.copy(), self.motion.copy()
-        other.sensors = dict(self.sensors)
         return other
-
-    def _note_sensors(self, measurement: Measurement, is_pushed: bool) -> None:
-        time, sensors = measurement.time, self.sensors
-        pose, velocity = self.motion.now.nis.tolist()
-        if measurement.pose is not None and not math.isfinite(pose) and np.isfinite(measurement.pose).all():
-            pose = 0.0  # where it began
-        sensors["pose"] = sensors["pose"].seen(time, pose / self._gates[0])
-        sensors["velocity"] = sensors["velocity"].seen(time, velocity / self._gates[1])
-        sensors["wrench"] = sensors["wrench"].seen(time, self.learner.surprise if is_pushed else math.nan)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from typing import final
+
 import numpy as np
 
 from cartgrasp.frames import Array
@@ -34,6 +38,13 @@ class ParameterReport:
             name: ParameterEstimate(value, deviation, unit, known) for (name, unit), value, deviation, known in rows
         }
 
+    def of_free(self, theta: Array, covariance: Array, free: np.ndarray, first: Array) -> dict[str, ParameterEstimate]:
+        """As `of`, where the free ones (indices) were believed with variances (f,) at first, and are estimated as they
+        are."""
+        share = np.ones(len(theta))
+        share[free] = np.sqrt(np.maximum(np.diagonal(covariance)[free] / first, 0.0))
+        return self.of(theta, covariance, share)
+
     def numbers(self, theta: Array, covariance: Array) -> tuple[Array, Array]:
         """Physical values and their standard deviations (..., p)."""
         to_report = np.broadcast_to(np.eye(theta.shape[-1]), covariance.shape).copy()
@@ -46,3 +57,28 @@ class ParameterReport:
             values[..., 1:N_PHI] = *body.com, body.about_com
             std[..., 1:N_PHI] = self._prior_std[1:N_PHI]
         return values, std
+
+
+@final
+class WhenAsked(Mapping[str, ParameterEstimate]):
+    """Parameters by name, which are worked out when somebody looks: at a controller's rate hardly anybody does."""
+
+    def __init__(self, work_out: Callable[[], Mapping[str, ParameterEstimate]]) -> None:
+        self._work_out = work_out
+
+    @cached_property
+    def _found(self) -> Mapping[str, ParameterEstimate]:
+        with np.errstate(all="ignore"):  # whoever asks is told of what is beyond reason by the numbers
+            return self._work_out()
+
+    def __getitem__(self, name: str) -> ParameterEstimate:
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def __repr__(self) -> str:
+        return repr(self._found)

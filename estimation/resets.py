@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .health import OUTLYING_SHARE, Health
+from .health import Health
+from .kernels.sensor_health import OUTLYING_SHARE
 
 HOLD_OFF = 1.5
 """s after a reset in which a load is called changed, and nothing is reset again."""

@@ -1,4 +1,4 @@
-"""What a measurement says of the motion, as one row of numbers."""
+"""What a measurement says of the motion, as one row of numbers; and what says nothing of motion, and of wrenches."""
 
 from __future__ import annotations
 
@@ -7,12 +7,19 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
-NOTHING_SEEN = np.full(6, np.nan)
+NOTHING_SEEN, NOTHING_FELT = np.full(6, np.nan), np.full(1, np.nan)
 
 
-def seen_in(measurement: Measurement) -> Array:
-    """Pose and velocity (6,), NaN where missing."""
-    seen = np.empty(6)
-    seen[:3] = np.nan if measurement.pose is None else measurement.pose
-    seen[3:] = np.nan if measurement.velocity is None else measurement.velocity
-    return seen
+class Seen:
+    """Room for what is seen, which is filled anew for each measurement."""
+
+    def __init__(self) -> None:
+        self._whole = np.empty(6)
+        self._pose, self._velocity = self._whole[:3], self._whole[3:]
+
+    def of(self, measurement: Measurement) -> Array:
+        """Pose and velocity (6,), NaN where missing."""
+        pose, velocity = measurement.pose, measurement.velocity
+        self._pose[:] = np.nan if pose is None else pose
+        self._velocity[:] = np.nan if velocity is None else velocity
+        return self._whole

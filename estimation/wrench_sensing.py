@@ -12,10 +12,8 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 
+from .kernels.felt_wrench import MOST_FORCE
 from .shallow import shallow
-
-MOST_FORCE = 1e6
-"""N, N·m: more in all is no wrench, nor is NaN."""
 
 
 class SensedWrench(NamedTuple):
@@ -34,10 +32,12 @@ class Hold(NamedTuple):
 
 
 class Grip(NamedTuple):
-    """Of all arms: what takes their n wrenches (6 n,) to the reduced one, and the noise of that."""
+    """Of n arms: what takes their wrenches (6 n,) to the reduced one, beside the noise of that, in `matrix` (f, 6 n +
+    f); and room for these `wrenches`, with the `places` in it by arm."""
 
-    reduced: Array
-    covariance: Array
+    matrix: Array
+    wrenches: Array
+    places: dict[str, Array]
 
 
 class WrenchSensing:
@@ -48,8 +48,9 @@ class WrenchSensing:
         self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
-        self._corrects = bool(cart.sensor_effects)
-        self._nothing = np.zeros((cart.constraints.n_free, len(cart.parameters)))
+        self._no_grip = Grip(np.zeros((cart.constraints.n_free, cart.constraints.n_free)), np.zeros(0), {})
+        self.corrects = bool(cart.sensor_effects)
+        self.by_parameters = np.zeros((cart.constraints.n_free, len(cart.parameters)))
 
     def copy(self) -> Self:
         other = shallow(self)
@@ -58,47 +59,54 @@ class WrenchSensing:
 
     def note_contacts(self, measurement: Measurement) -> None:
         for arm, contact in measurement.contacts.items():
-            point = np.asarray(contact, dtype=float)
-            numbers = point.tolist()
-            known = self._holds.get(arm)
-            if (known is None or known.contact != numbers) and np.isfinite(point).all():
-                reduced = self.cart.basis_b.T @ grasp_map_planar(point, self.yaws.get(arm, 0.0))
+            numbers, known = np.asarray(contact, dtype=float).tolist(), self._holds.get(arm)
+            if (known is None or known.contact != numbers) and np.isfinite(numbers).all():
+                reduced = self.cart.basis_b.T @ grasp_map_planar(numbers, self.yaws.get(arm, 0.0))
                 self._holds[arm], self._grip = Hold(numbers, reduced), None
 
-    def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
-        """None where an arm's wrench or contact is missing: the total is then not known."""
-        recorded, true = measurement.wrenches, []
+    def gripped(self, recorded: Mapping[str, Array], parameters: Array) -> Grip:
+        """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. Of no arms where
+        an arm's wrench or contact is missing: the total is then not known."""
         if self._takes_all:
             self._note_arms(recorded)
-        for arm in self._arms:
+        grip = self._grip = self._grip or self._gripped()
+        for arm, place in grip.places.items():
             wrench = recorded.get(arm)
             if wrench is None:
-                return None
-            true.append(wrench)
-        grip = self._grip = self._grip or self._gripped()
-        if grip is None:
+                return self._no_grip
+            place[:] = wrench
+        if self.corrects and grip.places:
+            self._correct(grip, parameters)
+        return grip
+
+    def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
+        """What all arms do together; None where that is not known."""
+        grip = self.gripped(measurement.wrenches, parameters)
+        n = len(grip.wrenches)
+        if n == 0:
             return None
-        by_parameters = self._nothing
-        if self._corrects:
-            corrected = [
-                self.cart.corrected_wrench(arm, np.asarray(wrench), parameters)
-                for arm, wrench in zip(self._arms, true, strict=True)
-            ]
-            true = [wrench for wrench, _ in corrected]
-            by_parameters = grip.reduced @ np.concatenate([by for _, by in corrected])
-        value = grip.reduced @ np.concatenate(true)
-        is_wrench = sum(map(abs, value.tolist())) < MOST_FORCE
-        return SensedWrench(value, grip.covariance, by_parameters) if is_wrench else None
+        value = grip.matrix[:, :n] @ grip.wrenches
+        is_wrench = np.abs(value).sum() < MOST_FORCE
+        return SensedWrench(value, grip.matrix[:, n:], self.by_parameters) if is_wrench else None
+
+    def _correct(self, grip: Grip, parameters: Array) -> None:
+        by = []
+        for arm, place in grip.places.items():
+            place[:], by_parameters = self.cart.corrected_wrench(arm, place.copy(), parameters)
+            by.append(by_parameters)
+        self.by_parameters = grip.matrix[:, : len(grip.wrenches)] @ np.concatenate(by)
 
     def _note_arms(self, recorded: Mapping[str, Array]) -> None:
         for arm in recorded:
             if arm not in self._arms:
                 self._arms, self._grip = (*self._arms, arm), None
 
-    def _gripped(self) -> Grip | None:
-        """None where there is no arm, or a contact is not known."""
+    def _gripped(self) -> Grip:
+        """Of no arms where there is none, or a contact is not known."""
         holds = [self._holds.get(arm) for arm in self._arms]
         reduced = [hold.reduced for hold in holds if hold is not None]
         if len(reduced) < max(len(holds), 1):
-            return None
-        return Grip(np.hstack(reduced), np.add.reduce([r @ self._noise @ r.T for r in reduced]))
+            return self._no_grip
+        noise = np.add.reduce([r @ self._noise @ r.T for r in reduced])
+        wrenches = np.zeros(6 * len(reduced))
+        return Grip(np.hstack([*reduced, noise]), wrenches, dict(zip(self._arms, wrenches.reshape(-1, 6), strict=True)))

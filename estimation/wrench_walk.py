@@ -32,7 +32,7 @@ LATE = 10.0
 
 class WrenchWalk:
     """Of a wrench with n components; `unknown` (n,) is the variance that its walk gains in a second while no samples
-    tell."""
+    tell. Arrays stay as they are, so that copies may share them."""
 
     def __init__(self, unknown: Array) -> None:
         n = len(unknown)
@@ -51,9 +51,9 @@ class WrenchWalk:
         """Takes in a sample (n,) at a time (s), with the variances (n,) of its noise."""
         since, self._time = time - self._time, time
         self._samples += 1
-        self._power += (sample**2 - self._power) / min(self._samples, LONG_MEMORY)
+        self._power = self._power + (sample**2 - self._power) / min(self._samples, LONG_MEMORY)
         if self._samples == 1:
-            self._level += sample
+            self._level = self._level + sample
             return
         self._smooth(sample)
         if since > 0:
@@ -67,8 +67,8 @@ class WrenchWalk:
         square = error**2
         if self._samples > SETTLING:
             square = np.minimum(square, OUTLYING * self._error)
-        self._error += (square - self._error) / min(self._samples - 1, MEMORY)
-        self._level += GAINS * error
+        self._error = self._error + (square - self._error) / min(self._samples - 1, MEMORY)
+        self._level = self._level + GAINS * error
 
     def _best_gain(self) -> Array:
         good = self._error <= AS_GOOD * self._error.min(axis=0)

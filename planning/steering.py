@@ -6,6 +6,9 @@ import math
 
 from cartgrasp.frames import Array
 
+STILL = 1e-3
+"""Of nu: slower than this nothing is meant to move."""
+
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
 

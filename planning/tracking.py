@@ -23,10 +23,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion, Reference
 
-from .steering import error_b, steered
-
-STILL = 1e-3
-"""Of nu: slower than this nothing is meant to move."""
+from .steering import STILL, error_b, steered
 
 
 @dataclass(frozen=True)

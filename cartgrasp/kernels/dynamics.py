@@ -16,7 +16,7 @@ from cartgrasp.frames import Array
 from . import rigid_body
 from .jit import Ints, compiled, inlined
 from .situation import Own, Parts, Situation, Twist
-from .vocabulary import add_memory_rate, add_phi_change, add_stiction, add_wrench
+from .vocabulary import add_memory_rate, add_phi_change, add_stiction, add_wrench, settle
 from .wheel_loads import carry
 from .workspace import MEMORY, PHI, POSE, VELOCITY, Workspace, copy
 
@@ -67,10 +67,12 @@ def reduced(m: Workspace, point: Point, acceleration: Array, wrench: Array, mass
 
 @compiled
 def taught(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Array, Array]) -> None:
-    """As `reduced`, and the wrench's partials by the parameters (f, p)."""
+    """As `reduced`, and the wrench's partials by the parameters (f, p), if there is room for them."""
     wrench, mass, by_parameters = out
     rigid = rigid_body.regressor(lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration))
     reduced(m, point, acceleration, wrench, mass)  # which may stand where nu' does
+    if len(by_parameters) == 0:
+        return
     basis, first = m.basis, MEMORY + len(m.memory_rate)
     by_parameters[:] = 0.0
     for a in range(basis.shape[1]):
@@ -238,6 +240,15 @@ def stictions(m: Workspace, point: Point, columns: Array) -> int:
                 stuck[c, i] *= m.roots[e]
         count += more
     return count
+
+
+@compiled
+def settle_all(m: Workspace, point: Point, at: Situation, memory: Array) -> None:
+    """The memory (k,) when it has come to rest."""
+    copy(point.state[3 + m.basis.shape[1] :], memory)
+    for e in range(len(m.effects)):
+        own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+        settle(m.effects[e, 0], at, own, memory[m.effects[e, 3] : m.effects[e, 4]])
 
 
 @compiled

@@ -14,8 +14,8 @@ from .dynamics import (
     forward,
     inverse,
     lifted,
-    own_of,
     rate_alone,
+    settle_all,
     situation,
     stictions,
     sum_effects,
@@ -23,7 +23,6 @@ from .dynamics import (
 )
 from .floor import react
 from .jit import Ints, compiled, entry
-from .vocabulary import settle
 from .workspace import copy, unpack
 
 MEMORY_STEP = 0.01
@@ -127,11 +126,7 @@ def effects(floats: Array, ints: Ints, given: Array, found: Array) -> int:
         at = situation(m, point, lifted(m.basis, point.state[3:]))
         sum_effects(m, point, at)
         copy(m.sums, found[i])
-        settled = found[i, len(m.sums) : last]
-        copy(point.state[3 + m.basis.shape[1] :], settled)
-        for e in range(len(m.effects)):
-            own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
-            settle(m.effects[e, 0], at, own, settled[m.effects[e, 3] : m.effects[e, 4]])
+        settle_all(m, point, at, found[i, len(m.sums) : last])
         count = stictions(m, point, found[i, last:])
     return count
 

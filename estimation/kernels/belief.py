@@ -47,7 +47,7 @@ def concluded(belief: Belief, theta: Array, free: Indices) -> tuple[Array, Array
     f, p, covariance = len(free), len(theta), _inverse(belief[0])
     mean, factor = covariance @ belief[1], covariance[:f, :f].copy()
     found, whole, root = theta.copy(), np.zeros((p, p)), np.zeros((p, f))
-    factorise(factor)
+    factorise(factor, f)
     for a in range(f):
         found[free[a]] = mean[a]
         for b in range(f):
@@ -175,7 +175,7 @@ def _linked(belief: Belief, linking: Array) -> Belief:
 def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief, kept: float) -> None:
     """Of what the row asks, and never more than it answers."""
     k, root = slopes.shape[1], noise.copy()
-    factorise(root)
+    factorise(root, len(root))
     for a in range(len(root)):
         root[a, a + 1 :] = 0.0
     asked = _solved(root, slopes)

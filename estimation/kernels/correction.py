@@ -9,7 +9,7 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
-from .jit import compiled, entry
+from .jit import compiled, entry, inlined
 
 GATE = 25.0
 """Of the normalised square a row: a sample beyond it counts as if its noise were larger; outliers pull, but can't
@@ -37,21 +37,22 @@ def carved(room: Array, n: int, m: int) -> tuple[Array, Array]:
 
 
 @compiled
-def correct(b: Believed, first: int, residual: Array, R: Array, room: Array) -> float:
-    """Measured: numbers of the mean from `first` on, as many as the residual (m,), with noise R (m, m). Changes all
-    that is believed but `beside`; returns the NIS, before an outlier's noise is widened."""
-    n, m, f = len(b.mean), len(residual), len(b.beside)
+def correct(b: Believed, where: tuple[int, int], residual: Array, R: Array, room: Array) -> float:
+    """Measured, where: m numbers of the mean from `first` on, to within a residual (m,) with noise R (m, m). Changes
+    all that is believed but `beside`; returns the NIS, before an outlier's noise is widened. A compiler that knows m
+    makes it twice as fast."""
+    (first, m), n, f = where, len(b.mean), len(b.beside)
     K, room = carved(room, n, m)
     S, room = carved(room, m, m)
     scale, nis = 1.0, 0.0
-    _covary(b, first, K)
+    _covary(b, where, K, room)
     for again in range(2):
         for a in range(m):
             for c in range(m):
                 S[a, c] = K[first + a, c] + scale * (R[a, c] + (FLOOR if a == c else 0.0))
-        factorise(S)
+        factorise(S, m)
         if again == 0:
-            nis = _whitened(S, residual, room[:m])
+            nis = _whitened(S, residual, room, m)
             scale = nis / (GATE * m)
             if not scale > 1.0:
                 scale = 1.0
@@ -59,11 +60,11 @@ def correct(b: Believed, first: int, residual: Array, R: Array, room: Array) -> 
     left, room = carved(room, n, n)
     noisy, room = carved(room, n, m)
     for i in range(n):
-        _solve(S, K[i])
+        _solve(S, K[i], m)
         for a in range(m):
             b.mean[i] += K[i, a] * residual[a]
     for i in range(n):
-        for j in range(n):
+        for j in range(max(i + 1, first + m)):
             value = b.own[i, j]
             for a in range(m):
                 value -= K[i, a] * b.own[first + a, j]
@@ -89,25 +90,28 @@ def correct(b: Believed, first: int, residual: Array, R: Array, room: Array) -> 
     return nis
 
 
-@compiled
-def _covary(b: Believed, first: int, out: Array) -> None:
+@inlined
+def _covary(b: Believed, where: tuple[int, int], out: Array, room: Array) -> None:
     """What is not known of the state with what is not known of the measured numbers, (n, m)."""
-    f = len(b.beside)
-    for a in range(out.shape[1]):
-        for i in range(len(out)):
-            out[i, a] = b.own[i, first + a]
-        for p in range(f):
-            value = 0.0
-            for q in range(f):
-                value += b.slopes[first + a, q] * b.beside[q, p]
-            for i in range(len(out)):
-                out[i, a] += b.slopes[i, p] * value
+    (first, m), n, f = where, len(out), len(b.beside)
+    through, _ = carved(room, m, f)
+    through[:] = 0.0
+    for q in range(f):
+        for a in range(m):
+            for p in range(f):
+                through[a, p] += b.slopes[first + a, q] * b.beside[q, p]
+    for i in range(n):
+        for a in range(m):
+            value = b.own[i, first + a]
+            for p in range(f):
+                value += b.slopes[i, p] * through[a, p]
+            out[i, a] = value
 
 
 @compiled
-def factorise(S: Array) -> None:
+def factorise(S: Array, m: int) -> None:
     """Cholesky's, in place."""
-    for a in range(len(S)):
+    for a in range(m):
         for b in range(a + 1):
             value = S[a, b]
             for c in range(b):
@@ -115,11 +119,11 @@ def factorise(S: Array) -> None:
             S[a, b] = math.sqrt(max(value, FLOOR)) if a == b else value / S[b, b]
 
 
-@compiled
-def _whitened(factor: Array, residual: Array, white: Array) -> float:
-    """The residual by its deviation; returns the square."""
+@inlined
+def _whitened(factor: Array, residual: Array, white: Array, m: int) -> float:
+    """The residual (m,) by its deviation; returns the square."""
     square = 0.0
-    for a in range(len(residual)):
+    for a in range(m):
         value = residual[a]
         for b in range(a):
             value -= factor[a, b] * white[b]
@@ -129,9 +133,8 @@ def _whitened(factor: Array, residual: Array, white: Array) -> float:
 
 
 @compiled
-def _solve(factor: Array, row: Array) -> None:
+def _solve(factor: Array, row: Array, m: int) -> None:
     """In place."""
-    m = len(row)
     for a in range(m):
         for b in range(a):
             row[a] -= factor[a, b] * row[b]
@@ -202,11 +205,11 @@ def normalised_square(residual: Array, covariance: Array, room: Array) -> float:
     for a in range(m):
         copy(covariance[a], factor[a])
         factor[a, a] += FLOOR
-    factorise(factor)
-    return _whitened(factor, residual, room)
+    factorise(factor, m)
+    return _whitened(factor, residual, room, m)
 
 
-@compiled
+@inlined
 def take_pose(b: Believed, pose: Array, variance: Array, room: Array) -> float:
     """A pose (3,) that may be NaN in parts, of a state that begins with it; NaN where nothing is there."""
     residual, R = room[:3], room[3:12].reshape((3, 3))
@@ -218,10 +221,10 @@ def take_pose(b: Believed, pose: Array, variance: Array, room: Array) -> float:
             seen += 1
             off = pose[i] - b.mean[i]
             residual[i], R[i, i] = wrapped(off) if i == 2 else off, variance[i]
-    return correct(b, 0, residual, R, room[12:]) if seen > 0 else math.nan
+    return correct(b, (0, 3), residual, R, room[12:]) if seen > 0 else math.nan
 
 
-@compiled
+@inlined
 def take_velocity(b: Believed, velocity: Array, variance: Array, project: Array, room: Array) -> float:
     """A velocity (3,) in {s}, of a state that has nu after the pose; `project` (k, 3) takes a velocity in {b} to nu."""
     if not (math.isfinite(velocity[0]) and math.isfinite(velocity[1]) and math.isfinite(velocity[2])):
@@ -242,4 +245,6 @@ def take_velocity(b: Believed, velocity: Array, variance: Array, project: Array,
             R[a, c] = 0.0
             for j in range(3):
                 R[a, c] += to_free[a, j] * variance[j] * to_free[c, j]
-    return correct(b, 3, residual, R, room)
+    if k == 2:
+        return correct(b, (3, 2), residual, R, room)
+    return correct(b, (3, k), residual, R, room)

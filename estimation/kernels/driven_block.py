@@ -10,15 +10,16 @@ from cartgrasp.frames import Array
 
 from .jit import Indices
 
-N_SIZES = 8
+N_SIZES = 6
 """Numbers of a plan before the indices of the free parameters: how many states, reduced wrenches, memories, parameters
-and free ones; where stiction begins in a row of `entries.effects`, and where it ends; 1 where anything sticks."""
+and free ones, and how many numbers stiction has at most."""
 
 
 class Driven(NamedTuple):
     """Believed: mean (n,), own covariance (n, n), slopes by the free parameters (n, f); how poised each memory is (m,);
-    the last NIS (2,). Of others: parameters (p,) and the free ones' covariance (f, f). The last push: its time and that
-    of the one before (2,), the reduced wrench (k,) and its covariance (k, k).
+    the last NIS (2,), and how sensors do (3, 4), as in `sensor_health.py`. Of others: parameters (p,) and the free
+    ones' covariance (f, f). The last push: its time and that of the one before (2,), the reduced wrench (k,) and its
+    covariance (k, k).
 
     Known: the covariance of an `unknown` push; what lifts a reduced wrench to {b} (3, k), and what projects a velocity
     onto nu (k, 3); variances of pose and velocity (6,); densities of disturbing wrenches (3, 3), of the rest of the
@@ -31,6 +32,7 @@ class Driven(NamedTuple):
     slopes: Array
     poise: Array
     nis: Array
+    health: Array
     theta: Array
     beside: Array
     pushed: Array
@@ -49,8 +51,8 @@ class Driven(NamedTuple):
 
 def new_block(plan: Indices) -> Array:
     n, k, m, p, f = plan[:5].tolist()
-    kept = 2 * n + n * n + n * f + 2 * m + 2 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2
-    room = 6 * (n + 3) ** 2 + 2 * n * (f + k) + 3 * f + p + 2 * int(plan[6]) + 60
+    kept = 2 * n + n * n + n * f + 2 * m + 2 + 12 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2
+    room = 6 * (n + 3) ** 2 + 2 * n * (f + k) + 3 * f + p + int(plan[5]) + 60
     return np.zeros(kept + room)
 
 
@@ -62,6 +64,7 @@ def parts(block: Array, plan: Indices) -> Driven:
     slopes, at = block[at : at + n * f].reshape((n, f)), at + n * f
     poise, at = block[at : at + m], at + m
     nis, at = block[at : at + 2], at + 2
+    health, at = block[at : at + 12].reshape((3, 4)), at + 12
     theta, at = block[at : at + p], at + p
     beside, at = block[at : at + f * f].reshape((f, f)), at + f * f
     pushed, at = block[at : at + 2], at + 2
@@ -81,6 +84,7 @@ def parts(block: Array, plan: Indices) -> Driven:
         slopes,
         poise,
         nis,
+        health,
         theta,
         beside,
         pushed,

@@ -11,18 +11,17 @@ from __future__ import annotations
 import math
 
 from cartgrasp.frames import Array
-from cartgrasp.kernels.dynamics import Point, forward, stictions
-from cartgrasp.kernels.entries import effects
+from cartgrasp.kernels.dynamics import Point, forward, lifted, settle_all, situation, stictions
 from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
-from .correction import Believed, add_congruence, carved, eliminate, take_pose, take_velocity
+from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .driven_block import N_SIZES, Driven, parts
-from .jit import Indices, compiled, entry
+from .felt_wrench import HELD
+from .jit import Indices, compiled, entry, inlined
+from .sensor_health import note, said_of
 
 MAX_STEP = 0.01
-HELD = 0.1
-"""s: for how long a wrench is taken to go on."""
 POISED = 12.0
 """e-foldings of an instability after which nothing is poised there any more."""
 
@@ -30,38 +29,43 @@ unpack = compiled(parts)
 
 
 @entry
-def drive(floats: Array, ints: Indices, block: Array, plan: Indices, seen: Array, span: tuple[float, float]) -> None:
-    """From a time to another with nothing measured on the way but the last push; then takes in what is `seen` (6,).
-    `floats` and `ints` are the cart's workspace."""
+def drive(
+    floats: Array,
+    ints: Indices,
+    block: Array,
+    plan: Indices,
+    begin: float,
+    end: float,
+    seen: Array,
+    felt: Array,
+    surprise: float,
+) -> int:
+    """From a time to another with nothing measured on the way but the last push; then as `take`. `floats` and `ints`
+    are the cart's workspace."""
     d, (cart, flow) = unpack(block, plan), unpack_cart(floats, ints)
     k = len(d.push)
-    push, room = d.room[: 3 + k], d.room[3 + k :]
-    push[3:] = 1.0
-    stuck, room = room[: plan[6] - plan[5]], room[plan[6] - plan[5] :]
-    count = math.ceil((span[1] - span[0]) / MAX_STEP - 1e-6)
+    given, room = d.room[: 3 + k], d.room[3 + k :]
+    given[3:] = 1.0
+    stuck, room = room[: plan[5]], room[plan[5] :]
+    count = math.ceil((end - begin) / MAX_STEP - 1e-6)
     for i in range(count):
-        step = (span[1] - span[0]) / count
-        time = span[0] + i * step
+        step = (end - begin) / count
+        time = begin + i * step
         if time - d.pushed[0] > HELD:
             _let_go(d)
         for j in range(3):
-            push[j] = 0.0
+            given[j] = 0.0
             for a in range(k):
-                push[j] += d.lift[j, a] * d.push[a]
+                given[j] += d.lift[j, a] * d.push[a]
         point = Point(d.mean, time, d.theta, d.mean[:0])
-        forward(cart, point, push, flow)
-        n_stuck = stictions(cart, point, stuck) if plan[7] > 0 else 0
+        forward(cart, point, given, flow)
+        n_stuck = stictions(cart, point, stuck) if plan[5] > 0 else 0
         _predict(d, flow, stuck[: 3 * n_stuck], plan[N_SIZES:], step, room)
         if _is_poised(d):
-            n, p, first = len(d.mean), len(d.theta), plan[5] - len(d.poise)
-            asked, rest = carved(room, 1, n + 1 + p)
-            found, rest = carved(rest, 1, plan[6])
-            copy(d.mean, asked[0])
-            asked[0, n] = time
-            copy(d.theta, asked[0, n + 1 :])
-            effects(floats, ints, asked, found)
-            _topple(d, found[0, first:])
-    _take(d, seen)
+            settled = room[: len(d.poise)]
+            settle_all(cart, point, situation(cart, point, lifted(cart.basis, d.mean[3:])), settled)
+            _topple(d, settled)
+    return _take(d, end, seen, felt, surprise)
 
 
 @entry
@@ -88,9 +92,10 @@ def learn(block: Array, plan: Indices, theta: Array, covariance: Array) -> None:
 
 
 @entry
-def take(block: Array, plan: Indices, seen: Array) -> None:
-    """A pose (3,) and a velocity (3,), NaN where missing."""
-    _take(unpack(block, plan), seen)
+def take(block: Array, plan: Indices, time: float, seen: Array, felt: Array, surprise: float) -> int:
+    """What is `seen` (6,), a pose and a velocity, NaN where missing; then what is felt from now on, from the time of a
+    sample on as in `felt_wrench.py`, or NaN. Returns how sensors do; `surprise` is the ratio of the wrench's."""
+    return _take(unpack(block, plan), time, seen, felt, surprise)
 
 
 @entry
@@ -99,7 +104,7 @@ def topple(block: Array, plan: Indices, settled: Array) -> None:
     _topple(unpack(block, plan), settled)
 
 
-@compiled
+@inlined
 def _let_go(d: Driven) -> None:
     """From now on the push may be any."""
     d.pushed[0] = d.pushed[1] = -math.inf
@@ -108,7 +113,7 @@ def _let_go(d: Driven) -> None:
         copy(d.unknown[a], d.push_covariance[a])
 
 
-@compiled
+@inlined
 def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, room: Array) -> None:
     """The step is `(I - F h/2)⁻¹ h f` and the transition `(I - F h/2)⁻¹ (I + F h/2)`: of second order, and stable where
     F is stiff."""
@@ -151,18 +156,17 @@ def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, r
         copy(noise[i], d.own[i])
         d.mean[i] += ahead[i, n]
     for i in range(n):
-        for q in range(f):
-            value = ahead[i, n + 1 + q]
-            for j in range(n):
-                value += ahead[i, j] * moved[j, q]
-            d.slopes[i, q] = value
+        copy(ahead[i, n + 1 :], d.slopes[i])
+        for j in range(n):
+            for q in range(f):
+                d.slopes[i, q] += ahead[i, j] * moved[j, q]
     first = n - len(d.poise)
     for i in range(len(d.poise)):
         growth = by_state[first + i, first + i]
         d.poise[i] = d.poise[i] + growth * step if growth > 0 else 0.0
 
 
-@compiled
+@inlined
 def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Array, room: Array) -> None:
     """Puts into `noise` (n, n) what disturbances, stiction, slip and swivel add in a time."""
     disturbance, room = carved(room, 3, 3)
@@ -182,7 +186,7 @@ def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Ar
             noise[i, j] += time * sideways[i] * sideways[j]
 
 
-@compiled
+@inlined
 def _is_poised(d: Driven) -> bool:
     longest = 0.0
     for a in range(len(d.poise)):
@@ -190,7 +194,7 @@ def _is_poised(d: Driven) -> bool:
     return longest > POISED
 
 
-@compiled
+@inlined
 def _topple(d: Driven, settled: Array) -> None:
     """A caster doesn't stay turned against its way: a memory believed poised for too long is where it settles."""
     for a in range(len(d.poise)):
@@ -202,8 +206,23 @@ def _topple(d: Driven, settled: Array) -> None:
             d.poise[a] = 0.0
 
 
-@compiled
-def _take(d: Driven, seen: Array) -> None:
-    believed = Believed(d.mean, d.own, d.slopes, d.beside)
+@inlined
+def _take(d: Driven, time: float, seen: Array, felt: Array, surprise: float) -> int:
+    believed, is_felt = Believed(d.mean, d.own, d.slopes, d.beside), math.isfinite(felt[0])
     d.nis[0] = take_pose(believed, seen[:3], d.variances[:3], d.room)
     d.nis[1] = take_velocity(believed, seen[3:], d.variances[3:], d.project, d.room)
+    note(d.health[0], time, d.nis[0] / (3 * GATE))
+    note(d.health[1], time, d.nis[1] / (len(d.push) * GATE))
+    note(d.health[2], time, surprise if is_felt else math.nan)
+    if is_felt:
+        push(d, time, felt)
+    return said_of(d.health)
+
+
+@inlined
+def push(d: Driven, time: float, felt: Array) -> None:
+    k = len(d.push)
+    d.pushed[1], d.pushed[0] = d.pushed[0], time
+    copy(felt[1:], d.push)
+    for a in range(k):
+        copy(felt[1 + k + k * a :], d.push_covariance[a])

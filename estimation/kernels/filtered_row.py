@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.kernels.dynamics import Point, lifted, reduced, situation, stictions, taught
+from cartgrasp.kernels.dynamics import Point, lifted, situation, stictions, taught
 from cartgrasp.kernels.workspace import copy, unpack
 
 from .jit import Indices, compiled, entry, row_compiled, row_entry
 from .row_parts import (
+    SPACING,
     STANDS_OUT,
     Rising,
     add_left_out,
@@ -28,6 +29,9 @@ from .tracked_motion import smooth
 
 RATE = 2.0
 """1/s, of the filter."""
+BLOCK, WIDTH, LAG = SPACING, 0.1, 0.12
+"""s: how long a block is, over how long its ends are means, and how much later its row is worked out, when they are
+smoothed."""
 
 
 class Weights(NamedTuple):
@@ -90,7 +94,7 @@ class LeftOut(NamedTuple):
 
 
 Given = tuple[Array, Array, Array, Array]
-"""Wrenches as `RecordedWrenches` has them, (n - 1, width); parameters (p,), their covariance (p, p), and a root of it
+"""Wrenches as `felt_wrench.py` has them, (n - 1, width); parameters (p,), their covariance (p, p), and a root of it
 (p, q)."""
 
 
@@ -115,18 +119,18 @@ class FilteredRow(NamedTuple):
 
 
 @entry
-def over(time: Array, block: float, width: float, lag: float) -> tuple[int, int]:
-    """Of the first block of so many seconds of moments (n,), and of those that begin up to `width` later: how many
-    moments come before the second of them, and how many there are; 0 where they have not been over for the lag."""
-    n, k, end = len(time), 0, 0
-    last = time[n - 1]
-    if last - time[0] < block + lag - 1e-6:
+def over(rows: Array) -> tuple[int, int]:
+    """Of the first block of n moments, and of those that begin up to WIDTH later: how many moments come before the
+    second of them, and how many there are; 0 where they have not been over for the LAG."""
+    n, k, end = len(rows), 0, 0
+    first, last = rows[0, 0], rows[n - 1, 0]
+    if last - first < BLOCK + LAG - 1e-6:
         return 0, 0
-    while k < n and time[k] < time[0] + block - 1e-6:
+    while k < n and rows[k, 0] < first + BLOCK - 1e-6:
         k += 1
-    while end < n and time[end] < time[0] + block + width - 1e-6:
+    while end < n and rows[end, 0] < first + BLOCK + WIDTH - 1e-6:
         end += 1
-    if last - time[min(end, n) - 1] < lag - 1e-6:
+    if last - rows[min(end, n) - 1, 0] < LAG - 1e-6:
         return 0, 0
     return k, end
 
@@ -148,7 +152,7 @@ def drop(table: Array, k: int) -> None:
 
 
 @row_entry
-def smoothed(rows: Array, time: Array, weights: Array, known: Array, f: int) -> Smoothed:
+def smoothed(rows: Array, weights: Array, known: Array, f: int) -> Smoothed:
     """The first n moments of all that are tracked, each with what was measured after it, and the covariances of sums by
     weights (q, n); without a memory."""
     (q, end), d = weights.shape, 3 + 2 * f
@@ -157,7 +161,7 @@ def smoothed(rows: Array, time: Array, weights: Array, known: Array, f: int) -> 
     nu = np.empty((end, f, f))
     nu[:] = covariance[:end, 3 : 3 + f, 3 : 3 + f]
     return Smoothed(
-        time[:end].copy(),
+        rows[:end, 0].copy(),
         mean[:end, :3].copy(),
         mean[:end, 3 : 3 + f].copy(),
         mean[:end, 3 + f :].copy(),
@@ -298,11 +302,8 @@ def _find(floats: Array, ints: Indices, asked: Asked, found: Found, n: int) -> N
     m, _ = unpack(floats, ints)
     for i in range(len(asked.time)):
         point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
-        if i < n:
-            reduced(m, point, asked.acceleration[i], found.wrench[i], found.by_acceleration[i])
-        else:
-            out = found.wrench[i], found.by_acceleration[i], found.by_parameters[i]
-            taught(m, point, asked.acceleration[i], out)
+        by_parameters = found.by_parameters[i] if i >= n else found.by_parameters[i, :0]
+        taught(m, point, asked.acceleration[i], (found.wrench[i], found.by_acceleration[i], by_parameters))
 
 
 @compiled

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of
-from cartgrasp.kernels.jit import DIGEST
+from cartgrasp.kernels.jit import DIGEST, INNER
 
 Indices = NDArray[np.int64]
 OWN = f"{digest_of(Path(__file__).parent)}_{DIGEST}"
@@ -21,11 +21,16 @@ row_entry = cached_as(OWN, WITH_ARRAYS)
 
 
 def compiled(function: F) -> F:
-    """For kernels that kernels call."""
-    return njit(function, forceinline=True, **OPTIONS)  # type: ignore[no-any-return]
+    """For kernels that kernels call at many places."""
+    return njit(function, forceinline=True, **OPTIONS, **INNER)  # type: ignore[no-any-return]
+
+
+def inlined(function: F) -> F:
+    """For kernels that make no arrays, and are called at a place or two: they are compiled once, with these."""
+    return njit(function, inline="always", **OPTIONS)  # type: ignore[no-any-return]
 
 
 def row_compiled(function: F) -> F:
     """For kernels that those of rows call. They may call those that make no arrays, but for what these give back: only
     numbers are safe, since nobody counts references to arrays."""
-    return njit(function, **WITH_ARRAYS)  # type: ignore[no-any-return]
+    return njit(function, **WITH_ARRAYS, **INNER)  # type: ignore[no-any-return]

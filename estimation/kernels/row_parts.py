@@ -48,7 +48,7 @@ def slowed(velocity: Array, covariance: Array) -> Array:
 def blur(noise: Array, curvature: Array) -> float:
     """The largest eigenvalue of `noise⁻¹ curvature`, both (f, f) and symmetric."""
     root, once = noise.copy(), curvature.copy()
-    factorise(root)
+    factorise(root, len(root))
     for a in range(len(root)):
         root[a, a + 1 :] = 0.0
     eliminate(root.copy(), once)

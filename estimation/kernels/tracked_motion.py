@@ -9,15 +9,16 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
-from .jit import compiled, entry
+from .jit import compiled, entry, inlined
 
 PATH_FLOOR = 1e-6
 """m, rad: what a step's quadrature may miss."""
 
 
 class Moment(NamedTuple):
-    """Views of a row: mean (d,) and covariance (d, d) as believed, the same two as predicted from the moment before,
-    and the transition (d, d) from there; and by how much (1,) the worst sample missed its gate, NaN where none came."""
+    """Views of a moment's row, which they end: mean (d,) and covariance (d, d) as believed, the same two as predicted
+    from the moment before, and the transition (d, d) from there; and by how much (1,) the worst sample missed its gate,
+    NaN where none came."""
 
     mean: Array
     covariance: Array
@@ -40,9 +41,14 @@ class Known(NamedTuple):
     room: Array
 
 
+def row_size(d: int) -> int:
+    """Of what a row tells of the motion."""
+    return 2 * d + 3 * d * d + 1
+
+
 def moment(row: Array, d: int) -> Moment:
-    """Of a row (2 d + 3 d² + 1,)."""
-    mean, at = row[:d], d
+    at = len(row) - (2 * d + 3 * d * d + 1)
+    mean, at = row[at : at + d], at + d
     covariance, at = row[at : at + d * d].reshape((d, d)), at + d * d
     ahead, at = row[at : at + d], at + d
     ahead_covariance, at = row[at : at + d * d].reshape((d, d)), at + d * d
@@ -65,26 +71,20 @@ def known_of(known: Array, f: int) -> Known:
 _moment, _known_of = compiled(moment), compiled(known_of)
 
 
-@entry
-def follow(rows: Array, i: int, step: float, known: Array, seen: Array, jolt: Array) -> None:
-    """Fills row i > 0 from the one before, and takes in what is `seen` (6,): a pose and a velocity, NaN where missing;
-    nu' may have changed by `jolt` (f,) at the last moment."""
+@inlined
+def follow(rows: Array, i: int, step: float, known: Array, jolt: Array) -> None:
+    """Fills row i > 0 from the one before; nu' may have changed by `jolt` (f,) at the last moment."""
     f = len(jolt)
     d = 3 + 2 * f
-    before, now, c = _moment(rows[i - 1], d), _moment(rows[i], d), _known_of(known, f)
-    _predict(before, now, step, c, jolt)
+    now = _moment(rows[i], d)
+    _predict(_moment(rows[i - 1], d), now, step, _known_of(known, f), jolt)
     now.worst[0] = math.nan
-    _take(now, c, seen)
 
 
-@entry
+@inlined
 def take(rows: Array, i: int, known: Array, seen: Array, f: int) -> None:
-    """As `follow`, with no time gone by."""
-    _take(_moment(rows[i], 3 + 2 * f), _known_of(known, f), seen)
-
-
-@compiled
-def _take(now: Moment, c: Known, seen: Array) -> None:
+    """What is `seen` (6,) at moment i: a pose and a velocity, NaN where missing."""
+    now, c = _moment(rows[i], 3 + 2 * f), _known_of(known, f)
     nothing = now.mean[:0]
     believed = Believed(now.mean, now.covariance, nothing.reshape((len(now.mean), 0)), nothing.reshape((0, 0)))
     pose = take_pose(believed, seen[:3], c.variances[:3], c.room)
@@ -94,7 +94,7 @@ def _take(now: Moment, c: Known, seen: Array) -> None:
             now.worst[0] = miss
 
 
-@compiled
+@inlined
 def _predict(before: Moment, now: Moment, step: float, c: Known, jolt: Array) -> None:
     f, d = len(jolt), len(now.mean)
     last, mean, F = before.mean, now.ahead, now.forth
@@ -132,7 +132,7 @@ def _predict(before: Moment, now: Moment, step: float, c: Known, jolt: Array) ->
             now.covariance[i, j] = now.ahead_covariance[i, j] = P[i, j] + leap[i] * leap[j]
 
 
-@compiled
+@inlined
 def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, float], noise: Array) -> None:
     """Puts into `noise` (d, d) that of white jerk, creep and turning, over a step; the path's directions (3, f) by the
     heading halfway."""
@@ -193,7 +193,7 @@ def is_torn(rows: Array) -> bool:
     return count > 0
 
 
-@compiled
+@inlined
 def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Array, room: Array) -> None:
     """Into the first of `means` (2, d) and `covariances` (2, d, d), by the second; leaves in `back` (d, d) what takes
     what is wrong with the moment after to this one, transposed."""
@@ -215,7 +215,7 @@ def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Ar
     add_congruence(back.T, change, covariances[0], room)
 
 
-@compiled
+@inlined
 def _step_beside(back: Array, weight: float, covariance: Array, beside: Array, room: Array) -> None:
     """From what a moment shares with the sum over later ones than the next, (d, f), to that with the next in it."""
     d, f = beside.shape

@@ -38,25 +38,6 @@ swings a little sooner or later, and stays so for some four rows."""
 
 
 @dataclass(frozen=True)
-class Rise:
-    """B[nu'] (f,), with covariance (f, f); the part of it that stands out of its noise, with derivative (f,)."""
-
-    whole: Array
-    covariance: Array
-    part: Array
-    derivative: Array
-
-    @classmethod
-    def of(cls, whole: Array, covariance: Array) -> Rise:
-        return cls(*row_parts.rising(whole, covariance))
-
-    def feigned(self, by_acceleration: Array, mass: Array, noise: Array) -> Array:
-        """(p,), from the slopes' partials by B[nu'] (f, f, p), the mass matrix and the rest of a row's noise (f, f)."""
-        rising = self.whole, self.covariance, self.part, self.derivative
-        return row_parts.feigned(rising, by_acceleration, mass, noise)
-
-
-@dataclass(frozen=True)
 class Block:
     """What a row is worked out from: n smoothed moments, and wrenches, each held to the next moment, as rows (n - 1) of
     `RecordedWrenches`."""

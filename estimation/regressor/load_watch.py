@@ -42,24 +42,25 @@ class LoadWatch:
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
-        self.ratio = 0.0
+        self.ratio, self.health = 0.0, Health.OK
 
     def note(self, time: float, surprise: Surprise, root: Array) -> bool:
         """Whether the parameters should be opened now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
         changes."""
         square = surprise.square
-        self.go_on(time)
+        self._resets = self._resets.at(time)
         self._since = kernels.followed(self._since, surprise.pull, surprise.information, STARTS)
         self._seen += 1
         self.ratio = square / (GATE * self._n)
         self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
         self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
-        if not may or (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD)):
-            return False
-        self._resets, self._squares = self._resets.one_more(time), ()
-        self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
-        return True
+        is_change = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
+        if is_change:
+            self._resets, self._squares = self._resets.one_more(time), ()
+            self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
+        self.health = self._resets.health_beside(self._outliers)
+        return is_change
 
     def _evidence(self, root: Array) -> float:
         """Of the most likely moment."""
@@ -67,8 +68,6 @@ class LoadWatch:
 
     def go_on(self, time: float) -> None:
         """Nothing new up to a time."""
-        self._resets = self._resets.at(time)
-
-    @property
-    def health(self) -> Health:
-        return self._resets.health_beside(self._outliers)
+        if self._resets.times:
+            self._resets = self._resets.at(time)
+            self.health = self._resets.health_beside(self._outliers)

@@ -2,7 +2,7 @@
 smoothing over the last moments.
 
 Wrenches stay out: what they are regressed on has then no share in their noise (errors in variables, physics 11). They
-say only when there may be a jolt, which white jerk would smooth away.
+are kept beside it, and say only when there may be a jolt, which white jerk would smooth away.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from cartgrasp.model import CartModel
 
 from ..gaussian import Gaussian
 from ..kernels import tracked_motion as kernels
-from ..kernels.filtered_row import Smoothed, drop, smoothed
+from ..kernels.felt_wrench import size
+from ..kernels.filtered_row import Smoothed, drop, over, smoothed
+from ..kernels.recorded_moment import LATER, record
 from ..noise import FilterNoise
 from ..shallow import shallow
 
@@ -31,38 +33,39 @@ ROOM = 64
 
 
 class MotionTracker:
-    """Holds the last moments: `(pose, nu, nu')` as predicted from the moment before, and with what was measured."""
+    """Holds the last moments: `(pose, nu, nu')` as predicted from the moment before, and with what was measured; and
+    the wrench of each."""
 
     def __init__(self, cart: CartModel, noise: FilterNoise) -> None:
         f = self._free = cart.constraints.n_free
-        self._d, self._n = 3 + 2 * f, 0
+        self._d, self._wrench, self._n = 3 + 2 * f, size(f, len(cart.parameters)), 0
         self._known = np.zeros(kernels.known_size(f))
         known = kernels.known_of(self._known, f)
         known.basis[:], known.project[:] = cart.basis_b, np.linalg.pinv(cart.basis_b)
         known.variances[:3], known.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
         known.across_b[:] = cart.rolling.across_b
         known.densities[:] = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
-        self._time, self._rows = np.zeros(ROOM), np.zeros((ROOM, 2 * self._d + 3 * self._d**2 + 1))
-        self.first_time = self.last_time = -math.inf
+        self._rows = np.zeros((ROOM, 1 + self._wrench + kernels.row_size(self._d)))
+        self.last_time = -math.inf
 
     @property
     def time(self) -> Array:
         """Of the moments (n,)."""
-        return self._time[: self._n]
+        return self._rows[: self._n, 0].copy()
 
     @property
-    def blocks(self) -> tuple[Array, Array, Array]:
-        """Rows, their times, and constants: for kernels that call `follow`, which then are `followed`."""
-        return self._rows, self._time, self._known
+    def blocks(self) -> tuple[Array, Array]:
+        """Rows and constants: for kernels that record more moments, which then are `followed`."""
+        return self._rows, self._known
 
     def followed(self, moments: int) -> None:
         """So many are in the rows by now."""
-        self._n, self.last_time = moments, float(self._time[moments - 1])
+        self._n, self.last_time = moments, float(self._rows[moments - 1, 0])
 
     def make_room(self, moments: int) -> None:
         """For so many."""
-        while len(self._time) < moments:
-            self._time, self._rows = (np.concatenate([part, np.zeros_like(part)]) for part in (self._time, self._rows))
+        while len(self._rows) < moments:
+            self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
 
     @property
     def now(self) -> Gaussian:
@@ -72,37 +75,50 @@ class MotionTracker:
 
     def start(self, time: float, pose: Array) -> None:
         """Anew, with a pose that may be NaN in parts."""
-        known = np.isfinite(pose)
+        known, first = np.isfinite(pose), self._rows[0]
         variance = np.square(np.repeat(UNKNOWN, [3, self._free, self._free]))
         variance[:3] = np.where(known, kernels.known_of(self._known, self._free).variances[:3], variance[:3])
-        first = kernels.moment(self._rows[0], self._d)
-        first.mean[:3], first.mean[3:] = np.where(known, pose, 0.0), 0.0
-        first.covariance[:], first.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
-        self._n, self._time[0] = 1, time
-        self.first_time = self.last_time = time
+        first[:], first[0], first[1] = 0.0, time, math.nan
+        moment = kernels.moment(first, self._d)
+        moment.mean[:3] = np.where(known, pose, 0.0)
+        moment.covariance[:], moment.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
+        self._n, self.last_time = 1, time
 
-    def next(self, time: float, jolt: Array, seen: Array) -> None:
-        """A later moment, with what was `seen` (6,): pose and velocity, NaN where missing; `jolt` (f,) is by how much
-        nu' may have changed at the last one."""
-        i = self._n
-        self.make_room(i + 1)
-        kernels.follow(self._rows, i, time - self.last_time, self._known, seen, jolt)
-        self._n, self._time[i], self.last_time = i + 1, time, time
+    def record(self, time: float, seen: Array, wrenches: Array, grip: Array, believed: Array) -> int:
+        """A sample of the last moment, or of a later one: pose and velocity `seen` (6,), NaN where missing; the arms'
+        wrenches (6 n,), if any, and the rest of `felt_wrench.Felt`. Returns what `recorded_moment.py` says of it."""
+        n = self._n
+        if n == len(self._rows):
+            self.make_room(n + 1)
+        said = record(self._rows, self._known, n, time, seen, wrenches, grip, believed)
+        if said & LATER:
+            self._n, self.last_time = n + 1, time
+        return said
 
-    def take(self, seen: Array) -> None:
-        """Measured at the last moment, too."""
-        kernels.take(self._rows, self._n - 1, self._known, seen, self._free)
+    @property
+    def felt(self) -> Array:
+        """The last moment's row, from the wrench on."""
+        return self._rows[self._n - 1, 1:]
+
+    def wrenches(self, k: int) -> Array:
+        """Of the first k moments, (k, width), as in `felt_wrench.py`."""
+        return self._rows[:k, 1 : 1 + self._wrench].copy()
 
     def copy(self) -> Self:
         other = shallow(self)
-        other._time, other._rows = self._time.copy(), np.empty_like(self._rows)
+        other._rows = np.empty_like(self._rows)
         other._rows[: self._n] = self._rows[: self._n]
         return other
+
+    def over(self) -> tuple[int, int]:
+        """Of the block that has been over for long enough, how many moments come before the next, and how many there
+        are; 0 where there is none."""
+        return over(self._rows[: self._n])
 
     def smoothed(self, weights: Array) -> Smoothed:
         """The first n moments, each with what was measured after it, too, and without a memory; and the covariances of
         sums by weights (q, n)."""
-        return smoothed(self._rows[: self._n], self._time[: self._n], weights, self._known, self._free)
+        return smoothed(self._rows[: self._n], weights, self._known, self._free)
 
     def is_torn(self, k: int) -> bool:
         """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""
@@ -111,6 +127,4 @@ class MotionTracker:
     def drop(self, k: int) -> None:
         """The first k moments."""
         drop(self._rows[: self._n], k)
-        drop(self._time[: self._n, None], k)
         self._n -= k
-        self.first_time = float(self._time[0])

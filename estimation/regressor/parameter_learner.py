@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -19,35 +20,24 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
+from ..batch.motion_smoother import LONG_GAP
 from ..batch.physical_fit import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
-from ..kernels.correction import normalised_square
-from ..kernels.filtered_row import FilteredRow, are_known, over, weights
-from ..kernels.row_parts import SPACING
+from ..kernels.filtered_row import FilteredRow, are_known, weights
+from ..kernels.recorded_moment import DUE, FELT
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
-from ..parameter_report import ParameterReport
+from ..parameter_report import ParameterReport, WhenAsked
 from ..prior import Prior
-from ..seen import NOTHING_SEEN, seen_in
+from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..shallow import shallow
-from ..wrench_sensing import SensedWrench, WrenchSensing
+from ..wrench_sensing import WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
-from .recorded_wrenches import RecordedWrenches
 from .regression_belief import RegressionBelief
 from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
-
-BLOCK, WIDTH, LAG = SPACING, 0.1, 0.12
-"""s: how long a block is, over how long its ends are means, and how much later its row is worked out, when they are
-smoothed."""
-LONG_GAP = 0.3
-"""s: across a longer one nothing is carried."""
-JUMP = 14.0
-"""Normalised square of a step of the wrench that is no noise."""
-MOST_JOLT = 100.0
-"""m/s² or rad/s²."""
 
 
 class ParameterLearner:
@@ -64,13 +54,12 @@ class ParameterLearner:
     ) -> None:
         self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
         self._free = self.prior.free(cart)
-        self._pairs = np.ix_(self._free, self._free)
-        self._first_covariance = self.prior.covariance(cart)[self._pairs]
-        self._root = root_of(load_covariance(cart, self.prior, 1.0)[self._pairs])  # of a load's covariance, by mass
-        first = Gaussian(cart.parameters[self._free], self._first_covariance)
+        pairs = np.ix_(self._free, self._free)
+        self._root = root_of(load_covariance(cart, self.prior, 1.0)[pairs])  # of a load's covariance, by mass
+        first = Gaussian(cart.parameters[self._free], self.prior.covariance(cart)[pairs])
+        self._first_variances = np.diagonal(first.covariance)
         self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
         self.tracker = MotionTracker(cart, self.noise)
-        self.recorded = RecordedWrenches(cart.constraints.n_free, len(cart.parameters))
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._left_out = left_out(cart, noise)
         self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
@@ -79,28 +68,31 @@ class ParameterLearner:
         self._report: Mapping[str, ParameterEstimate] | None = None
         self._again: SecondLook | None = None
         self._memory: Array | None = None
-        self._calm = self._jolt = np.zeros(cart.constraints.n_free)
-        self._room = np.empty(12)
-        self._started = self._has_wrench = False
-        self.time, self.seen = -math.inf, NOTHING_SEEN  # of the last measurement
-        self.sensed: SensedWrench | None = None  # of the last measurement with wrenches
+        self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
+        self._seen, self._started, self._has_wrench = Seen(), False, False
+        self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
         self._conclude()
 
     def take(self, measurement: Measurement) -> None:
         """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
-        time = float(measurement.time)
-        self._sensing.note_contacts(measurement)
-        self.seen = seen_in(measurement)
-        gap = time - self.time
-        if not self._started or gap > LONG_GAP:
+        time, sensing = float(measurement.time), self._sensing
+        sensing.note_contacts(measurement)
+        seen = self.seen = self._seen.of(measurement)
+        if not self._started or time - self.time > LONG_GAP:
             self._start(time)
-        else:
-            self._go_on(time, gap)
+            seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
+        grip = sensing.gripped(measurement.wrenches, self.theta)
+        if sensing.corrects:
+            self._believe()
+        said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
         self.time = self.tracker.last_time
-        if measurement.wrenches:
-            self._take_wrenches(measurement)
-        self._take_row()
+        if said & DUE:
+            self._take_row()
         self._watch.go_on(time)
+        if said & FELT:
+            self.felt, self._has_wrench = self.tracker.felt, True
+        else:
+            self.felt = NOTHING_FELT
 
     @property
     def motion(self) -> Motion:
@@ -123,7 +115,7 @@ class ParameterLearner:
 
     def copy(self) -> Self:
         other = shallow(self)
-        other.tracker, other.recorded, other._belief = self.tracker.copy(), self.recorded.copy(), self._belief.copy()
+        other.tracker, other._belief = self.tracker.copy(), self._belief.copy()
         if self._again is not None:
             other._again = replace(self._again, belief=self._again.belief.copy())
         other._watch, other._sensing = shallow(self._watch), self._sensing.copy()
@@ -145,64 +137,36 @@ class ParameterLearner:
         """Motion starts anew; the parameters stay."""
         pose = self.seen[:3]
         self.tracker.start(time, pose)
-        self.tracker.take(np.concatenate([NOTHING_SEEN[:3], self.seen[3:]]))
-        self.recorded.start()
-        self._memory, self._jolt = None, self._calm
+        self._memory = None
         self._unlink()
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
-    def _go_on(self, time: float, gap: float) -> None:
-        if gap <= 1e-9:
-            self.tracker.take(self.seen)
-            return
-        self.tracker.next(time, self._jolt, self.seen)
-        self._jolt = self._calm
-        self.recorded.next(time)
-
-    def _take_wrenches(self, measurement: Measurement) -> None:
-        sensed = self.sensed = self._sensing.sense(measurement, self.theta)
-        if sensed is None:
-            return
-        before = self.recorded.before()
-        if before is not None:
-            value, covariance = before
-            self._jolt = self._jolt_of(sensed.value - value, sensed.covariance + covariance)
-        self.recorded.note(measurement.time, sensed, self.theta)
-        self._has_wrench = True
-
-    def _jolt_of(self, step: Array, noise: Array) -> Array:
-        """The change of nu' that a step of the wrench makes, where it stands out of its noise."""
-        if normalised_square(step, noise, self._room) < JUMP:
-            return self._calm
-        at_rest = self.cart.state()
-        mass = self.cart.inverse(at_rest, np.zeros(len(step)), self.theta).by_acceleration
-        return np.asarray(np.clip(np.linalg.solve(mass, step), -MOST_JOLT, MOST_JOLT))
+    def _believe(self) -> None:
+        """For the next wrenches."""
+        self.believed = np.concatenate([part.ravel() for part in (self._sensing.by_parameters, self.theta, self._mass)])
 
     # --- rows ------------------------------------------------------------------------------------------------
 
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one."""
-        k, end = self.over()
+        k, end = self.tracker.over()
         if k:
-            self.take_block(k, end)
+            self._take_block(k, end)
 
-    def followed(self, moments: int, before: float) -> None:
-        """Kernels went on to so many moments, of which the last but one was at a time."""
+    def followed(self, moments: int, before: float) -> int:
+        """Kernels went on to so many moments, of which the last but one was at a time; with them a row was due. Returns
+        how many moments are left."""
         self.tracker.followed(moments)
-        self.recorded.filled(moments)
         self.time = self.tracker.last_time
         self._watch.go_on(before)
+        self._take_row()
+        return len(self.tracker.time)
 
-    def over(self) -> tuple[int, int]:
-        """Of the block that has been over for long enough, how many moments come before the next, and how many there
-        are; 0 where there is none."""
-        return over(self.tracker.time, BLOCK, WIDTH, LAG)
-
-    def take_block(self, k: int, end: int) -> None:
+    def _take_block(self, k: int, end: int) -> None:
         """The first `end` moments, of which k are dropped."""
         tracker = self.tracker
         weighing = weights(tracker.time[:end], end - k)
-        moved, wrenches = tracker.smoothed(weighing.of_motion), self.recorded.rows[: end - 1].copy()
+        moved, wrenches = tracker.smoothed(weighing.of_motion), tracker.wrenches(end - 1)
         if self.cart.memory_names:
             along = moved.pose, moved.velocity, moved.time
             moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
@@ -214,7 +178,6 @@ class ParameterLearner:
             self._unlink()
         self._memory = moved.memory[k]
         tracker.drop(k)
-        self.recorded.drop(k)
 
     def _unlink(self) -> None:
         """The next block does not begin where the last one ended."""
@@ -271,13 +234,13 @@ class ParameterLearner:
         if len(self._free) and not self._limits.holds(theta):
             theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
         self.theta, self._report = theta, None
+        self._mass = self.cart.inverse(*self._at_rest, theta).by_acceleration
+        self._believe()
 
     @property
     def report(self) -> Mapping[str, ParameterEstimate]:
         """What is said of the parameters."""
         if self._report is None:
-            share = np.ones(len(self.theta))
-            variances = np.diagonal(self.covariance)[self._free] / np.diagonal(self._first_covariance)
-            share[self._free] = np.sqrt(np.maximum(variances, 0.0))
-            self._report = self.reporter.of(self.theta, self.covariance, share)
+            given = self.theta, self.covariance, self._free, self._first_variances
+            self._report = WhenAsked(partial(self.reporter.of_free, *given))
         return self._report

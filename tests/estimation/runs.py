@@ -51,6 +51,13 @@ def integrate(cart, forces, duration, change=None):
     return np.array(states), np.array(wrenches)
 
 
+def wrench_rows(time, wrenches, parameters):
+    """As in `kernels/felt_wrench.py`: reduced wrenches (n, 2) with noise of 1, whatever the parameters (p,)."""
+    n, p = len(time), len(parameters)
+    noise, by_parameters = np.tile(np.eye(2).ravel(), (n, 1)), np.zeros((n, 2 * p))
+    return np.column_stack([time, wrenches, noise, by_parameters, np.tile(parameters, (n, 1)), np.zeros((n, 2))])
+
+
 def record(truth, hands, noise, seed):
     """A log with sensor noise (pose, velocity, force) of what each hand gives: contact (3,), wrench (n, 6)."""
     random = np.random.default_rng(seed)

@@ -17,8 +17,8 @@ from estimation.gaussian import Gaussian
 from estimation.kernels.filtered_row import RATE, Smoothed, weights
 from estimation.regressor import filtered_row as rows
 from estimation.regressor.filtered_row import Block, filtered_row
-from estimation.regressor.recorded_wrenches import row_of
-from estimation.wrench_sensing import SensedWrench
+
+from .runs import wrench_rows
 
 TRAIL, TORQUE = 0.045, 0.12
 WHEELS = (
@@ -53,8 +53,7 @@ def test_a_swing_is_noise_of_its_own_size(monkeypatch):
     exact = np.tile(1e-14 * np.eye(2), (21, 1, 1))
     velocity, memory = np.tile([0.4, 0.0], (21, 1)), np.full((21, 2), np.pi / 2)
     moved = Smoothed(time, np.zeros((21, 3)), velocity, zero, exact, exact[:3], memory)
-    sensed = SensedWrench(np.zeros(2), np.eye(2), np.zeros((2, len(CART.parameters))))
-    block = Block(weights(time, 5), moved, np.array([row_of(t, sensed, CART.parameters) for t in time[:-1]]))
+    block = Block(weights(time, 5), moved, wrench_rows(time[:-1], np.zeros((20, 2)), CART.parameters))
     known = Gaussian(CART.parameters, np.zeros((len(CART.parameters),) * 2))
     spread = np.zeros((len(CART.parameters), 0))
     noise = filtered_row(CART, known, spread, block, rows.left_out(CART, FilterNoise())).noise

@@ -6,6 +6,7 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from numba import njit
 
 from cartgrasp.effects import CasterRealignment, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
@@ -17,12 +18,23 @@ from estimation.driven_motion import DrivenMotion
 from estimation.kernels import correction
 from estimation.kernels.tracked_motion import PATH_FLOOR
 from estimation.regressor.motion_tracker import MotionTracker
-from estimation.seen import seen_in
-from estimation.wrench_sensing import SensedWrench
+from estimation.seen import Seen
 
 numbers = st.floats(-3, 3, allow_nan=False, allow_infinity=False)
 seeds = st.integers(0, 2**32 - 1)
 ROOM = 200
+
+
+@njit
+def corrected(mean, own, slopes, beside, where, residual, R):
+    """The NIS."""
+    believed = correction.Believed(mean, own, slopes, beside)
+    return correction.correct(believed, where, residual, R, np.empty(ROOM))
+
+
+@njit
+def eliminated(matrix, right):
+    correction.eliminate(matrix, right)
 
 
 def covariance_of(root):
@@ -34,7 +46,7 @@ def test_elimination_solves(root, right):
     matrix = covariance_of(root)[::-1].copy()  # no large numbers on the diagonal: pivots are needed
     expected = np.linalg.solve(matrix, right)
     solved = right.copy()
-    correction.eliminate(matrix.copy(), solved)
+    eliminated(matrix.copy(), solved)
     np.testing.assert_allclose(matrix @ solved, right, atol=1e-7 * (1 + np.abs(expected).max()))
 
 
@@ -52,7 +64,7 @@ def test_a_correction_is_conditioning_that_leaves_the_parameters(seed, m):
     gain = np.linalg.solve(S, H @ whole).T
     keep = np.eye(n) - gain @ H
     got = correction.Believed(mean.copy(), own.copy(), slopes.copy(), beside)
-    nis = correction.correct(got, first, residual, R, np.empty(ROOM))
+    nis = corrected(*got, (first, m), residual, R)
     assert nis == pytest.approx(residual @ np.linalg.solve(S, residual), rel=1e-6)
     np.testing.assert_allclose(got.mean, gain @ residual, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(got.own, keep @ own @ keep.T + gain @ R @ gain.T, rtol=1e-6, atol=1e-7)
@@ -78,7 +90,7 @@ def test_numbers_that_are_missing_say_nothing(seed, missing):
 
 def test_an_outlier_pulls_but_can_not_tear():
     got = correction.Believed(np.zeros(3), np.eye(3), np.zeros((3, 1)), np.zeros((1, 1)))
-    nis = correction.correct(got, 0, np.array([1e4]), np.array([[0.01]]), np.empty(ROOM))
+    nis = corrected(*got, (0, 1), np.array([1e4]), np.array([[0.01]]))
     assert nis == pytest.approx(1e8 / 1.01, rel=1e-6)
     assert 0 < got.mean[0] < 1e4
     assert got.own[0, 0] > 0.9, "it teaches nearly nothing"
@@ -93,7 +105,8 @@ QUIET = FilterNoise(disturbance=0.0, slip=0.0, swivel=0.0)
 
 
 def pushed(motion, wrench, covariance):
-    motion.push(SensedWrench(np.asarray(wrench), np.asarray(covariance), np.zeros((2, len(CART.parameters)))))
+    """From now on."""
+    motion.advance(motion.time, felt=np.concatenate([[motion.time], wrench, np.ravel(covariance)]))
 
 
 def started(noise=QUIET, free=None, cart=CART):
@@ -110,7 +123,7 @@ def test_the_mean_moves_as_the_model_does():
     pushed(motion, [30.0, 4.0], np.zeros((2, 2)))
     state = motion.belief.mean
     for k in range(10):
-        motion.push(SensedWrench(np.array([30.0, 4.0]), np.zeros((2, 2)), np.zeros((2, 0))))
+        pushed(motion, [30.0, 4.0], np.zeros((2, 2)))
         motion.advance(0.01 * (k + 1))
     expected = CART.dynamics.advanced(
         (state, 0.0, CART.parameters), (CART.planar_wrench(np.array([30.0, 4.0])), np.ones(2)), 1e-4, 1000
@@ -156,7 +169,7 @@ def test_effects_without_kernels_go_the_same_way(seed, turned):
             if k % 13:
                 pushed(motion, wrench, np.diag([3.0, 1.0]))
             seen = {"pose": pose} if k % 3 == 0 else {"velocity": velocity}
-            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), seen_in(Measurement(0.0, **seen)))
+            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), Seen().of(Measurement(0.0, **seen)))
     for found, expected in zip(motions[0].now[:-1], motions[1].now[:-1], strict=True):  # without the room
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
 
@@ -167,7 +180,7 @@ def test_wrench_noise_spreads_as_many_runs_do():
     noise, random = np.diag([3.0, 0.5]) ** 2, np.random.default_rng(0)
     motion = started(cart=cart)
     for k in range(30):
-        motion.push(SensedWrench(np.array([30.0, 2.0]), noise, np.zeros((2, 0))))
+        pushed(motion, [30.0, 2.0], noise)
         motion.now.pushed[1] = motion.time - 0.01
         motion.advance(0.01 * (k + 1))
     states, theta = np.tile(started(cart=cart).belief.mean, (400, 1)), np.tile(cart.parameters, (400, 1))
@@ -207,6 +220,9 @@ def test_densities_add_up_as_van_loan_says():
     np.testing.assert_allclose(found, expected, rtol=1e-3)
 
 
+UNFELT = np.zeros(0), np.zeros((2, 2)), np.zeros(2 * 4 + 4 + 4)  # no wrenches, of a cart with four parameters
+
+
 def test_tracking_and_smoothing_are_the_batch_solution():
     """Straight ahead all is linear: least squares over all states at once give the same means and covariances."""
     random = np.random.default_rng(1)
@@ -215,7 +231,7 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     tracker.start(0.0, np.zeros(3))
     x = np.cumsum(np.full(30, 0.005)) + 0.001 * random.standard_normal(30)
     for k in range(30):
-        tracker.next(0.01 * (k + 1), np.zeros(2), np.array([x[k], 0.0, 0.0, np.nan, np.nan, np.nan]))
+        tracker.record(0.01 * (k + 1), np.array([x[k], 0.0, 0.0, np.nan, np.nan, np.nan]), *UNFELT)
     weights = np.concatenate([random.standard_normal((2, 20)), np.zeros((2, 3))], axis=1)
     found = tracker.smoothed(weights), tracker.smoothed(np.zeros((1, 31)))
     n, h, jerk = 31, 0.01, 9.0
@@ -246,7 +262,7 @@ def test_a_tracker_makes_room_and_forgets():
     tracker = MotionTracker(CartModel(Inertia(10.0, (0.0, 0.0), 1.0)), FilterNoise())
     tracker.start(0.0, np.zeros(3))
     for k in range(200):
-        tracker.next(0.01 * (k + 1), np.zeros(2), np.array([0.005 * (k + 1), 0.0, 0.0, 0.5, 0.0, 0.0]))
+        tracker.record(0.01 * (k + 1), np.array([0.005 * (k + 1), 0.0, 0.0, 0.5, 0.0, 0.0]), *UNFELT)
     whole = tracker.smoothed(np.zeros((1, 201)))
     tracker.drop(150)
     kept = tracker.smoothed(np.zeros((1, 51)))

@@ -14,18 +14,16 @@ from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.kernels.filtered_row import RATE, FilteredRow, Smoothed, weights
-from estimation.kernels.row_parts import NOISE_SHARE
+from estimation.kernels.row_parts import NOISE_SHARE, feigned, rising
 from estimation.load_change import root_of
 from estimation.log_noise import noise_of_log
 from estimation.regressor import regression_belief
-from estimation.regressor.filtered_row import Block, Rise, filtered_row, left_out
+from estimation.regressor.filtered_row import Block, filtered_row, left_out
 from estimation.regressor.load_watch import LoadWatch
-from estimation.regressor.recorded_wrenches import row_of
 from estimation.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief, Surprise
 from estimation.replay import replay
-from estimation.wrench_sensing import SensedWrench
 
-from .runs import integrate, push, simulate, simulate_two_hands
+from .runs import integrate, push, simulate, simulate_two_hands, wrench_rows
 from .test_identification import at_rest
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
@@ -98,8 +96,7 @@ def test_a_row_of_the_truth_has_no_residual():
     moved = Smoothed(time, pose, nu, np.zeros((26, 2)), exact, exact[:3], none)
 
     def row(theta):
-        sensed = [SensedWrench(w, np.eye(2), np.zeros((2, 6))) for w in wrenches[block][:-1]]
-        rows = np.array([row_of(t, s, theta) for t, s in zip(time, sensed, strict=False)])
+        rows = wrench_rows(time[:-1], wrenches[block][:-1], theta)
         known, spread = Gaussian(theta, np.zeros((6, 6))), np.zeros((6, 0))
         return filtered_row(cart, known, spread, Block(weighing, moved, rows), left_out(cart, FilterNoise()))
 
@@ -119,8 +116,7 @@ def test_what_is_not_linear_is_noise_while_little_is_known():
     time, zero = 0.015 * np.arange(11), np.zeros((11, 3))
     covariance = np.tile(np.eye(2), (11, 1, 1))
     moved = Smoothed(time, zero, velocity, acceleration, covariance, covariance[:3], np.zeros((11, 0)))
-    sensed = SensedWrench(np.zeros(2), np.eye(2), np.zeros((2, 5)))
-    rows = np.array([row_of(t, sensed, cart.parameters) for t in time[:-1]])
+    rows = wrench_rows(time[:-1], np.zeros((10, 2)), cart.parameters)
     spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
     known, block = Gaussian(cart.parameters, spread @ spread), Block(weights(time, 1), moved, rows)
     found = filtered_row(cart, known, spread, block, left_out(cart, FilterNoise())).curvature
@@ -142,16 +138,16 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
     variance = np.array([[noise_of_velocity**2]])
     for k in range(n):
         rise = RATE * (rises[k] + errors[k + 1] - fade * errors[k])
-        seen = Rise.of(np.array([rise]), RATE**2 * (1 + fade**2) * variance)
+        seen = rising(np.array([rise]), RATE**2 * (1 + fade**2) * variance)
         yield FilteredRow(
             residual=np.array([forces[k] - at * rise]),
-            slopes=np.array([[seen.part[0], 0.0]]),
+            slopes=np.array([[seen[2][0], 0.0]]),
             ends=np.array([[-RATE * at]]),
             fade=fade,
             noise=np.array([[0.09]]),
             before=variance,
             after=variance,
-            feigned=np.append(seen.feigned(np.ones((1, 1, 1)), np.array([[at]]), np.array([[0.09]])), 0.0),
+            feigned=np.append(feigned(seen, np.ones((1, 1, 1)), np.array([[at]]), np.array([[0.09]])), 0.0),
             shared=np.array([[0.02]]),
             curvature=np.zeros((1, 1)),
         )

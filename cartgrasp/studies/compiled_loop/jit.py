@@ -6,14 +6,12 @@ from pathlib import Path
 
 from estimation.kernels.jit import OWN as ESTIMATION
 from estimation.kernels.jit import compiled, row_compiled
-from estimation.regressor import recorded_wrenches
 from planning import steering
 from planning.kernels.jit import DIGEST as PLANNING
 
 from ...compiling import OPTIONS, cached_as, digest
 
 SOURCES = (
-    Path(recorded_wrenches.__file__),
     Path(steering.__file__),
     *(Path(__file__).with_name(name) for name in ("jit.py", "tick.py", "values.py")),
 )

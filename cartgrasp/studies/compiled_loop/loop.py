@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from estimation.cart_filter import core_of, takes_rows
+from estimation.kernels.filtered_row import BLOCK, LAG, WIDTH
 from estimation.learning_filter import LearningFilter
-from estimation.regressor.parameter_learner import BLOCK, LAG, WIDTH
 from planning.allocation_template import AllocationTemplate
 from planning.compiled_allocation import CompiledAllocation
 from planning.planner import WrenchPlanner
@@ -95,7 +95,7 @@ class _Run:
     def record(self) -> RunRecord:
         s = self.scenario
         stable = STABLE if s.truth.effects else np.inf
-        limits = s.period, s.plant_timestep or MAX_STEP, stable, (BLOCK, WIDTH, LAG)
+        limits = s.period, s.plant_timestep or MAX_STEP, stable
         while (code := tick.go_on(self.course, self.blocks, self.held, self.series, self.at, limits)) != tick.DONE:
             if code == tick.ROW:
                 self._take_row()
@@ -108,15 +108,11 @@ class _Run:
 
     def _take_row(self) -> None:
         """What `LearningFilter.take` does with a row, and with what it teaches."""
-        k, n = int(self.at[tick.STEP]), int(self.at[tick.MOMENTS])
-        learner = self.core.learner
-        learner.followed(n, float(self.course.time[k - 1]))
-        count, end = learner.over()
-        learner.take_block(count, end)
-        self.at[tick.MOMENTS] = n - count
+        k, learner = int(self.at[tick.STEP]), self.core.learner
+        self.at[tick.MOMENTS] = learner.followed(int(self.at[tick.MOMENTS]), float(self.course.time[k - 1]))
         self.core.motion.learn(learner.theta, learner.covariance)
         if learner.theta is not self.known[-1].theta:
-            self.held.theta[:] = learner.theta
+            self.held.theta[:], self.held.believed[:] = learner.theta, learner.believed
             self.known.append(Known(k, learner.theta, learner.covariance))
 
     def _plan(self) -> None:
@@ -147,11 +143,9 @@ class _Run:
 
     def _blocks(self, allocation: CompiledAllocation) -> Blocks:
         s, tracker = self.scenario, self.core.learner.tracker
-        recorded = self.core.learner.recorded
-        for table in (tracker, recorded):
-            table.make_room(math.ceil((BLOCK + WIDTH + LAG) / s.period) + ROOM)
+        tracker.make_room(math.ceil((BLOCK + WIDTH + LAG) / s.period) + ROOM)
         carts = s.truth.dynamics.floats, s.truth.dynamics.ints, s.guess.dynamics.floats, s.guess.dynamics.ints
-        return Blocks(*carts, *allocation.blocks, *self.core.motion.blocks, *tracker.blocks, recorded.room)
+        return Blocks(*carts, *allocation.blocks, *self.core.motion.blocks, *tracker.blocks)
 
     def _held(self, state: Array) -> Held:
         s, f, N, P = self.scenario, self.scenario.guess.constraints.n_free, len(state), self.scenario.truth.parameters
@@ -162,11 +156,11 @@ class _Run:
         return Held(
             state=state,
             theta=self.core.learner.theta.copy(),
+            believed=self.core.learner.believed.copy(),
             wrenches=np.zeros(6 * len(self.names)),
             wanted=np.zeros(3),
             seen=np.full(6, np.nan),
-            jolt=np.zeros(f),
-            room=np.empty(3 * f + 2 * f * f),
+            unfelt=np.full(1, np.nan),
             given=given,
             found=np.zeros((1, N * (4 + N + len(P)))),
             nothing=np.zeros((1, 0)),

@@ -10,11 +10,10 @@ import math
 
 import numpy as np
 
-from estimation.kernels import driven_motion, tracked_motion
-from estimation.kernels.correction import carved, eliminate, normalised_square
+from estimation.kernels import driven_motion, recorded_moment, tracked_motion
 from estimation.kernels.driven_block import parts
+from estimation.kernels.felt_wrench import Felt, feel
 from estimation.kernels.filtered_row import over
-from estimation.regressor.recorded_wrenches import HELD
 from planning import steering
 from planning.kernels.allocation import allocate
 from planning.kernels.workspace import views
@@ -33,15 +32,12 @@ TRACK, GIVE = range(2)
 """Where a step goes on: with the wrench wanted, or with one that is planned."""
 STEP, STAGE, MOMENTS, PLACE = range(4)
 """Of `at`: the step, its stage, how many moments are tracked, and the place in the planner's workspace (-1: none)."""
-JUMP, MOST_JOLT = 14.0, 100.0
-MOST_FORCE = 1e6
-STILL = 1e-3
 
-Limits = tuple[float, float, float, tuple[float, float, float]]
-"""The period; the plant's longest step, and `stable` of step times stiffness; BLOCK, WIDTH and LAG of rows."""
+Limits = tuple[float, float, float]
+"""The period; the plant's longest step, and `stable` of step times stiffness."""
 
 error_b, steered = compiled(steering.error_b), compiled(steering.steered)
-unpack_driven, unpack_planner = compiled(parts), compiled(views)
+unpack_driven, unpack_planner, known_of = compiled(parts), compiled(views), compiled(tracked_motion.known_of)
 
 
 @entry
@@ -63,8 +59,7 @@ def go_on(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints, 
         at[STEP] += 1
         if at[STEP] < len(course.time):
             _see(course, blocks, held, series, at)
-            block, width, lag = limits[3]
-            if over(blocks.moments[: at[MOMENTS]], block, width, lag)[0] > 0:
+            if over(blocks.rows[: at[MOMENTS]])[0] > 0:
                 return ROW
     return DONE
 
@@ -88,7 +83,7 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
     entries.inverses(blocks.cart, blocks.cart_ints, asked, told[:1])
     u, r = told[0, 0], told[0, 1]
     for a in range(f):
-        if abs(wanted[a]) > STILL:
+        if abs(wanted[a]) > steering.STILL:
             states[1, 3 + a] = wanted[a]
     entries.effects(blocks.cart, blocks.cart_ints, states, told)
     first, width = N_PHI + N_PHI * p, MEMORY + p
@@ -117,56 +112,18 @@ def _plan(course: Course, blocks: Blocks, held: Held, at: Ints) -> bool:
 @compiled
 def _feel(course: Course, blocks: Blocks, held: Held, felt: Array, at: Ints) -> None:
     """The wrench as recorded: for the next row, and to drive the motion."""
-    i, place, time, recorded = at[MOMENTS] - 1, course.place[at[STEP]], course.time[at[STEP]], blocks.recorded
-    f = course.reduced.shape[1]
-    value, step, room = held.room[:f], held.room[f : 2 * f], held.room[2 * f :]
-    noise, size = course.noise[place], 0.0
-    value[:] = 0.0
+    i, time, grip = at[MOMENTS] - 1, course.time[at[STEP]], course.grip[course.place[at[STEP]]]
     for j in range(len(felt)):
         felt[j] += held.wrenches[j]
-        for a in range(f):
-            value[a] += course.reduced[place, a, j] * felt[j]
-    for a in range(f):
-        size += abs(value[a])
-    if not size < MOST_FORCE:
-        return
-    if i > 0 and not math.isnan(recorded[i - 1, 0]):
-        spread, room = carved(room, f, f)
-        for a in range(f):
-            step[a] = value[a] - recorded[i - 1, 1 + a]
-            for b in range(f):
-                spread[a, b] = noise[a, b] + recorded[i - 1, 1 + f + f * a + b]
-        if not normalised_square(step, spread, room) < JUMP:
-            _jolt(blocks, held, step, room)
-    d = unpack_driven(blocks.driven, blocks.plan)
-    d.pushed[1], d.pushed[0] = d.pushed[0], time
-    recorded[i, 0] = time
-    copy(value, recorded[i, 1 : 1 + f])
-    copy(value, d.push)
-    for a in range(f):
-        copy(noise[a], recorded[i, 1 + f + f * a : 1 + 2 * f + f * a])
-        copy(noise[a], d.push_covariance[a])
-
-
-@compiled
-def _jolt(blocks: Blocks, held: Held, step: Array, room: Array) -> None:
-    """The change of nu' that a step of the wrench makes."""
-    f, p, asked, told = len(step), len(held.theta), held.asked, held.told
-    n = asked.shape[1] - 1 - p - f
-    asked[:] = 0.0
-    copy(held.theta, asked[0, n + 1 : n + 1 + p])
-    entries.inverses(blocks.cart, blocks.cart_ints, asked, told[:1])
-    change = room[:f].reshape((f, 1))
-    copy(step, room[:f])
-    eliminate(told[0, f + f * n : f + f * n + f * f].reshape((f, f)), change)
-    for a in range(f):
-        held.jolt[a] = min(max(change[a, 0], -MOST_JOLT), MOST_JOLT)
+    room = known_of(blocks.known, len(grip)).room
+    if feel(blocks.rows, i, time, Felt(felt, grip, held.believed), room):
+        driven_motion.push(unpack_driven(blocks.driven, blocks.plan), time, blocks.rows[i, 1:])
 
 
 @compiled
 def _push(course: Course, blocks: Blocks, held: Held, k: int, limits: Limits) -> None:
     """The plant's period, in steps that are short and stable enough."""
-    period, longest, stable, _ = limits
+    period, longest, stable = limits
     given, found, n = held.given, held.found, len(held.state)
     at = given.shape[1] - 5 - course.basis.shape[1]
     copy(held.state, given[0, :n])
@@ -222,12 +179,9 @@ def _see(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints) -
     velocity[2] += turn
     copy(pose, seen[:3])
     copy(velocity, seen[3:])
-    tracked_motion.follow(blocks.rows, i, time - before, blocks.known, seen, held.jolt)
-    blocks.moments[i] = time
-    held.jolt[:] = 0.0
-    recorded = blocks.recorded
-    copy(recorded[i - 1], recorded[i])
-    if not time - recorded[i, 0] < HELD:
-        recorded[i, 0] = math.nan
+    recorded_moment.go_on(blocks.rows, blocks.known, i, time, Felt(held.wrenches, course.grip[0], held.believed))
+    tracked_motion.take(blocks.rows, i, blocks.known, seen, f)
     at[MOMENTS] = i + 1
-    driven_motion.drive(blocks.cart, blocks.cart_ints, blocks.driven, blocks.plan, seen, (before, time))
+    driven_motion.drive(
+        blocks.cart, blocks.cart_ints, blocks.driven, blocks.plan, before, time, seen, held.unfelt, math.nan
+    )

@@ -14,9 +14,9 @@ from ...kernels.jit import Ints
 
 class Course(NamedTuple):
     """The same for runs of one scenario: times (n,); poses (n, 3), nu and nu' (n, f) of the reference; which place is
-    held (n,); points (s, a, 3), grasp maps (s, 3, 6 a), and what takes wrenches to reduced ones (s, f, 6 a) with the
-    noise of that (s, f, f); `along` (f, 3) of the free velocities; and the tracker's law (6,): axle and angle of the
-    wheels, and its gains."""
+    held (n,); points (s, a, 3), grasp maps (s, 3, 6 a), and what takes wrenches to reduced ones, with the noise of that
+    (s, f, 6 a + f); `along` (f, 3) of the free velocities; and the tracker's law (6,): axle and angle of the wheels,
+    and its gains."""
 
     time: Array
     pose: Array
@@ -25,8 +25,7 @@ class Course(NamedTuple):
     place: Ints
     points: Array
     grasp: Array
-    reduced: Array
-    noise: Array
+    grip: Array
     basis: Array
     along: Array
     law: Array
@@ -34,7 +33,7 @@ class Course(NamedTuple):
 
 class Blocks(NamedTuple):
     """Workspaces of kernels, floats and ints of each: the true cart, the believed one, the planner; the driven motion
-    with its plan; rows, times and constants of the tracked motion, and the wrench at each of its moments."""
+    with its plan; rows and constants of the moments that are tracked."""
 
     plant: Array
     plant_ints: Ints
@@ -45,26 +44,25 @@ class Blocks(NamedTuple):
     driven: Array
     plan: Ints
     rows: Array
-    moments: Array
     known: Array
-    recorded: Array
 
 
 class Held(NamedTuple):
-    """What goes on from step to step: the true state (N,); the believed parameters (p,); wrenches planned (6 a,) and
-    wanted (3,); what is `seen` (6,), and the `jolt` (f,) since.
+    """What goes on from step to step: the true state (N,); the parameters (p,) as they are believed, and that as
+    `felt_wrench.Felt` has it; wrenches planned (6 a,) and wanted (3,); what is `seen` (6,), and felt beside it,
+    `unfelt` (1,).
 
-    Behind them `room`, and room for what is asked of kernels and found by them: the true cart's, `given` and `found`
-    (`nothing` where that isn't asked for); the believed one's with an acceleration, `asked`, two states of it, and what
-    is `told`."""
+    Behind them room for what is asked of kernels and found by them: the true cart's, `given` and `found` (`nothing`
+    where that isn't asked for); the believed one's with an acceleration, `asked`, two states of it, and what is
+    `told`."""
 
     state: Array
     theta: Array
+    believed: Array
     wrenches: Array
     wanted: Array
     seen: Array
-    jolt: Array
-    room: Array
+    unfelt: Array
     given: Array
     found: Array
     nothing: Array

@@ -1,0 +1,41 @@
+"""How each sensor does, sample by sample: rows of a table (3, 4), of pose, velocity and wrench. A row is the last
+usable sample's time, its normalised square over the gate beyond which it counts less, the share of the last samples
+that were beyond it, and 1 where nothing has come for too long."""
+
+from __future__ import annotations
+
+import math
+
+from cartgrasp.frames import Array
+
+from .jit import compiled, entry, inlined
+
+TIME_OUT = 0.5
+"""s without a usable sample after which a sensor that spoke before is missed."""
+OUTLYING_SHARE, SMOOTHING = 0.1, 0.05
+"""Of the last samples: from how many beyond their gate on outliers are called so."""
+POSE_MISSED, WRENCH_MISSED, OUTLYING = 1, 2, 4
+"""What is said of them all, as a sum."""
+
+
+@entry
+def noted(table: Array, time: float, ratios: Array) -> int:
+    """After a sample of each; returns what is said. A ratio that is not finite is of one that could not be used."""
+    for i in range(len(table)):
+        note(table[i], time, ratios[i])
+    return said_of(table)
+
+
+@compiled
+def note(row: Array, time: float, ratio: float) -> None:
+    if math.isfinite(ratio):
+        row[0], row[1], row[3] = time, ratio, 0.0
+        row[2] += SMOOTHING * ((1.0 if ratio > 1.0 else 0.0) - row[2])
+    else:
+        row[3] = 1.0 if math.isfinite(row[0]) and time - row[0] > TIME_OUT else 0.0
+
+
+@inlined
+def said_of(table: Array) -> int:
+    said = (POSE_MISSED if table[0, 3] > 0.0 else 0) + (WRENCH_MISSED if table[2, 3] > 0.0 else 0)
+    return said + (OUTLYING if table[0, 2] > OUTLYING_SHARE or table[1, 2] > OUTLYING_SHARE else 0)
