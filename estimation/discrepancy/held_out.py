@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +27,16 @@ LEAST_WHOLE = 0.3
 EVERYWHERE = 0.8
 HORIZON, EVERY = 1.0, 0.5
 """s."""
-SURELY = 2.0
-"""Standard deviations of a mean."""
+
+
+class Gain(NamedTuple):
+    """By how much the squared gap shrinks: as a share of what the nominal model's was above the noise floor, with the
+    standard deviation of that share; and as a share of what is left above the floor, 0 where that is no more than
+    noise."""
+
+    share: float
+    noise: float
+    of_rest: float
 
 
 class HeldOut:
@@ -88,11 +97,6 @@ class HeldOut:
             self._rolled[fitted] = joined(self.rollouts(trained.cart, trained.delays))
         return self._rolled[fitted]
 
-    def is_worse(self, fitted: Fitted, better: Fitted) -> bool:
-        """Whether the rollouts of the second go farther astray, by more than they scatter."""
-        squares = [(self._of(one).error[:, :2] ** 2).sum(axis=1) for one in (fitted, better)]
-        return is_surely_more(squares[1] - squares[0])
-
     def floor(self, fitted: Fitted) -> float:
         return joined(self.floor_rollouts(fitted, HORIZON)).gap
 
@@ -104,14 +108,12 @@ class HeldOut:
             found.append(noise_floor(regression, fitted, first, horizon, generator))
         return tuple(found)
 
-    def gain(self, fitted: Fitted, better: Fitted) -> tuple[float, float]:
-        """By how much the squared gap shrinks, as a share of what the nominal model's was above the noise floor; and as
-        a share of what is left above it, 0 where that is no more than noise."""
-        floor, before, after = self.floor(better), self.gap(fitted), self.gap(better)
-        closed, left = before**2 - after**2, before**2 - floor**2
-        nominal = self.gap(self.nominal)
+    def gain(self, fitted: Fitted, better: Fitted) -> Gain:
+        floor, before, nominal = self.floor(better), self.gap(fitted), self.gap(self.nominal)
+        closed, left = self._of(fitted).closed(self._of(better)), before**2 - floor**2
         whole = max(nominal**2 - floor**2, LEAST_WHOLE * nominal**2)
-        return closed / whole, closed / left if before > BEYOND_NOISE * floor else 0.0
+        share, of_rest = float(closed.mean()) / whole, float(closed.mean()) / left if left > 0 else 0.0
+        return Gain(share, deviation_of_mean(closed) / whole, of_rest if before > BEYOND_NOISE * floor else 0.0)
 
     def likelihood(self, fitted: Fitted, better: Fitted) -> float:
         """Log of the ratio of likelihoods of the wrenches that no fit saw, both at the usual delay of samples: at
@@ -136,10 +138,10 @@ class HeldOut:
         return bool(((x > low_x) & (x < high_x) & (y > low_y) & (y < high_y)).mean() > EVERYWHERE)
 
 
-def is_surely_more(differences: Array) -> bool:
-    """Whether the mean of what rollouts differ by (r,), neighbours of which share half of their rows, is above 0."""
-    n = len(differences)
-    return bool(differences.mean() > SURELY * differences.std() / np.sqrt(max(n * EVERY / HORIZON - 1, 1)))
+def deviation_of_mean(numbers: Array) -> float:
+    """Of rollouts (r,), neighbours of which share half of their rows."""
+    off = numbers - numbers.mean()
+    return float(np.sqrt(max(off @ off + 2 * (off[1:] @ off[:-1]), 0.0)) / len(off))
 
 
 def _stretches(regression: WrenchRegression) -> np.ndarray:

@@ -12,7 +12,7 @@ from cartgrasp.model import CartModel
 
 from .evidence import Finding
 from .fitted import Fitted
-from .held_out import BEYOND_NOISE, HeldOut
+from .held_out import HeldOut
 
 ENOUGH, ENOUGH_SEARCHED, ENOUGH_PASSING = 7.0, 12.0, 20.0
 """Logs of the Bayes factor of an effect that is named; of one whose speed or frequency was searched for, which finds
@@ -23,11 +23,10 @@ BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.0
 """Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
 hardly like a lasting change, or like what always acts."""
 LEAST_LIKELIHOOD = 4.0
-"""Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does."""
-LIKELY = 10.0
-"""The same, for what makes rollouts worse that are all noise."""
+"""Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does, and
+beyond what rollouts say against it, which is little where they are all noise."""
 NO_WORSE = 0.005
-"""Of the gap above the noise floor: what noise may make of it."""
+"""Of the gap above the noise floor: what noise may make of it at least."""
 LEAST_OF_REST = 0.3
 """Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
 MOST_CHANGE, MOST_DRIFT, MOST_DRIFT_REMEMBERED = 0.5, 0.5, 1.0
@@ -90,21 +89,15 @@ class Judge:
         if reason:
             return Verdict(False, reason, is_nameless=bool(self._held(effect, model) or self._unsteady(found)))
         proof = self.held_out.everywhere if effect.gate.ends else self.held_out
-        share, of_rest = proof.gain(self.fitted, model)
-        if share >= LEAST_GAIN or of_rest >= LEAST_OF_REST:
+        gain = proof.gain(self.fitted, model)
+        share = gain.share
+        if share >= LEAST_GAIN or gain.of_rest >= LEAST_OF_REST:
             return Verdict(True, ADDED, share)
-        if not effect.gate.ends:
-            least = LEAST_LIKELIHOOD if share >= -NO_WORSE else LIKELY if self._in_noise(model) else np.inf
-            if least < np.inf and self.held_out.likelihood(self.fitted, model) > least:
-                return Verdict(True, ADDED, share)
+        against = 0.5 * (min(share, 0.0) / max(gain.noise, NO_WORSE)) ** 2
+        if not effect.gate.ends and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD + against:
+            return Verdict(True, ADDED, share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share, is_unproven=True)
-
-    def _in_noise(self, model: Fitted) -> bool:
-        """Whether rollouts say nothing against an effect: they go astray no farther than noise makes them."""
-        proof = self.held_out
-        most = BEYOND_NOISE * proof.floor(model)
-        return max(proof.gap(self.fitted), proof.gap(model)) < most and not proof.is_worse(self.fitted, model)
 
     def _held(self, effect: Effect, model: Fitted) -> str:
         late = effect.lateness if isinstance(effect, SensorEffect) else 0.0

@@ -33,6 +33,10 @@ class Rollouts:
         """Root mean square of the distance, m; NaN of no rollouts."""
         return float(np.hypot(*self._root_mean_square[:2]))
 
+    def closed(self, better: Rollouts) -> Array:
+        """By how much the squared distance shrinks with another model, of each rollout (r,), m²."""
+        return np.asarray((self.error[:, :2] ** 2 - better.error[:, :2] ** 2).sum(axis=1))
+
     @property
     def by_coordinate(self) -> dict[str, float]:
         return dict(zip(COORDINATES, self._root_mean_square.tolist(), strict=True))

@@ -146,8 +146,8 @@ def _is_superfluous(effect: Effect, fitted: Fitted, held_out: HeldOut) -> bool:
     if isinstance(effect, ConstraintEffect) or effect.gate.ends:
         return False
     less = fitted.without(effect.key)
-    share, of_rest = held_out.gain(less, fitted)
-    needed = share >= LEAST_GAIN or of_rest >= LEAST_OF_REST
+    gain = held_out.gain(less, fitted)
+    needed = gain.share >= LEAST_GAIN or gain.of_rest >= LEAST_OF_REST
     return not needed and held_out.likelihood(less, fitted) < LEAST_LIKELIHOOD
 
 

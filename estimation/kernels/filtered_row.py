@@ -104,7 +104,8 @@ class FilteredRow(NamedTuple):
     adds to the mean of `slopesᵀ W residual`, `shared` (f, f) the part of the noise that each neighbour has, too.
 
     `curvature` (f, f) is the covariance of what a row that is linear in the parameters leaves out, as far as they are
-    known: `tr(T T) / 2` of `zᵀ T z / 2`, with standard normal z. Load times friction is not linear."""
+    known: `tr(T T) / 2` of `zᵀ T z / 2`, with standard normal z; its mean, `tr(T) / 2`, is taken off the residual. Load
+    times friction is not linear."""
 
     residual: Array
     slopes: Array
@@ -272,7 +273,8 @@ def _row(
     add_measured(weighing.held, wrenches, theta, (residual, slopes, noise))
     pull = np.zeros(p + 1)
     pull[:p] = feigned_by(rise, by_acceleration, mass, noise)
-    curvature = curvature_of(by[still + f + 2 :], spread, weighing.linear.sum())
+    left_on_average, curvature = curvature_of(by[still + f + 2 :], spread, weighing.linear.sum())
+    residual -= left_on_average
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
     return FilteredRow(residual, slopes, -RATE * mass, weighing.fade, noise, before, after, pull, shared, curvature)
 

@@ -176,11 +176,12 @@ def add_measured(held: Array, wrenches: Array, theta: Array, found: tuple[Array,
 
 
 @row_compiled
-def curvature_of(by: Array, spread: Array, gain: float) -> Array:
-    """Of partials (1 + q, f, p) around the parameters and at each column of `spread` (p, q) from them."""
+def curvature_of(by: Array, spread: Array, gain: float) -> tuple[Array, Array]:
+    """Mean (f,) and covariance (f, f) of what a row that is linear in the parameters leaves out, from partials
+    (1 + q, f, p) around them and at each column of `spread` (p, q) from them."""
     f, p = by.shape[1:]
     q = spread.shape[1]
-    twist, noise = np.zeros((q, f, q)), np.zeros((f, f))
+    twist, mean, noise = np.zeros((q, f, q)), np.zeros(f), np.zeros((f, f))
     for i in range(q):
         for a in range(f):
             for k in range(p):
@@ -189,8 +190,9 @@ def curvature_of(by: Array, spread: Array, gain: float) -> Array:
                     for j in range(q):
                         twist[i, a, j] += change * spread[k, j]
     for a in range(f):
-        for b in range(f):
-            for i in range(q):
+        for i in range(q):
+            mean[a] += gain / 2.0 * twist[i, a, i]
+            for b in range(f):
                 for j in range(q):
                     noise[a, b] += gain**2 / 2.0 * twist[i, a, j] * twist[i, b, j]
-    return noise
+    return mean, noise

@@ -108,8 +108,9 @@ def test_a_row_of_the_truth_has_no_residual():
         assert -by == pytest.approx(found.slopes[:, i], abs=1e-6)
 
 
-def test_what_is_not_linear_is_noise_while_little_is_known():
-    """Rolling resistance is load times coefficient: of drawn parameters, what a linear row misses."""
+def test_what_is_not_linear_is_noise_and_bias_while_little_is_known():
+    """Rolling resistance is load times coefficient: of drawn parameters, what a linear row misses. They depend on each
+    other, as where their product is known better than they are."""
     cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(RollingResistance(0.02),))
     random = np.random.default_rng(0)
     velocity, acceleration = np.tile([0.5, 0.2], (11, 1)), np.tile([0.3, 0.1], (11, 1))
@@ -118,16 +119,20 @@ def test_what_is_not_linear_is_noise_while_little_is_known():
     moved = Smoothed(time, zero, velocity, acceleration, covariance, covariance[:3], np.zeros((11, 0)))
     rows = wrench_rows(time[:-1], np.zeros((10, 2)), cart.parameters)
     spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
-    known, block = Gaussian(cart.parameters, spread @ spread), Block(weights(time, 1), moved, rows)
-    found = filtered_row(cart, known, spread, block, left_out(cart, FilterNoise())).curvature
-    drawn = random.standard_normal((20000, 5)) @ spread
+    spread[4, 0] = -0.004
+    known, block = Gaussian(cart.parameters, spread @ spread.T), Block(weights(time, 1), moved, rows)
+    row = filtered_row(cart, known, spread, block, left_out(cart, FilterNoise()))
+    straight = filtered_row(cart, known, np.zeros((5, 0)), block, left_out(cart, FilterNoise()))
+    drawn = random.standard_normal((20000, 5)) @ spread.T
     rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
     at = cart.inverse(rows[0], rows[1], cart.parameters)
     moved = cart.required_wrench(*rows, cart.parameters + drawn)
     missed = moved - at.wrench - np.einsum("nfp,np->nf", at.by_parameters, drawn)
     gain = 1 - np.exp(-RATE * 0.15)
-    assert found == pytest.approx(gain**2 * np.cov(missed.T), rel=0.05, abs=1e-9)
-    assert found[0, 0] == pytest.approx((gain * 4.0 * 0.005 * 9.81) ** 2, rel=0.02)
+    assert row.curvature == pytest.approx(gain**2 * np.cov(missed.T), rel=0.05, abs=1e-9)
+    assert row.curvature[0, 0] == pytest.approx((gain * 4.0 * 9.81) ** 2 * (2 * 0.004**2 + 0.005**2), rel=0.02)
+    assert straight.residual - row.residual == pytest.approx(gain * missed.mean(axis=0), rel=0.05, abs=1e-9)
+    assert (straight.residual - row.residual)[0] == pytest.approx(-gain * 4.0 * 9.81 * 0.004, rel=0.02)
 
 
 def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):

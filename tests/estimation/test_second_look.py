@@ -46,12 +46,13 @@ def test_a_second_look_is_what_a_first_would_have_been(monkeypatch):
     monkeypatch.setattr(PhysicalSet, "holds", lambda *_: False)
     monkeypatch.setattr(PhysicalSet, "nearest", lambda *_: guess().parameters)
     work_out, told, first = ParameterLearner._worked_out, [], Prior().covariance(guess())
+    root = np.sqrt(first)
     for blurred_until in (0.0, 1.5):
 
         def worked_out(self, block, until=blurred_until):
-            believed, self.covariance = self.covariance, first
+            believed, self.covariance, self._spread = (self.covariance, self._spread), first, root
             row = work_out(self, block)
-            self.covariance = believed
+            self.covariance, self._spread = believed
             return row._replace(curvature=(self.time < until) * row.noise)
 
         monkeypatch.setattr(ParameterLearner, "_worked_out", worked_out)
