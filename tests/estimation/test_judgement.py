@@ -196,3 +196,17 @@ def test_what_scatters_more_than_it_differs_is_no_worse(scale):
     assert is_surely_more(scale * (scatter + 1.01 * limit))
     assert not is_surely_more(scale * (scatter + 0.99 * limit))
     assert not is_surely_more(scale * (scatter - 9.0))
+
+
+@pytest.mark.parametrize(
+    ("case", "is_nameless"),
+    [
+        ({"change": (0.1, 0.6)}, True),
+        ({"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.8), {0: 90.0})}, True),
+        ({"score": 6.9}, False),
+        ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, False),
+    ],
+)
+def test_what_is_there_without_a_name(case, is_nameless):
+    """So that nothing that explains less is its name: it drifts, or follows a period that no effect has."""
+    assert judged(**case).is_nameless == is_nameless
