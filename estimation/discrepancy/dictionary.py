@@ -19,7 +19,8 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.model import CartModel
 
-from ..batch.wrench_regression import Linearisation, WrenchRegression
+from ..batch.linearisation import Linearisation
+from ..batch.wrench_regression import WrenchRegression
 
 BLOCK = 0.25
 """s."""

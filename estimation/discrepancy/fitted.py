@@ -15,8 +15,9 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
 from ..batch.identification import Identification, fit
+from ..batch.linearisation import Linearisation
 from ..batch.noise_colour import colour_of
-from ..batch.wrench_regression import Linearisation, WrenchRegression
+from ..batch.wrench_regression import WrenchRegression
 from ..prior import Prior, report_names
 from .dictionary import Dictionary, build_dictionary
 from .evidence import Base

@@ -18,7 +18,8 @@ import numpy as np
 from cartgrasp.effects import Effect, ForceEffect
 from cartgrasp.frames import Array
 
-from ..batch.wrench_regression import Linearisation, WrenchRegression
+from ..batch.linearisation import Linearisation
+from ..batch.wrench_regression import WrenchRegression
 from .manoeuvres import manoeuvres, settled
 
 SHARE = 0.1

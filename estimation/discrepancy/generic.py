@@ -78,7 +78,8 @@ class Course:
 
 
 def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
-    """The best of each family along each free direction, the most probable first."""
+    """The best of each family along each free direction, the most probable first. More harmonics tell a period alone:
+    so flexible a family takes some of anything away."""
     families = list(_families(course))
     found: list[Dependence] = []
     for i in range(scatter.mean.shape[1]):
@@ -91,7 +92,8 @@ def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
             if one.period is not None and one.log_factor > 0 and family.finer is not None:
                 finer = family.finer(one.period)
                 factor, share = _judged(scatter.mean[:, i], weight, finer.columns)
-                one = max(one, _best(finer, i, factor - np.log(finer.tried), share), key=lambda each: each.log_factor)
+                known = _best(finer, i, factor - np.log(finer.tried), share)
+                one = replace(one, period=known.period) if known.log_factor > one.log_factor else one
             if family.name not in best or one.log_factor > best[family.name].log_factor:
                 best[family.name] = one
         found += best.values()
@@ -126,8 +128,8 @@ def _families(course: Course) -> Iterator[_Family]:
         waves = _harmonics(turns, rolled, HARMONICS)
         for sign in (np.ones_like(course.speed), np.sign(course.speed)):
             wheel = _Wheel(rolled, sign, tried)
-            yield wheel.family(turns, waves[..., :2])
-            yield replace(wheel.family(turns, waves), finer=wheel.near)
+            for columns in (waves[..., :2], waves):
+                yield replace(wheel.family(turns, columns), finer=wheel.near)
     yield _Family("heading", _wave(course.heading / (2 * np.pi))[None])
     yield _Family("speed", _levels(course.speed)[None])
     yield _Family("yaw rate", _levels(course.turning)[None])

@@ -78,16 +78,12 @@ class Judge:
     def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
-        reason = (
-            self.implausible(effect)
-            or self._held(effect, model)
-            or self._unsteady(found)
-            or self._outside(effect, model)
-            or self._unsure(effect, score)
-            or _drives(model.cart, self.held_out.rolling[1])
-        )
+        implausible, nameless = self.implausible(effect), self._held(effect, model) or self._unsteady(found)
+        follows = "" if implausible or nameless else self._outside(effect, model)
+        reason = implausible or nameless or follows or self._unsure(effect, score)
+        reason = reason or _drives(model.cart, self.held_out.rolling[1])
         if reason:
-            return Verdict(False, reason, is_nameless=bool(self._held(effect, model) or self._unsteady(found)))
+            return Verdict(False, reason, is_nameless=bool(nameless or follows))
         proof = self.held_out.everywhere if effect.gate.ends else self.held_out
         gain = proof.gain(self.fitted, model)
         share = gain.share

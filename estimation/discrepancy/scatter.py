@@ -9,7 +9,8 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from ..batch.wrench_regression import Linearisation, WrenchRegression
+from ..batch.linearisation import Linearisation
+from ..batch.wrench_regression import WrenchRegression
 
 SCATTER_BLOCK, EXCESS_BLOCK, FINE_BLOCK = 0.5, 0.2, 0.1
 """s."""

@@ -183,3 +183,17 @@ def test_noise_of_a_gain():
     shared = white[:, 1:] + white[:, :-1]
     told = [deviation_of_mean(1e-4 * one) for one in shared]
     assert np.mean(np.square(told)) ** 0.5 == pytest.approx(1e-4 * shared.mean(axis=1).std(), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("case", "is_nameless"),
+    [
+        ({"change": (0.1, 0.6)}, True),
+        ({"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.8), {0: 90.0})}, True),
+        ({"score": 6.9}, False),
+        ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, False),
+    ],
+)
+def test_what_is_there_without_a_name(case, is_nameless):
+    """So that nothing that explains less is its name: it drifts, or follows a period that no effect has."""
+    assert judged(**case).is_nameless == is_nameless

@@ -1,0 +1,120 @@
+"""What one log says around some parameters, row by row and in sums over stretches of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .block_tridiagonal import Factor
+
+FEWEST_BLOCKS = 12
+AT_ONCE = 32
+"""Columns that are whitened together: more would leave the processor's cache."""
+OUTLYING = 4.0
+"""Times its share of the scatter that a stretch may have with full weight."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Around some parameters and delay: of each stretch of time the information (b, p + 1, p + 1) and the pull
+    (b, p + 1) on them. Where the model is right, pulls are independent, with the information as covariance."""
+
+    blocks: Array
+    pulls: Array
+
+    def part(self, which: np.ndarray) -> Evidence:
+        """About some of the parameters."""
+        return Evidence(self.blocks[:, which[:, None], which], self.pulls[:, which])
+
+    def weighed(self, background: Array) -> tuple[Array, Array, float]:
+        """Information and pull, with less weight for stretches that contradict themselves, and how many times as large
+        as believed the noise variance is, where it matters: the pulls' scatter against the information, in the metric
+        of the information with its background; 1 or more."""
+        n, p = self.pulls.shape
+        if n < FEWEST_BLOCKS:
+            return self.blocks.sum(axis=0) if n else np.zeros((p, p)), self.pulls.sum(axis=0), 1.0
+        kept = self.kept(background)
+        information = kept.blocks.sum(axis=0)
+        expected, scatter = kept._overlapping()._scatter(np.linalg.inv(information + background))
+        taught = float(expected.sum())
+        excess = float(scatter.sum()) / taught * n / max(n - taught, 1.0) if taught > 0 else 1.0
+        return information, kept.pulls.sum(axis=0), max(1.0, excess)
+
+    def kept(self, background: Array) -> Evidence:
+        """With less weight for stretches that contradict themselves."""
+        weights = self.weights(background)
+        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+
+    def weights(self, background: Array) -> Array:
+        """Of stretches (b,): less than 1 where they contradict themselves."""
+        if len(self.pulls) < FEWEST_BLOCKS:
+            return np.ones(len(self.pulls))
+        expected, scatter = self._scatter(np.linalg.inv(self.blocks.sum(axis=0) + background))
+        ratio = scatter / np.maximum(expected, 1e-12)
+        usual = max(1.0, float(np.median(ratio)))
+        return np.minimum(1.0, OUTLYING * usual / np.maximum(ratio, 1e-12))
+
+    def _overlapping(self) -> Evidence:
+        """Of neighbours together: what is left of a jolt between them has one sign before it, and the other after."""
+        return Evidence((self.blocks[1:] + self.blocks[:-1]) / 2, (self.pulls[1:] + self.pulls[:-1]) / 2**0.5)
+
+    def _scatter(self, metric: Array) -> tuple[Array, Array]:
+        """Of each stretch, what is expected and what is there."""
+        expected = np.einsum("ij,bji->b", metric, self.blocks)
+        return expected, np.einsum("bi,ij,bj->b", self.pulls, metric, self.pulls)
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Rows (m,) of a log around some parameters: time (m,), residual (m, f), its slopes `by` (m, f, p + 1) as they are
+    in Evidence, weights (m, f, f) of a wrench's own noise, slopes `by_motion` (m, f, d) by the states of the smoother
+    at `nodes` (m,) and those after, and the factor of what wrenches and smoother know of the motion."""
+
+    time: Array
+    nodes: np.ndarray
+    residual: Array
+    by: Array
+    weights: Array
+    by_motion: tuple[Array, Array]
+    factor: Factor
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns (m, f, k) times the inverse of the residual's covariance."""
+        from .whitening import whiten
+
+        found = np.empty(columns.shape)
+        rows = (self.nodes, *self.by_motion, self.weights)
+        for at in range(0, columns.shape[2], AT_ONCE):
+            own = columns[..., at : at + AT_ONCE]
+            room = np.empty((len(self.factor.chain), own.shape[2]))
+            whiten(self.factor.chain, rows, own, room, found[..., at : at + AT_ONCE])
+        return found
+
+    @property
+    def chi_squared(self) -> float:
+        """Of the residual."""
+        residual = self.residual[..., None]
+        return float((residual * self.whitened(residual)).sum())
+
+    def taught(self, columns: Array) -> tuple[Array, Array]:
+        """By the residual, of what adds columns (m, f, k) to it: information (k, k) and pull (k,)."""
+        sides = np.concatenate([columns, self.residual[..., None]], axis=2)
+        sums = np.tensordot(columns, self.whitened(sides), ((0, 1), (0, 1)))
+        return sums[:, :-1], sums[:, -1]
+
+    def by_block(self, left: Array, right: Array, duration: float) -> Array:
+        """`leftᵀ right` (b, k, l), summed over stretches of `duration` (s)."""
+        f = left.shape[1]
+        flat_left, flat_right = (np.reshape(side, (-1, side.shape[2])) for side in (left, right))
+        return np.array(
+            [flat_left[f * a : f * b].T @ flat_right[f * a : f * b] for a, b in pairwise(self.ends(duration))]
+        )
+
+    def ends(self, duration: float) -> list[int]:
+        """Of stretches of `duration` (s) that have rows: where each begins, and the number of rows."""
+        number = (self.time - self.time[0]) // duration
+        return [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(number)]
