@@ -18,16 +18,17 @@ import numpy as np
 from .world import GRAVITY
 
 STEP = 0.01  # s
-SKATE, DRY, HALF_TRACK = 1e5, 2e3, 0.25
-"""N s/m of the axle and of dry friction below its level; m."""
-ITERATIONS = 20
+SKATE, DRY, DRY_TURNING, HALF_TRACK = 1e5, 500.0, 50.0, 0.25
+"""N s/m of the axle and of dry friction below its level, N m s/rad; m."""
+ITERATIONS, DIFFERENCE = 20, 1e-4
+"""As a share of a box: where dry friction reaches its level a rollout jumps a little, which smaller ones magnify."""
 
 CART = """\
 <mujoco>
   <option timestep="{step}" gravity="0 0 0" integrator="implicitfast"/>
   <default>
     <general biastype="affine" biasprm="0 0 0"/>
-    <default class="dry"><general biasprm="0 0 -{dry}" forcerange="-1e-9 1e-9"/></default>
+    <default class="dry"><general forcerange="-1e-9 1e-9"/></default>
   </default>
   <worldbody>
     <body name="cart">
@@ -43,9 +44,9 @@ CART = """\
   <actuator>
 {motors}
     <general name="skate" site="b" gear="0 1 0 0 0 0" biasprm="0 0 -{skate}"/>
-    <general name="left" class="dry" site="left" gear="1 0 0 0 0 0"/>
-    <general name="right" class="dry" site="right" gear="1 0 0 0 0 0"/>
-    <general name="turning" class="dry" site="b" gear="0 0 0 0 0 1"/>
+    <general name="left" class="dry" site="left" gear="1 0 0 0 0 0" biasprm="0 0 -{dry}"/>
+    <general name="right" class="dry" site="right" gear="1 0 0 0 0 0" biasprm="0 0 -{dry}"/>
+    <general name="turning" class="dry" site="b" gear="0 0 0 0 0 1" biasprm="0 0 -{turning}"/>
     <general name="pull" site="b" gear="1 0 0 0 0 0"/>
     <general name="twist" site="b" gear="0 0 0 0 0 1"/>
   </actuator>
@@ -77,6 +78,18 @@ class Free:
     low: float
     high: float
 
+    @property
+    def width(self) -> float:
+        return self.high - self.low
+
+    def put(self, spec: mujoco.MjSpec, told: Any) -> None:
+        """As `sysid` knows it: over its box."""
+        value = float(told.value[0]) * self.width
+        if self.name.startswith("gain "):
+            set_gain(spec, self.name.removeprefix("gain "), value)
+        else:
+            SETTERS[self.name](spec, value)
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -97,19 +110,19 @@ def fit(course: Course, free: Sequence[Free], window: float) -> Fit:
     spec = mujoco.MjSpec.from_string(description(course.wrenches))
     parameters = sysid.ParameterDict()
     for one in free:
-        parameters.add(sysid.Parameter(one.name, one.first, one.low, one.high, modifier=modifier(one.name)))
+        numbers = (number / one.width for number in (one.first, one.low, one.high))
+        parameters.add(sysid.Parameter(one.name, *numbers, modifier=one.put))
     residual = sysid.build_residual_fn(
         models_sequences=[sequences(course, spec, window)],
         modify_residual=partial(weighed, sizes=sizes(course, window)),
         n_threads=1,
     )
-    options = {"x_scale": "jac", "max_iters": ITERATIONS, "output": StringIO()}
+    options = {"x_scale": "jac", "max_iters": ITERATIONS, "eps": DIFFERENCE, "output": StringIO()}
     best, found = sysid.optimize(parameters.move_off_bounds(), residual, verbose=False, **options)
-    values = np.ravel(found.x)
+    values, unit = np.ravel(found.x), np.array([one.width for one in free])
     left = residual(values, best)[0]
-    unit = np.array([one.high - one.low for one in free])  # else some are so small that `sysid` takes them for unknown
-    covariance, intervals = sysid.calculate_intervals(left, found.jac * unit)
-    return Fit(values, covariance * np.outer(unit, unit), intervals * unit, sum(map(len, left)))
+    covariance, intervals = sysid.calculate_intervals(left, found.jac)
+    return Fit(values * unit, covariance * np.outer(unit, unit), intervals * unit, sum(map(len, left)))
 
 
 def sizes(course: Course, window: float) -> np.ndarray:
@@ -123,7 +136,7 @@ def description(arms: Iterable[str]) -> str:
     """Its MJCF, with nothing that could be free."""
     gears = {axis: " ".join(map(str, gear)) for axis, gear in GEARS.items()}
     motors = "\n".join(MOTOR.format(arm=arm, axis=axis, gear=gear) for arm in arms for axis, gear in gears.items())
-    return CART.format(step=STEP, dry=DRY, skate=SKATE, half=HALF_TRACK, motors=motors)
+    return CART.format(step=STEP, dry=DRY, turning=DRY_TURNING, skate=SKATE, half=HALF_TRACK, motors=motors)
 
 
 def sequences(course: Course, spec: mujoco.MjSpec, window: float) -> Any:
@@ -147,12 +160,6 @@ def weighed(_parameters, _sensed, measured, _model, _all, state, sizes):
     time = measured.times[1:]
     told = np.column_stack([np.interp(time, state[:, 0], column) for column in state[:, 1:].T])
     return (told - measured.data[1:]) / sizes, measured, measured
-
-
-def modifier(name: str) -> Callable[[mujoco.MjSpec, Any], None]:
-    if name.startswith("gain "):
-        return lambda spec, parameter: set_gain(spec, name.removeprefix("gain "), parameter.value[0])
-    return lambda spec, parameter: SETTERS[name](spec, parameter.value[0])
 
 
 def set_gain(spec: mujoco.MjSpec, arm: str, value: float) -> None:

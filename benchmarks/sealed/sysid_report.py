@@ -13,8 +13,8 @@ import numpy as np
 from .mujoco_sysid import HALF_TRACK, Course, Fit, Free, fit
 from .recorded import Cart, Recorded
 
-WINDOW = 1.0  # s
-TINY = 1e-9
+WINDOW = 1.0
+"""s: in longer ones what the wrenches' noise adds up to is taken for effects."""
 BODY, DRAG = ("mass", "com_x", "com_y", "inertia"), ("linear", "angular")
 EFFECTS = {
     "viscous_drag": DRAG,
@@ -47,7 +47,7 @@ def rolled_out(log: Recorded, cart: Cart, stop: float) -> dict[str, Any]:
     shares = [
         missed(found, [places[part] for part in parts], float(name == "force_scale")) for name, _, parts in groups
     ]
-    order = [int(i) for i in np.argsort(-np.array(shares)) if shares[i] >= max(stop, TINY)]
+    order = [int(i) for i in np.argsort(-np.array(shares)) if shares[i] > 0 and shares[i] >= stop]
     effects = [entry(found, cart, places, groups[i]) for i in order]
     return {
         "verdict": "explained" if effects else "no_discrepancy",

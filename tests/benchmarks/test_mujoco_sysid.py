@@ -45,7 +45,7 @@ def moved(values, gain=1.0):
 
 @pytest.mark.parametrize("name", BASE)
 def test_the_smallest_step_of_a_parameter_tells_as_much_as_a_larger_one(name):
-    """`sysid` takes differences over 1.5e-8, which MuJoCo's compiler must not round away."""
+    """MuJoCo's compiler must not round it away."""
     small, large = (moved(BASE | {name: BASE[name] + step}) - moved(BASE) for step in (1.5e-8, 1e-5))
     assert np.abs(large).max() > 1e-9
     assert small / 1.5e-8 == pytest.approx(large / 1e-5, rel=0.02, abs=0.02 * np.abs(large / 1e-5).max())
