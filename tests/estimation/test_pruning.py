@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import pytest
 
 from cartgrasp.effects import LoadSlosh, RollingResistance, StribeckFriction
+from estimation.discrepancy.held_out import Gain
 from estimation.discrepancy.selection import _pruned
 
 SLOSH, ROLLING, STRIBECK = LoadSlosh(mass=3.0), RollingResistance(coefficient=0.02), StribeckFriction(breakaway=3.0)
@@ -29,7 +30,7 @@ class Proof:
     """Nothing is gained on rollouts; likelihoods are those of all rows."""
 
     def gain(self, fitted, better):
-        return 0.0, 0.0
+        return Gain(0.0, 0.0, 0.0)
 
     def likelihood(self, fitted, better):
         return 0.5 * (fitted.chi_squared() - better.chi_squared())
