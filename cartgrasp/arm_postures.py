@@ -1,11 +1,10 @@
 """Inverse kinematics: a posture of an arm whose tool is at a pose, by damped Gauss-Newton within the joint limits.
 
-With the error e(q) = (p_target - p, log(R_target Rᵀ)) of the tool in {b}, m and rad, and J its Jacobian on the joints
-that may still move (not at a limit with the step pointing out), each step solves
+With the error e(q) = (p_target - p, log(R_target Rᵀ)) of the tool in {b}, m and rad, and its Jacobian J, each step is
 
-    (Jᵀ J + damping) dq = Jᵀ e,
+    the least |J dq - e|² + damping |dq|²   with   lower <= q + dq <= upper,
 
-is cut to the limits, and is taken if |e| falls; then the damping falls, else it grows.
+and is taken if |e| falls; then the damping falls, else it grows.
 """
 
 from __future__ import annotations
@@ -14,7 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from scipy.optimize import lsq_linear
 from scipy.spatial.transform import Rotation
 
 from .frames import Array
@@ -77,24 +77,12 @@ def _descend(arm: UrdfArm, target: SpatialPose, configuration: Array) -> Posture
 
 
 def _step(arm: UrdfArm, configuration: Array, error: Array, damping: float) -> Array:
-    """The next configuration. Joints that the step would push out of their range are held, and the others solved for
-    anew."""
+    """The next configuration."""
     jacobian = arm.jacobian_a(configuration)  # with no yaw {a} has {b}'s axes
-    free = np.ones(len(configuration), dtype=bool)
-    step = np.zeros_like(configuration)
-    while free.any():
-        part = jacobian[:, free]
-        step[:] = 0.0
-        step[free] = np.linalg.solve(part.T @ part + damping * np.eye(part.shape[1]), part.T @ error)
-        outward = free & _at_limit(arm, configuration, step)
-        if not outward.any():
-            break
-        free &= ~outward
+    n = len(configuration)
+    rows, sides = np.vstack([jacobian, np.sqrt(damping) * np.eye(n)]), np.concatenate([error, np.zeros(n)])
+    step = lsq_linear(rows, sides, (arm.lower - configuration, arm.upper - configuration), method="bvls").x
     return np.clip(configuration + step, arm.lower, arm.upper)
-
-
-def _at_limit(arm: UrdfArm, configuration: Array, step: Array) -> NDArray[np.bool_]:
-    return ((configuration <= arm.lower) & (step < 0)) | ((configuration >= arm.upper) & (step > 0))
 
 
 def _error(arm: UrdfArm, target: SpatialPose, configuration: Array) -> Array:

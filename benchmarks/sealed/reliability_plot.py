@@ -27,6 +27,7 @@ def save_reliability(judgements: Sequence[Judgement], path: Path) -> None:
         low, high = np.nan_to_num(low, nan=0.0), np.nan_to_num(high, nan=1.0)
         axes.plot([said, said], [low, high], color=BLUE)
         axes.plot(said, right / count, "o", color=BLUE)
-        axes.annotate(f"{count}", (said, right / count), xytext=(-6, -3), textcoords="offset points", ha="right")
-    axes.set(xlim=(0, 1.02), ylim=(0, 1.02), xlabel="probability that is said", ylabel="share of names that are true")
+        middle = (low + high) / 2
+        axes.annotate(f"{count}", (said, middle), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
+    axes.set(xlim=(0, 1.05), ylim=(0, 1.02), xlabel="Probability that is said", ylabel="Share of names that are true")
     figure.savefig(path, dpi=200)
