@@ -126,7 +126,7 @@ assert np.isnan(drives["forward", "up"][0]).all(), "a handle at 0.4 m is out of 
 assert np.isnan(drives["from above", "up"][-1]).all(), "and one at 1.6 m of hands that hang down"
 assert np.nanmin(felt["forward", "up"]) > 1
 assert (felt["from above", "up"][:3, 0] < 1).all(), "low and near, the levers of hands that hang down are too long"
-assert felt["from above", "up"][0, 1] < 1 < felt["from above", "out"][0, 1], "there, turning the elbow out is enough"
+assert felt["from above", "up"][1, 1] < 1 < felt["from above", "out"][1, 1], "there, turning the elbow out is enough"
 assert plans[good].status == "optimal"
 assert plans[bad].status == "infeasible"
 assert np.isclose(plans[bad].nearest.wrench[0], felt["from above", "up"][0, 0] * push[0], rtol=1e-5)
