@@ -30,7 +30,7 @@ EKF, PARTED, UKF = (f"filterpy {kind}, algebra alone" for kind in ("EKF", "EKF, 
 NOTE = """Each measurement holds pose, velocity and one arm's wrench, of a loaded shopping cart that is pushed round
 curves. States are pose, nu and memory with the parameters that are learned. `CartFilter` is an augmented EKF where
 wrenches are exact, and where casters' headings are states; else the parameters come from a regression, of which a row
-is worked out in one step of 15: that is in p99, not in the median.
+is worked out in one step of ten or so: that is in p99, not in the median.
 
 filterpy's filters get as many states as `CartFilter, two effects` has, a fixed transition and no model, so their rows
 are the price of their algebra alone. Three updates, with pose, velocity and wrench, do the same job: each sensor has
