@@ -180,4 +180,4 @@ def test_reliability_is_drawn(tmp_path):
     )
     save_reliability([judgement], tmp_path / "reliability.svg")
     drawn = (tmp_path / "reliability.svg").read_text(encoding="utf-8")
-    assert "probability that is said" in drawn
+    assert "Probability that is said" in drawn
