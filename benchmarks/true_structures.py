@@ -17,6 +17,7 @@ from typing import Any
 from cartgrasp.cart_file import load_cart
 from cartgrasp.effects import KNOWN_EFFECTS, Effect, SensorEffect
 from cartgrasp.logs import read_log
+from cartgrasp.writing import write_atomically
 from estimation.discrepancy.known_structure import refit
 
 FILE = "refit.json"
@@ -32,7 +33,7 @@ def refit_all(folder: Path) -> int:
         count += 1
         log = folder / "logs" / path.stem
         if not (log / FILE).is_file():
-            (log / FILE).write_text(json.dumps(refitted(log, truth), indent=1) + "\n", encoding="utf-8")
+            write_atomically(log / FILE, json.dumps(refitted(log, truth), indent=1) + "\n")
     return count
 
 

@@ -31,22 +31,22 @@ def write_scene(run: ShownRun, path: str | os.PathLike[str], progress: Callable[
     """Writes the run's middle as a PNG, or the run as a GIF of at most 12 s, with the path on the floor; `progress` is
     told the share done. UsageError where OpenGL can't be had."""
     path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
+    kind = path.suffix.lower()
+    if kind not in SUFFIXES:
         raise UsageError(f"{path}: a scene is written as {' or '.join(SUFFIXES)}")
     rows = np.flatnonzero(np.isfinite(run.pose).all(axis=1))
     if not len(rows):
         raise UsageError(f"{path}: no pose of {run.name} is known, so there is nothing to draw")
-    if path.suffix.lower() == ".gif":
-        wanted = rows[np.minimum(np.searchsorted(rows, frames_of(run)), len(rows) - 1)]
+    if kind == ".gif":
+        wanted, shrunk = rows[np.minimum(np.searchsorted(rows, frames_of(run)), len(rows) - 1)], 2
     else:
-        wanted = rows[len(rows) // 2 :][:1]
+        wanted, shrunk = rows[len(rows) // 2 :][:1], 1
     pictures = []
-    shrunk = 2 if path.suffix.lower() == ".gif" else 1
     for k, picture in enumerate(rendered(Scene.of(run), wanted, shrunk)):
         pictures.append(Image.fromarray(picture))
         if progress is not None:
             progress(k / len(wanted))
-    if path.suffix.lower() == ".gif":
+    if kind == ".gif":
         return save_frames([picture.quantize(COLOURS) for picture in pictures], path)
     content = io.BytesIO()
     pictures[0].save(content, "PNG")
@@ -57,10 +57,9 @@ def rendered(scene: Scene, instants: np.ndarray, shrunk: int = 1) -> Iterator[np
     """A picture (HEIGHT / shrunk, WIDTH / shrunk, 3) for each instant, bytes of red, green, blue."""
     drawn, options = mujoco.MjvScene(scene.model, maxgeom=LARGEST), mujoco.MjvOption()
     height, width = HEIGHT // shrunk, WIDTH // shrunk
-    frame = mujoco.MjrRect(0, 0, width, height)
+    frame, every = mujoco.MjrRect(0, 0, width, height), mujoco.mjtCatBit.mjCAT_ALL.value
     with _context(scene.model) as context:
         for i in instants.tolist():
-            every = mujoco.mjtCatBit.mjCAT_ALL.value
             placed, camera = scene.placed(i), scene.camera(i)
             mujoco.mjv_updateScene(scene.model, placed, options, None, camera, every, drawn)
             scene.draw_over(drawn, i)
@@ -72,14 +71,7 @@ def rendered(scene: Scene, instants: np.ndarray, shrunk: int = 1) -> Iterator[np
 
 @contextmanager
 def _context(model: mujoco.MjModel) -> Iterator[Any]:
-    try:
-        window = offscreen()
-        window.make_current()
-    except Exception as error:
-        raise UsageError(
-            f"MuJoCo finds no OpenGL to draw with ({error}): install cartgrasp[rendering], and where there is no "
-            "graphics card Mesa's (Debian: libegl1 and libgl1-mesa-dri)"
-        ) from error
+    window = offscreen()
     try:
         context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, context)
@@ -90,6 +82,19 @@ def _context(model: mujoco.MjModel) -> Iterator[Any]:
 
 
 def offscreen() -> Any:
+    """Where OpenGL draws from now on, without a display, until it is freed; what keeps it from that is one error."""
+    try:
+        window = _window()
+        window.make_current()
+    except Exception as error:
+        raise UsageError(
+            f"MuJoCo finds no OpenGL to draw with ({error}): install cartgrasp[rendering], and where there is no "
+            "graphics card Mesa's (Debian: libegl1 and libgl1-mesa-dri)"
+        ) from error
+    return window
+
+
+def _window() -> Any:
     """By EGL, which needs no display, unless MUJOCO_GL says otherwise."""
     if sys.platform == "linux" and not os.environ.get("MUJOCO_GL"):
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")

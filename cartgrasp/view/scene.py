@@ -111,19 +111,16 @@ class Scene:
 
     def _draw_com(self, scene: mujoco.MjvScene, i: int) -> None:
         """Two standard deviations, along {b}'s axes."""
-        parameters, cart = self.run.parameters, self.run.cart
-        if not {"com_x", "com_y"} <= parameters.keys():
+        known, cart = self.run.estimated_com(i), self.run.cart
+        if known is None:
             return
-        along, across = parameters["com_x"], parameters["com_y"]
-        com = np.array([along.value[i], across.value[i], DEFAULT_COM_HEIGHT])
-        if cart is not None and cart.com_height is not None:
-            com[2] = cart.com_height
-        size = np.maximum([2 * along.std[i], 2 * across.std[i], 0.0], LEAST_SPREAD)
-        if np.isfinite([*com, *size]).all():
-            turned = np.eye(3)
-            turned[:2, :2] = rotation_planar(self.run.pose[i, 2])
-            place = self._in_s(com, i)
-            _add(scene, mujoco.mjtGeom.mjGEOM_ELLIPSOID, tuple(size.tolist()), place, to_rgba(PURPLE), turned)
+        com, covariance = known
+        height = None if cart is None else cart.com_height
+        size = np.maximum([*(2 * np.sqrt(np.diagonal(covariance))), 0.0], LEAST_SPREAD)
+        turned = np.eye(3)
+        turned[:2, :2] = rotation_planar(self.run.pose[i, 2])
+        place = self._in_s(np.array([*com, DEFAULT_COM_HEIGHT if height is None else height]), i)
+        _add(scene, mujoco.mjtGeom.mjGEOM_ELLIPSOID, tuple(size.tolist()), place, to_rgba(PURPLE), turned)
 
     def _in_s(self, point_b: Array, i: int) -> Array:
         x, y, theta = self.run.pose[i].tolist()

@@ -116,6 +116,16 @@ class ShownRun:
         """Of the cart's body as drawn."""
         return body_outline(self.cart, self.contacts.values())
 
+    def estimated_com(self, i: int) -> tuple[tuple[float, float], Array] | None:
+        """At instant i, in {b}, m, with its covariance (2, 2), m²; None where it is not known."""
+        if not {"com_x", "com_y"} <= self.parameters.keys():
+            return None
+        along, across = self.parameters["com_x"], self.parameters["com_y"]
+        covariance = np.diag([along.std[i] ** 2, across.std[i] ** 2])
+        covariance = covariance if self.com_covariance is None else self.com_covariance[i]
+        com = float(along.value[i]), float(across.value[i])
+        return (com, covariance) if np.isfinite([*com, *covariance.ravel()]).all() else None
+
     @property
     def tracking_error(self) -> Array | None:
         """Distance of {b}'s origin from the reference, (n,), m."""

@@ -69,14 +69,10 @@ def _wheels(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[Artist]
 
 def _estimated_com(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[Artist]:
     """The ellipse of two standard deviations; without a covariance its axes are those of {b}."""
-    if not {"com_x", "com_y"} <= run.parameters.keys():
+    known = run.estimated_com(i)
+    if known is None:
         return []
-    along, across = run.parameters["com_x"], run.parameters["com_y"]
-    covariance = np.diag([along.std[i] ** 2, across.std[i] ** 2])
-    covariance = covariance if run.com_covariance is None else run.com_covariance[i]
-    com = float(along.value[i]), float(across.value[i])
-    if not np.isfinite([*com, *covariance.ravel()]).all():
-        return []
+    com, covariance = known
     variances, directions = np.linalg.eigh(covariance)
     height, width = 4 * np.sqrt(np.maximum(variances, 0.0))
     turn = math.degrees(math.atan2(directions[1, 1], directions[0, 1]))

@@ -136,6 +136,11 @@ def _tracks(regression: WrenchRegression) -> Array:
     return np.concatenate([pose[:, :2] + rotation_planar(pose[:, 2]) @ [wheel.x, wheel.y] for wheel in wheels])
 
 
+def amplitudes_of(effect: Effect) -> np.ndarray:
+    """Indices of the parameters that are amplitudes."""
+    return np.flatnonzero(may_be_amplitudes(effect))
+
+
 def may_be_amplitudes(effect: Effect) -> np.ndarray:
     gated = np.arange(len(effect.parameters)) < effect.gate.n_parameters
     return np.asarray(~gated & np.array([not p.grid for p in effect.parameters]))

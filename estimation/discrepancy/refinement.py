@@ -15,7 +15,7 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 
-from .dictionary import BLOCK, CELL, may_be_amplitudes, slopes_of
+from .dictionary import BLOCK, CELL, amplitudes_of, slopes_of
 from .fitted import Fitted
 from .profiles import Profile, at_once
 
@@ -100,7 +100,7 @@ def searched_again(
     """With the settings of effects that were added, which were searched for without later ones, where they are best
     now."""
     for effect in effects:
-        amplitudes = np.flatnonzero(may_be_amplitudes(effect))
+        amplitudes = amplitudes_of(effect)
         if any(not effect.parameters[move.which].estimated for move in moves(effect, amplitudes)):
             known = next(one for one in fitted.cart.effects if one.key == effect.key)
             refiner = Refiner(fitted.without(effect.key), implausible)

@@ -15,7 +15,7 @@ import numpy as np
 from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 
-from .dictionary import may_be_amplitudes
+from .dictionary import amplitudes_of
 from .fitted import Fitted
 from .profiles import MEAN, around, half_sine, smeared
 from .refinement import Move, Refiner, absent, is_open, moves, prior_std
@@ -34,7 +34,7 @@ FINE = 400
 
 def settled_setting(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
     """An effect with times in the middle of where they may be, and its settings' deviations."""
-    amplitudes = np.flatnonzero(may_be_amplitudes(effect))
+    amplitudes = amplitudes_of(effect)
     searched = [move for move in moves(effect, amplitudes) if not effect.parameters[move.which].estimated]
     if not searched:
         return effect, {}
@@ -60,7 +60,7 @@ def _told(refiner: Refiner, own: Effect, searched: Sequence[Move], excess: float
 def swelling(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]] | None:
     """Of an effect of the fitted cart that acts for a while: from where it begins to where it ends, with its mean size,
     if it rises and falls, and its settings' deviations."""
-    amplitudes = np.flatnonzero(may_be_amplitudes(effect))
+    amplitudes = amplitudes_of(effect)
     std, sharp = prior_std(effect, amplitudes), Refiner(fitted.without(effect.key))
     others = [sharp, *(sharp.shaped(smeared(width)) for width in SMEARED)]
     least = max(one.gain(absent(effect, amplitudes), amplitudes, std).value for one in others)
@@ -76,7 +76,7 @@ def swelling(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]] 
 
 def _posterior(refiner: Refiner, effect: Effect, move: Move, excess: float) -> tuple[float, float]:
     """Mean, from where it is, and standard deviation of a setting, with the amplitudes as they fit best."""
-    amplitudes = np.flatnonzero(may_be_amplitudes(effect))
+    amplitudes = amplitudes_of(effect)
     effect, std = absent(effect, amplitudes), prior_std(effect, amplitudes)
     first = FIRST.get(effect.parameters[move.which].unit, FIRST_SHARE * abs(float(effect.values[move.which])))
     best = refiner.gain(effect, amplitudes, std).value

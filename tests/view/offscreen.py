@@ -2,13 +2,14 @@
 
 import pytest
 
+from cartgrasp.errors import UsageError
 from cartgrasp.view.rendering import offscreen
 
 
 def has_opengl() -> bool:
     try:
         offscreen().free()
-    except Exception:
+    except UsageError:
         return False
     return True
 

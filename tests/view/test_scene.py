@@ -105,7 +105,7 @@ def test_what_is_refused(shown: ShownRun, tmp_path, monkeypatch):
     def none() -> None:
         raise ImportError("No module named 'OpenGL'")
 
-    monkeypatch.setattr(rendering, "offscreen", none)
+    monkeypatch.setattr(rendering, "_window", none)
     with pytest.raises(UsageError, match=r"cartgrasp\[rendering\]"):
         write_scene(shown, tmp_path / "scene.png")
     assert not list(tmp_path.iterdir())
