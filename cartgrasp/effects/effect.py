@@ -107,6 +107,8 @@ class Effect(ABC):
     signature: ClassVar[str]
     ordered: ClassVar[tuple[tuple[str, str], ...]] = ()
     gate: ClassVar[Gate] = Gate.ALWAYS
+    is_bounded: ClassVar[bool] = True
+    """Whether a search stays at values at which it is plausible; else it is none of its name where it fits best."""
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:

@@ -32,6 +32,7 @@ class StribeckFriction(CompiledForce):
         Parameter("breakaway", "N", typical=5.0, lower=0.0),
         Parameter("speed", "m/s", typical=0.05, lower=0.001, upper=10.0, absent=0.05, estimated=False, grid=SPEEDS),
     )
+    is_bounded: ClassVar[bool] = False
     signature: ClassVar[str] = "a peak of the forward force near standstill, gone at speed"
 
     def implausible(self, wheels: WheelSet, fastest: float) -> str:

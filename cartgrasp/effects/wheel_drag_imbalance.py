@@ -1,9 +1,10 @@
 """One fixed wheel drags more than the other: a yaw moment whenever the cart rolls.
 
-    fx = -force * sign u,    tau = moment * sign u
+    fx = -Σ F_i sign(u - y_i r),    tau = Σ y_i F_i sign(u - y_i r),    Σ F_i = force,    Σ y_i F_i = moment
 
-A wheel at (0, y) that drags by F more is `force = F`, `moment = y F`: a tight left wheel turns a cart that
-rolls forward to the left.
+over the two outermost fixed wheels, at y_i, each of which drags against its own rolling. Where the cart lists no two,
+all is one drag against u. A wheel at (0, y) that drags by F more is `force = F`, `moment = y F`: a tight left wheel
+turns a cart that rolls forward to the left.
 """
 
 from __future__ import annotations

@@ -8,22 +8,69 @@ from .jit import compiled
 from .situation import Own, Parts, Situation
 from .smooth import smooth_sign
 
+NARROW = 1e-6
+"""m: wheels that are no farther apart stand in one place."""
+
+Share = tuple[float, float, float, float]
+"""Of a wheel: its drag and its moment for each N of `force` and each N·m of `moment`."""
+
 
 @compiled
 def wrench(at: Situation, own: Own, out: Parts) -> None:
-    force, moment = own.parameters[0], own.parameters[1]
-    sign, slope = smooth_sign(at.velocity[0], at.smoothing_speed)
-    out.value[0] -= force * sign
-    out.value[2] += moment * sign
-    out.by_velocity[0, 0] -= force * slope
-    out.by_velocity[2, 0] += moment * slope
-    out.by_parameters[0, 0] -= sign
-    out.by_parameters[2, 1] += sign
+    right, left, of_right, of_left = _track(at)
+    _drag(at, right, of_right, own, out)
+    if left - right > NARROW:
+        _drag(at, left, of_left, own, out)
 
 
 @compiled
 def stiction(at: Situation, own: Own, columns: Array) -> int:
-    sign, _ = smooth_sign(at.velocity[0], at.smoothing_speed)
-    columns[0, 0] = -(1.0 - sign * sign) * own.parameters[0]
-    columns[0, 2] = (1.0 - sign * sign) * own.parameters[1]
+    right, left, of_right, of_left = _track(at)
+    _hold(at, right, of_right, own, columns[0])
+    if left - right > NARROW:
+        _hold(at, left, of_left, own, columns[1])
+        return 2
     return 1
+
+
+@compiled
+def _track(at: Situation) -> tuple[float, float, Share, Share]:
+    """Where along {b}'s y the outermost fixed wheels stand, the right one first, and their shares. Where the track is
+    not known, one at the origin has all."""
+    right, left = 0.0, 0.0
+    found = False
+    for k in range(len(at.wheels)):
+        if at.wheels[k, 2] == 0.0:
+            y = at.wheels[k, 1]
+            right, left = (min(right, y), max(left, y)) if found else (y, y)
+            found = True
+    span = left - right
+    if span <= NARROW:
+        return 0.0, 0.0, (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0)
+    of_right = (left / span, -1.0 / span, left * right / span, -right / span)
+    of_left = (-right / span, 1.0 / span, -left * right / span, left / span)
+    return right, left, of_right, of_left
+
+
+@compiled
+def _drag(at: Situation, y: float, share: Share, own: Own, out: Parts) -> None:
+    """Of a wheel at y, against its own rolling."""
+    sign, slope = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
+    force = share[0] * own.parameters[0] + share[1] * own.parameters[1]
+    moment = share[2] * own.parameters[0] + share[3] * own.parameters[1]
+    out.value[0] -= force * sign
+    out.value[2] += moment * sign
+    out.by_velocity[0, 0] -= force * slope
+    out.by_velocity[0, 2] += force * slope * y
+    out.by_velocity[2, 0] += moment * slope
+    out.by_velocity[2, 2] -= moment * slope * y
+    for q in range(2):
+        out.by_parameters[0, q] -= share[q] * sign
+        out.by_parameters[2, q] += share[2 + q] * sign
+
+
+@compiled
+def _hold(at: Situation, y: float, share: Share, own: Own, column: Array) -> None:
+    sign, _ = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
+    column[0] = -(1.0 - sign * sign) * (share[0] * own.parameters[0] + share[1] * own.parameters[1])
+    column[2] = (1.0 - sign * sign) * (share[2] * own.parameters[0] + share[3] * own.parameters[1])

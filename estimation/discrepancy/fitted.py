@@ -31,6 +31,8 @@ SETTLED, ROUGH = 0.03, 0.1
 """Standard deviations: by what a fit's last round moves a parameter; and that of an effect which is only tried."""
 LISTENING, HEARD = 6, 5e-4
 """Rounds, and s: to read how late wrenches are."""
+UNUSUAL = 2.0
+"""Deviations of what is believed of a delay."""
 EFFECTS_SHARE = 1.0
 ADDED_SHARE = 10.0
 """Of its typical size: the standard deviation of an added effect before data, which tell nearly all."""
@@ -71,6 +73,12 @@ class Fitted:
     @property
     def delays(self) -> tuple[float, ...]:
         return tuple(log.delay for log in self.identification.logs)
+
+    @property
+    def is_late(self) -> bool:
+        """Whether wrenches of a log fit best at a share of a step that is not usual."""
+        usual = (regression.usual_delay for regression in self.regressions)
+        return any(abs(delay - mean) > UNUSUAL * std for delay, (mean, std) in zip(self.delays, usual, strict=True))
 
     @cached_property
     def linearised(self) -> tuple[tuple[WrenchRegression, Linearisation, float], ...]:

@@ -212,7 +212,8 @@ def _step(
     least = max([ENOUGH, *(HOPELESS * score for score, _, _ in scored)])
     known = {one.effect.key for one in candidates}
     rest = [one for key, one in again.items() if key not in known]
-    missed = [one for one in rest if one.log_factor >= (WORTH_TRYING if _is_late(one.effect) else least)][:MOST_TRIED]
+    late = -np.inf if fitted.is_late else WORTH_TRYING
+    missed = [one for one in rest if one.log_factor >= (late if _is_late(one.effect) else least)][:MOST_TRIED]
     if missed:
         scored, again = _scored(fitted, dictionary, candidates + [tried(one) for one in missed])
     attempts, better = _judged(scored, again, judge)

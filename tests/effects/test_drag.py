@@ -184,6 +184,18 @@ def test_wheel_drag_imbalance_is_a_wheel_at_y_that_drags_more(speed, y, extra):
     np.testing.assert_allclose(own, other, rtol=1e-9, atol=1e-12)
 
 
+@given(velocity=vectors(2, -2, 2), left=numbers(0.05, 0.4), right=numbers(0.05, 0.4), drags=vectors(2, 0, 10))
+def test_wheels_that_drag_do_so_against_their_own_rolling(velocity, left, right, drags):
+    """Also where the cart turns about one of them: Coulomb's two drags at (0, left) and (0, -right), written out."""
+    wheels = Wheel("fixed", 0.0, left), Wheel("caster", 0.7, 0.6, 0.05), Wheel("fixed", 0.0, -right)
+    (u, r), (of_left, of_right) = velocity, drags
+    speeds = u - left * r, u + right * r
+    on_left, on_right = (f * v / np.hypot(v, SMOOTHING_SPEED) for f, v in zip((of_left, of_right), speeds, strict=True))
+    effect = WheelDragImbalance(of_left + of_right, left * of_left - right * of_right)
+    own = force_at(effect, u, 0.0, r, wheels=wheels)
+    np.testing.assert_allclose(own, [-on_left - on_right, 0, left * on_left - right * on_right], atol=1e-9)
+
+
 @pytest.mark.parametrize("y", [0.27, -0.27])
 def test_a_tight_left_wheel_turns_the_cart_to_the_left(y):
     moment = force_at(WheelDragImbalance(3.0, 3.0 * y), 1.0)[2]
