@@ -1,8 +1,9 @@
 """The online filter, by what is the more exact: the wrenches, or the motion.
 
 Where the noise of wrenches is below what the model leaves out, they drive an augmented EKF: nothing learns more from
-poor poses. So they do where effects have memories (casters' headings), which have to be estimated with the rest. Else
-a regression on the motion learns the parameters (`learning_filter.py`): noisy wrenches would bias the EKF.
+poor poses. Else a regression on the motion learns the parameters (`learning_filter.py`): noisy wrenches would bias the
+EKF. Memories of effects (casters' headings) the EKF estimates with the rest, and the regression only follows from the
+motion, so with these noise has to be far above what is left out before it costs more than it tells.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ from .noise import FilterNoise
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
 
-EXACT = 1.0
+EXACT, EXACT_BESIDE_MEMORIES = 1.0, 20.0
 """1/√s: noise of a wrench sample (N) over the disturbance (N·√s) up to which wrenches count as exact. At 100 Hz the
-density of their noise is then a tenth of it."""
+density of their noise is then a tenth of it, or twice as much."""
 
 
 Given = tuple[CartModel, Sequence[str] | None, FilterNoise, Prior, Mapping[str, float]]
@@ -48,7 +49,8 @@ def core_of(given: Given, least_speed: float = 0.0) -> AugmentedFilter | Learnin
 
 def takes_rows(cart: CartModel, noise: FilterNoise) -> bool:
     """Whether a regression learns more than an EKF."""
-    return bool(noise.force > EXACT * noise.disturbance) and not cart.memory_names
+    exact = EXACT_BESIDE_MEMORIES if cart.memory_names else EXACT
+    return bool(noise.force > exact * noise.disturbance)
 
 
 class CartFilter:

@@ -31,6 +31,8 @@ LEVELS = 5
 DRIFT = 4
 """Slow waves over a log."""
 RIDGE = 1e-10
+PARTS = 6
+"""Of a log, each of which is foretold by a fit to the others."""
 LEAST_TURN, FINE_TURN = 2.0, 0.3
 """Turns that something periodic takes, at least, in a log; and by how many two that are tried differ."""
 
@@ -38,7 +40,8 @@ LEAST_TURN, FINE_TURN = 2.0, 0.3
 @dataclass(frozen=True)
 class Dependence:
     """A family's fit along one free direction: what it is called, its period and that period's unit where it has one,
-    the log of its Bayes factor by Schwarz's criterion, and the share of the squares that it takes away."""
+    the log of its Bayes factor by Schwarz's criterion, the share of the squares that it takes away, and the share that
+    it foretells in parts of the log from the others."""
 
     name: str
     direction: int
@@ -46,6 +49,7 @@ class Dependence:
     unit: str
     log_factor: float
     share: float
+    foretold: float
 
     @property
     def is_periodic(self) -> bool:
@@ -86,13 +90,9 @@ def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
         weight = scatter.information[:, i, i]
         best: dict[str, Dependence] = {}
         for family in families:
-            factor, share = _judged(scatter.mean[:, i], weight, family.columns)
-            factor -= np.log(family.tried)
-            one = _best(family, i, factor, share)
+            one = _best(family, i, scatter.mean[:, i], weight)
             if one.period is not None and one.log_factor > 0 and family.finer is not None:
-                finer = family.finer(one.period)
-                factor, share = _judged(scatter.mean[:, i], weight, finer.columns)
-                known = _best(finer, i, factor - np.log(finer.tried), share)
+                known = _best(family.finer(one.period), i, scatter.mean[:, i], weight)
                 one = replace(one, period=known.period) if known.log_factor > one.log_factor else one
             if family.name not in best or one.log_factor > best[family.name].log_factor:
                 best[family.name] = one
@@ -113,10 +113,15 @@ class _Family:
     finer: Callable[[float], _Family] | None = None
 
 
-def _best(family: _Family, direction: int, factor: Array, share: Array) -> Dependence:
+def _best(family: _Family, direction: int, value: Array, weight: Array) -> Dependence:
+    factor, share = _judged(value, weight, family.columns)
     k = int(np.argmax(factor))
     period = None if family.periods is None else float(family.periods[k])
-    return Dependence(family.name, direction, period, family.unit, float(factor[k]), float(share[k]))
+    factor_of_all, foretold = (
+        float(factor[k]) - float(np.log(family.tried)),
+        _foretold(value, weight, family.columns[k]),
+    )
+    return Dependence(family.name, direction, period, family.unit, factor_of_all, float(share[k]), foretold)
 
 
 def _families(course: Course) -> Iterator[_Family]:
@@ -184,6 +189,20 @@ def _judged(value: Array, weight: Array, columns: Array) -> tuple[Array, Array]:
     taken = np.minimum((pull * solved).sum(axis=1) / max(before, 1e-300), 1 - 1e-12)
     n, k = len(value), columns.shape[2]
     return -0.5 * n * np.log1p(-taken) - 0.5 * k * np.log(n), taken
+
+
+def _foretold(value: Array, weight: Array, columns: Array) -> float:
+    """Of the squares about the mean, the share that columns (b, k) take away in each part of a log when they are fitted
+    to the others; 0 where they foretell nothing."""
+    number = np.arange(len(value)) * PARTS // len(value)
+    sides, root = np.column_stack([np.ones(len(value)), columns]), np.sqrt(weight)
+    left = 0.0
+    for part in range(PARTS):
+        own = number == part
+        known = np.linalg.lstsq(root[~own, None] * sides[~own], root[~own] * value[~own], rcond=None)[0]
+        left += float(weight[own] @ (value[own] - sides[own] @ known) ** 2)
+    off = value - weight @ value / weight.sum()
+    return max(0.0, 1.0 - left / max(float(weight @ off**2), 1e-300))
 
 
 def _wave(turns: Array) -> Array:

@@ -27,9 +27,8 @@ LEAST_LIKELIHOOD = 4.0
 beyond what rollouts say against it, which is little where they are all noise."""
 NO_WORSE = 0.005
 """Of the gap above the noise floor: what noise may make of it at least."""
-LEAST_OF_REST, MOST_OF_REST = 0.3, 0.5
-"""Of what is left of the gap, where that is more than noise: enough where other effects closed most of it; so much that
-it is no other thing."""
+LEAST_OF_REST = 0.3
+"""Of what is left of the gap, where that is more than noise: enough where other effects closed most of it."""
 MOST_CHANGE, MOST_DRIFT, MOST_DRIFT_REMEMBERED = 0.5, 0.5, 1.0
 """Of its size: what an effect may change by when a quarter of the log is left out; from all to one quarter, beyond
 noise; the same of one with a memory, which in one quarter may have been another."""
@@ -112,9 +111,7 @@ class Judge:
     def _outside(self, effect: Effect, model: Fitted) -> str:
         enough = OUTSIDE_PASSING if effect.gate.passes else OUTSIDE
         follows, closed = self.fitted.periodic, self.fitted.misfit() - model.misfit()
-        if follows is None or follows.share * self.fitted.misfit(follows.direction) <= enough * closed:
-            return ""
-        if not effect.gate.passes and self.held_out.gain(self.fitted, model).of_rest >= MOST_OF_REST:
+        if follows is None or follows.foretold * self.fitted.misfit(follows.direction) <= enough * closed:
             return ""
         return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
 

@@ -113,12 +113,12 @@ def test_what_is_probable_steady_and_gains_is_added():
         (
             {
                 "effect": ExternalPush(start=1.0, duration=0.5, force=9.0),
-                "before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.3), {0: 90.0}),
+                "before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, 0.3), {0: 90.0}),
             },
             "follows time, periodic",
         ),
         (
-            {"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.8), {0: 90.0})},
+            {"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, 0.8), {0: 90.0})},
             "follows time, periodic",
         ),
     ],
@@ -189,7 +189,7 @@ def test_noise_of_a_gain():
     ("case", "is_nameless"),
     [
         ({"change": (0.1, 0.6)}, True),
-        ({"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 0.8), {0: 90.0})}, True),
+        ({"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, 0.8), {0: 90.0})}, True),
         ({"score": 6.9}, False),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, False),
     ],
