@@ -143,6 +143,10 @@ class Effect(ABC):
         empty where they are such as it has."""
         return ""
 
+    def told(self, wheels: WheelSet) -> Self:
+        """The same, with what it takes from the wheels written out."""
+        return self
+
     @property
     def doubt(self) -> float:
         """How many times the usual evidence it needs at these values, since other things look like it."""

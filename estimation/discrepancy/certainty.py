@@ -55,7 +55,7 @@ def proven(fitted: Fitted) -> tuple[Certainty, tuple[str, ...]]:
         found = certain(fitted)
         key = min(found.deviations, key=lambda one: found.deviations[one], default=None)
         if key is None or found.deviations[key] >= LEAST_DEVIATIONS:
-            return _with_swelling(fitted, found), tuple(removed)
+            return _told(fitted, found), tuple(removed)
         fitted, removed = fitted.without(key), [*removed, key]
 
 
@@ -70,10 +70,12 @@ def certain(fitted: Fitted) -> Certainty:
     return Certainty(fitted, fitted.cart, parameters, settings, _deviations(fitted, covariance))
 
 
-def _with_swelling(fitted: Fitted, known: Certainty) -> Certainty:
-    """With pushes that rise and fall from where they begin to where they end."""
-    effects, parameters, settings = list(known.cart.effects), dict(known.parameters), dict(known.settings)
-    added = {effect.key for effect in fitted.added}
+def _told(fitted: Fitted, known: Certainty) -> Certainty:
+    """With what effects take from the wheels written out, and pushes that rise and fall from where they begin to where
+    they end."""
+    parameters, settings = dict(known.parameters), dict(known.settings)
+    added, wheels = {effect.key for effect in fitted.added}, known.cart.wheel_set
+    effects = [effect.told(wheels) if effect.key in added else effect for effect in known.cart.effects]
     for k, effect in enumerate(effects):
         found = swelling(fitted, effect) if effect.gate is Gate.WHILE and effect.key in added else None
         if found is not None:

@@ -19,7 +19,7 @@ ENOUGH, ENOUGH_SEARCHED, ENOUGH_PASSING = 7.0, 12.0, 20.0
 what a smoothed motion lacks; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
-BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.01}
+BESIDE = {Gate.WHILE: 0.1, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.01}
 """Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
 hardly like a lasting change, or like what always acts."""
 LEAST_LIKELIHOOD = 4.0
@@ -35,9 +35,9 @@ noise; the same of one with a memory, which in one quarter may have been another
 DRIVEN, NOWHERE = 0.15, 1e6
 """Of the most power that drags take: what they may give, at speeds of one sign, and be a mistake; m and s."""
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
-OUTSIDE, OUTSIDE_PASSING = 1.5, 0.5
-"""Times the share of the residual that an effect takes away: what follows time or way so much better is none of the
-vocabulary. What acts for a while takes away some turns of anything periodic."""
+OUTSIDE, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 0.5, 0.1
+"""Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary. What
+acts for a while takes away some turns of anything periodic. Of the squares: a period that foretells less is any."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Judge:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
         implausible, nameless = self.implausible(effect), self._held(effect, model) or self._unsteady(found)
-        follows = "" if implausible or nameless else self._outside(effect, model)
+        follows = "" if implausible or nameless else self._outside(effect, score)
         reason = implausible or nameless or follows or self._unsure(effect, score)
         reason = reason or _drives(model.cart, self.held_out.rolling[1])
         if reason:
@@ -108,10 +108,12 @@ class Judge:
         most = MOST_DRIFT_REMEMBERED if remembers else MOST_DRIFT
         return UNSTEADY if found.change > MOST_CHANGE or found.drift > most else ""
 
-    def _outside(self, effect: Effect, model: Fitted) -> str:
+    def _outside(self, effect: Effect, score: float) -> str:
         enough = OUTSIDE_PASSING if effect.gate.passes else OUTSIDE
-        follows, closed = self.fitted.periodic, self.fitted.misfit() - model.misfit()
-        if follows is None or follows.foretold * self.fitted.misfit(follows.direction) <= enough * closed:
+        follows, closed = self.fitted.periodic, 2 * score * self.fitted.excess
+        if follows is None or follows.foretold < LEAST_FORETOLD:
+            return ""
+        if follows.foretold * self.fitted.misfit(follows.direction) <= enough * closed:
             return ""
         return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
 

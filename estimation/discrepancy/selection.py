@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import logsumexp
@@ -112,21 +113,61 @@ def select(
     whole, fitted, steps = _sideways(whole, cart)
     whole, fitted = with_its_noise(whole, fitted)
     nominal = fitted if not steps else Fitted(fitted.regressions, cart)
-    held_out, strongest = HeldOut(nominal, whole), _creeping(fitted, steps)
-    shown: dict[str, Isolability] | None = None
+    search = _Search(HeldOut(nominal, whole), arms, tell)
+    strongest, shown = _creeping(fitted, steps), dict[str, Isolability]()
     while len(steps) < MOST_EFFECTS:
         tell(f"step {len(steps) + 1}: screening")
-        judge = Judge(fitted, held_out, strongest)
-        dictionary = fitted.dictionary([one for one in trials(fitted.cart, arms) if judge.may_be(one)])
-        shown = isolability(dictionary, fitted.loose) if shown is None else shown
-        step, better = _step(fitted, dictionary, judge, tell)
-        steps.append(step.beside(shown))
-        if better is None:
+        look = search.look(fitted, strongest)
+        shown = shown or isolability(look.dictionary, fitted.loose)
+        if look.better is None and len(steps) + 1 < MOST_EFFECTS:
+            look = search.beside_another(look, strongest) or look
+        steps.append(look.step.beside(shown))
+        if look.better is None or look.step.added is None:
             break
-        fitted = searched_again(better, better.added[:-1], judge.is_odd)
-        strongest = max(strongest, step.added.log_factor if step.added else 0.0)
-    fitted, removed = _pruned(fitted, held_out)
-    return Selection(nominal, fitted, tuple(steps), held_out, removed, shown or {})
+        fitted = searched_again(look.better, look.better.added[:-1], look.judge.is_odd)
+        strongest = max(strongest, look.step.added.log_factor)
+    fitted, removed = _pruned(fitted, search.held_out)
+    return Selection(nominal, fitted, tuple(steps), search.held_out, removed, shown)
+
+
+class _Look(NamedTuple):
+    """A step from a fit: the model with what is added, if anything; that with the most probable effect which lost for
+    its name alone, if one did."""
+
+    judge: Judge
+    dictionary: Dictionary
+    step: Step
+    better: Fitted | None
+    nameless: Fitted | None
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Over the vocabulary, beside any fit."""
+
+    held_out: HeldOut
+    arms: Sequence[str]
+    tell: Callable[[str], None]
+
+    def look(self, fitted: Fitted, strongest: float) -> _Look:
+        judge = Judge(fitted, self.held_out, strongest)
+        dictionary = fitted.dictionary([one for one in trials(fitted.cart, self.arms) if judge.may_be(one)])
+        return _step(fitted, dictionary, judge, self.tell)
+
+    def beside_another(self, look: _Look, strongest: float) -> _Look | None:
+        """Of two effects neither may have its name while the other is left out: the one that is added beside the
+        nameless one, where that is then added beside it."""
+        if look.nameless is None:
+            return None
+        self.tell("trying two at once")
+        second = self.look(look.nameless.settled(), strongest)
+        if second.better is None:
+            return None
+        alone = look.judge.fitted.tried(second.better.added[-1]).settled()
+        again = self.look(alone, strongest)
+        if again.step.added is None or again.step.added.key != look.nameless.added[-1].key:
+            return None
+        return look._replace(step=second.step, better=alone)
 
 
 def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]:
@@ -195,9 +236,7 @@ class _Tried:
         return min(self.model.chi_squared(keys) for keys in (every - {self.effect.key}, every))
 
 
-def _step(
-    fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]
-) -> tuple[Step, Fitted | None]:
+def _step(fitted: Fitted, dictionary: Dictionary, judge: Judge, tell: Callable[[str], None]) -> _Look:
     screened = findings(dictionary, fitted.loose)
     refiner = Refiner(fitted, judge.is_odd)
 
@@ -216,25 +255,28 @@ def _step(
     missed = [one for one in rest if one.log_factor >= (late if _is_late(one.effect) else least)][:MOST_TRIED]
     if missed:
         scored, again = _scored(fitted, dictionary, candidates + [tried(one) for one in missed])
-    attempts, better = _judged(scored, again, judge)
+    attempts, better, nameless = _judged(scored, again, judge)
     added = next((a for a in attempts if a.verdict == ADDED), None)
     rest = [f for f in again.values() if f.effect.key not in {a.key for a in attempts}]
     attempts += [Attempt(f.effect.key, f.effect.name, f.log_factor, None, "not probable enough") for f in rest]
     if added is None or better is None:
-        return Step(tuple(attempts), None), None
+        return _Look(judge, dictionary, Step(tuple(attempts), None), None, nameless)
     left = [a for a in attempts[attempts.index(added) :] if a.verdict != IMPLAUSIBLE]
     logs = np.array([a.log_factor for a in left])
     probability = IN_VOCABULARY * float(np.exp(added.log_factor - logsumexp(np.append(logs, 0.0))))
     near = [a.name for a in left if a.name != added.name and added.log_factor - a.log_factor < NOT_TOLD_APART]
-    return Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability), better
+    step = Step(tuple(attempts), added, tuple(dict.fromkeys(near)), probability)
+    return _Look(judge, dictionary, step, better, nameless)
 
 
 def _judged(
     scored: Sequence[tuple[float, Effect, Fitted]], again: Mapping[str, Finding], judge: Judge
-) -> tuple[list[Attempt], Fitted | None]:
-    """What comes of each, the most probable first, and the model with the one that is added, if any."""
+) -> tuple[list[Attempt], Fitted | None, Fitted | None]:
+    """What comes of each, the most probable first; the model with the one that is added, if any, and with the first
+    that is nameless."""
     attempts: list[Attempt] = []
     better, nameless, unproven = None, 0.0, 0.0
+    unnamed: Fitted | None = None
     for score, effect, model in scored:
         if better is None and score < nameless:  # it explains less of a thing that has no name
             verdict = Verdict(False, "less probable than what has no name")
@@ -243,6 +285,7 @@ def _judged(
         elif better is None:
             verdict = judge.verdict(again[effect.key], score, model)
             nameless = max(nameless, score) if verdict.is_nameless else nameless
+            unnamed = unnamed or (model if verdict.is_nameless else None)
             unproven = max(unproven, score) if verdict.is_unproven and effect.gate is Gate.ALWAYS else unproven
         else:
             verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
@@ -250,7 +293,7 @@ def _judged(
         attempts.append(Attempt(effect.key, effect.name, score, verdict.held_out_gain, verdict.reason, is_there))
         if verdict.is_added:
             better = model.settled()
-    return attempts, better
+    return attempts, better, unnamed
 
 
 def _scored(

@@ -161,8 +161,10 @@ def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back
     found = Fitted((WrenchRegression(bumped, guess(), None),), guess()).dependences[0]
     assert found.name.startswith("travelled distance")
     assert found.period == pytest.approx(0.4, rel=0.02)
+    assert 0.8 * found.share < found.foretold <= found.share
     quiet = Fitted((regression,), guess()).dependences[0]
     assert quiet.log_factor < 6 < found.log_factor
+    assert quiet.foretold < 0.05
 
 
 def test_a_period_is_the_whole_turn():

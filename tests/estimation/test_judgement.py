@@ -61,25 +61,30 @@ class Proof:
 
 @dataclass
 class Fit:
-    left: float = 100.0
     periodic: object = None
     by_direction: dict = field(default_factory=dict)
     effect: object = None
+    excess: float = 1.0
     regressions: tuple = (SimpleNamespace(step=0.01),)
 
     @property
     def cart(self):
         return CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(self.effect,))
 
-    def misfit(self, direction=None):
-        return self.left if direction is None else self.by_direction[direction]
+    def misfit(self, direction):
+        return self.by_direction[direction]
 
 
-def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, after=60.0, strongest=0.0):
+def follows(foretold):
+    """A period that fits all of the residual, and foretells that share of its squares."""
+    return Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, foretold)
+
+
+def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0):
     judge = Judge(before or Fit(), proof or Proof(), strongest)
     effect = effect or QuadraticDrag(coefficient=5.0)
     none = np.zeros(0)
-    return judge.verdict(Finding(effect, score, score, none, none, none, *change), score, Fit(after, effect=effect))
+    return judge.verdict(Finding(effect, score, score, none, none, none, *change), score, Fit(effect=effect))
 
 
 def test_what_is_probable_steady_and_gains_is_added():
@@ -99,7 +104,7 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"proof": Proof(share=-0.06, log_likelihood=50.0)}, "closes -6.0 %"),
         ({"proof": Proof(share=-0.5, noise=0.25, log_likelihood=5.9)}, "closes -50.0 %"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
-        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
+        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 100"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0, moment=5.0), "score": 99.0}, "below 100"),
         ({"effect": PayloadChange(time=9.0, mass=3.0), "strongest": 5000.0}, "below 100"),
         ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
@@ -113,14 +118,11 @@ def test_what_is_probable_steady_and_gains_is_added():
         (
             {
                 "effect": ExternalPush(start=1.0, duration=0.5, force=9.0),
-                "before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, 0.3), {0: 90.0}),
+                "before": Fit(follows(0.11), {0: 500.0}),
             },
             "follows time, periodic",
         ),
-        (
-            {"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, 0.8), {0: 90.0})},
-            "follows time, periodic",
-        ),
+        ({"before": Fit(follows(0.12), {0: 900.0})}, "follows time, periodic"),
     ],
 )
 def test_a_reason_against_it(case, said):
@@ -140,6 +142,11 @@ def test_a_reason_against_it(case, said):
 )
 def test_one_gain_is_enough(proof):
     assert judged(proof=proof).is_added
+
+
+def test_what_a_period_does_not_foretell_is_none_of_its():
+    assert judged(before=Fit(follows(0.11), {0: 900.0})).is_added
+    assert judged(before=Fit(follows(0.09), {0: 9000.0})).is_added
 
 
 def test_a_push_is_proven_where_it_is():
@@ -189,7 +196,8 @@ def test_noise_of_a_gain():
     ("case", "is_nameless"),
     [
         ({"change": (0.1, 0.6)}, True),
-        ({"before": Fit(100.0, Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, 0.8), {0: 90.0})}, True),
+        ({"before": Fit(follows(0.12), {0: 900.0})}, True),
+        ({"before": Fit(follows(0.11), {0: 900.0})}, False),
         ({"score": 6.9}, False),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, False),
     ],

@@ -61,10 +61,11 @@ def test_what_explains_less(first, verdict, second, is_added):
     judge = SimpleNamespace(verdict=lambda found, score, model: verdicts[found], implausible=lambda effect: "")
     model = SimpleNamespace(settled=lambda: "settled")
     scored = [(90.0, first, model), (70.0, second, model)]
-    attempts, better = _judged(scored, {key: key for key in verdicts}, judge)
+    attempts, better, nameless = _judged(scored, {key: key for key in verdicts}, judge)
     assert (better == "settled") is is_added
     assert (attempts[1].verdict == ADDED) is is_added
     assert attempts[0].is_there is (verdict.is_unproven or verdict.is_nameless)
+    assert nameless is (model if verdict.is_nameless else None)
 
 
 @pytest.mark.parametrize(
