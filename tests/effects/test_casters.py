@@ -140,7 +140,6 @@ def test_a_trail_that_is_taken_from_the_wheels_is_told():
     assert CasterRealignment(0.2).told(other).trail == 0.0
 
 
-
 @given(heading=numbers(-3.0, 3.0), u=numbers(0.3, 1.0), r=numbers(-0.5, 0.5))
 def test_settles_where_the_trail_model_takes_it(heading, u, r):
     """Against the heading integrated over 40 trails of travel; the turn itself holds the wheel back by r b / v."""
