@@ -237,10 +237,9 @@ class Fitted:
         course = Course.of(self.fine, [regression.motion for regression in self.regressions], FINE_BLOCK, tracks)
         return dependences(self.fine, course)
 
-    @property
-    def periodic(self) -> Dependence | None:
-        """The most probable dependence with a period, where it is sure."""
-        return next((d for d in self.dependences if d.is_periodic and d.log_factor > SURE), None)
+    def follows(self, is_periodic: bool) -> Dependence | None:
+        """The most probable dependence, or that with a period, where it is sure."""
+        return next((d for d in self.dependences if d.is_periodic >= is_periodic and d.log_factor > SURE), None)
 
     def misfit(self, direction: int | None = None) -> float:
         """The weighed squares of the residual's short means, along one free direction or all."""

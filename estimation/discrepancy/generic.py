@@ -135,7 +135,9 @@ def _families(course: Course) -> Iterator[_Family]:
             wheel = _Wheel(rolled, sign, tried)
             for columns in (waves[..., :2], waves):
                 yield replace(wheel.family(turns, columns), finer=wheel.near)
-    yield _Family("heading", _wave(course.heading / (2 * np.pi))[None])
+    turned = course.heading / (2 * np.pi)
+    yield _Family("heading", _wave(turned)[None])
+    yield _Family("heading", np.hstack([_wave(turned), _wave(2 * turned)])[None])
     yield _Family("speed", _levels(course.speed)[None])
     yield _Family("yaw rate", _levels(course.turning)[None])
     along = (course.time - course.time.min()) / max(float(np.ptp(course.time)), 1e-9)

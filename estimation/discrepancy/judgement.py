@@ -37,7 +37,8 @@ DRIVEN, NOWHERE = 0.15, 1e6
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
 OUTSIDE, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 0.5, 0.1
 """Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary. What
-acts for a while takes away some turns of anything periodic. Of the squares: a period that foretells less is any."""
+acts for a while takes away some turns of anything periodic, and some of what follows the heading. Of the squares: what
+foretells less is any."""
 
 
 @dataclass(frozen=True)
@@ -110,12 +111,13 @@ class Judge:
 
     def _outside(self, effect: Effect, score: float) -> str:
         enough = OUTSIDE_PASSING if effect.gate.passes else OUTSIDE
-        follows, closed = self.fitted.periodic, 2 * score * self.fitted.excess
+        follows, closed = self.fitted.follows(not effect.gate.passes), 2 * score * self.fitted.excess
         if follows is None or follows.foretold < LEAST_FORETOLD:
             return ""
         if follows.foretold * self.fitted.misfit(follows.direction) <= enough * closed:
             return ""
-        return f"the residual follows {follows.name} ({follows.period:.3g} {follows.unit}) better"
+        period = f" ({follows.period:.3g} {follows.unit})" if follows.period is not None else ""
+        return f"the residual follows {follows.name}{period} better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
         searched = ENOUGH_SEARCHED if any(p.grid for p in effect.parameters) else ENOUGH

@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
-from estimation.discrepancy.fitted import Fitted
+from estimation.discrepancy.fitted import SURE, Fitted
 from estimation.discrepancy.gap import measured_gap
 from estimation.discrepancy.generic import Course, dependences
 from estimation.discrepancy.log_check import check_rows, checked, moving
@@ -179,6 +179,20 @@ def test_a_period_is_the_whole_turn():
     found = Fitted((WrenchRegression(bumped, guess(), None),), guess()).dependences[0]
     assert found.name.startswith("travelled distance")
     assert found.period == pytest.approx(1.6, rel=0.02)
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+def test_a_force_by_the_heading_is_found(turns):
+    """As of a floor that slopes, or one with a grain."""
+    log, _ = simulate(TRUTH, 3, 40.0, noise=(0.0005, 0.005, 1.0))
+    (name, arm), *_ = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] += 4.0 * np.sin(turns * log.pose[:, 2])
+    moved = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    told = Fitted((WrenchRegression(moved, guess(), None),), guess()).dependences
+    found = next(one for one in told if one.name == "heading")
+    assert found.log_factor > SURE
+    assert 0.35 < found.share < 1.2 * found.foretold
 
 
 def test_a_scatter_of_a_right_model_is_noise():

@@ -61,7 +61,7 @@ class Proof:
 
 @dataclass
 class Fit:
-    periodic: object = None
+    dependence: object = None
     by_direction: dict = field(default_factory=dict)
     effect: object = None
     excess: float = 1.0
@@ -71,13 +71,16 @@ class Fit:
     def cart(self):
         return CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(self.effect,))
 
+    def follows(self, is_periodic):
+        return self.dependence if self.dependence and self.dependence.is_periodic >= is_periodic else None
+
     def misfit(self, direction):
         return self.by_direction[direction]
 
 
-def follows(foretold):
-    """A period that fits all of the residual, and foretells that share of its squares."""
-    return Dependence("time, periodic", 0, 2.2, "s", 40.0, 1.0, foretold)
+def follows(foretold, period=2.2):
+    """What fits all of the residual, and foretells that share of its squares."""
+    return Dependence("time, periodic", 0, period, "s", 40.0, 1.0, foretold)
 
 
 def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0):
@@ -147,6 +150,13 @@ def test_one_gain_is_enough(proof):
 def test_what_a_period_does_not_foretell_is_none_of_its():
     assert judged(before=Fit(follows(0.11), {0: 900.0})).is_added
     assert judged(before=Fit(follows(0.09), {0: 9000.0})).is_added
+
+
+def test_a_push_is_no_part_of_what_follows_the_heading():
+    """Which may well be what a floor that slopes makes: a drag is compared with periods alone."""
+    before, push = Fit(follows(0.3, period=None), {0: 900.0}), ExternalPush(start=1.0, duration=0.5, force=9.0)
+    assert "follows" in judged(push, before=before).reason
+    assert judged(before=before).is_added
 
 
 def test_a_push_is_proven_where_it_is():
