@@ -12,7 +12,7 @@ from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from .constraints import RollingConstraints
-from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect
+from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh
 from .errors import CartgraspError, FileError
 from .inertia import Inertia
 from .model import CartModel
@@ -81,6 +81,10 @@ def cart_from_document(document: CommentedMap, name: str, prefix: Location = ())
         raise refuse(["com_height"], f"{entry.com_height:g} m is below the floor")
     constraints, effects = _constraints(entry.constraints, refuse), _effects(entry.effects, refuse)
     _check_effects(effects, constraints, refuse)
+    swung = sum(effect.mass for effect in effects if isinstance(effect, LoadSlosh))
+    if swung >= entry.mass:
+        why = f"{swung:g} kg swings on a cart of {entry.mass:g} kg; give `mass` of the cart with all that swings on it"
+        raise refuse(["effects", "load_slosh"], why)
     return CartModel(
         inertia=Inertia(entry.mass, (entry.com[0], entry.com[1]), entry.inertia),
         constraints=constraints,

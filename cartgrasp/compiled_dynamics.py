@@ -13,8 +13,8 @@ from .errors import UsageError
 from .frames import Array
 from .kernels import entries
 from .kernels.jit import Ints
-from .kernels.situation import Parts
-from .kernels.workspace import MEMORY, N_PHI, PHI, POSE, VELOCITY, PackedEffect, pack, sums_size
+from .kernels.situation import SWUNG, Parts
+from .kernels.workspace import MEMORY, N_PHI, N_WRENCH, PHI, POSE, VELOCITY, PackedEffect, pack, sums_size
 from .wheels import GRAVITY, WheelSet
 
 STAY = np.zeros(2)
@@ -81,11 +81,14 @@ class CompiledDynamics:
         found = self._ask(entries.floors, self._given(point, (com_height,), foreign), 7 * (self._n_wheels + 1))
         return found.reshape(*found.shape[:-1], -1, 7)
 
-    def parts(self, sums: Array) -> tuple[Array, Array, Parts, Parts]:
-        """Views of sums: phi, its partials by the parameters, the wrench, and the rate of the memory."""
+    def parts(self, sums: Array) -> tuple[Array, Array, Parts, Parts, Parts]:
+        """Views of sums: phi, its partials by the parameters, the wrench, the rate of the memory, and, as one row, the
+        mass that swings."""
         p, k = self.n_parameters, self.n_memory
-        phi, by_parameters, wrench, rate = split(sums, ((N_PHI,), (N_PHI, p), (3, MEMORY + k + p), (k, MEMORY + k + p)))
-        return phi, by_parameters, _of_rows(wrench, k), _of_rows(rate, k)
+        width = MEMORY + k + p
+        phi, by_parameters, wrench, rate = split(sums, ((N_PHI,), (N_PHI, p), (N_WRENCH, width), (k, width)))
+        felt, swung = _of_rows(wrench[..., :SWUNG, :], k), _of_rows(wrench[..., SWUNG:, :], k)
+        return phi, by_parameters, felt, _of_rows(rate, k), swung
 
     def settled(self, point: Point) -> Array:
         """The memory (..., k) when it has come to rest."""

@@ -36,18 +36,21 @@ class SideForce:
     @classmethod
     def of(cls, cart: CartModel, point: Point, wrench_b: Array, rates: Rates) -> SideForce:
         state, nu = point[0], cart.velocity_slice
-        phi, phi_by_parameters, effects, _ = cart.effect_parts(point)
+        phi, phi_by_parameters, effects, _, swung = cart.effect_parts(point)
         across, basis = np.append(cart.rolling.across_b, 0.0), cart.basis_b
         velocity_b = state[..., nu] @ basis.T
-        regressor = regressor_b(velocity_b, rates[0][..., nu] @ basis.T)
+        acceleration_b = rates[0][..., nu] @ basis.T
+        regressor, ahead = regressor_b(velocity_b, acceleration_b), across[0] * acceleration_b[..., :1]
         momentum_rate = (regressor @ phi[..., None])[..., 0]
-        by_acceleration = across @ mass_matrix_b(phi) @ basis
+        by_acceleration = across @ mass_matrix_b(phi) @ basis - swung.value * across[0] * basis[0]
         by_state, by_wrench, by_parameters = (_row(by_acceleration, part[..., nu, :]) for part in rates[1:])
         by_state[..., :3] -= across @ effects.by_pose
         by_state[..., nu] += across @ (bias_b(velocity_b, phi)[1] - effects.by_velocity) @ basis
         by_state[..., cart.memory_slice] -= across @ effects.by_memory
         by_parameters += across @ ((regressor - effects.by_phi) @ phi_by_parameters - effects.by_parameters)
-        return cls((momentum_rate - wrench_b - effects.value) @ across, by_state, by_wrench - across, by_parameters)
+        by_parameters -= ahead * swung.by_parameters[..., 0, :]
+        value = (momentum_rate - wrench_b - effects.value) @ across - (ahead * swung.value)[..., 0]
+        return cls(value, by_state, by_wrench - across, by_parameters)
 
 
 def creeping(cart: CartModel, point: Point, wrench_b: Array, rates: Rates) -> Rates:

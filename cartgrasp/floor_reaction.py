@@ -63,8 +63,10 @@ class FloorReaction:
         height, state, basis = _height(cart), _state(cart, motion), cart.basis_b
         acting, velocity_b = cart.acting(state, time=time), basis @ state[cart.velocity_slice]
         phi, by_phi, effects = acting.phi, acting.phi_by_parameters.T, acting.wrench_by_parameters.T
-        mobility = basis @ np.linalg.inv(basis.T @ mass_matrix_b(phi) @ basis) @ basis.T
-        inertial, turned = mass_matrix_b(phi) @ mobility, mass_matrix_b(by_phi) @ mobility
+        mass, by_mass = mass_matrix_b(phi), mass_matrix_b(by_phi)
+        mass[0, 0], by_mass[:, 0, 0] = mass[0, 0] - acting.swung, by_mass[:, 0, 0] - acting.swung_by_parameters
+        mobility = basis @ np.linalg.inv(basis.T @ mass @ basis) @ basis.T
+        inertial, turned = mass @ mobility, by_mass @ mobility
         push, bias = acting.wrench_b - bias_b(velocity_b, phi)[0], bias_b(velocity_b, by_phi)[0]
         kept = np.eye(3) - inertial
         rate = (kept @ turned)[:, :2] @ PLANAR

@@ -25,7 +25,7 @@ def foreign_sums(
     """What they add at a point, a block (..., size) of `kernels.workspace.Sums`."""
     dynamics, (state, time, parameters) = cart.dynamics, point
     block = np.zeros_like(dynamics.sums(point))
-    phi, phi_by_parameters, wrench, rate = dynamics.parts(block)
+    phi, phi_by_parameters, wrench, rate, _ = dynamics.parts(block)
     for change, where in changes:
         part = change.phi_change(time, parameters[..., where])
         phi += part.value

@@ -2,7 +2,9 @@
 
 With S the basis of the free velocities, the reduced dynamics are (physics 4)
 
-    Sᵀ M_b S nu' = Sᵀ (wrench_b + effects - bias),    pose' = R(theta) S nu.
+    Sᵀ M_b S nu' = Sᵀ (wrench_b + effects - bias),    pose' = R(theta) S nu,
+
+where M_b lacks what swings along x (`effects/load_slosh.py`).
 
 They are in the body frame, where S is constant. Every function broadcasts over leading axes.
 """
@@ -59,12 +61,15 @@ class InverseDynamics:
 
 class Acting(NamedTuple):
     """What stands in the dynamics beside the velocity: phi (..., 4) with what inertia effects add, the sum of the force
-    effects (..., 3) in {b}, and the partials of both by the parameters (..., 4, p) and (..., 3, p)."""
+    effects (..., 3) in {b}, the mass (...) that does not follow the cart's acceleration along x, and the partials of
+    the three by the parameters (..., 4, p), (..., 3, p) and (..., p)."""
 
     phi: Array
     wrench_b: Array
+    swung: Array
     phi_by_parameters: Array
     wrench_by_parameters: Array
+    swung_by_parameters: Array
 
 
 @final
@@ -128,16 +133,16 @@ class CartModel(CartStructure):
         """Sum of the force effects on the cart, (..., 3), in {b}."""
         return self.effect_parts(self._point(state, parameters, time))[2].value
 
-    def effect_parts(self, point: Point) -> tuple[Array, Array, Parts, Parts]:
+    def effect_parts(self, point: Point) -> tuple[Array, Array, Parts, Parts, Parts]:
         """At (state, time, parameters): phi with what effects add to it, its partials by the parameters, the effects'
-        wrench and their memory's rate, with partials."""
+        wrench, their memory's rate and the mass that swings, with partials."""
         return self.dynamics.parts(self.dynamics.sums(point, self._foreign(point)))
 
     def acting(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Acting:
         """phi and the effects at a state, with partials by the parameters."""
-        phi, phi_by_parameters, wrench, _ = self.effect_parts(self._point(state, parameters, time))
-        by_parameters = wrench.by_parameters + wrench.by_phi @ phi_by_parameters
-        return Acting(phi, wrench.value, phi_by_parameters, by_parameters)
+        phi, phi_by_parameters, wrench, _, swung = self.effect_parts(self._point(state, parameters, time))
+        by_parameters = phi_by_parameters, wrench.by_parameters + wrench.by_phi @ phi_by_parameters
+        return Acting(phi, wrench.value, swung.value[..., 0], *by_parameters, swung.by_parameters[..., 0, :])
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones, each

@@ -80,10 +80,13 @@ def build_tracker(constraints: RollingConstraints, gains: Gains | None = None) -
 
 
 def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration: Array) -> Array:
-    """Planar wrench in {b}. Friction is fed forward for the wanted velocity, so that it also breaks away from rest."""
+    """Planar wrench in {b}. Friction is fed forward for the wanted velocity, so that it also breaks away from rest; and
+    what swings, as if it went along."""
     wanted = np.where(np.abs(reference.velocity) > STILL, reference.velocity, motion.velocity)
     state = model.state(motion.pose_sb, motion.velocity)
     feedforward = model.state(motion.pose_sb, wanted)
     reduced = model.required_wrench(state, acceleration, time=reference.time)
-    drag = model.effect_wrench(state, time=reference.time) - model.effect_wrench(feedforward, time=reference.time)
+    here = model.acting(state, time=reference.time)
+    drag = here.wrench_b - model.effect_wrench(feedforward, time=reference.time)
+    drag[0] += here.swung * model.basis_b[0] @ acceleration
     return model.planar_wrench(reduced + drag @ model.basis_b)

@@ -174,7 +174,7 @@ class Judgement:
         """Of mass, CoM, inertia and drag."""
         entries, cart, found = (self.report or {}).get("parameter_mismatch", {}), self.truth["cart"], []
         for name in PARAMETERS:
-            if name in entries and "load_slosh" not in self.true_names:  # what swings may count or not
+            if name in entries:
                 found.append(Estimate(name, cart[name], entries[name]["refitted"], entries[name]["std"] or np.nan))
         drag = {name: entries.get(f"viscous_drag.{name}") for name in DRAG}
         drag["linear"] = drag["linear"] or entries.get("viscous_drag")

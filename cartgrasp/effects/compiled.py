@@ -48,7 +48,7 @@ class CompiledForce(ForceEffect):
     def _contribution(self, situation: Situation, own: tuple[Array, Array], which: int) -> Contribution:
         """Of the wrench (0), or of the memory's rate (1)."""
         dynamics, point = self._alone(situation, *own)
-        _, _, wrench, rate = dynamics.parts(dynamics.sums(point))
+        _, _, wrench, rate, _ = dynamics.parts(dynamics.sums(point))
         parts = (wrench, rate)[which]
         return Contribution(**parts._replace(by_parameters=parts.by_parameters[..., N_PHI:])._asdict())
 

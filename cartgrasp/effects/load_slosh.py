@@ -1,13 +1,15 @@
 """Part of the load that swings along x on the cart: liquid in a tank, a crate on soft ground, a hanging bag.
 
-A mass m on a spring and damper, with its displacement s against the cart and its own forward speed v along {b}'s x as
-memory, and omega = 2 pi frequency, zeta = damping:
+A part ms of the cart's mass m is on a spring and damper, with its displacement s against the cart and its own forward
+speed v along {b}'s x as memory, and omega = 2 pi frequency, zeta = damping:
 
-    s' = v - u,    v' = -omega² s - 2 zeta omega (v - u),    F_x = m (omega² s + 2 zeta omega (v - u))
+    s' = v - u,    v' = -pull,    pull = omega² s + 2 zeta omega (v - u),
+    m u' + ... = F_x + ms (pull + u'),
 
-is the force on the cart, at {b}'s origin. `mass` swings beside the rigid mass of phi. Turning is left out: along y, and
-against rotation, the swinging mass resists nothing. It presses on no wheel; give its weight at rest to phi where wheels
-drag.
+at {b}'s origin. phi is of the whole cart, with its load at rest on it: so are its weight on the wheels and on a slope,
+its CoM, and its inertia along y and against rotation. Along x a slow push moves m, since pull + u' vanishes then, and a
+sudden one m - ms. Where motion is solved for, at most 95 % of the inertia along x of the free cart (m, where the CoM is
+at y = 0) swings, whatever a fit tries. Left out: where the weight of what swings goes, and its speed across.
 """
 
 from __future__ import annotations
@@ -29,7 +31,8 @@ FREQUENCIES, DAMPINGS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4), (0.05, 0.2)
 @final
 @dataclass(frozen=True)
 class LoadSlosh(CompiledForce):
-    """`mass` (kg) that swings at `frequency` (Hz, with the cart held) and the share `damping` of critical damping.
+    """`mass` (kg), a part of the cart's, swings at `frequency` (Hz, with the cart held) and the share `damping` of
+    critical damping.
 
     It begins at rest on the cart: s = 0, v = u.
     """

@@ -4,6 +4,9 @@ State (n,) is `(pose | nu | memory)`, parameters (p,) are `(phi | effects' value
 Inverse dynamics are what is written down (physics 4); forward dynamics follow by solving for nu':
 
     Sᵀ wrench_b = Sᵀ (Y(v, S nu') phi - effects).
+
+Of phi's mass a part may swing along {b}'s x (`SWUNG`): it does not follow u', so that ms u' joins the effects, and M_b
+loses ms.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from cartgrasp.frames import Array
 
 from . import rigid_body
 from .jit import Ints, compiled, inlined
-from .situation import Own, Parts, Situation, Twist
+from .situation import SWUNG, Own, Parts, Situation, Twist
 from .vocabulary import add_memory_rate, add_phi_change, add_stiction, add_wrench, settle
 from .wheel_loads import carry
 from .workspace import MEMORY, PHI, POSE, VELOCITY, Workspace, copy
@@ -49,7 +52,10 @@ def reduced(m: Workspace, point: Point, acceleration: Array, wrench: Array, mass
     """The reduced wrench (f,) at nu' = `acceleration` (f,) and the mass matrix (f, f); fills the sums."""
     twist, turn = lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration)
     sum_effects(m, point, situation(m, point, twist))
-    rigid, whole = rigid_body.regressor(twist, turn), rigid_body.mass_matrix(m.phi)
+    if turn[0] != 0.0:
+        for q in range(m.wrench.shape[1]):
+            m.wrench[0, q] += turn[0] * m.wrench[SWUNG, q]
+    rigid, whole = rigid_body.regressor(twist, turn), mass_matrix(m)
     basis, n_free = m.basis, m.basis.shape[1]
     wrench[:], mass[:] = 0.0, 0.0
     for a in range(n_free):
@@ -124,6 +130,7 @@ def rate_alone(m: Workspace, point: Point, push: Array, room: Array) -> None:
     rest, mass = room[3 : 3 + n_free], room[n : n + n_free * n_free].reshape((n_free, n_free))
     rest[:] = 0.0
     reduced(m, point, rest, rest, mass)
+    hold(m, mass)
     for a in range(n_free):
         for i in range(3):
             rest[a] -= m.basis[i, a] * push[i]
@@ -156,6 +163,7 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
         by_parameters[free:],
     )
     inverse(m, point, rest, out)
+    hold(m, mass)
     by_wrench[:] = 0.0
     for a in range(n_free):
         for i in range(3):
@@ -172,6 +180,8 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
         for i in range(3):
             for c in range(4):
                 _add_by_phi(m.phi_by_parameters[c], m.basis[i, a] * still[i][c], out.by_parameters[a])
+        for q in range(p if m.wrench[SWUNG, 0] != 0.0 else 0):
+            out.by_parameters[a, q] -= m.basis[0, a] * x * m.wrench[SWUNG, MEMORY + len(m.memory_rate) + q]
     solve(mass, out.by_state)
     solve(mass, out.by_parameters)
     by_parameters[:3] = 0.0
@@ -205,6 +215,13 @@ def _carried(m: Workspace, point: Point, twist: Twist) -> Situation:
 
 
 @compiled
+def mass_matrix(m: Workspace) -> tuple[Twist, Twist, Twist]:
+    """M_b (3, 3), without what swings."""
+    x, y, turn = rigid_body.mass_matrix(m.phi)
+    return (x[0] - m.wrench[SWUNG, 0], x[1], x[2]), y, turn
+
+
+@compiled
 def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
     """Fills the sums of wrenches and of the memory's rate."""
     for e in range(len(m.effects)):
@@ -213,6 +230,24 @@ def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
         add_wrench(kind, at, own, _parts(m.wrench, m.effects[e], len(m.memory_rate)))
         if end > begin:
             add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
+
+
+@compiled
+def hold(m: Workspace, mass: Array) -> None:
+    """Where accelerations are solved for: lets no more swing, whatever the parameters, than leaves M_b positive, and
+    mends `mass` (f, f), if there is any. Inverse dynamics stay linear in what swings, which fits need."""
+    swung, n_parameters = m.wrench[SWUNG], m.phi_by_parameters.shape[1]
+    if swung[0] <= 0.0:
+        return
+    most, by_phi = rigid_body.most_swinging(m.phi)
+    if swung[0] > most:
+        for a in range(len(mass)):
+            for b in range(len(mass)):
+                mass[a, b] += m.basis[0, a] * m.basis[0, b] * (swung[0] - most)
+        swung[:] = 0.0
+        swung[0] = most
+        for c in range(4):
+            _add_by_phi(m.phi_by_parameters[c], by_phi[c], swung[len(swung) - n_parameters :])
 
 
 @compiled

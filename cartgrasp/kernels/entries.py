@@ -12,6 +12,7 @@ from .dynamics import (
     Inverse,
     Point,
     forward,
+    hold,
     inverse,
     lifted,
     rate_alone,
@@ -125,6 +126,7 @@ def effects(floats: Array, ints: Ints, given: Array, found: Array) -> int:
         point, _ = _point(given[i], n, p, 0)
         at = situation(m, point, lifted(m.basis, point.state[3:]))
         sum_effects(m, point, at)
+        hold(m, m.phi_by_parameters[:0])
         copy(m.sums, found[i])
         settle_all(m, point, at, found[i, len(m.sums) : last])
         count = stictions(m, point, found[i, last:])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cartgrasp.frames import Array
 
 from . import rigid_body
-from .dynamics import Point, lifted, situation, solve, sum_effects
+from .dynamics import Point, hold, lifted, mass_matrix, situation, solve, sum_effects
 from .jit import compiled
 from .wheel_loads import fill_map
 from .workspace import Workspace
@@ -21,11 +21,12 @@ def react(m: Workspace, point: Point, height: float, into: tuple[Array, Array]) 
     (room, rows), n_free = into, m.basis.shape[1]
     twist = lifted(m.basis, point.state[3:])
     sum_effects(m, point, situation(m, point, twist))
+    hold(m, m.phi_by_parameters[:0])
     turned = room[n_free * n_free : n_free * (n_free + 3)].reshape((n_free, 3))
     _invert(m, room[: n_free * n_free].reshape((n_free, n_free)), turned)
     m.standing[:] = 1.0
     fill_map(m.wheels, m.standing, m.gravity, m.carried)
-    mass, rigid, rows[:] = rigid_body.mass_matrix(m.phi), rigid_body.regressor(twist, STILL), 0.0
+    mass, rigid, rows[:] = mass_matrix(m), rigid_body.regressor(twist, STILL), 0.0
     wheels, lateral = rows[: len(m.wheels)], rows[len(m.wheels)]
     across = -m.basis[1, 0], m.basis[0, 0]  # the first free velocity is along the wheels
     for k in range(len(wheels)):
@@ -54,7 +55,7 @@ def react(m: Workspace, point: Point, height: float, into: tuple[Array, Array]) 
 @compiled
 def _invert(m: Workspace, mass: Array, turned: Array) -> None:
     """-(Sᵀ M S)⁻¹ Sᵀ (f, 3) into `turned`; `mass` (f, f) is room."""
-    own = rigid_body.mass_matrix(m.phi)
+    own = mass_matrix(m)
     for a in range(len(mass)):
         for i in range(3):
             turned[a, i] = m.basis[i, a]

@@ -7,7 +7,7 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import SWUNG, Own, Parts, Situation
 
 
 @compiled
@@ -15,6 +15,8 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
     mass = own.parameters[0]
     pull, by_stretch, by_rate, by_frequency, by_damping = _pull(at, own)
     out.value[0] += mass * pull
+    out.value[SWUNG] += mass
+    out.by_parameters[SWUNG, 0] += 1.0
     out.by_velocity[0, 0] -= mass * by_rate
     out.by_memory[0, 0] += mass * by_stretch
     out.by_memory[0, 1] += mass * by_rate

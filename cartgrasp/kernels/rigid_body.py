@@ -8,6 +8,8 @@ from .jit import compiled
 from .situation import Twist
 
 Row = tuple[float, float, float, float]
+MOST_SWINGING = 0.95
+"""Of the inertia along {b}'s x of a cart that nothing else holds, 1 / (M_b⁻¹)_xx."""
 
 
 @compiled
@@ -34,3 +36,14 @@ def by_velocity(velocity: Twist, phi: Array) -> tuple[Twist, Twist, Twist]:
         (m * r, 0.0, m * u - 2.0 * my * r),
         (mx * r, my * r, mx * u + my * w),
     )
+
+
+@compiled
+def most_swinging(phi: Array) -> tuple[float, Row]:
+    """Mass (kg) along {b}'s x without which M_b stays positive, with some left, and its partials by phi."""
+    m, mx, my, J = phi[0], phi[1], phi[2], phi[3]
+    about = J - mx**2 / m
+    slope = (my / about) ** 2
+    by_phi = 1.0 + slope * (mx / m) ** 2, -2.0 * slope * mx / m, -2.0 * my / about, slope
+    share = MOST_SWINGING
+    return share * (m - my**2 / about), (share * by_phi[0], share * by_phi[1], share * by_phi[2], share * by_phi[3])

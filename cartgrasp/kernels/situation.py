@@ -2,7 +2,9 @@
 
 An effect's file holds one kernel for each thing that it does; `vocabulary.py` calls them:
 
-    wrench(at, own, out)                   adds the wrench in {b} to `out`, with all partials; `out` has 3 rows
+    wrench(at, own, out)                   adds the wrench in {b} to `out`, with all partials, in 3 rows; in a fourth
+                                           the part (kg) of phi's mass that does not follow the cart's u', with
+                                           partials by parameters
     memory_rate(at, own, out)              adds the rate of the memory, with partials; a row for each memory
     stiction(at, own, columns) -> n        writes n wrenches (3,) into the first of columns (m, 3), which are 0
     settled(at, own, memory)               writes where the memory comes to rest
@@ -16,6 +18,8 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 
 Twist = tuple[float, float, float]
+SWUNG = 3
+"""The row behind those of the wrench: of the mass that does not follow u'."""
 
 
 class Situation(NamedTuple):

@@ -12,12 +12,15 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .jit import Ints, compiled
+from .situation import SWUNG
 from .vocabulary import KINDS
 
 N_SIZES = 6
 N_PHI = 4
 POSE, VELOCITY, PHI, MEMORY = 1, 4, 7, 11
 """Where the partials by each begin in a row of sums, behind the value; those by parameters end it."""
+N_WRENCH = SWUNG + 1
+"""Rows of the wrench's sums."""
 
 
 class PackedEffect(NamedTuple):
@@ -36,9 +39,9 @@ class Workspace(NamedTuple):
     `roots` (e,) of how long their stiction keeps its value; `wheels` (n, 3) and `pivots` (k, 3) as in `Situation`;
     `basis` (3, f).
 
-    Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (3, 11 + k + p) of the effects'
-    `wrench` and (k, 11 + k + p) of the memory's rate, one after the other in `sums`; and `loads` (n,), `carried` (n, 4)
-    and `standing` (n,) of the wheels."""
+    Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (4, 11 + k + p) of the effects'
+    `wrench` with what swings (`SWUNG`) and (k, 11 + k + p) of the memory's rate, one after the other in `sums`; and
+    `loads` (n,), `carried` (n, 4) and `standing` (n,) of the wheels."""
 
     gravity: float
     smoothing_speed: float
@@ -59,7 +62,7 @@ class Workspace(NamedTuple):
 
 
 def sums_size(n_memory: int, n_parameters: int) -> int:
-    return N_PHI + N_PHI * n_parameters + (3 + n_memory) * (MEMORY + n_memory + n_parameters)
+    return N_PHI + N_PHI * n_parameters + (N_WRENCH + n_memory) * (MEMORY + n_memory + n_parameters)
 
 
 def pack(
@@ -99,7 +102,7 @@ def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
     first = at
     phi, at = floats[at : at + N_PHI], at + N_PHI
     phi_by_parameters, at = floats[at : at + N_PHI * p].reshape((N_PHI, p)), at + N_PHI * p
-    wrench, at = floats[at : at + 3 * width].reshape((3, width)), at + 3 * width
+    wrench, at = floats[at : at + N_WRENCH * width].reshape((N_WRENCH, width)), at + N_WRENCH * width
     memory_rate, at = floats[at : at + nm * width].reshape((nm, width)), at + nm * width
     sums = floats[first:at]
     loads, at = floats[at : at + nw], at + nw

@@ -92,6 +92,14 @@ def test_probabilities_beside_truth():
     assert reliability([Judgement(truth(), report("no_discrepancy"))]) == ""
 
 
+def test_the_mass_is_of_the_whole_whatever_swings():
+    refitted = {"mass": {"refitted": CART["mass"] - 6.0, "std": 0.5}}
+    swings = Judgement(
+        truth(effect("load_slosh")), report("explained", entry("load_slosh"), parameter_mismatch=refitted)
+    )
+    assert [(e.name, e.error, e.roughly) for e in swings.mismatches] == [("mass", pytest.approx(-6.0), False)]
+
+
 def test_intervals_that_hold():
     far, near = Estimate("a", 1.0, 1.5, 0.25), Estimate("a", 1.0, 1.4, 0.25)
     vague = [Estimate("a", 1.0, 9.0, 0.1, roughly=True), Estimate("a", 1.0, 9.0, float("nan"))]

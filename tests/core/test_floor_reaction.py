@@ -9,7 +9,7 @@ import pytest
 
 import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_spatial
-from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag, WheelMisalignment
+from cartgrasp.effects import LoadSlosh, PayloadChange, RollingResistance, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.motion import Motion
@@ -89,7 +89,13 @@ def test_partials_by_the_parameters(name):
     """Against differences of the kernel's, extrapolated to no step; effects that depend on phi, and change it."""
     constraints, turned = CARTS[name]
     rng = np.random.default_rng(constraints.n_free)
-    effects = (ViscousDrag(3.0, 1.2), RollingResistance(0.02), PayloadChange(0.5, 4.0, 0.2, 0.1), *turned)
+    effects = (
+        ViscousDrag(3.0, 1.2),
+        RollingResistance(0.02),
+        PayloadChange(0.5, 4.0, 0.2, 0.1),
+        LoadSlosh(5.0),
+        *turned,
+    )
     model = replace(cart(effects=effects), constraints=constraints)
     motion = Motion(rng.uniform(-2, 2, 3), rng.uniform(0.3, 1.5, constraints.n_free))
     partials, p = FloorReaction.by_parameters(model, motion, 1.0), len(model.parameters)

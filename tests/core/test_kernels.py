@@ -45,6 +45,13 @@ def test_the_rigid_body_of_the_kernels_is_that_of_the_house(phi, velocity, accel
     np.testing.assert_array_equal(rigid_body.regressor.py_func(twist, rate), regressor_b(velocity, acceleration))
     np.testing.assert_array_equal(rigid_body.mass_matrix.py_func(phi), mass_matrix_b(phi))
     np.testing.assert_allclose(rigid_body.by_velocity.py_func(twist, phi), bias_b(velocity, phi)[1], atol=1e-13)
+    most, by_phi = rigid_body.most_swinging.py_func(phi)
+    assert most == pytest.approx(_most_swinging(phi)[0], rel=1e-6)
+    assert_partials(np.array(by_phi), _most_swinging, phi)
+
+
+def _most_swinging(phi):
+    return 0.95 / np.linalg.inv(mass_matrix_b(phi))[..., 0, :1]
 
 
 # --- inverse dynamics ---------------------------------------------------------------------------------------

@@ -40,6 +40,8 @@ def test_a_cart_with_each_is_tracked_when_it_is_known(name, tmp_path):
     assert record.pose[-1, 0] > 1.0
     assert record.tracking_error.max() < 0.02
     assert set(record.statuses) == {"optimal"}
+    if name == "load_slosh":
+        assert record.tracking_error.max() < 0.002  # 5 mm where only what does not swing is fed forward
     if name == "time_delay":
         for arm, given in record.wrenches.items():
             np.testing.assert_allclose(record.log.arms[arm].wrench[3:], given[:-3], atol=1e-12)
