@@ -19,9 +19,11 @@ ENOUGH, ENOUGH_SEARCHED, ENOUGH_PASSING = 7.0, 12.0, 20.0
 what a smoothed motion lacks; of one that acts for a while, which any accident is like."""
 LEAST_GAIN = 0.05
 """Of the gap above the noise floor, on stretches that no fit saw."""
-BESIDE = {Gate.WHILE: 0.1, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.01}
+BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.01}
 """Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
 hardly like a lasting change, or like what always acts."""
+MOST_BESIDE = 180.0
+"""Log of a Bayes factor: no form of an effect leaves more than that behind it."""
 LEAST_LIKELIHOOD = 4.0
 """Log of a likelihood ratio on stretches that no fit saw: enough for what moves a rollout by less than noise does, and
 beyond what rollouts say against it, which is little where they are all noise."""
@@ -122,7 +124,7 @@ class Judge:
     def _unsure(self, effect: Effect, score: float) -> str:
         searched = ENOUGH_SEARCHED if any(p.grid for p in effect.parameters) else ENOUGH
         usual = effect.doubt * (ENOUGH_PASSING if effect.gate.passes else searched)
-        enough = max(usual, BESIDE[effect.gate] * self.strongest)
+        enough = max(usual, min(BESIDE[effect.gate] * self.strongest, MOST_BESIDE))
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""
 
 

@@ -107,9 +107,9 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"proof": Proof(share=-0.06, log_likelihood=50.0)}, "closes -6.0 %"),
         ({"proof": Proof(share=-0.5, noise=0.25, log_likelihood=5.9)}, "closes -50.0 %"),
         ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "score": 19.0}, "below 20"),
-        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 100"),
-        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0, moment=5.0), "score": 99.0}, "below 100"),
-        ({"effect": PayloadChange(time=9.0, mass=3.0), "strongest": 5000.0}, "below 100"),
+        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0), "strongest": 1000.0}, "below 150"),
+        ({"effect": ExternalPush(start=1.0, duration=0.5, force=9.0, moment=5.0), "score": 99.0}, "below 150"),
+        ({"effect": PayloadChange(time=9.0, mass=3.0), "strongest": 5000.0}, "below 150"),
         ({"effect": ExternalPush(duration=0.5), "proof": Proof(share=0.0, log_likelihood=50.0)}, "closes 0.0 %"),
         ({"effect": FloorPatch(x_max=9.0, y_max=9.0), "proof": Proof(is_everywhere=True)}, "nearly everywhere"),
         ({"effect": WheelDragImbalance(force=4.0, moment=0.1)}, "both wheels drag alike"),
@@ -162,6 +162,11 @@ def test_a_push_is_no_part_of_what_follows_the_heading():
 def test_a_push_is_proven_where_it_is():
     push = ExternalPush(start=1.0, duration=0.5, force=9.0)
     assert judged(push, proof=Proof(share=0.0, share_everywhere=0.2)).is_added
+
+
+def test_a_strong_push_counts_beside_any_effect():
+    push = ExternalPush(start=1.0, duration=0.5, force=9.0)
+    assert judged(push, score=190.0, proof=Proof(share=0.2, share_everywhere=0.2), strongest=5000.0).is_added
 
 
 def test_a_lasting_change_counts_beside_a_strong_effect():
