@@ -94,6 +94,12 @@ class Linearisation:
             whiten(self.factor.chain, rows, own, room, found[..., at : at + AT_ONCE])
         return found
 
+    def missed(self, errors: Array) -> Array:
+        """What errors of the chain's states (n, d) make of the residual (m, f)."""
+        first, second = (by[..., : errors.shape[1]] for by in self.by_motion)
+        before, after = errors[self.nodes], errors[self.nodes + 1]
+        return np.asarray(((first @ before[..., None]) + (second @ after[..., None]))[..., 0])
+
     @property
     def chi_squared(self) -> float:
         """Of the residual."""

@@ -47,7 +47,8 @@ LOOSE = np.array([1e2, 1e1, 1e2])
 @dataclass(frozen=True)
 class SmoothMotion:
     """At the rows of a log: pose (n, 3), nu (n, f), nu' (n, f), and the information about `(pose, nu, nu')` that the
-    measurements hold (at every row, where these are `paired`). `linked` (n - 1,) says which neighbours belong together.
+    measurements hold (at every row, where these are `paired`), with what of it they tell row by row, `measured`
+    (n, d, d). `linked` (n - 1,) says which neighbours belong together.
     """
 
     time: Array
@@ -55,6 +56,7 @@ class SmoothMotion:
     velocity: Array
     acceleration: Array
     information: BlockTridiagonal
+    measured: Array
     linked: np.ndarray
     jerk: Array
 
@@ -66,6 +68,12 @@ class SmoothMotion:
         one = np.zeros((n, d, f))
         one[n // 2, 3 : 3 + f] = np.eye(f)
         return np.sqrt(np.diagonal(self.information.factor().solve(one)[n // 2, 3 : 3 + f]))
+
+    def drawn(self, generator: np.random.Generator) -> Array:
+        """Errors of `(pose, nu, nu')` (n, d) at every row that the sensors' noise makes."""
+        white = generator.standard_normal(self.measured.shape[:2])
+        pull = (np.linalg.cholesky(self.measured) @ white[..., None])[..., 0]
+        return self.information.factor().solve(pull)
 
     @property
     def speed(self) -> Array:
@@ -79,7 +87,8 @@ class SmoothMotion:
         time, pose, velocity, acceleration = ((c[: 2 * n : 2] + c[1 : 2 * n : 2]) / 2 for c in columns)
         whole, between = self.linked[: 2 * n - 1 : 2], self.linked[1 : 2 * n - 2 : 2]
         linked = whole[:-1] & between & whole[1:]
-        return SmoothMotion(time, pose, velocity, acceleration, self.information, linked, self.jerk[: 2 * n - 2 : 2])
+        rest = linked, self.jerk[: 2 * n - 2 : 2]
+        return SmoothMotion(time, pose, velocity, acceleration, self.information, self.measured, *rest)
 
     @property
     def state(self) -> Array:
@@ -127,7 +136,8 @@ def smooth_motion(log: RunLog, cart: CartModel, noise: FilterNoise) -> SmoothMot
         jerk[jolted] *= RAISE
         state, information = _settle(chain, state, jerk)
     pose, velocity, acceleration = np.split(state, [3, 3 + n_free], axis=1)
-    return SmoothMotion(log.time, pose, velocity, acceleration, information, chain.linked, jerk)
+    measured = _measured(chain, state)[0].diagonal
+    return SmoothMotion(log.time, pose, velocity, acceleration, information, measured, chain.linked, jerk)
 
 
 def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
