@@ -75,6 +75,23 @@ class SmoothMotion:
         pull = (np.linalg.cholesky(self.measured) @ white[..., None])[..., 0]
         return self.information.factor().solve(pull)
 
+    def drawn_rows(self, generator: np.random.Generator) -> Array:
+        """The same at these rows."""
+        n = len(self.time)
+        size = len(self.measured) // n
+        return np.asarray(self.drawn(generator)[: size * n].reshape(n, size, -1).mean(axis=1))
+
+    @cached_property
+    def noisier(self) -> SmoothMotion:
+        """With as much noise of the sensors again."""
+        parts = np.split(self.drawn_rows(np.random.default_rng(0)), [3, 3 + self.velocity.shape[1]], axis=1)
+        pose, velocity, acceleration = (a + b for a, b in zip(self._parts, parts, strict=True))
+        return replace(self, pose=pose, velocity=velocity, acceleration=acceleration)
+
+    @property
+    def _parts(self) -> tuple[Array, Array, Array]:
+        return self.pose, self.velocity, self.acceleration
+
     @property
     def speed(self) -> Array:
         """Of {b}'s origin (n,), whatever way it goes."""
@@ -92,7 +109,7 @@ class SmoothMotion:
 
     @property
     def state(self) -> Array:
-        return np.hstack([self.pose, self.velocity, self.acceleration])
+        return np.hstack(self._parts)
 
 
 @dataclass(frozen=True)

@@ -83,18 +83,12 @@ def noise_floor(
     true = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), 3 + wrench.shape[1])))
     errors = []
     for _ in range(DRAWS):
-        noise, off = _drawn_noise(regression, fitted.own_excess, generator), _drawn_motion(regression, generator)
+        noise = _drawn_noise(regression, fitted.own_excess, generator)
+        off = regression.motion.drawn_rows(generator)[:, : 3 + wrench.shape[1]]
         found = _ends(regression, cart, wrench + noise, first, horizon, off[first])
         found[:, :3] -= off[last, :3]
         errors.append(_in_body(true, found))
     return Rollouts(np.tile(first, DRAWS), horizon, np.concatenate(errors))
-
-
-def _drawn_motion(regression: WrenchRegression, generator: np.random.Generator) -> Array:
-    """Of the pose and velocity that rows are smoothed to (n, 3 + f)."""
-    drawn, n = regression.motion.drawn(generator), len(regression.motion.time)
-    f = regression.motion.velocity.shape[1]
-    return np.asarray(drawn[: n * regression.size].reshape(n, regression.size, -1).mean(axis=1)[:, : 3 + f])
 
 
 def _drawn_noise(regression: WrenchRegression, excess: float, generator: np.random.Generator) -> Array:
