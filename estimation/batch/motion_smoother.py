@@ -37,7 +37,7 @@ WINDOW = 0.25
 MISFITS, RAISE, RAISES = 4.0, 3.0, 6
 """Standard deviations by which residuals in a window may be too large; the factor that then raises the jerk there."""
 OFF, CLEARINGS = 5.0, 3
-"""Standard deviations from its neighbours beyond which a sample's residual is off; rounds in which such are left out."""
+"""Standard deviations from its neighbours beyond which a residual is off; rounds in which such samples are left out."""
 MOST_OFF = 0.05
 """Of the samples: what happens more often is no accident."""
 LOOSE = np.array([1e2, 1e1, 1e2])

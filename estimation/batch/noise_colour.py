@@ -64,7 +64,9 @@ def colour_of(time: Array, standard: Array, size: int = 1, known: Array | None =
         squares = [(each[lag:] - each[:-lag])[near] ** 2 for each in (standard, known) if each is not None]
         found.append([float(np.median(each)) / MEDIAN_OF_SQUARE for each in squares])
     whole, beside = (np.array(found) @ np.eye(len(found[0]), 2)).T
-    fits = [(_fitted((whole, beside), lags, _correlation(lags, np.exp(-step / size / one), size)), one) for one in TIMES]
+    fits = [
+        (_fitted((whole, beside), lags, _correlation(lags, np.exp(-step / size / one), size)), one) for one in TIMES
+    ]
     (shares, _), best = min(fits, key=lambda fit: fit[0][1])
     white, slow, _ = shares
     whole = white + slow

@@ -187,7 +187,8 @@ class Fitted:
     def _standard(self, regression: WrenchRegression, line: Linearisation, residual: Array) -> Array:
         """Residuals (m, f) in units of the deviations that were believed of a wrench's own noise."""
         white = regression.colour.white if regression.colour is not None else 1.0
-        return np.asarray(white**0.5 * (np.swapaxes(np.linalg.cholesky(line.weights), 1, 2) @ residual[..., None])[..., 0])
+        root = white**0.5 * np.swapaxes(np.linalg.cholesky(line.weights), 1, 2)
+        return np.asarray((root @ residual[..., None])[..., 0])
 
     @cached_property
     def own_excess(self) -> float:

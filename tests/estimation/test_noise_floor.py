@@ -94,9 +94,7 @@ def test_noise_is_read_off_beside_errors_that_are_known():
     time, random = np.arange(n) * STEP, np.random.default_rng(2)
     white = 1.5 * random.standard_normal((n, 2))
     smooth = np.ones(15) / 15**0.5
-    errors = [
-        np.apply_along_axis(np.convolve, 0, random.standard_normal((n, 2)), smooth, "same") for _ in range(4)
-    ]
+    errors = [np.apply_along_axis(np.convolve, 0, random.standard_normal((n, 2)), smooth, "same") for _ in range(4)]
     alone = colour_of(time, white + errors[0])
     beside = colour_of(time, white + errors[0], 1, np.hstack(errors[1:]))
     assert alone.slow > 0.5

@@ -1,4 +1,4 @@
-"""Single samples that are off, among sensors' noise: neither followed nor taken for a jolt; jolts are no such samples."""
+"""Single samples that are off, among sensors' noise: neither followed nor taken for a jolt; a jolt is none of them."""
 
 from dataclasses import replace
 
