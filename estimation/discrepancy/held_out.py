@@ -21,7 +21,7 @@ from .manoeuvres import held_out, manoeuvres
 from .rollouts import Rollouts, noise_floor, roll_out, starts
 
 BEYOND_NOISE = 1.5
-"""Times the noise floor: a larger gap is a disagreement."""
+"""Times the noise floor: a larger gap is a disagreement. Of 30 rollouts a gap is known to 15 %, and noise to 10 %."""
 LEAST_WHOLE = 0.3
 """Of the squared gap: counted as disagreement even where noise could be all of it."""
 EVERYWHERE = 0.8
