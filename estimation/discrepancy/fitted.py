@@ -170,8 +170,8 @@ class Fitted:
         what the model leaves out."""
         found = []
         for regression, line, _ in self.linearised:
-            colour = colour_of(line.time, self._standard(regression, line, line.residual), regression.size)
-            found.append(regression.coloured(colour))
+            standard = (np.swapaxes(np.linalg.cholesky(line.weights), 1, 2) @ line.residual[..., None])[..., 0]
+            found.append(regression.coloured(colour_of(line.time, standard, regression.size)))
         return replace(self, regressions=tuple(found), start=self.cart.parameters)
 
     @cached_property
@@ -179,16 +179,12 @@ class Fitted:
         """Of the wrenches' own noise in each log, without what errors of the smoothed motion are in the residuals."""
         found, generator = [], np.random.default_rng(0)
         for regression, line, _ in self.linearised:
+            root = np.linalg.cholesky(regression.wrench_covariance[line.nodes // regression.size])
             missed = [line.missed(regression.motion.drawn(generator)) for _ in range(DRAWS)]
-            standard, *known = (self._standard(regression, line, one) for one in (line.residual, *missed))
-            found.append(colour_of(line.time, standard, regression.size, np.hstack(known)))
+            parts = np.linalg.solve(root, np.stack([line.residual, *missed], axis=2))
+            known = parts[..., 1:].reshape(len(parts), -1)
+            found.append(colour_of(line.time, parts[..., 0], regression.size, known))
         return tuple(found)
-
-    def _standard(self, regression: WrenchRegression, line: Linearisation, residual: Array) -> Array:
-        """Residuals (m, f) in units of the deviations that were believed of a wrench's own noise."""
-        white = regression.colour.white if regression.colour is not None else 1.0
-        root = white**0.5 * np.swapaxes(np.linalg.cholesky(line.weights), 1, 2)
-        return np.asarray((root @ residual[..., None])[..., 0])
 
     @cached_property
     def own_excess(self) -> float:
@@ -234,6 +230,8 @@ class Fitted:
             columns = np.concatenate([known, BLUR * regression.skews()[..., None]], axis=2)
             taught, drawn = line.taught(columns)
             information, pull = information + taught, pull + drawn
+        for regression, _, delay in self.linearised:
+            pull[:p] += regression.evidence(self.cart.parameters, delay).drag.sum(axis=0)[self.free]
         share = float(np.linalg.solve(information, pull)[p - 1])
         logs = [(r.usual_delay[0] - d - share) * r.step * r.size for r, _, d in self.linearised]
         return float(np.mean(logs))
