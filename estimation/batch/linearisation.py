@@ -17,18 +17,39 @@ AT_ONCE = 32
 OUTLYING = 4.0
 """Times its share of the scatter that a stretch may have with full weight."""
 
+MOST_NOISE = 0.7
+"""Of what a motion seems to tell in some way: where more is noise, nobody knows whether anything is left."""
+JITTER = 1e-9
+
 
 @dataclass(frozen=True)
 class Evidence:
     """Around some parameters and delay: of each stretch of time the information (b, p + 1, p + 1) and the pull
-    (b, p + 1) on them. Where the model is right, pulls are independent, with the information as covariance."""
+    (b, p + 1) on them. Where the model is right, pulls are independent, with the information as covariance; but for
+    the share of the information that is noise of the motion alone, `noise` (b, p + 1, p + 1), and takes `drag`
+    (b, p + 1) off the pulls (errors in variables)."""
 
     blocks: Array
     pulls: Array
+    noise: Array
+    drag: Array
 
     def part(self, which: np.ndarray) -> Evidence:
-        """About some of the parameters."""
-        return Evidence(self.blocks[:, which[:, None], which], self.pulls[:, which])
+        """About some of the parameters, without noise: the corrected score of errors in variables `pull + drag` falls
+        by `information - noise` from one parameter to the next, and scatters by the information; so what it tells is
+        `(I - N) I⁻¹ (I - N)` (Nakamura 1990; Godambe)."""
+        blocks, noise = (each[:, which[:, None], which] for each in (self.blocks, self.noise))
+        pulls = self.pulls[:, which] + self.drag[:, which]
+        information = blocks.sum(axis=0)
+        size = np.sqrt(np.diagonal(information))
+        scale = 1 / np.where(size > 0, size, 1.0)
+        root = np.linalg.cholesky(information * np.outer(scale, scale) + JITTER * np.eye(len(size)))
+        inverse = np.linalg.inv(root) * scale
+        share, ways = np.linalg.eigh(inverse @ noise.sum(axis=0) @ inverse.T)
+        kept = np.where(share < MOST_NOISE, 1 - np.clip(share, 0.0, 1.0), 0.0)
+        keeps = (root / scale[:, None]) @ (ways * kept) @ ways.T @ inverse
+        found = keeps @ blocks @ keeps.T, pulls @ keeps.T
+        return Evidence(*found, np.zeros_like(blocks), np.zeros_like(pulls))
 
     def weighed(self, background: Array) -> tuple[Array, Array, float]:
         """Information and pull, with less weight for stretches that contradict themselves, and how many times as large
@@ -47,7 +68,8 @@ class Evidence:
     def kept(self, background: Array) -> Evidence:
         """With less weight for stretches that contradict themselves."""
         weights = self.weights(background)
-        return Evidence(weights[:, None, None] * self.blocks, weights[:, None] * self.pulls)
+        parts = (self.blocks, self.pulls, self.noise, self.drag)
+        return Evidence(*(weights.reshape(-1, *[1] * (each.ndim - 1)) * each for each in parts))
 
     def weights(self, background: Array) -> Array:
         """Of stretches (b,): less than 1 where they contradict themselves."""
@@ -60,7 +82,8 @@ class Evidence:
 
     def _overlapping(self) -> Evidence:
         """Of neighbours together: what is left of a jolt between them has one sign before it, and the other after."""
-        return Evidence((self.blocks[1:] + self.blocks[:-1]) / 2, (self.pulls[1:] + self.pulls[:-1]) / 2**0.5)
+        parts = ((self.blocks, 2.0), (self.pulls, 2**0.5), (self.noise, 2.0), (self.drag, 2**0.5))
+        return Evidence(*((each[1:] + each[:-1]) / share for each, share in parts))
 
     def _scatter(self, metric: Array) -> tuple[Array, Array]:
         """Of each stretch, what is expected and what is there."""
@@ -93,6 +116,12 @@ class Linearisation:
             room = np.empty((len(self.factor.chain), own.shape[2]))
             whiten(self.factor.chain, rows, own, room, found[..., at : at + AT_ONCE])
         return found
+
+    def missed(self, errors: Array) -> Array:
+        """What errors of the chain's states (n, d) make of the residual (m, f)."""
+        first, second = (by[..., : errors.shape[1]] for by in self.by_motion)
+        before, after = errors[self.nodes], errors[self.nodes + 1]
+        return np.asarray(((first @ before[..., None]) + (second @ after[..., None]))[..., 0])
 
     @property
     def chi_squared(self) -> float:

@@ -3,12 +3,14 @@
 States `(pose, nu, nu')` at the rows of the log; the most likely ones solve a chain of least squares, by Gauss-Newton
 because headings turn what is measured. Wrenches stay out: what they are regressed on has then no share in their noise
 (errors in variables, physics 11), and the smoothed motion is the mean of the true one given what was measured, so that
-its errors do not bias a regression on it. How much jerk there is, the likelihood of the measurements tells.
+its errors do not bias a regression on it. How much jerk there is, the likelihood of the measurements tells; where a
+jolt is seen, there is more. A single sample that is off is no jolt, and is left out: jerk that makes room for it would
+be as wrong as the motion that follows it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +19,9 @@ from cartgrasp.frames import Array, body_to_world
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..log_noise import MAD_TO_STD
 from ..noise import FilterNoise
+from ..outliers import outlying, usual_distance
 from .block_tridiagonal import BlockTridiagonal, Factor
 
 ROUNDS, SETTLED = 8, 1e-6
@@ -32,6 +36,10 @@ WINDOW = 0.25
 """s: jerk may be larger for as long as this, where a start or a jolt is seen."""
 MISFITS, RAISE, RAISES = 4.0, 3.0, 6
 """Standard deviations by which residuals in a window may be too large; the factor that then raises the jerk there."""
+OFF, CLEARINGS = 5.0, 3
+"""Standard deviations from its neighbours beyond which a residual is off; rounds in which such samples are left out."""
+MOST_OFF = 0.05
+"""Of the samples: what happens more often is no accident."""
 LOOSE = np.array([1e2, 1e1, 1e2])
 """Standard deviations of pose, nu and nu' before anything is measured."""
 
@@ -39,7 +47,8 @@ LOOSE = np.array([1e2, 1e1, 1e2])
 @dataclass(frozen=True)
 class SmoothMotion:
     """At the rows of a log: pose (n, 3), nu (n, f), nu' (n, f), and the information about `(pose, nu, nu')` that the
-    measurements hold (at every row, where these are `paired`). `linked` (n - 1,) says which neighbours belong together.
+    measurements hold (at every row, where these are `paired`), with what of it they tell row by row, `measured`
+    (n, d, d). `linked` (n - 1,) says which neighbours belong together.
     """
 
     time: Array
@@ -47,6 +56,7 @@ class SmoothMotion:
     velocity: Array
     acceleration: Array
     information: BlockTridiagonal
+    measured: Array
     linked: np.ndarray
     jerk: Array
 
@@ -58,6 +68,29 @@ class SmoothMotion:
         one = np.zeros((n, d, f))
         one[n // 2, 3 : 3 + f] = np.eye(f)
         return np.sqrt(np.diagonal(self.information.factor().solve(one)[n // 2, 3 : 3 + f]))
+
+    def drawn(self, generator: np.random.Generator) -> Array:
+        """Errors of `(pose, nu, nu')` (n, d) at every row that the sensors' noise makes."""
+        white = generator.standard_normal(self.measured.shape[:2])
+        pull = (np.linalg.cholesky(self.measured) @ white[..., None])[..., 0]
+        return self.information.factor().solve(pull)
+
+    def drawn_rows(self, generator: np.random.Generator) -> Array:
+        """The same at these rows."""
+        n = len(self.time)
+        size = len(self.measured) // n
+        return np.asarray(self.drawn(generator)[: size * n].reshape(n, size, -1).mean(axis=1))
+
+    @cached_property
+    def noisier(self) -> SmoothMotion:
+        """With as much noise of the sensors again."""
+        parts = np.split(self.drawn_rows(np.random.default_rng(0)), [3, 3 + self.velocity.shape[1]], axis=1)
+        pose, velocity, acceleration = (a + b for a, b in zip(self._parts, parts, strict=True))
+        return replace(self, pose=pose, velocity=velocity, acceleration=acceleration)
+
+    @property
+    def _parts(self) -> tuple[Array, Array, Array]:
+        return self.pose, self.velocity, self.acceleration
 
     @property
     def speed(self) -> Array:
@@ -71,11 +104,12 @@ class SmoothMotion:
         time, pose, velocity, acceleration = ((c[: 2 * n : 2] + c[1 : 2 * n : 2]) / 2 for c in columns)
         whole, between = self.linked[: 2 * n - 1 : 2], self.linked[1 : 2 * n - 2 : 2]
         linked = whole[:-1] & between & whole[1:]
-        return SmoothMotion(time, pose, velocity, acceleration, self.information, linked, self.jerk[: 2 * n - 2 : 2])
+        rest = linked, self.jerk[: 2 * n - 2 : 2]
+        return SmoothMotion(time, pose, velocity, acceleration, self.information, self.measured, *rest)
 
     @property
     def state(self) -> Array:
-        return np.hstack([self.pose, self.velocity, self.acceleration])
+        return np.hstack(self._parts)
 
 
 @dataclass(frozen=True)
@@ -91,6 +125,11 @@ class _Chain:
     first: Array
     sideways: float
 
+    def without(self, off: np.ndarray) -> _Chain:
+        """But for the samples (n, 4) that are `off`: x, y, theta, and the velocity."""
+        velocity = None if self.velocity is None else np.where(off[:, 3:], np.nan, self.velocity)
+        return replace(self, pose=np.where(off[:, :3], np.nan, self.pose), velocity=velocity)
+
 
 def smooth_motion(log: RunLog, cart: CartModel, noise: FilterNoise) -> SmoothMotion:
     """The most likely motion, with the jerk that the measurements make most likely."""
@@ -98,7 +137,14 @@ def smooth_motion(log: RunLog, cart: CartModel, noise: FilterNoise) -> SmoothMot
     n_free = cart.constraints.n_free
     jerk = np.full(n_free, FIRST_JERK)
     state = _settle(chain, chain.first, jerk)[0]
-    jerk = np.tile(_likeliest(chain, state, jerk), (max(len(log) - 1, 0), 1))
+    for _ in range(CLEARINGS):
+        jerk = _likeliest(chain, state, jerk)
+        state = _settle(chain, state, jerk)[0]
+        off = _off(chain, state)
+        if not off.any():
+            break
+        chain = chain.without(off)
+    jerk = np.tile(jerk, (max(len(log) - 1, 0), 1))
     state, information = _settle(chain, state, jerk)
     for _ in range(RAISES):
         jolted = _jolted(chain, state, log.time)
@@ -107,7 +153,8 @@ def smooth_motion(log: RunLog, cart: CartModel, noise: FilterNoise) -> SmoothMot
         jerk[jolted] *= RAISE
         state, information = _settle(chain, state, jerk)
     pose, velocity, acceleration = np.split(state, [3, 3 + n_free], axis=1)
-    return SmoothMotion(log.time, pose, velocity, acceleration, information, chain.linked, jerk)
+    measured = _measured(chain, state)[0].diagonal
+    return SmoothMotion(log.time, pose, velocity, acceleration, information, measured, chain.linked, jerk)
 
 
 def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
@@ -193,6 +240,18 @@ def _sensors(chain: _Chain, state: Array) -> list[tuple[Array, Array, slice]]:
         covariance = to_free @ chain.noise.velocity_covariance @ np.swapaxes(to_free, 1, 2)
         residual = np.where(whole[:, None], measured - state[:, 3 : 3 + n_free], 0.0)
         found.append((residual, whole[:, None, None] * np.linalg.inv(covariance), slice(3, 3 + n_free)))
+    return found
+
+
+def _off(chain: _Chain, state: Array) -> np.ndarray:
+    """Samples (n, 4) that are off as in `_Chain.without`: their residuals stand out from those around them."""
+    found = np.zeros((len(state), 4), dtype=bool)
+    for residual, weights, told in _sensors(chain, state):
+        weight = np.diagonal(weights, axis1=1, axis2=2)
+        for i, column in enumerate(np.where(weight > 0, residual * np.sqrt(weight), np.nan).T):
+            own = outlying(column, OFF * max(1.0, MAD_TO_STD * usual_distance(column)))
+            if own.mean() < MOST_OFF:
+                found[:, min(told.start + i, 3)] |= own
     return found
 
 

@@ -26,6 +26,8 @@ LEAST_WHITE = 0.02
 """Of all: the share of the variance that is white at least."""
 WHITE = 0.0145
 """s: noise that forgets within less may as well be white."""
+LOUDER = 1.25
+"""Times the variance that was believed: white noise that is no louder is as believed."""
 FEWEST = 200
 """Differences."""
 MEDIAN_OF_SQUARE = 0.4549
@@ -48,9 +50,10 @@ class NoiseColour:
         return (self.white + self.slow * (1 + fade) / (1 - fade)) / (self.white + self.slow)
 
 
-def colour_of(time: Array, standard: Array, size: int = 1) -> NoiseColour | None:
-    """Of residuals (m, f), means of `size` samples, in units of their believed deviations. None where there are too
-    few, and where they may as well be white: errors of the smoothed motion are in them too, and remember a little."""
+def colour_of(time: Array, standard: Array, size: int = 1, known: Array | None = None) -> NoiseColour | None:
+    """Of residuals (m, f), means of `size` samples, in units of their believed deviations; `known` (m, k) is drawn of
+    what is in them beside noise, errors of the smoothed motion. None where there are too few, and where they may as
+    well be white, and as loud as believed."""
     step = float(np.median(np.diff(time)))
     lags = np.unique(np.round(np.geomspace(1, max(2.0, LONGEST / step), 14)).astype(int))
     found = []
@@ -58,17 +61,21 @@ def colour_of(time: Array, standard: Array, size: int = 1) -> NoiseColour | None
         near = (time[lag:] - time[:-lag]) < (lag + 0.5) * step
         if near.sum() < FEWEST:
             return None
-        squares = (standard[lag:] - standard[:-lag])[near] ** 2
-        found.append(float(np.median(squares)) / MEDIAN_OF_SQUARE)
-    grown = np.array(found)
-    fits = [(_fitted(grown, lags, _correlation(lags, np.exp(-step / size / one), size)), one) for one in TIMES]
+        squares = [(each[lag:] - each[:-lag])[near] ** 2 for each in (standard, known) if each is not None]
+        found.append([float(np.median(each)) / MEDIAN_OF_SQUARE for each in squares])
+    whole, beside = (np.array(found) @ np.eye(len(found[0]), 2)).T
+    fits = [
+        (_fitted((whole, beside), lags, _correlation(lags, np.exp(-step / size / one), size)), one) for one in TIMES
+    ]
     (shares, _), best = min(fits, key=lambda fit: fit[0][1])
     white, slow, _ = shares
     whole = white + slow
     if whole <= 0:
         return None
     colour = NoiseColour(float(max(white, LEAST_WHITE * whole)), float(slow), float(best))
-    return colour if colour.long_mean(step) > NoiseColour(0.0, 1.0, WHITE).long_mean(step) else None
+    if colour.long_mean(step) > NoiseColour(0.0, 1.0, WHITE).long_mean(step):
+        return colour
+    return NoiseColour(float(whole), 0.0, float(best)) if whole > LOUDER else None
 
 
 def _correlation(lags: np.ndarray, fade: float, size: int) -> Array:
@@ -78,10 +85,12 @@ def _correlation(lags: np.ndarray, fade: float, size: int) -> Array:
     return np.asarray((fade ** np.abs(between)).mean(axis=(1, 2)))
 
 
-def _fitted(grown: Array, lags: np.ndarray, correlation: Array) -> tuple[Array, float]:
+def _fitted(grown: tuple[Array, Array], lags: np.ndarray, correlation: Array) -> tuple[Array, float]:
+    """Shares of white noise, slow noise and misfit in squares of differences, beside what is known of them."""
+    whole, known = grown
     slow = 2 * (correlation[0] - correlation[1:])
     columns = np.column_stack([np.full(len(lags), 2.0), slow, (lags / lags[-1]) ** 2])
-    shares, misfit = nnls(columns / grown[:, None], np.ones(len(lags)))
+    shares, misfit = nnls(columns / whole[:, None], np.maximum(1.0 - known / whole, 0.0))
     return shares, float(misfit)
 
 

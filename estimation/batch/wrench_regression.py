@@ -30,7 +30,7 @@ from ..log_noise import noise_of_log
 from ..noise import FilterNoise
 from .block_tridiagonal import Factor
 from .linearisation import Evidence, Linearisation
-from .motion_smoother import smooth_motion
+from .motion_smoother import SmoothMotion, smooth_motion
 from .noise_colour import NoiseColour, with_noise_states
 from .wrench_record import WrenchRecord
 
@@ -110,7 +110,7 @@ class WrenchRegression:
     def _know(self) -> None:
         """Puts together what is known before any wrench, of the motion and of slow noise."""
         self._known, chain = self.motion.information, self._chain
-        if self.colour is not None:
+        if self.colour is not None and self.colour.slow > 0:
             usual = np.mean(self._record.covariance[self._record.seen], axis=0)
             self._known = with_noise_states(self._known, chain.linked, np.diff(chain.time), usual, self.colour)
 
@@ -134,17 +134,20 @@ class WrenchRegression:
         used = np.flatnonzero(self._used)
         p = len(parameters) + 1
         if not len(used):
-            return Evidence(np.zeros((0, p, p)), np.zeros((0, p)))
+            return Evidence(*(np.zeros((0, p, p)), np.zeros((0, p))) * 2)
         with self._sized():
             return self._evidence(parameters, delay, used)
 
     def _evidence(self, parameters: Array, delay: float, used: np.ndarray) -> Evidence:
-        line = self.linearised(parameters, delay, used)
-        found = line.by_block(
-            line.by, line.whitened(np.concatenate([line.by, line.residual[..., None]], axis=2)), BLOCK
-        )
-        information = (found[..., :-1] + np.swapaxes(found[..., :-1], 1, 2)) / 2
-        return Evidence(information, found[..., -1])
+        line, noisier = self.linearised(parameters, delay, used), self.motion.noisier
+        residual, by = self._residual(parameters, delay, used, self._inverse(self.cart, parameters, noisier)[1])
+        off, off_by, p = (line.residual - residual)[..., None], by - line.by, by.shape[2]
+        off_by[..., -1] = 0.0
+        white = line.whitened(np.concatenate([line.by, line.residual[..., None], off_by, off], axis=2))
+        found = line.by_block(line.by, white[..., : p + 1], BLOCK)
+        lost = line.by_block(off_by, white[..., p + 1 :], BLOCK)
+        blocks, noise = ((each[..., :p] + np.swapaxes(each[..., :p], 1, 2)) / 2 for each in (found, lost))
+        return Evidence(blocks, found[..., p], noise, lost[..., p])
 
     def linearised(self, parameters: Array, delay: float, used: np.ndarray | None = None) -> Linearisation:
         """Around parameters (p,) and a delay, on rows `used` (all that can be, unless given)."""
@@ -154,25 +157,30 @@ class WrenchRegression:
         by_node = np.concatenate(
             [inverse.by_state[..., : 3 + motion.velocity.shape[1]], inverse.by_acceleration], axis=2
         )
-        believed = cart.with_parameters(parameters)
-        recorded, after = self._record.reduced(believed), used + 1
-        expected = _delayed(inverse.wrench, delay)
-        recorded_by = self._neighbours.slopes(believed, expected)
-        residual = recorded[used] - expected[used]
-        late = inverse.wrench[after] - inverse.wrench[used]
-        by = (1 - delay) * inverse.by_parameters[used] + delay * inverse.by_parameters[after] - recorded_by[used]
-        by = np.concatenate([by, late[..., None]], axis=2)
+        residual, by = self._residual(parameters, delay, used, inverse)
         white = 1.0 if self.colour is None else self.colour.white
         covariance = white * self._record.covariance[used] + self._stuck(state, parameters)[used]
         if self._is_wary:
             covariance += self._record.rounded[used, :, None] ** 2 * np.eye(residual.shape[1])
         weights = np.linalg.inv(covariance)
 
-        slopes = (1 - DELAY) * by_node[used], DELAY * by_node[after]
+        slopes = (1 - DELAY) * by_node[used], DELAY * by_node[used + 1]
         if self.size > 1:
             slopes = by_node[used] / 2, by_node[used] / 2
         by_motion, factor = self._joint(self.size * used, slopes, weights)
         return Linearisation(motion.time[used], self.size * used, residual, by, weights, by_motion, factor)
+
+    def _residual(
+        self, parameters: Array, delay: float, used: np.ndarray, inverse: InverseDynamics
+    ) -> tuple[Array, Array]:
+        """Of rows `used` (m,), (m, f), and its slopes (m, f, p + 1), from what the motion needs."""
+        believed, after = self.cart.with_parameters(parameters), used + 1
+        expected = _delayed(inverse.wrench, delay)
+        recorded_by = self._neighbours.slopes(believed, expected)
+        residual = self._record.reduced(believed)[used] - expected[used]
+        late = inverse.wrench[after] - inverse.wrench[used]
+        by = (1 - delay) * inverse.by_parameters[used] + delay * inverse.by_parameters[after] - recorded_by[used]
+        return residual, np.concatenate([by, late[..., None]], axis=2)
 
     def _joint(
         self, nodes: np.ndarray, slopes: tuple[Array, Array], weights: Array
@@ -180,7 +188,7 @@ class WrenchRegression:
         """Slopes by the states of the chain from `nodes` (m,) to the next, slow noise among them, and the factor of
         what wrenches and smoother know of these states."""
         f = weights.shape[1]
-        if self.colour is not None:
+        if self.colour is not None and self.colour.slow > 0:
             shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
             by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)
             first, second = (np.concatenate(both, axis=2) for both in zip(slopes, by_noise, strict=True))
@@ -264,9 +272,11 @@ class WrenchRegression:
         late = np.gradient(expected, self.motion.time, axis=0)[..., None] * _lateness_slopes(cart, self.log)
         return np.asarray(-(self._neighbours.slopes(cart, expected) + late)[self._used])
 
-    def _inverse(self, cart: CartModel, parameters: Array) -> tuple[Array, InverseDynamics]:
-        """States (n, ...) of a cart along the motion, and the inverse dynamics there."""
-        motion = self.motion
+    def _inverse(
+        self, cart: CartModel, parameters: Array, motion: SmoothMotion | None = None
+    ) -> tuple[Array, InverseDynamics]:
+        """States (n, ...) of a cart along the motion, or another one, and the inverse dynamics there."""
+        motion = motion or self.motion
         memory = cart.memory_along(motion.pose, motion.velocity, motion.time, parameters)
         state = np.hstack([motion.pose, motion.velocity, memory])
         return state, cart.inverse(state, motion.acceleration, parameters, motion.time)

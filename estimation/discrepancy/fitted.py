@@ -16,7 +16,7 @@ from cartgrasp.wheels import FIXED
 
 from ..batch.identification import Identification, fit
 from ..batch.linearisation import Linearisation
-from ..batch.noise_colour import colour_of
+from ..batch.noise_colour import NoiseColour, colour_of
 from ..batch.wrench_regression import WrenchRegression
 from ..prior import Prior, report_names
 from .dictionary import Dictionary, build_dictionary
@@ -33,6 +33,8 @@ LISTENING, HEARD = 6, 5e-4
 """Rounds, and s: to read how late wrenches are."""
 UNUSUAL = 2.0
 """Deviations of what is believed of a delay."""
+DRAWS = 4
+"""Of the smoothed motion's errors."""
 EFFECTS_SHARE = 1.0
 ADDED_SHARE = 10.0
 """Of its typical size: the standard deviation of an added effect before data, which tell nearly all."""
@@ -164,12 +166,34 @@ class Fitted:
         return replace(self, regressions=regressions, start=self.cart.parameters)
 
     def coloured(self) -> Fitted:
-        """With the colour of the wrenches' noise read off the residuals."""
+        """With the colour of all that is left where wrenches' noise is: errors of the smoothed motion are in it, and
+        what the model leaves out."""
         found = []
         for regression, line, _ in self.linearised:
             standard = (np.swapaxes(np.linalg.cholesky(line.weights), 1, 2) @ line.residual[..., None])[..., 0]
             found.append(regression.coloured(colour_of(line.time, standard, regression.size)))
         return replace(self, regressions=tuple(found), start=self.cart.parameters)
+
+    @cached_property
+    def colours(self) -> tuple[NoiseColour | None, ...]:
+        """Of the wrenches' own noise in each log, without what errors of the smoothed motion are in the residuals."""
+        found, generator = [], np.random.default_rng(0)
+        for regression, line, _ in self.linearised:
+            root = np.linalg.cholesky(regression.wrench_covariance[line.nodes // regression.size])
+            missed = [line.missed(regression.motion.drawn(generator)) for _ in range(DRAWS)]
+            parts = np.linalg.solve(root, np.stack([line.residual, *missed], axis=2))
+            known = parts[..., 1:].reshape(len(parts), -1)
+            found.append(colour_of(line.time, parts[..., 0], regression.size, known))
+        return tuple(found)
+
+    @cached_property
+    def own_excess(self) -> float:
+        """As `excess`, where noise has these colours."""
+        found = []
+        for (regression, _, delay), colour in zip(self.linearised, self.colours, strict=True):
+            own = regression.coloured(colour)
+            found.append((own, own.linearised(self.cart.parameters, delay), delay))
+        return noise_excess(found)
 
     def settled(self) -> Fitted:
         """Fitted once more, from where the fit ended, and to the end."""
@@ -206,6 +230,8 @@ class Fitted:
             columns = np.concatenate([known, BLUR * regression.skews()[..., None]], axis=2)
             taught, drawn = line.taught(columns)
             information, pull = information + taught, pull + drawn
+        for regression, _, delay in self.linearised:
+            pull[:p] += regression.evidence(self.cart.parameters, delay).drag.sum(axis=0)[self.free]
         share = float(np.linalg.solve(information, pull)[p - 1])
         logs = [(r.usual_delay[0] - d - share) * r.step * r.size for r, _, d in self.linearised]
         return float(np.mean(logs))

@@ -13,10 +13,10 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
 
-ROWS = 9
-"""Of a window, of which the middle one is compared with the median: what is there for three rows is not the median."""
-FAR, APART = 20.0, 8.0
-"""Times the noise, and times the usual distance from the median in the window."""
+from ..outliers import ROWS, outlying
+
+FAR = 20.0
+"""Times the noise."""
 MOST = 0.02
 """Of the rows: what happens more often is no accident."""
 
@@ -41,17 +41,9 @@ def _without(rows: Array, smooth: Array) -> Array:
 
 def _glitches(column: Array) -> np.ndarray:
     """Where (n,) a value is far from those around it."""
-    known = np.flatnonzero(np.isfinite(column))
-    found = np.zeros(len(column), dtype=bool)
-    if len(known) <= ROWS:
-        return found
-    values = column[known]
-    around = np.lib.stride_tricks.sliding_window_view(np.pad(values, ROWS // 2, mode="reflect"), ROWS)
-    middle = np.median(around, axis=1)
-    usual = np.median(np.abs(around - middle[:, None]), axis=1)
-    noise = float(np.median(np.abs(np.diff(values, 2)))) / 1.65
-    found[known] = np.abs(values - middle) > np.maximum(max(FAR * noise, np.finfo(float).tiny), APART * usual)
-    return found
+    values = column[np.isfinite(column)]
+    noise = float(np.median(np.abs(np.diff(values, 2)))) / 1.65 if len(values) > ROWS else 0.0
+    return outlying(column, FAR * noise)
 
 
 def _unwrapped(heading: Array) -> Array:

@@ -15,6 +15,8 @@ from .sideways import planar_wrench
 
 STEP = 0.005
 """s: the integrator's longest."""
+DRAWS = 4
+"""Of noise: rollouts of a log are few."""
 COORDINATES = ("forward", "sideways", "heading")
 """m, m, rad."""
 
@@ -67,23 +69,26 @@ def roll_out(
     """Of a cart; `delay` is by what share of a step its recorded wrenches are late."""
     regression = regression.with_cart(cart)
     wrench, motion = _pushes(regression, cart, delay), regression.motion
-    found = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
-    last = np.searchsorted(motion.time, motion.time[first] + horizon - 1e-9)
-    return Rollouts(first, horizon, _in_body(motion.pose[last], found))
+    found = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), 3 + wrench.shape[1])))
+    return Rollouts(first, horizon, _in_body(motion.pose[_last(regression, first, horizon)], found))
 
 
 def noise_floor(
     regression: WrenchRegression, fitted: Fitted, first: np.ndarray, horizon: float, generator: np.random.Generator
 ) -> Rollouts:
-    """What the noise of wrenches and of the smoothed motion alone would do to a perfect model."""
+    """What the noise of wrenches and of the smoothed motion alone would do to a perfect model; several draws of it."""
     cart = fitted.cart
     regression = regression.with_cart(cart)
-    wrench = _pushes(regression, cart, 0.5)
-    noise = _drawn_noise(regression, fitted.excess, generator)
-    true = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), wrench.shape[1])))
-    jolt = generator.standard_normal((len(first), wrench.shape[1])) * regression.motion.velocity_std
-    found = _ends(regression, cart, wrench + noise, first, horizon, jolt)
-    return Rollouts(first, horizon, _in_body(true, found))
+    wrench, last = _pushes(regression, cart, 0.5), _last(regression, first, horizon)
+    true = _ends(regression, cart, wrench, first, horizon, np.zeros((len(first), 3 + wrench.shape[1])))
+    errors = []
+    for _ in range(DRAWS):
+        noise = _drawn_noise(regression, fitted.own_excess, generator)
+        off = regression.motion.drawn_rows(generator)[:, : 3 + wrench.shape[1]]
+        found = _ends(regression, cart, wrench + noise, first, horizon, off[first])
+        found[:, :3] -= off[last, :3]
+        errors.append(_in_body(true, found))
+    return Rollouts(np.tile(first, DRAWS), horizon, np.concatenate(errors))
 
 
 def _drawn_noise(regression: WrenchRegression, excess: float, generator: np.random.Generator) -> Array:
@@ -116,15 +121,16 @@ def _pushes(regression: WrenchRegression, cart: CartModel, delay: float) -> Arra
 
 
 def _ends(
-    regression: WrenchRegression, cart: CartModel, wrench: Array, first: np.ndarray, horizon: float, jolt: Array
+    regression: WrenchRegression, cart: CartModel, wrench: Array, first: np.ndarray, horizon: float, off: Array
 ) -> Array:
-    """Poses (r, 3) after the horizon."""
+    """Poses (r, 3) after the horizon, from poses and velocities that are `off` (r, 3 + f)."""
     motion, f = regression.motion, wrench.shape[1]
     memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
-    state = np.hstack([motion.pose[first], motion.velocity[first] + jolt, memory[first]])
+    state = np.hstack([motion.pose[first], motion.velocity[first], memory[first]])
+    state[:, : 3 + f] += off
     planar, row = cart.planar_wrench(wrench), first.copy()
     side = planar_wrench(regression, cart) if cart.slip_compliance else planar
-    last = np.searchsorted(motion.time, motion.time[first] + horizon - 1e-9)
+    last = _last(regression, first, horizon)
     while (active := np.flatnonzero(row < last)).size:
         at = row[active]
         steps = motion.time[at + 1] - motion.time[at]
@@ -135,6 +141,12 @@ def _ends(
         state[active, :2] += creep
         row[active] += 1
     return state[:, :3]
+
+
+def _last(regression: WrenchRegression, first: np.ndarray, horizon: float) -> np.ndarray:
+    """Rows (r,) at which rollouts end."""
+    time = regression.motion.time
+    return np.asarray(np.searchsorted(time, time[first] + horizon - 1e-9))
 
 
 def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) -> Array:

@@ -1,0 +1,37 @@
+"""Single samples that are far from those around them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+ROWS = 9
+"""Of a window, of which the middle one is compared with the median: what is there for three rows is not the median."""
+APART = 8.0
+"""Times the usual distance from the median in the window."""
+
+
+def outlying(column: Array, far: float) -> np.ndarray:
+    """Where (n,) a value is further than `far` from the median of those around it, and stands out from them."""
+    known = np.flatnonzero(np.isfinite(column))
+    found = np.zeros(len(column), dtype=bool)
+    if len(known) <= ROWS:
+        return found
+    values = column[known]
+    off, usual = _from_median(values)
+    found[known] = off > np.maximum(max(far, np.finfo(float).tiny), APART * usual)
+    return found
+
+
+def usual_distance(column: Array) -> float:
+    """The median distance from the median of those around; 0 where there are too few."""
+    values = column[np.isfinite(column)]
+    return float(np.median(_from_median(values)[0])) if len(values) > ROWS else 0.0
+
+
+def _from_median(values: Array) -> tuple[Array, Array]:
+    """How far (n,) values are from the median around them, and the median distance in their windows."""
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(values, ROWS // 2, mode="reflect"), ROWS)
+    middle = np.median(around, axis=1)
+    return np.abs(values - middle), np.median(np.abs(around - middle[:, None]), axis=1)
