@@ -107,6 +107,8 @@ class Judge:
 
     def _unsteady(self, found: Finding) -> str:
         effect, wheels = found.effect, self.held_out.rolling[0]
+        if isinstance(effect, SensorEffect) and effect.lateness > 0 and self.fitted.is_late:
+            return ""  # it was found where no linear fit looks
         remembers = isinstance(effect, ForceEffect) and effect.memory_names(wheels)
         most = MOST_DRIFT_REMEMBERED if remembers else MOST_DRIFT
         return UNSTEADY if found.change > MOST_CHANGE or found.drift > most else ""

@@ -65,6 +65,7 @@ class Fit:
     by_direction: dict = field(default_factory=dict)
     effect: object = None
     excess: float = 1.0
+    is_late: bool = False
     regressions: tuple = (SimpleNamespace(step=0.01),)
 
     @property
@@ -193,6 +194,12 @@ def test_what_is_remembered_may_have_been_remembered_wrongly():
 
 def test_a_delay_of_some_samples_is_one():
     assert judged(TimeDelay(delay=0.013)).is_added
+
+
+def test_how_a_delay_varies_is_not_seen_from_another():
+    drifting = {"effect": TimeDelay(delay=0.025), "change": (0.1, 0.9)}
+    assert "another part of the log" in judged(**drifting).reason
+    assert judged(**drifting, before=Fit(is_late=True)).is_added
 
 
 def test_a_tight_wheel_is_plausible():
