@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
 from cartgrasp.errors import UsageError
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
@@ -28,9 +30,9 @@ from .where import DIRECTIONS, Disagreement, where
 if TYPE_CHECKING:
     from .report import Report
 
-SETTING_STD = {"s": 0.003, "m": 0.02, "rad": 0.001}
-SETTING_SHARE = 0.1
-"""Of settings that neither a search nor a linear fit found: delays, trails, angles, stiffnesses."""
+SETTING_STD = {"s": 0.003, "rad": 0.001}
+SETTING_SHARE, EDGE_STD = 0.1, 0.02
+"""Of settings that neither a search nor a linear fit found: delays, angles; trails, stiffnesses; edges of places (m)."""
 LEAST_SHARE, LEAST_SMOOTH = 0.1, 0.15
 """Of the squares of the residual, for a dependence that is told: on what is periodic, and on what any other form of the
 model would follow a little."""
@@ -266,17 +268,19 @@ def _named(diagnosis: Diagnosis, step: Step) -> NamedEffect:
     parameters = {
         p.name: (
             float(value),
-            found[key].std if p.estimated else settings.get(key, _usual_std(p.unit, float(value))),
+            found[key].std if p.estimated else settings.get(key, _usual_std(effect, i)),
             p.unit,
         )
-        for p, key, value in zip(effect.parameters, effect.keys, effect.values, strict=True)
+        for i, (p, key, value) in enumerate(zip(effect.parameters, effect.keys, effect.values, strict=True))
     }
     share = float(np.clip(attempt.held_out_gain or 0.0, 0.0, 1.0))
     return NamedEffect(effect.name, effect.label, step.probability, parameters, step.confusable, share)
 
 
-def _usual_std(unit: str, value: float) -> float:
-    return SETTING_STD.get(unit, SETTING_SHARE * abs(value))
+def _usual_std(effect: Effect, i: int) -> float:
+    if effect.gate is Gate.INSIDE and i < effect.gate.n_parameters:
+        return EDGE_STD
+    return SETTING_STD.get(effect.parameters[i].unit, SETTING_SHARE * abs(float(effect.values[i])))
 
 
 def _phrase(dependence: Dependence, f: int) -> str:
