@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 SETTING_STD = {"s": 0.003, "rad": 0.001}
 SETTING_SHARE, EDGE_STD = 0.1, 0.02
-"""Of settings that neither a search nor a linear fit found: delays, angles; trails, stiffnesses; edges of places (m)."""
+"""Of settings that no search or linear fit found: delays, angles; trails, stiffnesses; edges of places (m)."""
 LEAST_SHARE, LEAST_SMOOTH = 0.1, 0.15
 """Of the squares of the residual, for a dependence that is told: on what is periodic, and on what any other form of the
 model would follow a little."""
