@@ -40,9 +40,9 @@ RATE, ENOUGH = 45.0, 2000
 """Rows a second, and rows, that are as good as more: of a log with twice as many, pairs are looked at."""
 WHOLE = 0.98
 """Of the rows: so many must be whole for that."""
-CLOSED, FAR = 0.25, 2.0
-"""Of the nominal gap above the noise floor: what may be left where the effects explain it. Times the noise floor: a gap
-that is never explained."""
+CLOSED, NEARLY_CLOSED, FAR = 0.25, 0.05, 2.0
+"""Of the squared nominal gap above the noise floor: what may be left where the effects explain it; and where the gap is
+still so many times the floor."""
 LEAST_NAMELESS = 50.0
 """Log of the Bayes factor of what is there, and has no name: it has another size in another part of the log, or is not
 proven."""
@@ -118,8 +118,8 @@ class Diagnosis:
         floor = self.gap.noise_floor**2
         left = self.gap.after**2 - BEYOND_NOISE**2 * floor
         whole = max(self.gap.refitted**2 - floor, 1e-12)
-        far = self.gap.after > FAR * self.gap.noise_floor
-        return "partly_explained" if left > CLOSED * whole or far or self._much_remains else "explained"
+        most = NEARLY_CLOSED if self.gap.after > FAR * self.gap.noise_floor else CLOSED
+        return "partly_explained" if left > most * whole or self._much_remains else "explained"
 
     @property
     def _much_remains(self) -> bool:

@@ -114,4 +114,5 @@ def test_the_real_axis_lacks_two_frictions():
     assert found[0][1] > 1.25 * found[1][1] < 0.8 * found[2][1]
     assert coulomb == pytest.approx(found[1][0], abs=0.4)
     assert diagnosis.gap.after < 0.0015
+    assert diagnosis.verdict == "explained"
     assert diagnosis.gap.per_horizon["0.5 s"]["after"] < 0.3 * diagnosis.gap.per_horizon["0.5 s"]["refitted"]

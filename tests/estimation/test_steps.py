@@ -83,6 +83,23 @@ def test_what_is_there_without_a_name_disagrees(log_factor, is_there, disagrees)
 
 
 @pytest.mark.parametrize(
+    ("after", "floor", "verdict"),
+    [
+        (0.010, 0.010, "explained"),
+        (0.030, 0.010, "partly_explained"),
+        (0.030, 0.016, "explained"),
+        (0.006, 0.001, "explained"),
+        (0.060, 0.001, "partly_explained"),
+    ],
+)
+def test_a_gap_far_above_the_floor_is_not_explained(after, floor, verdict):
+    """Unless little is left of what was there: 0.1 m."""
+    gap = SimpleNamespace(refitted=0.1, after=after, noise_floor=floor)
+    found = SimpleNamespace(disagrees=True, effects=("one",), gap=gap, _much_remains=False)
+    assert Diagnosis.verdict.fget(found) == verdict
+
+
+@pytest.mark.parametrize(
     ("effect", "keeps"),
     [
         (LoadSlosh(mass=3.0), True),
