@@ -82,7 +82,8 @@ class Judge:
     def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
-        implausible, nameless = self.implausible(effect), self._held(effect, model) or self._unsteady(found)
+        implausible = self.implausible(effect)
+        nameless = "" if implausible else self._held(effect, model) or self._unsteady(found)
         follows = "" if implausible or nameless else self._outside(effect, score)
         reason = implausible or nameless or follows or self._unsure(effect, score)
         reason = reason or _drives(model.cart, self.held_out.rolling[1])

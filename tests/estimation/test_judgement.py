@@ -222,6 +222,7 @@ def test_noise_of_a_gain():
         ({"before": Fit(follows(0.11), {0: 900.0})}, False),
         ({"score": 6.9}, False),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, False),
+        ({"effect": LoadSlosh(mass=3.0, damping=0.9), "change": (0.1, 1.1)}, False),
     ],
 )
 def test_what_is_there_without_a_name(case, is_nameless):
