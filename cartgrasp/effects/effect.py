@@ -148,6 +148,11 @@ class Effect(ABC):
         return self
 
     @property
+    def lateness(self) -> float:
+        """How long after it was felt a sample is recorded, s."""
+        return 0.0
+
+    @property
     def doubt(self) -> float:
         """How many times the usual evidence it needs at these values, since other things look like it."""
         return 1.0
@@ -246,11 +251,6 @@ class SensorEffect(Effect):
     together, such as a clock, is not `by_arm`."""
 
     by_arm: ClassVar[bool] = True
-
-    @property
-    def lateness(self) -> float:
-        """How long after it was felt a sample is recorded, s."""
-        return 0.0
 
     def concerns(self, arm: str) -> bool:
         return self.label in ("", arm)

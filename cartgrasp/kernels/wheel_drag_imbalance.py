@@ -56,8 +56,7 @@ def _track(at: Situation) -> tuple[float, float, Share, Share]:
 def _drag(at: Situation, y: float, share: Share, own: Own, out: Parts) -> None:
     """Of a wheel at y, against its own rolling."""
     sign, slope = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
-    force = share[0] * own.parameters[0] + share[1] * own.parameters[1]
-    moment = share[2] * own.parameters[0] + share[3] * own.parameters[1]
+    force, moment = _strength(share, own)
     out.value[0] -= force * sign
     out.value[2] += moment * sign
     out.by_velocity[0, 0] -= force * slope
@@ -72,5 +71,12 @@ def _drag(at: Situation, y: float, share: Share, own: Own, out: Parts) -> None:
 @compiled
 def _hold(at: Situation, y: float, share: Share, own: Own, column: Array) -> None:
     sign, _ = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
-    column[0] = -(1.0 - sign * sign) * (share[0] * own.parameters[0] + share[1] * own.parameters[1])
-    column[2] = (1.0 - sign * sign) * (share[2] * own.parameters[0] + share[3] * own.parameters[1])
+    force, moment = _strength(share, own)
+    column[0], column[2] = -(1.0 - sign * sign) * force, (1.0 - sign * sign) * moment
+
+
+@compiled
+def _strength(share: Share, own: Own) -> tuple[float, float]:
+    """Of a wheel's drag and its moment, when it rolls."""
+    force, moment = own.parameters[0], own.parameters[1]
+    return share[0] * force + share[1] * moment, share[2] * force + share[3] * moment

@@ -86,7 +86,7 @@ def offscreen() -> Any:
     try:
         window = _window()
         window.make_current()
-    except Exception as error:
+    except Exception as error:  # drivers and PyOpenGL have errors of their own, of no common base
         raise UsageError(
             f"MuJoCo finds no OpenGL to draw with ({error}): install cartgrasp[rendering], and where there is no "
             "graphics card Mesa's (Debian: libegl1 and libgl1-mesa-dri)"

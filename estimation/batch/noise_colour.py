@@ -43,6 +43,10 @@ class NoiseColour:
     slow: float
     time: float
 
+    @property
+    def remembers(self) -> bool:
+        return self.slow > 0
+
     def long_mean(self, step: float) -> float:
         """How many times the variance of long means is what white noise of the whole variance would give, for
         samples `step` (s) apart."""

@@ -110,7 +110,7 @@ class WrenchRegression:
     def _know(self) -> None:
         """Puts together what is known before any wrench, of the motion and of slow noise."""
         self._known, chain = self.motion.information, self._chain
-        if self.colour is not None and self.colour.slow > 0:
+        if self.colour is not None and self.colour.remembers:
             usual = np.mean(self._record.covariance[self._record.seen], axis=0)
             self._known = with_noise_states(self._known, chain.linked, np.diff(chain.time), usual, self.colour)
 
@@ -188,7 +188,7 @@ class WrenchRegression:
         """Slopes by the states of the chain from `nodes` (m,) to the next, slow noise among them, and the factor of
         what wrenches and smoother know of these states."""
         f = weights.shape[1]
-        if self.colour is not None and self.colour.slow > 0:
+        if self.colour is not None and self.colour.remembers:
             shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
             by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)
             first, second = (np.concatenate(both, axis=2) for both in zip(slopes, by_noise, strict=True))

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.effects import Effect
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
@@ -209,7 +209,7 @@ class Fitted:
         stays."""
         found, known = self, list[float]()
         while len(known) < LISTENING:
-            late = next((e for e in found.added if isinstance(e, SensorEffect) and e.lateness > 0), None)
+            late = next((e for e in found.added if e.lateness > 0), None)
             if late is None:
                 break
             known.append(late.lateness)

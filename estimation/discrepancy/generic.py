@@ -88,15 +88,15 @@ def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
     found: list[Dependence] = []
     for i in range(scatter.mean.shape[1]):
         weight = scatter.information[:, i, i]
-        best: dict[str, Dependence] = {}
+        best: dict[str, tuple[Dependence, Array]] = {}
         for family in families:
-            one = _best(family, i, scatter.mean[:, i], weight)
+            one, columns = _best(family, i, scatter.mean[:, i], weight)
             if one.period is not None and one.log_factor > 0 and family.finer is not None:
-                known = _best(family.finer(one.period), i, scatter.mean[:, i], weight)
+                known, _ = _best(family.finer(one.period), i, scatter.mean[:, i], weight)
                 one = replace(one, period=known.period) if known.log_factor > one.log_factor else one
-            if family.name not in best or one.log_factor > best[family.name].log_factor:
-                best[family.name] = one
-        found += best.values()
+            if family.name not in best or one.log_factor > best[family.name][0].log_factor:
+                best[family.name] = one, columns
+        found += [replace(one, foretold=_foretold(scatter.mean[:, i], weight, by)) for one, by in best.values()]
     return sorted(found, key=lambda one: -one.log_factor)
 
 
@@ -113,15 +113,14 @@ class _Family:
     finer: Callable[[float], _Family] | None = None
 
 
-def _best(family: _Family, direction: int, value: Array, weight: Array) -> Dependence:
+def _best(family: _Family, direction: int, value: Array, weight: Array) -> tuple[Dependence, Array]:
+    """Where the family fits best, with its columns (b, k) there; what these foretell is not worked out."""
     factor, share = _judged(value, weight, family.columns)
+    factor -= np.log(family.tried)
     k = int(np.argmax(factor))
     period = None if family.periods is None else float(family.periods[k])
-    factor_of_all, foretold = (
-        float(factor[k]) - float(np.log(family.tried)),
-        _foretold(value, weight, family.columns[k]),
-    )
-    return Dependence(family.name, direction, period, family.unit, factor_of_all, float(share[k]), foretold)
+    one = Dependence(family.name, direction, period, family.unit, float(factor[k]), float(share[k]), 0.0)
+    return one, family.columns[k]
 
 
 def _families(course: Course) -> Iterator[_Family]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cartgrasp.effects import Effect, ForceEffect, SensorEffect
+from cartgrasp.effects import Effect, ForceEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
@@ -101,14 +101,14 @@ class Judge:
         return Verdict(False, reason, share, is_unproven=True)
 
     def _held(self, effect: Effect, model: Fitted) -> str:
-        late = effect.lateness if isinstance(effect, SensorEffect) else 0.0
+        late = effect.lateness
         if 0 < late < max((regression.step for regression in model.regressions), default=0.0):
             return f"{1e3 * late:.0f} ms is less than a sample, as wrenches may be late that are held or averaged"
         return ""
 
     def _unsteady(self, found: Finding) -> str:
         effect, wheels = found.effect, self.held_out.rolling[0]
-        if isinstance(effect, SensorEffect) and effect.lateness > 0 and self.fitted.is_late:
+        if effect.lateness > 0 and self.fitted.is_late:
             return ""  # it was found where no linear fit looks
         remembers = isinstance(effect, ForceEffect) and effect.memory_names(wheels)
         most = MOST_DRIFT_REMEMBERED if remembers else MOST_DRIFT

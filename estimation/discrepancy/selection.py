@@ -284,8 +284,8 @@ def _judged(
             verdict = Verdict(False, "less probable than what is not proven, and lasts")
         elif better is None:
             verdict = judge.verdict(again[effect.key], score, model)
-            nameless = max(nameless, score) if verdict.is_nameless else nameless
-            unnamed = unnamed or (model if verdict.is_nameless else None)
+            if verdict.is_nameless and unnamed is None:
+                nameless, unnamed = score, model
             unproven = max(unproven, score) if verdict.is_unproven and effect.gate is Gate.ALWAYS else unproven
         else:
             verdict = Verdict(False, (judge.implausible(effect) and IMPLAUSIBLE) or "less probable than another")
@@ -316,7 +316,7 @@ def _scored(
 
 def _is_late(effect: Effect) -> bool:
     """Of which linear fits tell little: there, wrenches are late by a share of a step."""
-    return isinstance(effect, SensorEffect) and effect.lateness > 0
+    return effect.lateness > 0
 
 
 def _keeps_noise(effect: Effect) -> bool:
