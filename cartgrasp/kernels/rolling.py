@@ -13,13 +13,17 @@ from cartgrasp.frames import Array
 from .jit import compiled
 from .situation import Parts, Situation
 
+Place = tuple[float, float, float]
+"""Of a wheel: x, y and 1 for a caster, 0 for a fixed one."""
+
 
 @compiled
 def drag(at: Situation, wheel: int, coefficient: float, out: Parts) -> tuple[float, float, float]:
     """Adds the drag of one wheel with partials by velocity and phi; returns the wrench (3,) of a unit force along its
     rolling."""
-    x, y, swivels = at.wheels[wheel, 0], at.wheels[wheel, 1], at.wheels[wheel, 2]
-    unit_x, unit_y, norm = _rolling(at, wheel)
+    place = of(at, wheel)
+    x, y, swivels = place
+    unit_x, unit_y, norm = rolling(at, place)
     unit = (unit_x, unit_y, x * unit_y - y * unit_x)
     force = coefficient * at.loads[wheel]
     xx, xy, yy = (1.0 - unit_x**2) / norm, -unit_x * unit_y / norm, (1.0 - unit_y**2) / norm
@@ -37,18 +41,25 @@ def drag(at: Situation, wheel: int, coefficient: float, out: Parts) -> tuple[flo
 @compiled
 def hold(at: Situation, wheel: int, coefficient: float, columns: Array) -> None:
     """Writes the two wrenches that one wheel may give near standstill."""
-    x, y, swivels = at.wheels[wheel, 0], at.wheels[wheel, 1], at.wheels[wheel, 2]
-    unit_x, unit_y, _ = _rolling(at, wheel)
+    place = of(at, wheel)
+    x, y, swivels = place
+    unit_x, unit_y, _ = rolling(at, place)
     level = coefficient * at.loads[wheel] * (1.0 - unit_x**2 - unit_y**2)
     columns[2 * wheel, 0], columns[2 * wheel, 2] = level, -y * level
     columns[2 * wheel + 1, 1], columns[2 * wheel + 1, 2] = swivels * level, swivels * x * level
 
 
 @compiled
-def _rolling(at: Situation, wheel: int) -> tuple[float, float, float]:
-    """Direction of a wheel's rolling, shorter than 1 near standstill, and its smoothed speed."""
+def of(at: Situation, wheel: int) -> Place:
+    return at.wheels[wheel, 0], at.wheels[wheel, 1], at.wheels[wheel, 2]
+
+
+@compiled
+def rolling(at: Situation, place: Place) -> tuple[float, float, float]:
+    """Direction in which a wheel there rolls, shorter than 1 near standstill, and its smoothed speed."""
+    x, y, swivels = place
     u, w, r = at.velocity[0], at.velocity[1], at.velocity[2]
-    speed_x = u - at.wheels[wheel, 1] * r
-    speed_y = at.wheels[wheel, 2] * (w + at.wheels[wheel, 0] * r)
+    speed_x = u - y * r
+    speed_y = swivels * (w + x * r)
     norm = math.sqrt(speed_x**2 + speed_y**2 + at.smoothing_speed**2)
     return speed_x / norm, speed_y / norm, norm

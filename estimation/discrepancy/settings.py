@@ -78,7 +78,8 @@ def _posterior(refiner: Refiner, effect: Effect, move: Move, excess: float) -> t
     """Mean, from where it is, and standard deviation of a setting, with the amplitudes as they fit best."""
     amplitudes = amplitudes_of(effect)
     effect, std = absent(effect, amplitudes), prior_std(effect, amplitudes)
-    first = FIRST.get(effect.parameters[move.which].unit, FIRST_SHARE * abs(float(effect.values[move.which])))
+    parameter, value = effect.parameters[move.which], abs(float(effect.values[move.which]))
+    first = FIRST.get(parameter.unit, FIRST_SHARE * (value or parameter.typical))
     best = refiner.gain(effect, amplitudes, std).value
     known = {0.0: 0.0}
     for sign in (1.0, -1.0):

@@ -130,6 +130,29 @@ def test_stribeck_friction_fades_in_every_direction_alike(direction, ratio):
 
 
 @given(
+    com=vectors(2, -0.12, 0.12),
+    velocity=vectors(3, -0.3, 0.3),
+    speed=numbers(0.05, 0.2),
+    by_wheels=numbers(0, 1),
+)
+def test_stribeck_friction_of_wheels_is_shared_as_their_loads(com, velocity, speed, by_wheels):
+    """By one complex number a wheel: forces at their places, whose moments are those of crossed vectors."""
+    phi = phi_from_physical(MASS, 0.36 + com[0], com[1], 2.0)
+    loads = CartModel(Inertia(MASS, (0.0, 0.0), 2.0), wheels=SHOPPING_CART).wheel_set.loads(phi)
+    u, w, r = velocity
+    expected = np.zeros(3)
+    parts = [(by_wheels * load / loads.sum(), wheel) for load, wheel in zip(loads, SHOPPING_CART, strict=True)]
+    for share, wheel in [*parts, (1 - by_wheels, Wheel("caster", 0.0, 0.0))]:
+        place = complex(wheel.x, wheel.y)
+        rolls = complex(u, w) + 1j * r * place
+        rolls = rolls if wheel.kind == "caster" else complex(rolls.real, 0.0)
+        force = -6.0 * share * np.exp(-((abs(rolls) / speed) ** 2)) * rolls / np.hypot(abs(rolls), SMOOTHING_SPEED)
+        expected += [force.real, force.imag, (place.conjugate() * force).imag]
+    force = force_at(StribeckFriction(6.0, speed, by_wheels), u, w, r, wheels=SHOPPING_CART, phi=phi)
+    np.testing.assert_allclose(force, expected, rtol=0, atol=1e-12)
+
+
+@given(
     com=vectors(2, -0.5, 0.5),
     coefficient=numbers(0.001, 0.1),
     speed=numbers(0.2, 2),
