@@ -30,6 +30,8 @@ def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path
     path = Path(path)
     data = content.encode("utf-8") if isinstance(content, str) else content
     with _said(path):
+        if path.exists() and not path.is_file():
+            raise FileError(Place(str(path)), "", "is no ordinary file; name another place")
         aside = _opened(path, os.O_RDWR | os.O_CREAT)
         waiting = _waiting.get()
         try:
@@ -93,7 +95,9 @@ def _said(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        why = f"can't be written: {error.strerror or error}; mend that, or name another place"
+        copies = error.args[0] if isinstance(error, shutil.Error) else None
+        reason = error.strerror or (copies[0][2].partition(": ")[0] if isinstance(copies, list) else error)
+        why = f"can't be written: {reason}; mend that, or name another place"
         raise FileError(Place(str(path)), "", why) from error
 
 

@@ -48,11 +48,9 @@ def run(choice: Choice, as_json: bool) -> int:
 
 
 def _check(choice: Choice) -> None:
-    check_writable(choice.out)
+    check_writable(choice.out, choice.source, choice.topics)
     if choice.out.suffix.lower() not in WRITERS:
         raise UsageError(f"--out {choice.out}: name a file that ends in {', '.join(WRITERS)}")
-    if choice.out.exists() and choice.source.exists() and choice.out.samefile(choice.source):
-        raise UsageError(f"--out {choice.out}: is the source; name another file")
     if choice.salvage and not is_bag_name(choice.source):
         raise UsageError(f"--salvage: is for bags; {choice.source} is none")
 

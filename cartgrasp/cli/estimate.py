@@ -29,7 +29,7 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
 def run(path: Path, cart_path: Path | None, method: str, out: Path | None, topics: Path | None, as_json: bool) -> int:
     cart = cart_of(path, cart_path)
     if out is not None:
-        check_writable(out)
+        check_writable(out, path, cart_path, topics)
     log = read_log(path, topics)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)

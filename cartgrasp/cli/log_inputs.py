@@ -9,7 +9,10 @@ from ..errors import UsageError
 from ..logs import RunLog, read_log
 from ..model import CartModel
 from .estimate import cart_of
-from .output import make_folder
+from .output import check_writable, make_folder
+
+CART = "cart.yaml"
+"""What identify and discrepancy write into their folder."""
 
 
 def cart_and_logs(
@@ -20,6 +23,7 @@ def cart_and_logs(
     _check_distinct(paths)
     if out is not None:
         make_folder(out)
+        check_writable(out / CART, cart_path, topics, *paths)
     return cart, [read_log(path, topics) for path in paths]
 
 

@@ -30,8 +30,8 @@ class Pictures:
     gif: Path | None
     scene: Path | None
 
-    def checked(self, log: Path) -> dict[str, Path]:
-        """By kind; refused before any work if one can't be written or would replace the log."""
+    def checked(self, log: Path, *read: Path | None) -> dict[str, Path]:
+        """By kind; refused before any work if one can't be written or would replace what is read."""
         given = {"png": self.png, "svg": self.svg, "pdf": self.pdf, "gif": self.gif, "scene": self.scene}
         wanted = {kind: path for kind, path in given.items() if path is not None}
         for kind, path in wanted.items():
@@ -41,14 +41,12 @@ class Pictures:
         if self.page is not None or not wanted:
             wanted["page"] = self.page or log.with_suffix(".html")
         for path in wanted.values():
-            check_writable(path)
-            if path.resolve() == log.resolve():
-                raise UsageError(f"{path}: is the log itself; name another file")
+            check_writable(path, log, *read)
         return wanted
 
 
 def run(path: Path, cart_path: Path | None, topics: Path | None, pictures: Pictures, as_json: bool) -> int:
-    wanted = pictures.checked(path)
+    wanted = pictures.checked(path, cart_path, topics)
     cart = None if cart_path is None else load_cart(cart_path)
     log = read_log(path, topics).thinned()
     shown = ShownRun.of_log(log, cart, _estimates(log, cart))

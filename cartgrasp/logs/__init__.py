@@ -51,8 +51,11 @@ def read_log(path: str | Path, topics: str | Path | None = None) -> RunLog:
 
 def is_bag_name(path: Path) -> bool:
     """Whether it is read through a topic map: a bag, or a folder with a recorder's files in it."""
-    if path.is_dir():
-        return (path / "metadata.yaml").is_file() or any(p.suffix.lower() in STORAGES for p in path.iterdir())
+    try:
+        if path.is_dir():
+            return (path / "metadata.yaml").is_file() or any(p.suffix.lower() in STORAGES for p in path.iterdir())
+    except OSError as error:
+        raise LogError(Place(str(path)), "", f"can't be read: {error.strerror or error}") from error
     return path.suffix.lower() in BAGS
 
 

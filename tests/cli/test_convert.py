@@ -126,7 +126,7 @@ def test_salvage_is_asked_for(capsys, tmp_path):
 def test_wrong_usage(capsys, tmp_path, csv):
     run(capsys, "convert", csv).refused(2, "--out")
     run(capsys, "convert", csv, "--out", tmp_path / "run.xlsx").refused(2, ".csv, .parquet, .mcap")
-    run(capsys, "convert", csv, "--out", csv).refused(2, "is the source")
+    run(capsys, "convert", csv, "--out", csv).refused(2, "is read by this command")
     run(capsys, "convert", csv, "--out", tmp_path / "no" / "run.csv").refused(2, "no folder")
     run(capsys, "convert", csv, "--out", tmp_path / "b.csv", "--salvage").refused(2, "--salvage", "is for bags")
     run(capsys, "convert", tmp_path / "no.bag", "--out", tmp_path / "b.csv").refused(3, "no.bag", "no such file")

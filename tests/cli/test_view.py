@@ -74,7 +74,7 @@ def test_scene(log, capsys):
 def test_what_it_refuses(log, tmp_path, capsys):
     run(capsys, "view", log, "--png", tmp_path / "figure.gif").refused(2, "--png", ".png")
     run(capsys, "view", log, "--scene", tmp_path / "scene.mp4").refused(2, "--scene", ".png or .gif")
-    run(capsys, "view", log, "--out", log).refused(2, "is the log itself")
+    run(capsys, "view", log, "--out", log).refused(2, "is read by this command")
     run(capsys, "view", log, "--out", tmp_path / "nowhere" / "page.html").refused(2, "there is no folder")
     run(capsys, "view", tmp_path / "none.csv").refused(3, "there is no such file")
 

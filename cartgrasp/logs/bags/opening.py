@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from pathlib import Path
 
@@ -32,8 +33,11 @@ def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool =
 
 def open_bag(path: Path, salvage: bool = False) -> Bag:
     """Whole, or what can still be read."""
-    if not path.exists():
-        raise LogError(Place(str(path)), "", "there is no such file")
+    try:
+        path.stat()
+    except OSError as error:
+        why = "there is no such file" if isinstance(error, FileNotFoundError) else f"can't be read: {error.strerror}"
+        raise LogError(Place(str(path)), "", why) from error
     if not path.is_dir() and path.suffix.lower() not in SUFFIXES:
         raise LogError(Place(str(path)), "", f"is no bag; bags end in {', '.join(SUFFIXES)}, or are folders")
     if salvage or not (path / "metadata.yaml").is_file():
@@ -48,7 +52,7 @@ def open_bag(path: Path, salvage: bool = False) -> Bag:
 def map_of(path: Path) -> MapFile | None:
     """The map BAG.topics.yaml, else the one in a bag that cartgrasp wrote, else topics.yaml in the folder."""
     own, common = beside(path)
-    if own.is_file():
+    if os.path.isfile(own):  # which says no where the name is too long for a file
         return load_topic_map(own)
     embedded = embedded_map(path)
     if embedded is not None:
