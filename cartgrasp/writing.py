@@ -31,7 +31,7 @@ def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path
     data = content.encode("utf-8") if isinstance(content, str) else content
     with _said(path):
         if path.exists() and not path.is_file():
-            raise FileError(Place(str(path)), "", "is no ordinary file; name another place")
+            raise FileError(Place(str(path)), "", "can't be written: it is no ordinary file; name another place")
         aside = _opened(path, os.O_RDWR | os.O_CREAT)
         waiting = _waiting.get()
         try:

@@ -74,7 +74,7 @@ def validate(model: type[Model], document: CommentedMap, name: str, prefix: Sequ
     try:
         return model.model_validate(plain(document))
     except ValidationError as error:
-        first = min(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+        first = _first(document, error.errors(include_url=False))
         location = _keys(document, first["loc"], is_missing=first["type"] == "missing")
         why = _why(first)
         if first["type"] == "extra_forbidden":
@@ -202,6 +202,16 @@ def _mark_place(name: str, mark: Any) -> Place:
 def _quoted(problem: str | None) -> str:
     parts = (problem or "").split('"')
     return parts[1] if len(parts) > 1 else ""
+
+
+def _first(document: Any, errors: Sequence[Any]) -> Any:
+    """An unknown key, else the first; of a value that may be of several types, what is wrong with the one it has."""
+    first = min(errors, key=lambda e: e["type"] != "extra_forbidden")
+    *place, kind = first["loc"]
+    if not first["type"].endswith("_type") or _keys(document, first["loc"], is_missing=False)[-1:] == [kind]:
+        return first
+    others = [e for e in errors if list(e["loc"][: len(place)]) == place and not e["type"].endswith("_type")]
+    return others[0] if others else first
 
 
 def _why(error: Any) -> str:

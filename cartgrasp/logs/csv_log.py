@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from ..errors import LogError, Place
+from ..errors import DataError, LogError, Place
 from ..frames import Array
 from ..writing import write_atomically
 from ..yaml_file import did_you_mean
@@ -17,6 +18,9 @@ from .run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COL
 
 ARM_COLUMNS = CONTACT_COLUMNS + WRENCH_COLUMNS
 MISSING = ("", "nan", "NaN", "NAN")
+KNOWN = ("t", *POSE_COLUMNS, *VELOCITY_COLUMNS)
+LONGEST = 40
+"""Characters of a cell that are repeated in an error."""
 
 
 def read_csv(path: str | Path) -> RunLog:
@@ -29,7 +33,8 @@ def read_csv(path: str | Path) -> RunLog:
     except OSError as error:
         raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise LogError(Place(name), "", f"is not UTF-8 text ({error.reason} at byte {error.start})") from error
+        why = f"is not UTF-8 text ({error.reason} at byte {error.start}); save it as UTF-8"
+        raise LogError(Place(name), "", why) from error
     except csv.Error as error:
         raise LogError(Place(name, reader.line_num), "", f"is not CSV: {error}") from error
     if not rows or not any(rows[0][1]):
@@ -42,8 +47,16 @@ def read_csv(path: str | Path) -> RunLog:
 
 def write_csv(log: RunLog, path: str | Path) -> Path:
     """Writes the log; floats are written so that they read back the same."""
+    for arm in log.arms:
+        if arm != arm.strip():
+            raise DataError(f"{log.name}: the arm {arm!r} begins or ends with a blank, which a CSV loses; rename it")
+    header = ",".join(_quoted(column) for column in log.columns)
     rows = (",".join("" if math.isnan(v) else repr(v) for v in row) for row in log.table.tolist())
-    return write_atomically(path, "\n".join([",".join(log.columns), *rows]) + "\n")
+    return write_atomically(path, "\n".join([header, *rows]) + "\n")
+
+
+def _quoted(column: str) -> str:
+    return column if re.fullmatch(r"[\w. -]+", column) else '"' + column.replace('"', '""') + '"'
 
 
 def check_columns(header: Sequence[str], name: str) -> None:
@@ -53,7 +66,7 @@ def check_columns(header: Sequence[str], name: str) -> None:
             raise LogError(Place(name, 1), column, "stands twice in the header")
     for column in ("t", *POSE_COLUMNS):
         if column not in header:
-            raise LogError(Place(name, 1), column, "this column is missing")
+            raise LogError(Place(name, 1), column, f"this column is missing{_instead(header)}")
     has_velocity = [column in header for column in VELOCITY_COLUMNS]
     if any(has_velocity) and not all(has_velocity):
         lost = VELOCITY_COLUMNS[has_velocity.index(False)]
@@ -69,6 +82,20 @@ def check_columns(header: Sequence[str], name: str) -> None:
     for column in header:
         if column not in known:
             raise LogError(Place(name, 1), column or "(empty)", f"unknown column{did_you_mean(column, sorted(known))}")
+
+
+def _instead(header: Sequence[str]) -> str:
+    """What the first line seems to be where it lacks a column that every log has."""
+    line = ",".join(header)
+    if "\0" in line:
+        return ": this is no plain text; save it as UTF-8"
+    if header[0].startswith("#"):
+        return ": the first line is a comment; begin with the header t,x,y,theta,…"
+    for sign in ";\t":
+        if line.count(sign) > line.count(","):
+            return f": cells are parted by {sign!r}; part them by commas, and write numbers with a point"
+    others = [column for column in header if column and "." not in column and column not in KNOWN]
+    return f"; not known are {_short(', '.join(others))}" if others else ""
 
 
 def arm_names(header: Sequence[str]) -> list[str]:
@@ -107,7 +134,8 @@ def _numbers(header: Sequence[str], lines: Sequence[tuple[int, list[str]]], name
     table = np.empty((len(lines), len(header)))
     for i, (line, row) in enumerate(lines):
         if len(row) != len(header):
-            why = f"{len(row)} cells, the header has {len(header)} columns"
+            what = "a comment, where only rows may stand: " if row[0].startswith("#") else ""
+            why = f"{what}{len(row)} cells, the header has {len(header)} columns"
             raise LogError(Place(name, line), "", why)
         try:
             if not _is_plain("".join(row)):
@@ -117,7 +145,7 @@ def _numbers(header: Sequence[str], lines: Sequence[tuple[int, list[str]]], name
             table[i] = [_number(cell, column, line, name) for cell, column in zip(row, header, strict=True)]
         if np.isinf(table[i]).any():
             j = int(np.flatnonzero(np.isinf(table[i]))[0])
-            raise LogError(Place(name, line, j + 1), header[j], f"{row[j].strip()} is not a finite number")
+            raise LogError(Place(name, line, j + 1), header[j], f"{_short(row[j].strip())} is not a finite number")
     return table
 
 
@@ -135,8 +163,12 @@ def _number(cell: str, column: str, line: int, name: str) -> float:
             raise ValueError
         return float(cell)
     except ValueError:
-        why = f"{cell!r} is not a number (a missing sample is a blank cell or nan)"
+        why = f"{_short(cell)!r} is not a number (a missing sample is a blank cell or nan)"
         raise LogError(Place(name, line), column, why) from None
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST else text[:LONGEST] + "…"
 
 
 def _check_clock(time: Array, name: str, lines: Sequence[int]) -> None:

@@ -57,7 +57,7 @@ def test_a_device_stays_one(tmp_path):
     """A file renamed over a device or a pipe would take its place."""
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    with pytest.raises(FileError, match="is no ordinary file"):
+    with pytest.raises(FileError, match="it is no ordinary file"):
         write_atomically(pipe, "x")
     assert pipe.is_fifo()
     assert list(tmp_path.iterdir()) == [pipe]

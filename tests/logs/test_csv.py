@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,7 +24,8 @@ NUMBERS = st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.just(ma
 def logs(draw):
     n = draw(st.integers(1, 6))
     clock = draw(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=n, max_size=n, unique=True))
-    arms = draw(st.lists(st.from_regex(r"[A-Za-z_][A-Za-z0-9_ -]{0,6}[a-z]", fullmatch=True), min_size=1, unique=True))
+    words = st.text(st.characters(codec="utf-8", exclude_characters="."), min_size=1).filter(lambda w: w == w.strip())
+    arms = draw(st.lists(words, min_size=1, unique=True))
 
     def table(width):
         return draw(arrays(np.float64, (n, width), elements=NUMBERS))
@@ -45,6 +47,15 @@ def test_round_trip_is_exact_to_the_bit(tmp_path_factory, log):
     assert np.array_equal(back.table, log.table, equal_nan=True)
     known = ~np.isnan(log.table)
     assert np.array_equal(np.signbit(back.table[known]), np.signbit(log.table[known]))  # -0.0 stays
+
+
+def test_a_name_that_csv_loses_is_not_written(tmp_path):
+    log = read_log(written(tmp_path, text()))
+    path = tmp_path / "other.csv"
+    for name in (" left", "left\n", "\x85"):
+        with pytest.raises(DataError, match="begins or ends with a blank"):
+            write_log(replace(log, arms={name: log.arms["left"]}), path)
+        assert not path.exists()
 
 
 def written(folder, content, name="run.csv"):
@@ -137,6 +148,13 @@ MISTAKES = {
     "blank lines only": ("\n\n\n", "1", "the file is empty"),
     "one long line": ("x" * 200_000, "1", "is not CSV"),
     "broken quotes": (spoiled(3, "y", '"0.5"5'), "3", "is not CSV"),
+    "cells parted otherwise": (text().replace(",", ";"), "1: t", "cells are parted by ';'; part them by commas"),
+    "cells parted by tabs": (text().replace(",", "\t"), "1: t", "part them by commas"),
+    "a comment above": ("# of Monday\n" + text(), "1: t", "the first line is a comment"),
+    "a comment within": (text().replace("\n0.02", "\n# stop\n0.02"), "4", "a comment, where only rows may stand"),
+    "a clock of another name": (text(header=["time", *HEADER[1:]]), "1: t", "is missing; not known are time"),
+    "text of two bytes a letter": (text().encode("utf-16-le"), "1: t", "save it as UTF-8"),
+    "a cell without end": (spoiled(3, "y", "9" * 10_000), "3:3: y", "9" * 40 + "… is not a finite number"),
     "a NUL": (spoiled(3, "y", "0.\x005"), "3: y", "is not a number"),
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 from enum import IntEnum
+from pathlib import Path
 from typing import NamedTuple
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -80,3 +81,13 @@ def take_pairs(data: bytes) -> dict[str, str]:
         value, at = take_text(data, at)
         found[key.decode()] = value.decode()
     return found
+
+
+def profile_of(path: Path) -> str:
+    """What a file's header says that its messages are."""
+    with open(path, "rb") as stream:
+        stream.seek(len(MAGIC))
+        op, size = HEAD.unpack(stream.read(HEAD.size))
+        if op != Op.HEADER:
+            raise ValueError("its header is missing")
+        return take_text(stream.read(size), 0)[0].decode()

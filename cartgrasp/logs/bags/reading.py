@@ -11,10 +11,10 @@ from ..run_log import ArmLog, RunLog
 from .bag import Bag
 from .planar_pose import of_body, planar, spline_velocity, tilt, world_velocity
 from .resampling import averaged, held, interpolated
-from .selection import Clocked, Place, Selection
+from .selection import Clocked, Place, Selection, is_static
 from .sensor_wrench import at_contact, on_cart
 from .steps import Step, Steps
-from .topic_map import ArmEntry, MapFile, TopicMap
+from .topic_map import ArmEntry, ContactEntry, MapFile, TopicMap
 
 MOST_TILT = 0.35
 FEWEST_TARED = 5
@@ -166,6 +166,10 @@ class _Reading:
         if isinstance(arm.contact, list):
             return np.tile(np.array(arm.contact), (len(time), 1))
         samples = self.samples["arms", name, "contact"]
+        entry = self.map_file.map.arms[name].contact
+        if isinstance(entry, ContactEntry) and is_static(entry.topic):
+            self.steps.add(name, "contact point from a static transform", sent=len(samples.time))
+            return np.tile(samples.numbers[-1, :3], (len(time), 1))
         rows = held(samples.time, samples.numbers[:, :3], time, self.map_file.map.max_gap)
         self.steps.add(name, "contact points from TF, held", rows=rows.taken, masked=rows.masked)
         return rows.rows

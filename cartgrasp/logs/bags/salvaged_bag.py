@@ -27,11 +27,19 @@ class SalvagedBag(Bag):
         numbers: Counter[str] = Counter()
         files = storages_in(self.path) if self.path.is_dir() else [self.path]
         self.lost = []
+        others: Counter[tuple[str, str]] = Counter()
         for file in files:
             for topic, kind, received, raw in self._walk(file):
                 numbers[topic] += 1
-                if kind == self.kinds[topic] and (topics is None or topic in topics):
+                if topics is not None and topic not in topics:
+                    continue
+                if kind == self.kinds[topic]:
                     yield Message(topic, kind, numbers[topic], received, raw)
+                else:
+                    others[topic, kind] += 1
+        self.lost += [
+            f"{topic}: {n} messages of another type, {kind or 'unknown'}" for (topic, kind), n in others.items()
+        ]
 
     def _walk(self, file: Path) -> Iterator[tuple[str, str, int, bytes]]:
         try:

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from ...frames import Array
 from ...yaml_file import did_you_mean
 from .bag import Bag
+from .faults import far_stamps, other_frames, without
 from .messages import ODOMETRY, OLD_TRANSFORMS, POSE, TRANSFORMS, WRENCH
 from .steps import Steps
 from .topic_map import ContactEntry, MapFile
-from .topic_samples import ALL, Frames, Key, TopicSamples, read_samples
+from .topic_samples import ALL, Frames, Key, TopicSamples, read_samples, transforms_of
 
 NANO = 1_000_000_000
 TF = (TRANSFORMS, OLD_TRANSFORMS)
@@ -50,6 +51,8 @@ class Selection:
         found = read_samples(self.bag, wanted, self.is_salvage)
         for where, key in keys.items():
             self._check_found(where, key, found)
+        for key in set(keys.values()):
+            found[key] = self._of_one_run(found[key])
         epoch = self.map_file.map.epoch
         if epoch is None:
             firsts = {where: int(self._stamps(where, found[key]).min()) for where, key in keys.items()}
@@ -91,14 +94,21 @@ class Selection:
         topic, frames = key
         if key not in found or not len(found[key]):
             if frames != ALL:
-                why = f"{topic} of {self.bag.path} holds no transform from {frames[0]} to {frames[1]}"
+                there = ", ".join(f"{a} → {b}" for a, b in transforms_of(self.bag, topic)) or "none"
+                why = f"{topic} of {self.bag.path} holds no transform from {frames[0]} to {frames[1]}, but {there}"
                 raise self.map_file.refuse(where, why)
             raise self.bag.refuse("has no messages" + (" that can be read" if self.is_salvage else ""), topic)
+
+    def _of_one_run(self, samples: TopicSamples) -> TopicSamples:
+        samples = without(samples, other_frames(samples), self.bag, self.is_salvage)
+        if self.map_file.map.stamps == "receive" or is_static(samples.topic):
+            return samples
+        return without(samples, far_stamps(samples, self.map_file.map.max_gap), self.bag, self.is_salvage)
 
     def _stamps(self, where: Place, samples: TopicSamples) -> NDArray[np.int64]:
         """ns, with the topic's latency taken off."""
         late = round(self._latency(where) * NANO)
-        if self.map_file.map.stamps == "receive":
+        if self.map_file.map.stamps == "receive" or is_static(samples.topic):
             return samples.received - late
         if not samples.stamp.any() and samples.received.any():
             raise self.map_file.refuse(("stamps",), f"the headers of {samples.topic} have no stamps; use receive")
@@ -128,6 +138,11 @@ class Selection:
             figures |= {"median_step_s": float(np.median(np.diff(time))), "largest_gap_s": float(np.diff(time).max())}
         self.steps.add(samples.topic, samples.kind, **figures)
         return Clocked(time, samples.numbers[order][first])
+
+
+def is_static(topic: str) -> bool:
+    """Whether its transforms hold for the whole recording, whenever they were sent."""
+    return topic.rpartition("/")[2] == "tf_static"
 
 
 def _frame(name: str | None) -> str:

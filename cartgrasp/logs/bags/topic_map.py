@@ -13,8 +13,12 @@ from ruamel.yaml.comments import CommentedMap
 from ...errors import FileError, printable
 from ...yaml_file import StrictModel, file_error, parse_yaml, read_yaml, validate
 
-Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
+LARGEST = 1e6
+"""m, rad, kg: what is beyond is no unit of these."""
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Positive = Annotated[float, Field(gt=0)]
+Bounded = Annotated[float, Field(gt=0, le=LARGEST)]
 FARTHEST = 2**62
 Latency = Annotated[float, Field(ge=-10, le=10)]
 
@@ -22,8 +26,8 @@ Latency = Annotated[float, Field(ge=-10, le=10)]
 class PoseNoise(StrictModel):
     """One standard deviation of a pose: m and rad."""
 
-    position: Positive
-    heading: Positive
+    position: Bounded
+    heading: Bounded
 
 
 class PoseEntry(StrictModel):
@@ -56,7 +60,7 @@ class SensorEntry(StrictModel):
 class ToolEntry(StrictModel):
     """What hangs between sensor and cart: kg, and its centre of mass in the sensor's frame, m."""
 
-    mass: Positive
+    mass: Bounded
     com: Triple
 
 

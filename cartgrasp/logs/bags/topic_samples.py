@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...frames import Array
-from .bag import SALVAGE, Bag
-from .messages import WRENCH, BadMessageError, decode
+from .bag import SALVAGE, Bag, Message
+from .messages import WRENCH, BadMessageError, Sample, decode
 
 Frames = tuple[str, str]
 Key = tuple[str, Frames]
@@ -19,11 +19,13 @@ ALL: Frames = ("", "")
 LARGEST = 1e9
 FARTHEST_NORM = 0.01
 LATEST = 2**62
+MOST_TOLD = 10
 
 
 @dataclass(frozen=True)
 class TopicSamples:
-    """Message numbers, header stamps and times of receipt in ns, each (n,), and numbers (n, k); `kind`: their type."""
+    """Message numbers, header stamps and times of receipt in ns, each (n,), and numbers (n, k); `kind`: their type.
+    `frames` (n,) are places in `names`: the frame in which, and that of which, each sample is."""
 
     topic: str
     kind: str
@@ -31,13 +33,21 @@ class TopicSamples:
     stamp: NDArray[np.int64]
     received: NDArray[np.int64]
     numbers: Array
+    frames: NDArray[np.int64]
+    names: tuple[Frames, ...]
 
     def __len__(self) -> int:
         return len(self.stamp)
 
     def only(self, rows: NDArray[np.bool_]) -> TopicSamples:
-        message, stamp, received = (part[rows] for part in (self.message, self.stamp, self.received))
-        return TopicSamples(self.topic, self.kind, message, stamp, received, self.numbers[rows])
+        return replace(
+            self,
+            message=self.message[rows],
+            stamp=self.stamp[rows],
+            received=self.received[rows],
+            numbers=self.numbers[rows],
+            frames=self.frames[rows],
+        )
 
     def wrong(self) -> tuple[NDArray[np.bool_], str]:
         """Samples that are no measurements, and why the first is none; NaN is a missing one."""
@@ -55,14 +65,22 @@ class TopicSamples:
 @dataclass
 class _Growing:
     kind: str
-    rows: list[tuple[int, int, int]] = field(default_factory=list)
+    rows: list[tuple[int, int, int, int]] = field(default_factory=list)
     numbers: list[tuple[float, ...]] = field(default_factory=list)
+    names: dict[Frames, int] = field(default_factory=dict)
+
+    def add(self, message: Message, sample: Sample, frames: Frames) -> None:
+        place = self.names.setdefault(frames, len(self.names))
+        self.rows.append((message.number, sample.stamp, message.received, place))
+        self.numbers.append(sample.numbers)
 
     def done(self, topic: str) -> TopicSamples:
         rows = np.array(self.rows, dtype=np.int64)
         numbers = np.array(self.numbers)
         numbers[np.isnan(numbers)] = np.nan  # damaged bits may be one that warns wherever it is used
-        return TopicSamples(topic, self.kind, rows[:, 0], rows[:, 1], rows[:, 2], numbers)
+        return TopicSamples(
+            topic, self.kind, rows[:, 0], rows[:, 1], rows[:, 2], numbers, rows[:, 3], tuple(self.names)
+        )
 
 
 def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage: bool) -> dict[Key, TopicSamples]:
@@ -81,13 +99,12 @@ def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage:
             continue
         frames = wanted[message.topic]
         for sample in samples:
-            frame = ALL if frames is None else (sample.frame.lstrip("/"), sample.child.lstrip("/"))
+            frame = (sample.frame.lstrip("/"), sample.child.lstrip("/"))
             if frames is None or frame in frames:
-                key = (message.topic, frame)
+                key = (message.topic, ALL if frames is None else frame)
                 if key not in growing:
                     growing[key] = _Growing(message.kind)
-                growing[key].rows.append((message.number, sample.stamp, message.received))
-                growing[key].numbers.append(sample.numbers)
+                growing[key].add(message, sample, frame)
     found = {}
     for key, parts in growing.items():
         samples_of = parts.done(key[0])
@@ -99,3 +116,15 @@ def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage:
         found[key] = samples_of.only(~wrong)
     bag.lost.extend(f"{topic}: {count} samples are damaged" for topic, count in broken.items() if count)
     return found
+
+
+def transforms_of(bag: Bag, topic: str) -> list[Frames]:
+    """The first few that a TF topic holds, for who asked for another one."""
+    found: set[Frames] = set()
+    for message in bag.messages({topic}):
+        try:
+            samples = decode(message.raw, message.kind, bag.is_ros1)
+        except BadMessageError:
+            continue
+        found |= {(sample.frame.lstrip("/"), sample.child.lstrip("/")) for sample in samples}
+    return sorted(found)[:MOST_TOLD]

@@ -23,6 +23,7 @@ from rosbags.typesys import Stores, get_typestore
 from ruamel.yaml.error import YAMLError
 
 from .bag import SALVAGE, Bag, Message, message_kind, storages_in
+from .mcap_records import profile_of
 from .mcap_sums import check_sums
 from .sqlite_size import check_size
 
@@ -73,7 +74,7 @@ class WholeBag(Bag):
     def _check_kind(self, connection: Connection) -> None:
         kind = message_kind(connection.msgtype)
         if self.kinds.setdefault(connection.topic, kind) != kind:
-            why = f"has messages of two types, {self.kinds[connection.topic]} and {kind}"
+            why = f"has messages of two types, {self.kinds[connection.topic]} and {kind}; {SALVAGE}"
             raise self.refuse(why, connection.topic)
         if self.is_ros1 and kind in ROS1_SUMS and connection.digest not in (ROS1_SUMS[kind], "*"):
             raise self.refuse(f"its {kind} is not the one of ROS (its definition's sum differs)", connection.topic)
@@ -96,6 +97,10 @@ class WholeBag(Bag):
     def _check_file(self, file: Path) -> None:
         if file.suffix.lower() == ".mcap":
             check_sums(file)
+            if (profile := profile_of(file)) != "ros2":
+                raise self.refuse(
+                    f"{file.name} has the profile {profile!r}, not 'ros2', so its messages may be others; {SALVAGE}"
+                )
         if file.suffix.lower() == ".db3":
             check_size(file)
         for ending in HIDDEN:
