@@ -141,19 +141,15 @@ def _cart_limits(entry: CartLimitsEntry, cart: CartModel, arms: Sequence[Arm], r
 def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
     if not entry.contacts and entry.segment is None:
         raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
-    points = tuple((x, y, z) for x, y, z in entry.contacts)
-    segments: tuple[Segment, ...] = ()
-    if entry.segment is not None:
-        (x, y, z), (x2, y2, z2) = entry.segment
-        segments = (Segment((x, y, z), (x2, y2, z2)),)
+    held = _contacts(entry, where, refuse)
     friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
     joints = _joints(entry.joints, [*where, "joints"], refuse)
-    reach = _reach(entry.reach, ContactSet(points, segments), [*where, "reach"], refuse)
+    reach = _reach(entry.reach, held, [*where, "reach"], refuse)
     rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
     try:
         return Arm(
             entry.name,
-            ContactSet(points, segments),
+            held,
             yaw=entry.yaw,
             force_limit=entry.limits.force or NO_LIMIT,
             moment_limit=entry.limits.moment or NO_LIMIT,
@@ -167,6 +163,17 @@ def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
         )
     except UsageError as error:
         raise refuse([*where, "name"], str(error)) from error
+
+
+def _contacts(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> ContactSet:
+    points = tuple((x, y, z) for x, y, z in entry.contacts)
+    try:
+        if entry.segment is None:
+            return ContactSet(points)
+        (x, y, z), (x2, y2, z2) = entry.segment
+        return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
+    except UsageError as error:
+        raise refuse([*where, "contacts" if points else "segment"], str(error)) from error
 
 
 def _held(entries: Sequence[ArmEntry], refuse: Refuse) -> dict[str, Sequence[float]]:

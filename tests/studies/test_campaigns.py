@@ -21,6 +21,7 @@ from cartgrasp.inertia import physical_from_phi
 from cartgrasp.studies.campaigns import job, workers
 from cartgrasp.studies.campaigns.campaign import run_campaign
 from cartgrasp.studies.campaigns.drawing import Drawn, drawn_values, with_values
+from cartgrasp.studies.campaigns.logs import digest
 from cartgrasp.studies.campaigns.results import Results
 from cartgrasp.studies.campaigns.study_file import read_study
 from cartgrasp.studies.campaigns.summary import ParameterSummary, RunsSummary
@@ -264,6 +265,14 @@ REFUSED = (
     ("duration: 0.4", "plant: gazebo", "study.yaml:6:3: closed_loop.plant"),
     ("duration: 0.4", "known: [tail]", "study.yaml:6:3: closed_loop.known: prior: tail is no parameter"),
     ("duration: 0.4", "path: [{duration: 1, acceleration: 1}]", "closed_loop.path: reference: ends with u = 1"),
+    ("duration: 0.4", "period: 1.0e-9", "study.yaml:6:3: closed_loop.period: a run of 1.91e+10 periods"),
+    ("duration: 0.4", "period: 100", "study.yaml:6:3: closed_loop.period: a run of 0.191 periods"),
+    ("duration: 0.4", "duration: 0.001", "study.yaml:6:3: closed_loop.duration: a run of 0.1 periods"),
+    ("duration: 0.4", "duration: 1.0e+9", "study.yaml:6:3: closed_loop.duration: a run of 1e+11 periods"),
+    ("duration: 0.4", "path: [{duration: 1.0e+9}]", "study.yaml:6:3: closed_loop.path: a run of 1e+11"),
+    ("duration: 0.4", "path: [{duration: -1}]", "closed_loop.path.0.duration: input should be greater than 0"),
+    ("duration: 0.4", "plant_timestep: 1.0e-9", "study.yaml:6:3: closed_loop.plant_timestep: is below a 1,000th"),
+    ("[[-0.25, 0.0, 1.0]]", "[[1.0e+300, 0, 0]]", "closed_loop.arms.0.contacts: contacts: (1e+300"),
     ("cart: cart.yaml", "cart: 3", "study.yaml:5:3: closed_loop.cart: 3 is neither"),
     ("cart: cart.yaml", "cart: {mass: 3}", "study.yaml:5:9: closed_loop.cart.com: is missing"),
     ("cart: cart.yaml", "cart: no.yaml", "no.yaml: can't be read"),
@@ -288,10 +297,21 @@ def test_logs_that_are_not_there(tmp_path):
     text = "logs:\n  files: ['*.csv']\n  cart: cart.yaml\n"
     with pytest.raises(UsageError, match=r"study.yaml:2:11: logs.files.0: \*.csv: there is no such file"):
         read_study(study_file(tmp_path, text))
+    with pytest.raises(UsageError, match=r"logs.files.0: \*\*a: Invalid pattern"):
+        read_study(study_file(tmp_path, text.replace("*.csv", "**a")))
     (tmp_path / "a.csv").touch()
     path = study_file(tmp_path, text + "drawn: {mass: {uniform: [1, 2]}}\n")
     with pytest.raises(UsageError, match="drawn: is for runs"):
         read_study(path)
+
+
+def test_a_folder_that_is_no_log_is_not_walked_through(tmp_path):
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    (tmp_path / "a" / "b" / "large").touch()
+    empty = digest(tmp_path / "nothing")
+    assert digest(tmp_path / "a") == empty
+    (tmp_path / "a" / "run_0.mcap").touch()
+    assert digest(tmp_path / "a") != empty
 
 
 def test_the_key_follows_what_matters(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,8 @@ from estimation.discrepancy import diagnose
 from estimation.log_noise import noise_of_log
 from estimation.replay import replay
 
-from ...logs import RunLog, read_log
+from ...errors import DataError
+from ...logs import RunLog, is_bag_name, read_log
 from ...model import CartModel
 from .job import Job
 
@@ -74,12 +76,21 @@ def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
 
 
 def digest(path: Path) -> str:
-    """Of a file, or of all in a folder; of nothing where it can't be read, which its job will tell."""
+    """Of a file, or of all in a recorder's folder; of nothing where it can't be read, which its job will tell."""
     whole = hashlib.sha256()
-    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-    for one in files:
+    for one in _files(path):
         try:
             whole.update(one.name.encode() + b"\0" + one.read_bytes())
         except OSError:
             continue
     return whole.hexdigest()
+
+
+def _files(path: Path) -> list[Path]:
+    """Those that are the log; a folder that is none is not walked through, which might not end."""
+    if not os.path.isdir(path):
+        return [path]
+    try:
+        return sorted(p for p in path.rglob("*") if os.path.isfile(p)) if is_bag_name(path) else []
+    except DataError:
+        return []

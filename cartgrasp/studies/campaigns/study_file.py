@@ -20,7 +20,7 @@ from ...model import CartModel
 from ...simulation.sensors import SensorNoise
 from ...yaml_file import did_you_mean, file_error, parse_yaml, plain, read_yaml, validate
 from ..named_paths import named_path
-from ..scenario import Scenario
+from ..scenario import Scenario, total_duration
 from ..shopping_cart import FIRM
 from .closed_loop import ClosedLoopStudy
 from .drawing import NORMAL, UNIFORM, Drawn, parameter_names
@@ -30,6 +30,8 @@ from .schema import ESTIMATIONS, ClosedLoopEntry, DrawnEntry, LogsEntry, StudyEn
 Refuse = Callable[[list[str | int], str], FileError]
 SHARED = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
 """What filter and sensors both have."""
+MOST_STEPS, MOST_WITHIN = 1_000_000, 1_000
+"""Periods of control in a run, and steps of the plant in one of them."""
 
 
 def read_study(path: str | os.PathLike[str]) -> ClosedLoopStudy | LogStudy:
@@ -90,12 +92,13 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
 def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, refuse: Refuse) -> Scenario:
     sensors = SensorNoise(**loop.sensors.model_dump())
     noise = {name: getattr(sensors, name) for name in SHARED} | loop.filter.model_dump(exclude_none=True)
-    known = _known(loop, guess, refuse)
+    known, stretches = _known(loop, guess, refuse), _stretches(loop, guess, refuse)
+    _check_steps(loop, total_duration(stretches), refuse)
     return Scenario(
         truth=truth,
         guess=guess,
         arms=tuple(arms_of(loop.arms, ["closed_loop", "arms"], refuse)),
-        stretches=_stretches(loop, guess, refuse),
+        stretches=stretches,
         sensors=sensors,
         noise=FilterNoise(**noise),
         known=known,
@@ -108,6 +111,21 @@ def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, refuse:
         plant_timestep=loop.plant_timestep,
         duration=loop.duration,
     )
+
+
+def _check_steps(loop: ClosedLoopEntry, path: float, refuse: Refuse) -> None:
+    """Whether a run can be begun, and will end; `path` is its reference's duration in s."""
+    lasting = path if loop.duration is None else loop.duration
+    steps = lasting / loop.period
+    if steps >= 2:
+        steps = max(steps, path / loop.period)
+    if not 2 <= steps <= MOST_STEPS:
+        keys = [key for key in ("period", "duration", "path") if key in loop.model_fields_set]
+        why = f"a run of {steps:.3g} periods of control; 2 to {MOST_STEPS:,} can be"
+        raise refuse(["closed_loop", *keys[:1]], why)
+    if loop.plant_timestep is not None and loop.period / loop.plant_timestep > MOST_WITHIN:
+        why = f"is below a {MOST_WITHIN:,}th of the control period of {loop.period:g} s; give a longer one"
+        raise refuse(["closed_loop", "plant_timestep"], why)
 
 
 def _known(loop: ClosedLoopEntry, guess: CartModel, refuse: Refuse) -> frozenset[str]:
@@ -148,7 +166,10 @@ def _drawn(name: str, entry: DrawnEntry, truth: CartModel, refuse: Refuse) -> Dr
 def _logs(name: str, entry: LogsEntry, carts: _Carts) -> LogStudy:
     paths: list[Path] = []
     for i, pattern in enumerate(entry.files):
-        found = _files(carts.path.parent, pattern)
+        try:
+            found = _files(carts.path.parent, pattern)
+        except ValueError as error:
+            raise carts.refuse(["logs", "files", i], f"{pattern}: {error}") from error
         if not found:
             raise carts.refuse(["logs", "files", i], f"{pattern}: there is no such file")
         paths += [path for path in found if path not in paths]
