@@ -1,4 +1,5 @@
-"""Figures 4-6 of the paper redone, with the CoM figure that it lacks, and tracking error against gains."""
+"""Figures 4-6 of the paper redone, with the CoM and inertia that it lacks, and tracking error against gains: functions
+that draw into the `Axes` they are given, a page of all tests, and a figure for each."""
 
 from __future__ import annotations
 
@@ -6,19 +7,27 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from ..simulation.record import RunRecord
 from ..view.figures import save_figure
-from ..view.plots import OKABE_ITO, house_style
+from ..view.plots import BLACK, OKABE_ITO, YELLOW, house_style
 from .scenario import FIRST_GUESS, LEARNING
 from .table1 import RowResult
 
 LINES = ("-", "--", ":")
+TRUTH: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (1, 1))}
+LOW_NOISE, CURVES = 0.005, 2
+LEAST_ERROR = 1e-3
+"""cm, added so that a logarithm can show none."""
 
 
 def save_plots(results: Sequence[RowResult], curve: Sequence[tuple[float, float]], out: Path) -> None:
     """Writes the figures into a folder."""
+    save_figure(figure_table1(results), out / "table1.png")
     with house_style():
         save_figure(_tracking(results), out / "tracking_error.png")
         for name, label in (
@@ -30,6 +39,65 @@ def save_plots(results: Sequence[RowResult], curve: Sequence[tuple[float, float]
             save_figure(_parameter(results, name, label), out / f"{name}.png")
         if curve:
             save_figure(_gains(curve), out / "gains.png")
+
+
+def figure_table1(results: Sequence[RowResult]) -> Figure:
+    """A page: tracking as in Fig. 4, mass as in Fig. 5 and 6, and CoM and inertia where the path has curves."""
+    low_noise = [result for result in results if _is_calm(result)]
+    others = [result for result in results if not _is_calm(result)]
+    curves = [result for result in results if result.row.trajectory == CURVES]
+    with house_style():
+        figure = Figure(figsize=(7.2, 6.6), layout="constrained")
+        (learning, kept), (mass, rough), (com, inertia) = figure.subplots(3, 2, sharex=True)
+        draw_tracking(learning, results, LEARNING)
+        draw_tracking(kept, results, FIRST_GUESS)
+        kept.sharey(learning)
+        draw_parameter_of_tests(mass, low_noise, "mass")
+        draw_parameter_of_tests(rough, others, "mass", deviations=True)
+        draw_com_error(com, curves)
+        draw_parameter_of_tests(inertia, curves, "inertia")
+        learning.set(title="Estimating", ylabel="Tracking error (cm)")
+        kept.set(title="First guess kept", ylabel="Tracking error (cm)")
+        mass.set(title="0.005 m of noise", ylabel="Mass (kg)", ylim=(8.0, 32.0))
+        rough.set(title="More noise (9, 10), load changes (11); ± 2 sd", ylabel="Mass (kg)", ylim=(8.0, 32.0))
+        com.set(title="Curves", ylabel="Distance of CoM from truth (cm)", xlabel="Time (s)")
+        inertia.set(title="Curves", ylabel="Inertia (kg·m²)", xlabel="Time (s)", ylim=(0.0, 5.0))
+        handles = [Line2D([], [], **_style(result), label=str(result.row.test)) for result in results]
+        handles.append(Line2D([], [], **TRUTH, label="truth"))
+        figure.legend(handles=handles, title="Test of Table I", loc="outside upper center", ncols=6)
+    return figure
+
+
+def draw_tracking(axes: Axes, results: Sequence[RowResult], mode: str) -> None:
+    """Tracking error in cm, with the 3 cm that the paper reaches."""
+    for result in results:
+        record = result.runs[mode]
+        axes.semilogy(record.time, 100 * record.tracking_error + LEAST_ERROR, **_style(result))
+    axes.axhline(3.0, color="0.5", linewidth=0.8)
+    axes.set_ylim(1e-2, 3e2)
+
+
+def draw_parameter_of_tests(axes: Axes, results: Sequence[RowResult], name: str, deviations: bool = False) -> None:
+    """Estimates over time, and what is true."""
+    for result in results:
+        record, style = result.runs[LEARNING], _style(result)
+        series = record.parameters[name]
+        axes.plot(record.time, series.value, **style)
+        if deviations:
+            low, high = series.value - 2 * series.std, series.value + 2 * series.std
+            axes.fill_between(record.time, low, high, color=style["color"], alpha=0.15, linewidth=0)
+        if series.truth is not None:
+            axes.plot(record.time, series.truth, **TRUTH)
+
+
+def draw_com_error(axes: Axes, results: Sequence[RowResult]) -> None:
+    """Distance between the estimated and the true centre of mass in cm."""
+    for result in results:
+        record = result.runs[LEARNING]
+        x, y = record.parameters["com_x"], record.parameters["com_y"]
+        if x.truth is not None and y.truth is not None:
+            distance = np.hypot(x.value - x.truth, y.value - y.truth)
+            axes.semilogy(record.time, 100 * distance + LEAST_ERROR, **_style(result))
 
 
 def _figure(rows: int = 1) -> Figure:
@@ -44,23 +112,21 @@ def _tracking(results: Sequence[RowResult]) -> Figure:
         ("With estimation", "First guess kept"),
         strict=True,
     ):
-        for i, result in enumerate(results):
-            record = result.runs[mode]
-            axes.semilogy(record.time, 100 * record.tracking_error + 1e-3, **_style(i), label=str(result.row.test))
-        axes.axhline(3.0, color="0.5", linewidth=0.8)
-        axes.set(ylabel="Tracking error (cm)", title=title, ylim=(1e-2, 3e2))
+        draw_tracking(axes, results, mode)
+        axes.set(ylabel="Tracking error (cm)", title=title)
     axes.set_xlabel("Time (s)")
-    figure.legend(*axes.get_legend_handles_labels(), title="test", loc="outside right upper")
+    names = [str(result.row.test) for result in results]
+    figure.legend(axes.get_lines()[: len(names)], names, title="test", loc="outside right upper")
     return figure
 
 
 def _parameter(results: Sequence[RowResult], name: str, label: str) -> Figure:
     figure = _figure()
     axes = figure.subplots()
-    for i, result in enumerate(results):
+    for result in results:
         record: RunRecord = result.runs[LEARNING]
         series = record.parameters[name]
-        style = _style(i)
+        style = _style(result)
         axes.plot(record.time, series.value, **style, label=str(result.row.test))
         if series.truth is not None:
             axes.plot(record.time, series.truth, color=style["color"], linewidth=0.6, alpha=0.6)
@@ -83,6 +149,12 @@ def _gains(curve: Sequence[tuple[float, float]]) -> Figure:
     return figure
 
 
-def _style(i: int) -> dict[str, Any]:
-    colours = [c for c in OKABE_ITO if c.upper() not in ("#F0E442",)]
-    return {"color": colours[i % len(colours)], "linestyle": LINES[i // len(colours) % len(LINES)]}
+def _is_calm(result: RowResult) -> bool:
+    return result.row.noise <= LOW_NOISE and not result.row.mass_steps
+
+
+def _style(result: RowResult) -> dict[str, Any]:
+    """A test's colour and dash: without yellow, and without black, which is the truth."""
+    colours = [c for c in OKABE_ITO if c not in (YELLOW, BLACK)]
+    i = result.row.test - 1
+    return {"color": colours[i % len(colours)], "linestyle": LINES[i // len(colours)], "linewidth": 1.0}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -111,9 +110,7 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     if kind not in UNDATED:
         raise UsageError(f"{path}: figures are written as {', '.join('.' + k for k in UNDATED)}")
     content = io.BytesIO()
-    with house_style(), warnings.catch_warnings():
-        # A name from a log may use letters that the font lacks: it draws a box for them, which is enough.
-        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
+    with house_style():
         figure.savefig(content, format=kind, dpi=DPI, metadata=UNDATED[kind])
     return write_atomically(path, content.getvalue())
 

@@ -6,6 +6,7 @@ An estimate is purple, its truth black and dashed, what was driven green, a refe
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Literal
@@ -66,8 +67,10 @@ STYLE: dict[Any, Any] = {
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Figures made inside look like ours; afterwards matplotlib is as it was."""
-    with mpl.rc_context(STYLE):
+    """Figures made inside look like ours; afterwards matplotlib is as it was. A name from a log may use letters that
+    the font lacks: a box is drawn for them, which is enough."""
+    with mpl.rc_context(STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
         yield
 
 

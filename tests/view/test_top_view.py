@@ -80,6 +80,13 @@ def test_overview_without_reference_shows_velocities(shown: ShownRun, tmp_path):
         figures.figure_tracking(bare)
 
 
+def test_names_that_the_font_lacks_do_not_stop_a_gif(bare: ShownRun, tmp_path):
+    """Warnings are errors here: letters without a glyph are boxes, and nothing is said."""
+    name, (contact, wrench) = "推车🛒", (next(iter(part.values())) for part in (bare.contacts, bare.wrenches))
+    named = replace(bare, time=bare.time / 60, contacts={name: contact}, wrenches={name: wrench})
+    assert write_gif(named, tmp_path / "run.gif").read_bytes().startswith(b"GIF")
+
+
 def test_a_gif_moves_and_ends_with_the_run(bare: ShownRun, tmp_path):
     short = replace(bare, time=bare.time / 6)  # one second
     path = write_gif(short, tmp_path / "run.gif")
