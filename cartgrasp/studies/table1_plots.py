@@ -22,7 +22,7 @@ LINES = ("-", "--", ":")
 TRUTH: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (1, 1))}
 LOW_NOISE, CURVES = 0.005, 2
 LEAST_ERROR = 1e-3
-"""cm, added so that a logarithm can show none."""
+"""cm or %, added so that a logarithm can show none."""
 
 
 def save_plots(results: Sequence[RowResult], curve: Sequence[tuple[float, float]], out: Path) -> None:
@@ -52,16 +52,16 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
         draw_tracking(learning, results, LEARNING)
         draw_tracking(kept, results, FIRST_GUESS)
         kept.sharey(learning)
-        draw_parameter_of_tests(mass, low_noise, "mass")
+        draw_mass_error(mass, low_noise)
         draw_parameter_of_tests(rough, others, "mass", deviations=True)
         draw_com_error(com, curves)
         draw_parameter_of_tests(inertia, curves, "inertia")
         learning.set(title="Estimating", ylabel="Tracking error (cm)")
         kept.set(title="First guess kept", ylabel="Tracking error (cm)")
-        mass.set(title="0.005 m of noise", ylabel="Mass (kg)", ylim=(8.0, 32.0))
+        mass.set(title="0.005 m of noise", ylabel="Mass error (%)")
         rough.set(title="More noise (9, 10), load changes (11); ± 2 sd", ylabel="Mass (kg)", ylim=(8.0, 32.0))
-        com.set(title="Curves", ylabel="Distance of CoM from truth (cm)", xlabel="Time (s)")
-        inertia.set(title="Curves", ylabel="Inertia (kg·m²)", xlabel="Time (s)", ylim=(0.0, 5.0))
+        com.set(title="Tests with curves", ylabel="CoM's distance from truth (cm)", xlabel="Time (s)")
+        inertia.set(title="Tests with curves", ylabel="Inertia (kg·m²)", xlabel="Time (s)", ylim=(0.0, 5.0))
         handles = [Line2D([], [], **_style(result), label=str(result.row.test)) for result in results]
         handles.append(Line2D([], [], **TRUTH, label="truth"))
         figure.legend(handles=handles, title="Test of Table I", loc="outside upper center", ncols=6)
@@ -88,6 +88,17 @@ def draw_parameter_of_tests(axes: Axes, results: Sequence[RowResult], name: str,
             axes.fill_between(record.time, low, high, color=style["color"], alpha=0.15, linewidth=0)
         if series.truth is not None:
             axes.plot(record.time, series.truth, **TRUTH)
+
+
+def draw_mass_error(axes: Axes, results: Sequence[RowResult]) -> None:
+    """Of the true mass in %, with the 5 % that count as converged."""
+    for result in results:
+        record = result.runs[LEARNING]
+        mass = record.parameters["mass"]
+        if mass.truth is not None:
+            error = np.abs(mass.value / mass.truth - 1)
+            axes.semilogy(record.time, 100 * error + LEAST_ERROR, **_style(result))
+    axes.axhline(5.0, color="0.5", linewidth=0.8)
 
 
 def draw_com_error(axes: Axes, results: Sequence[RowResult]) -> None:

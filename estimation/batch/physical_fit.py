@@ -66,8 +66,11 @@ class PhysicalSet:
         scale = 1 / np.sqrt(np.diagonal(information))
         lift = np.zeros((len(parameters), len(free)))
         lift[free, range(len(free))] = scale
-        quick = self._quickly(parameters, lift, information * np.outer(scale, scale))
-        return self._surely(parameters, free, (lift, information)) if quick is None else quick
+        try:
+            quick = self._quickly(parameters, lift, information * np.outer(scale, scale))
+            return self._surely(parameters, free, (lift, information)) if quick is None else quick
+        except np.linalg.LinAlgError as error:  # numbers so far apart that an information is rounded to none
+            raise self._none() from error
 
     def _quickly(self, parameters: Array, lift: Array, metric: Array) -> Array | None:
         """As `nearest`, of steps times `lift` (p, f), by bounds alone or one smooth limit beside them; None where that
@@ -132,14 +135,15 @@ class PhysicalSet:
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", "Solution may be inaccurate")  # the next round starts from it
                 problem.solve(solver=cp.CLARABEL)
-        except cp.SolverError as error:
+        except (cp.SolverError, ValueError) as error:  # the latter where its data overflow
             raise self._none() from error
         if step.value is None:
             raise self._none()
         return self._bounded(parameters + lift @ step.value)
 
     def _none(self) -> DataError:
-        return DataError(f"{self.source}: no physical cart could be fitted; look for numbers that are not in SI units")
+        why = "no physical cart could be fitted; look in the log and the cart file for numbers that are not in SI units"
+        return DataError(f"{self.source}: {why}")
 
     def _limited(self, bounds: Array, free: np.ndarray) -> list[int]:
         return [int(i) for i in np.flatnonzero(np.isfinite(bounds)) if N_PHI + i in free]

@@ -11,6 +11,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from ..gaussian import Gaussian
@@ -43,7 +44,11 @@ class RegressionBelief:
     def __init__(self, free: np.ndarray, first: Gaussian, n: int) -> None:
         self._free, self._n, self._k = free, n, len(free) + 1
         information = np.zeros((self._k, self._k))
-        information[:-1, :-1] = np.linalg.inv(first.covariance)
+        try:
+            information[:-1, :-1] = np.linalg.inv(first.covariance)
+        except np.linalg.LinAlgError as error:
+            why = "the cart's mass, CoM and inertia are too far apart to be learned; look for numbers not in SI units"
+            raise UsageError(f"first guess: {why}") from error
         information[-1, -1] = LATENESS_STD**-2
         self._known = information, information @ np.append(first.mean, LATENESS)
 

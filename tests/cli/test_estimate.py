@@ -233,6 +233,21 @@ def test_numbers_beyond_reason(capsys, tmp_path, weaving, scale, columns):
             answer.refused(3, tmp_path / "run.csv")
 
 
+@pytest.mark.parametrize("value", ["1.0e-300", "1.0e-9", "1.0e+5", "1.0e+9", "1.0e+15", "1.0e+300"])
+@pytest.mark.parametrize("key", ["mass: 18.0", "inertia: 1.5", "linear: 2.0", "angular: 1.0", "0.20"])
+def test_a_cart_beyond_reason(capsys, tmp_path, weaving, key, value):
+    """As above; what its file may hold and no floor carries."""
+    cart = GUESS.replace(key, f"{key.split(':')[0]}: {value}" if ":" in key else value)
+    assert cart != GUESS
+    for method in ("filter", "regressor", "paper"):
+        answer = estimate(capsys, tmp_path, weaving[:600:4], "--method", method, cart=cart)
+        if answer.status == 0:
+            assert set(answer.json) == {"time", "parameters", "health"}
+        else:
+            answer.refused(answer.status)
+            assert answer.status in (2, 3)
+
+
 @ONLINE
 def test_a_gap_beyond_reason(capsys, tmp_path, weaving, method):
     for jump in (1e6, 1e150, 1e300):
