@@ -58,9 +58,9 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
         draw_parameter_of_tests(inertia, curves, "inertia")
         learning.set(title="Estimating", ylabel="Tracking error (cm)")
         kept.set(title="First guess kept", ylabel="Tracking error (cm)")
-        mass.set(title="0.005 m of noise", ylabel="Mass error (%)")
+        mass.set(title="0.005 m of noise", ylabel="Mass error (%)", ylim=(1e-2, 1e2))
         rough.set(title="More noise (9, 10), load changes (11); ± 2 sd", ylabel="Mass (kg)", ylim=(8.0, 32.0))
-        com.set(title="Tests with curves", ylabel="CoM's distance from truth (cm)", xlabel="Time (s)")
+        com.set(title="Tests with curves", ylabel="CoM's distance from truth (cm)", xlabel="Time (s)", ylim=(1e-2, 1e2))
         inertia.set(title="Tests with curves", ylabel="Inertia (kg·m²)", xlabel="Time (s)", ylim=(0.0, 5.0))
         handles = [Line2D([], [], **_style(result), label=str(result.row.test)) for result in results]
         handles.append(Line2D([], [], **TRUTH, label="truth"))
