@@ -23,7 +23,7 @@ from .artefacts import save_run
 from .output import make_folder, print_json, progress, say
 from .run_tables import print_run
 
-LARGEST_FORCE, LARGEST_MOMENT = 150.0, 40.0
+LARGEST_FORCE, LARGEST_MOMENT, MOST_NOISE = 150.0, 40.0, 1e4
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ def build_scenario(choice: Choice) -> Scenario:
     guess = truth if choice.guess is None else load_cart(choice.guess)
     if guess.constraints != truth.constraints:
         raise UsageError("--guess: its constraints differ from those of --cart; the structure must be the same")
-    if not choice.force_noise >= 0:
-        raise UsageError(f"--force-noise {choice.force_noise}: give a number >= 0, in N")
+    if not 0 <= choice.force_noise <= MOST_NOISE:
+        raise UsageError(f"--force-noise {choice.force_noise:g}: give 0 to {MOST_NOISE:g} N")
     moment = choice.force_noise / 20
     sensors = SensorNoise(force=choice.force_noise, moment=moment)
     noise = FilterNoise(

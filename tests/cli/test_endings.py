@@ -256,7 +256,8 @@ def test_simulate_refuses(capsys, tmp_path):
         (["--speed", "nan"], ["--speed nan"]),
         (["--force-noise", "-1"], ["--force-noise -1"]),
         (["--force-noise", "nan"], ["--force-noise nan"]),
-        (["--force-noise", "inf"], ["force"]),
+        (["--force-noise", "inf"], ["--force-noise inf"]),
+        (["--force-noise", "1e300"], ["--force-noise 1e+300", "0 to 10000 N"]),
         (["--guess", str(rail)], ["--guess", "constraints"]),
         (["--guess", str(tmp_path / "no.yaml")], ["no.yaml"]),
     ):

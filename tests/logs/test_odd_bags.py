@@ -168,3 +168,11 @@ def test_numbers_beyond_reason(tmp_path, old, new, place):
     assert old in MAP
     with pytest.raises(FileError, match=place):
         read_log(mapped(files.write_mcap(tmp_path / "run.mcap", push(0.5)), MAP.replace(old, new)))
+
+
+@pytest.mark.parametrize("name", ["run.mcap", "run.db3", "run.bag"])
+def test_where_nothing_can_be_read_the_map_is_not_to_blame(tmp_path, name):
+    path = mapped(tmp_path / name)
+    path.write_bytes(b"")
+    with pytest.raises(LogError, match="has no topic that can be read"):
+        read_bag(path, salvage=True)

@@ -71,6 +71,8 @@ class Selection:
                 yield ("arms", name, "contact"), (contact.topic, (_frame(contact.frame), _frame(contact.child)))
 
     def _check_topics(self, keys: dict[Place, Key]) -> None:
+        if not self.bag.kinds:
+            raise self.bag.refuse("has no topic" + (" that can be read" if self.is_salvage else ""))
         for where, (topic, _) in keys.items():
             place = (*where, "topic")
             if topic not in self.bag.kinds:
