@@ -23,7 +23,7 @@ from .generic import Course, Dependence
 from .glitches import without_glitches
 from .held_out import BEYOND_NOISE
 from .log_check import LogCheck, check_rows, checked
-from .scatter import SCATTER_BLOCK, Scatter
+from .scatter import Scatter
 from .selection import Selection, Step, select
 from .where import DIRECTIONS, Disagreement, where
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 SETTING_STD = {"s": 0.003, "rad": 0.001}
 SETTING_SHARE, EDGE_STD = 0.1, 0.02
 """Of settings that no search or linear fit found: delays, angles; trails, stiffnesses; edges of places (m)."""
-LEAST_SHARE, LEAST_SMOOTH = 0.1, 0.15
+LEAST_SHARE, LEAST_SMOOTH = 0.05, 0.15
 """Of the squares of the residual, for a dependence that is told: on what is periodic, and on what any other form of the
 model would follow a little."""
 RATE, ENOUGH = 45.0, 2000
@@ -215,7 +215,7 @@ def diagnose(
     tell("measuring the gap")
     motions = [regression.motion for regression in whole]
     before, after = (
-        (fitted.scatter, Course.of(fitted.scatter, motions, SCATTER_BLOCK))
+        (fitted.scatter, Course.of(fitted.scatter.middle, fitted.scatter.log, motions))
         for fitted in (selection.nominal, selection.final)
     )
     remaining = [

@@ -23,7 +23,8 @@ from .dictionary import Dictionary, build_dictionary
 from .evidence import Base
 from .forms import BLUR, Forms
 from .generic import Course, Dependence, dependences
-from .scatter import FINE_BLOCK, Scatter, noise_excess
+from .polygon import Polygon
+from .scatter import Scatter, noise_excess
 
 SURE = 12.0
 """Log of the Bayes factor of a dependence that is told."""
@@ -251,26 +252,24 @@ class Fitted:
         return total + float(moved @ self.base.information[:-1, :-1] @ moved)
 
     @cached_property
-    def fine(self) -> Scatter:
-        """Over stretches in which a dependence is looked for."""
-        return Scatter.of(self.linearised, self.excess, FINE_BLOCK)
+    def polygon(self) -> Polygon:
+        """Of the residual, in which a dependence is looked for."""
+        return Polygon.of([line for _, line, _ in self.linearised])
 
     @cached_property
     def dependences(self) -> list[Dependence]:
         """What the residual follows, the most probable first."""
-        wheels = self.cart.wheels
-        tracks = sorted({0.0, *(wheel.y for wheel in wheels if wheel.kind == FIXED)})
-        course = Course.of(self.fine, [regression.motion for regression in self.regressions], FINE_BLOCK, tracks)
-        return dependences(self.fine, course)
+        tracks = sorted({0.0, *(wheel.y for wheel in self.cart.wheels if wheel.kind == FIXED)})
+        motions = [regression.motion for regression in self.regressions]
+        return dependences(self.polygon, Course.of(self.polygon.time, self.polygon.log, motions, tracks))
 
     def follows(self, is_periodic: bool) -> Dependence | None:
         """The most probable dependence, or that with a period, where it is sure."""
         return next((d for d in self.dependences if d.is_periodic >= is_periodic and d.log_factor > SURE), None)
 
-    def misfit(self, direction: int | None = None) -> float:
-        """The weighed squares of the residual's short means, along one free direction or all."""
-        chosen = range(self.fine.mean.shape[1]) if direction is None else [direction]
-        return sum(float((self.fine.mean[:, i] ** 2 * self.fine.information[:, i, i]).sum()) for i in chosen)
+    def misfit(self, direction: int) -> float:
+        """The weighed squares of the residual's polygon along one free direction."""
+        return float(np.square(self.polygon.standard(direction)).sum())
 
     @cached_property
     def scatter(self) -> Scatter:

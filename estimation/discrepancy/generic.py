@@ -1,7 +1,7 @@
 """What a residual depends on, in the world's terms: time, distance, heading, speed, place.
 
-Families of smooth functions, none of them an effect, are fitted to the means of short stretches. What a family takes
-away is judged by Schwarz's criterion, which needs no size of the noise.
+Families of smooth functions, none of them an effect, are fitted to the residual's polygon. What a family takes away is
+judged by Schwarz's criterion, which needs no size of the noise.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from ..batch.motion_smoother import SmoothMotion
-from .scatter import Scatter
+from .polygon import Polygon
 
 FREQUENCIES = 0.1, 4.0
 """Hz."""
@@ -30,7 +30,7 @@ LEVELS = 5
 """Of speed."""
 DRIFT = 4
 """Slow waves over a log."""
-RIDGE = 1e-10
+RIDGE, LEAST = 1e-10, 1e-300
 PARTS = 6
 """Of a log, each of which is foretold by a fit to the others."""
 LEAST_TURN, FINE_TURN = 2.0, 0.3
@@ -58,7 +58,7 @@ class Dependence:
 
 @dataclass(frozen=True)
 class Course:
-    """Where the middles of stretches are (b,): time, heading, forward speed, yaw rate, place, distance since the last
+    """At some times (b,): time, heading, forward speed, yaw rate, place, distance since the last
     reversal; how far each fixed wheel, or the axle's middle, has rolled, and as the last the way of the middle,
     backward or forward, (b, w)."""
 
@@ -72,32 +72,67 @@ class Course:
 
     @classmethod
     def of(
-        cls, scatter: Scatter, motions: Sequence[SmoothMotion], duration: float, tracks: Sequence[float] = (0.0,)
+        cls, time: Array, log: np.ndarray, motions: Sequence[SmoothMotion], tracks: Sequence[float] = (0.0,)
     ) -> Course:
-        """`tracks` says how far to the left of the middle a wheel stands, m."""
-        parts = [
-            _middles(motion, scatter.start[scatter.log == k] + duration / 2, tracks) for k, motion in enumerate(motions)
-        ]
+        """At times (b,) of logs (b,); `tracks` says how far to the left of the middle a wheel stands, m."""
+        parts = [_along(motion, time[log == k], tracks) for k, motion in enumerate(motions)]
         return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def dependences(scatter: Scatter, course: Course) -> list[Dependence]:
+def dependences(polygon: Polygon, course: Course) -> list[Dependence]:
     """The best of each family along each free direction, the most probable first. More harmonics tell a period alone:
     so flexible a family takes some of anything away."""
-    families = list(_families(course))
-    found: list[Dependence] = []
-    for i in range(scatter.mean.shape[1]):
-        weight = scatter.information[:, i, i]
+    families, found = list(_families(course)), list[Dependence]()
+    directions = [_Seen.of(polygon, i) for i in range(polygon.value.shape[1])]
+    looks = [[_Look.of(family, seen) for family in families] for seen in directions]
+    together = [_together(family, own) for family, own in zip(families, zip(*looks, strict=True), strict=True)]
+    for seen, own in zip(directions, looks, strict=True):
         best: dict[str, tuple[Dependence, Array]] = {}
-        for family in families:
-            one, columns = _best(family, i, scatter.mean[:, i], weight)
+        for family, look, both in zip(families, own, together, strict=True):
+            k = int(np.argmax(look.factor))
+            one, columns = look.told(k), look.columns[k]
+            if both is not None and both[0] == seen.direction and both[2] > one.log_factor:
+                one, columns = replace(look.told(both[1]), log_factor=both[2]), look.columns[both[1]]
             if one.period is not None and one.log_factor > 0 and family.finer is not None:
-                known, _ = _best(family.finer(one.period), i, scatter.mean[:, i], weight)
-                one = replace(one, period=known.period) if known.log_factor > one.log_factor else one
+                finer = _Look.of(family.finer(one.period), seen)
+                known = finer.told(int(np.argmax(finer.factor)))
+                one = replace(one, period=known.period) if known.log_factor > look.factor[k] else one
             if family.name not in best or one.log_factor > best[family.name][0].log_factor:
                 best[family.name] = one, columns
-        found += [replace(one, foretold=_foretold(scatter.mean[:, i], weight, by)) for one, by in best.values()]
+        found += [replace(one, foretold=_foretold(seen, by)) for one, by in best.values()]
     return sorted(found, key=lambda one: -one.log_factor)
+
+
+def _together(family: _Family, looks: Sequence[_Look]) -> tuple[int, int, float] | None:
+    """Where a family fits all directions best: in which of them it takes the most, at which setting, and the log of the
+    Bayes factor of all."""
+    if family.periods is None:
+        return None
+    factor = np.sum([look.factor for look in looks], axis=0) + (len(looks) - 1) * np.log(family.tried)
+    k = int(np.argmax(factor))
+    return int(np.argmax([look.share[k] for look in looks])), k, float(factor[k])
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Of a polygon along one direction: its whitened values (b,) about a constant, and that constant as a unit (b,)."""
+
+    polygon: Polygon
+    direction: int
+    value: Array
+    constant: Array
+
+    @classmethod
+    def of(cls, polygon: Polygon, direction: int) -> _Seen:
+        constant = polygon.whitened(direction, np.ones((len(polygon.time), 1)))[:, 0]
+        constant /= np.linalg.norm(constant)
+        value = polygon.standard(direction)
+        return cls(polygon, direction, value - constant * (constant @ value), constant)
+
+    def about(self, columns: Array) -> Array:
+        """Of columns (..., b, k) at nodes, what they say about the values."""
+        columns = self.polygon.whitened(self.direction, columns)
+        return np.asarray(columns - self.constant[:, None] * (self.constant @ columns)[..., None, :])
 
 
 @dataclass(frozen=True)
@@ -113,14 +148,27 @@ class _Family:
     finer: Callable[[float], _Family] | None = None
 
 
-def _best(family: _Family, direction: int, value: Array, weight: Array) -> tuple[Dependence, Array]:
-    """Where the family fits best, with its columns (b, k) there; what these foretell is not worked out."""
-    factor, share = _judged(value, weight, family.columns)
-    factor -= np.log(family.tried)
-    k = int(np.argmax(factor))
-    period = None if family.periods is None else float(family.periods[k])
-    one = Dependence(family.name, direction, period, family.unit, float(factor[k]), float(share[k]), 0.0)
-    return one, family.columns[k]
+@dataclass(frozen=True)
+class _Look:
+    """At a family along a direction: its whitened columns (s, b, k); logs of Bayes factors and shares, both (s,)."""
+
+    family: _Family
+    direction: int
+    columns: Array
+    factor: Array
+    share: Array
+
+    @classmethod
+    def of(cls, family: _Family, seen: _Seen) -> _Look:
+        columns = seen.about(family.columns)
+        factor, share = _judged(seen.value, columns)
+        return cls(family, seen.direction, columns, factor - np.log(family.tried), share)
+
+    def told(self, k: int) -> Dependence:
+        """At a setting; what it foretells is not worked out."""
+        family, factor, share = self.family, float(self.factor[k]), float(self.share[k])
+        period = None if family.periods is None else float(family.periods[k])
+        return Dependence(family.name, self.direction, period, family.unit, factor, share, 0.0)
 
 
 def _families(course: Course) -> Iterator[_Family]:
@@ -176,34 +224,29 @@ def _turns(along: Array, limits: tuple[float, float]) -> Array:
     return np.linspace(low, max(high, 1.01 * low), count)
 
 
-def _judged(value: Array, weight: Array, columns: Array) -> tuple[Array, Array]:
+def _judged(value: Array, columns: Array) -> tuple[Array, Array]:
     """Schwarz's log of a Bayes factor against a constant, and the share of the squares taken away, both (s,)."""
-    share = weight / weight.sum()
-    value = value - share @ value
-    columns = columns - (share @ columns)[:, None, :]
-    weighted = weight[:, None] * columns
-    gram = np.swapaxes(columns, 1, 2) @ weighted
+    gram = np.swapaxes(columns, 1, 2) @ columns
     scale = np.trace(gram, axis1=1, axis2=2)[:, None, None]
-    pull = np.einsum("sbk,b->sk", weighted, value)
-    solved = np.linalg.solve(gram + RIDGE * (scale + 1e-300) * np.eye(gram.shape[1]), pull[..., None])[..., 0]
-    before = float(weight @ value**2)
-    taken = np.minimum((pull * solved).sum(axis=1) / max(before, 1e-300), 1 - 1e-12)
+    pull = np.swapaxes(columns, 1, 2) @ value
+    solved = np.linalg.solve(gram + (RIDGE * scale + LEAST) * np.eye(gram.shape[1]), pull[..., None])[..., 0]
+    taken = np.minimum((pull * solved).sum(axis=1) / max(float(value @ value), LEAST), 1 - 1e-12)
     n, k = len(value), columns.shape[2]
     return -0.5 * n * np.log1p(-taken) - 0.5 * k * np.log(n), taken
 
 
-def _foretold(value: Array, weight: Array, columns: Array) -> float:
-    """Of the squares about the mean, the share that columns (b, k) take away in each part of a log when they are fitted
-    to the others; 0 where they foretell nothing."""
+def _foretold(seen: _Seen, columns: Array) -> float:
+    """Of the squares, the share that whitened columns (b, k) take away in each part of a log when they are fitted to
+    the others; 0 where they foretell nothing."""
+    value = seen.value
     number = np.arange(len(value)) * PARTS // len(value)
-    sides, root = np.column_stack([np.ones(len(value)), columns]), np.sqrt(weight)
+    sides = np.column_stack([seen.constant, columns])
     left = 0.0
     for part in range(PARTS):
         own = number == part
-        known = np.linalg.lstsq(root[~own, None] * sides[~own], root[~own] * value[~own], rcond=None)[0]
-        left += float(weight[own] @ (value[own] - sides[own] @ known) ** 2)
-    off = value - weight @ value / weight.sum()
-    return max(0.0, 1.0 - left / max(float(weight @ off**2), 1e-300))
+        known = np.linalg.lstsq(sides[~own], value[~own], rcond=None)[0]
+        left += float(np.square(value[own] - sides[own] @ known).sum())
+    return max(0.0, 1.0 - left / max(float(value @ value), LEAST))
 
 
 def _wave(turns: Array) -> Array:
@@ -220,7 +263,7 @@ def _levels(values: Array) -> Array:
     return np.eye(LEVELS)[np.searchsorted(edges, values)][:, 1:]
 
 
-def _middles(motion: SmoothMotion, middle: Array, tracks: Sequence[float]) -> tuple[Array, ...]:
+def _along(motion: SmoothMotion, at_times: Array, tracks: Sequence[float]) -> tuple[Array, ...]:
     time, speed = motion.time, motion.velocity[:, 0]
     steps = np.append(0.0, np.diff(time))
     distance = np.cumsum(motion.speed * steps)
@@ -233,7 +276,7 @@ def _middles(motion: SmoothMotion, middle: Array, tracks: Sequence[float]) -> tu
             reversed_at = distance[i] if last else -np.inf
             last = rolling[i]
         at[i] = distance[i] - reversed_at
-    rows = np.clip(np.searchsorted(time, middle), 0, len(time) - 1)
+    rows = np.clip(np.searchsorted(time, at_times), 0, len(time) - 1)
     rolled = np.column_stack([rolled, distance])
     columns = (rolled, np.unwrap(motion.pose[:, 2]), speed, turning, motion.pose[:, :2], at)
-    return middle, *(column[rows] for column in columns)
+    return at_times, *(column[rows] for column in columns)

@@ -12,7 +12,7 @@ from cartgrasp.frames import Array
 from ..batch.linearisation import Linearisation
 from ..batch.wrench_regression import WrenchRegression
 
-SCATTER_BLOCK, EXCESS_BLOCK, FINE_BLOCK = 0.5, 0.2, 0.1
+SCATTER_BLOCK, EXCESS_BLOCK = 0.5, 0.2
 """s."""
 LONG = 1.0
 APART = 4
@@ -36,8 +36,13 @@ class Scatter:
     excess: float
 
     @classmethod
-    def of(cls, linearised: Linearised, excess: float, duration: float = SCATTER_BLOCK) -> Scatter:
-        return cls(*_means(linearised, duration), excess)
+    def of(cls, linearised: Linearised, excess: float) -> Scatter:
+        return cls(*_means(linearised, SCATTER_BLOCK), excess)
+
+    @property
+    def middle(self) -> Array:
+        """Of each stretch (b,), s."""
+        return self.start + SCATTER_BLOCK / 2
 
     @property
     def misfit(self) -> Array:

@@ -189,10 +189,17 @@ def test_a_force_by_the_heading_is_found(turns):
     wrench = arm.wrench.copy()
     wrench[:, 0] += 4.0 * np.sin(turns * log.pose[:, 2])
     moved = replace(log, arms={name: ArmLog(arm.contact, wrench)})
-    told = Fitted((WrenchRegression(moved, guess(), None),), guess()).dependences
-    found = next(one for one in told if one.name == "heading")
-    assert found.log_factor > SURE
-    assert 0.35 < found.share < 1.2 * found.foretold
+    found, quiet = (
+        next(one for one in Fitted((WrenchRegression(each, guess(), None),), guess()).dependences if is_heading(one))
+        for each in (moved, log)
+    )
+    assert quiet.log_factor < 6 < SURE < found.log_factor
+    assert found.share > 0.3 > 0.05 > quiet.foretold
+    assert 0.8 * found.share < found.foretold <= found.share
+
+
+def is_heading(dependence):
+    return dependence.name == "heading"
 
 
 def test_a_scatter_of_a_right_model_is_noise():
@@ -200,9 +207,10 @@ def test_a_scatter_of_a_right_model_is_noise():
     fitted = Fitted((WrenchRegression(log, guess(), None),), guess())
     scatter = fitted.scatter
     assert 0.5 < scatter.misfit.mean() / 2 < 1.5
-    course = Course.of(scatter, [fitted.regressions[0].motion], 0.5)
-    assert len(course.time) == len(scatter.start)
-    assert all(one.log_factor < 8 for one in dependences(scatter, course))
+    polygon = fitted.polygon
+    course = Course.of(polygon.time, polygon.log, [fitted.regressions[0].motion])
+    assert len(course.time) == len(polygon.value)
+    assert all(one.log_factor < 8 for one in dependences(polygon, course))
     assert isinstance(scatter, Scatter)
 
 

@@ -1,0 +1,128 @@
+"""The residual wrench as a polygon: its values at nodes, with what noise lets them know of one another.
+
+Means over stretches are steps in time, and noise that remembers would tell a step at once; what acts on a cart has
+none. Straight lines from node to node can follow anything slower than a few hertz. What is known of neighbouring nodes
+is known together: only then is a slow wave as sure as all the rows that it is in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, cholesky_banded, solveh_banded
+
+from cartgrasp.frames import Array
+
+from ..batch.linearisation import Linearisation
+
+STEP = 0.1
+"""s, from one node to the next."""
+REACH = 7
+"""Nodes: how far noise reaches."""
+NEGLIGIBLE = 1e-3
+"""Of a factor's diagonal."""
+LOAD = 1e-6
+"""Of a node's information: far less than anything tells."""
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """Of some logs: nodes' times (b,) and logs (b,), values along the free directions (b, f), and of each direction the
+    lower banded Cholesky factor (r, b) of the nodes' information."""
+
+    time: Array
+    log: np.ndarray
+    value: Array
+    roots: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, lines: Sequence[Linearisation]) -> Polygon:
+        """Of each log's residual."""
+        times, values, bands = zip(*(_nodes(line) for line in lines), strict=True)
+        log = np.repeat(np.arange(len(lines)), [len(each) for each in times])
+        f, band = values[0].shape[1], np.concatenate(bands, axis=1)
+        roots = tuple(_root(band[::f, i::f]) for i in range(f))
+        return cls(np.concatenate(times), log, np.concatenate(values), roots)
+
+    def whitened(self, direction: int, columns: Array) -> Array:
+        """Columns at the nodes (..., b, k), so that their squares are weighed by what is known along a direction."""
+        root, b = self.roots[direction], len(self.time)
+        found, size = root[0][:, None] * columns, np.abs(root).max(axis=1)
+        for apart in range(1, min(len(root), b)):
+            if size[apart] < NEGLIGIBLE * size[0]:
+                continue
+            found[..., : b - apart, :] += root[apart][: b - apart, None] * columns[..., apart:, :]
+        return np.asarray(found)
+
+    def standard(self, direction: int) -> Array:
+        """The whitened values (b,)."""
+        return self.whitened(direction, self.value[:, direction, None])[:, 0]
+
+
+def _nodes(line: Linearisation) -> tuple[Array, Array, Array]:
+    """Times (b,) and values (b, f) of the nodes of one log, and their information, lower banded ((REACH + 1) f, b f).
+
+    Nodes so far apart that noise does not reach are worked out together.
+    """
+    place = (line.time - line.time[0]) / STEP
+    before = np.floor(place).astype(int)
+    share, number = place - before, np.unique(np.concatenate([before, before + 1]))
+    m, f, apart = *line.residual.shape, 2 * REACH + 2
+    sides = np.zeros((m, f, apart * f + 1))
+    for i in range(f):
+        sides[np.arange(m), i, before % apart * f + i] = 1 - share
+        sides[np.arange(m), i, (before + 1) % apart * f + i] = share
+    sides[..., -1] = line.residual
+    whitened, sums = line.whitened(sides), np.zeros((len(number), f, apart * f + 1))
+    for nodes, weight in ((before, 1 - share), (before + 1, share)):
+        np.add.at(sums, np.searchsorted(number, nodes), weight[:, None, None] * whitened)
+    band = _banded(number, sums[..., :-1].reshape(len(number), f, apart, f))
+    return number * STEP + line.time[0], _solved(band, sums[..., -1]), band
+
+
+def _banded(number: np.ndarray, information: Array) -> Array:
+    """Of nodes (b,), from that between each and the next or last ones of every group (b, f, groups, f)."""
+    b, f, apart, _ = information.shape
+    band = np.zeros(((REACH + 1) * f, b * f))
+    for later in range(REACH + 1):
+        there = np.searchsorted(number, number + later)
+        first = np.flatnonzero(number[np.minimum(there, b - 1)] == number + later)
+        second = there[first]
+        own = information[first, :, number[second] % apart]
+        own = (own + np.swapaxes(information[second, :, number[first] % apart], 1, 2)) / 2
+        for i in range(f):
+            for j in range(f):
+                below = later * f + j - i
+                if below >= 0:
+                    band[below, first * f + i] = own[:, i, j]
+    band[0] *= 1 + LOAD
+    return band
+
+
+def _solved(band: Array, pull: Array) -> Array:
+    """Values of the nodes (b, f)."""
+    try:
+        found = solveh_banded(band, pull.ravel(), lower=True)
+    except LinAlgError:
+        found = solveh_banded(_dominant(band), pull.ravel(), lower=True)
+    return np.asarray(found).reshape(pull.shape)
+
+
+def _root(band: Array) -> Array:
+    try:
+        return np.asarray(cholesky_banded(band, lower=True))
+    except LinAlgError:
+        return np.asarray(cholesky_banded(_dominant(band), lower=True))
+
+
+def _dominant(band: Array) -> Array:
+    """With so much on the diagonal that it is a covariance's inverse, though noise reaches farther than the band."""
+    beside, b = np.abs(band), band.shape[1]
+    whole = beside[1:].sum(axis=0)
+    for apart in range(1, min(len(band), b)):
+        whole[apart:] += beside[apart, : b - apart]
+    found = band.copy()
+    found[0] = np.maximum(found[0], (1 + LOAD) * whole)
+    return found

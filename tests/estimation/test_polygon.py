@@ -1,0 +1,74 @@
+"""The residual's polygon against all rows: what it knows of slow waves is what dense sums over the log know."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import cholesky_banded
+
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from estimation.batch.noise_colour import NoiseColour
+from estimation.batch.wrench_regression import WrenchRegression
+from estimation.discrepancy.fitted import Fitted
+from estimation.discrepancy.polygon import REACH, STEP, Polygon, _dominant
+
+from .runs import simulate
+
+TRUTH = (24.0, 0.28, 0.0, 2.2, 3.0, 1.2, 0.0)
+RAIL = CartModel(Inertia(24.0, (0.28, 0.0), 2.2), RollingConstraints(0.0, no_rotation=True), (ViscousDrag(3.0),))
+
+
+def fitted_on_a_rail(colour, missing):
+    log, _ = simulate(TRUTH, 5, 20.0, curved=False, noise=(0.0005, 0.005, 2.0))
+    pose = log.pose.copy()
+    pose[missing] = np.nan
+    regression = WrenchRegression(replace(log, pose=pose), RAIL, None).coloured(colour)
+    return Fitted((regression,), RAIL)
+
+
+@pytest.mark.parametrize("colour", [None, NoiseColour(0.3, 8.0, 0.06)])
+@pytest.mark.parametrize("missing", [slice(0), slice(700, 760)])
+@pytest.mark.parametrize("frequency", [0.1, 0.4, 1.3])
+def test_a_slow_wave_is_as_sure_as_in_all_rows(colour, missing, frequency):
+    """But for what straight lines take from its amplitude: they keep a share sinc²(frequency step)."""
+    fitted = fitted_on_a_rail(colour, missing)
+    ((_, line, _),) = fitted.linearised
+    polygon = Polygon.of([line])
+
+    def waves(time):
+        return np.column_stack([np.sin(2 * np.pi * frequency * time), np.cos(2 * np.pi * frequency * time)])
+
+    information, pull = line.taught(waves(line.time)[:, None, :])
+    columns = polygon.whitened(0, waves(polygon.time))
+    size, kept = np.sqrt(np.diagonal(information)), np.sinc(frequency * STEP) ** 2
+    np.testing.assert_allclose(columns.T @ columns, kept**2 * information, atol=0.02 * size.max() ** 2)
+    np.testing.assert_allclose(columns.T @ polygon.standard(0), kept * pull, atol=0.15 * size.max())
+
+
+def test_logs_stand_beside_one_another():
+    whole = [fitted_on_a_rail(None, slice(0)).linearised[0][1] for _ in range(2)]
+    one, both = Polygon.of(whole[:1]), Polygon.of(whole)
+    b = len(one.time)
+    np.testing.assert_array_equal(both.log, np.repeat([0, 1], b))
+    for k in range(2):
+        np.testing.assert_allclose(both.standard(0)[k * b : (k + 1) * b], one.standard(0), rtol=1e-9, atol=1e-9)
+
+
+@given(
+    values=st.lists(st.floats(-1e3, 1e3), min_size=(REACH + 1) * 12, max_size=(REACH + 1) * 12),
+    least=st.floats(1e-3, 1.0),
+)
+def test_a_band_that_is_cut_off_is_mended(values, least):
+    band = np.array(values).reshape(REACH + 1, 12)
+    band[0] = np.abs(band[0]) + least
+    for apart in range(1, REACH + 1):
+        band[apart, 12 - apart :] = 0.0
+    mended = _dominant(band)
+    assert np.isfinite(cholesky_banded(mended, lower=True)).all()
+    assert (mended[0] >= band[0]).all()
+    np.testing.assert_array_equal(mended[1:], band[1:])
