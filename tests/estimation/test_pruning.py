@@ -1,10 +1,10 @@
-"""What later effects have made superfluous goes; of two of which either would do, the later one."""
+"""What later effects have made superfluous goes, of two of which either would do the later one; and what does harm."""
 
 from dataclasses import dataclass
 
 import pytest
 
-from cartgrasp.effects import LoadSlosh, RollingResistance, StribeckFriction
+from cartgrasp.effects import ExternalPush, LoadSlosh, RollingResistance, StribeckFriction
 from estimation.discrepancy.held_out import Gain
 from estimation.discrepancy.selection import _pruned
 
@@ -35,6 +35,19 @@ class Proof:
     def likelihood(self, fitted, better):
         return 0.5 * (fitted.chi_squared() - better.chi_squared())
 
+    def gap(self, fitted):
+        return 0.02
+
+
+class Rollouts(Proof):
+    """With gaps (m) by names of effects."""
+
+    def __init__(self, gaps):
+        self.gaps = gaps
+
+    def gap(self, fitted):
+        return self.gaps[tuple(e.name for e in fitted.added)]
+
 
 @pytest.mark.parametrize(("without_stribeck", "gone"), [(102.0, "stribeck_friction"), (300.0, "rolling_resistance")])
 def test_of_two_of_which_either_would_do_the_earlier_stays(without_stribeck, gone):
@@ -59,3 +72,19 @@ def test_what_is_needed_stays():
     fitted, removed = _pruned(Fit((SLOSH, ROLLING), left), Proof())
     assert not removed
     assert len(fitted.added) == 2
+
+
+@pytest.mark.parametrize(("gap", "gone"), [(0.021, ()), (0.023, ("rolling_resistance",))])
+def test_what_takes_simulations_away_from_the_log_goes(gap, gone):
+    """However well it fits the wrenches; what the same rollouts say within a tenth is nothing against it."""
+    left = {("load_slosh", "rolling_resistance"): 100.0, ("rolling_resistance",): 190.0, ("load_slosh",): 190.0}
+    gaps = {("load_slosh", "rolling_resistance"): gap, ("load_slosh",): 0.02, ("rolling_resistance",): 0.03, (): 0.04}
+    fitted, removed = _pruned(Fit((SLOSH, ROLLING), left), Rollouts(gaps))
+    assert removed == gone
+    assert len(fitted.added) == 2 - len(gone)
+
+
+def test_a_push_is_not_judged_by_what_it_does_elsewhere():
+    push = ExternalPush(start=1.0, duration=1.0, force=5.0)
+    fitted, removed = _pruned(Fit((push,), {}), Rollouts({("external_push",): 0.05, (): 0.02}))
+    assert fitted.added == (push,) and not removed
