@@ -87,4 +87,5 @@ def test_what_takes_simulations_away_from_the_log_goes(gap, gone):
 def test_a_push_is_not_judged_by_what_it_does_elsewhere():
     push = ExternalPush(start=1.0, duration=1.0, force=5.0)
     fitted, removed = _pruned(Fit((push,), {}), Rollouts({("external_push",): 0.05, (): 0.02}))
-    assert fitted.added == (push,) and not removed
+    assert fitted.added == (push,)
+    assert not removed
