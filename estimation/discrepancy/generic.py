@@ -131,8 +131,9 @@ class _Seen:
 
     def about(self, columns: Array) -> Array:
         """Of columns (..., b, k) at nodes, what they say about the values."""
-        columns = self.polygon.whitened(self.direction, columns)
-        return np.asarray(columns - self.constant[:, None] * (self.constant @ columns)[..., None, :])
+        found = self.polygon.whitened(self.direction, columns)
+        found -= self.constant[:, None] * (self.constant @ found)[..., None, :]
+        return found
 
 
 @dataclass(frozen=True)
@@ -193,6 +194,20 @@ def _families(course: Course) -> Iterator[_Family]:
     place = course.place - course.place.mean(axis=0)
     x, y = (place / np.maximum(np.abs(place).max(axis=0), 1e-9)).T
     yield _Family("place", np.column_stack([x, y, x * y, x**2, y**2])[None])
+    yield from _seams(course)
+
+
+def _seams(course: Course) -> Iterator[_Family]:
+    """Of what lies on the floor at equal distances along its x or its y: a drag, or a force of the floor's own
+    direction."""
+    toward = np.column_stack([np.cos(course.heading), np.sin(course.heading)])
+    wide = [i for i in range(2) if np.ptp(course.place[:, i]) > LEAST_TURN / WAVENUMBERS[1]]
+    turns = {i: _turns(course.place[:, i], WAVENUMBERS) for i in wide}
+    tried = 2 * sum(len(each) for each in turns.values())
+    for i, each in turns.items():
+        waves = _wave(np.outer(each, course.place[:, i]))
+        for sign in (np.sign(course.speed), toward[:, i]):
+            yield _Family("place, periodic", sign[None, :, None] * waves, tried, 1 / each, "m")
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from scipy.linalg import LinAlgError, cholesky_banded, solveh_banded
 from cartgrasp.frames import Array
 
 from ..batch.linearisation import Linearisation
+from .weighing import weigh
 
 STEP = 0.1
 """s, from one node to the next."""
@@ -48,13 +49,13 @@ class Polygon:
 
     def whitened(self, direction: int, columns: Array) -> Array:
         """Columns at the nodes (..., b, k), so that their squares are weighed by what is known along a direction."""
-        root, b = self.roots[direction], len(self.time)
-        found, size = root[0][:, None] * columns, np.abs(root).max(axis=1)
-        for apart in range(1, min(len(root), b)):
-            if size[apart] < NEGLIGIBLE * size[0]:
-                continue
-            found[..., : b - apart, :] += root[apart][: b - apart, None] * columns[..., apart:, :]
-        return np.asarray(found)
+        root = self.roots[direction]
+        size = np.abs(root).max(axis=1)
+        reach = int(np.flatnonzero(size > NEGLIGIBLE * size[0])[-1]) + 1
+        stacked = np.ascontiguousarray(columns.reshape(-1, *columns.shape[-2:]))
+        found = np.empty(stacked.shape)
+        weigh(np.ascontiguousarray(root[:reach]), stacked, found)
+        return found.reshape(columns.shape)
 
     def standard(self, direction: int) -> Array:
         """The whitened values (b,)."""

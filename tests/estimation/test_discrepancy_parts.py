@@ -181,6 +181,19 @@ def test_a_period_is_the_whole_turn():
     assert found.period == pytest.approx(1.6, rel=0.02)
 
 
+def test_seams_across_the_floor_are_found_by_their_distance():
+    """Where the floor itself pushes towards the nearest seam, whatever way was travelled."""
+    log, _ = simulate(TRUTH, 4, 60.0, noise=(0.0005, 0.005, 1.0))
+    (name, arm), *_ = log.arms.items()
+    wrench, heading = arm.wrench.copy(), log.pose[:, 2]
+    wrench[:, 0] += 6.0 * np.sin(2 * np.pi * log.pose[:, 0] / 0.7) * np.cos(heading)
+    seamed = replace(log, arms={name: ArmLog(arm.contact, wrench)})
+    found = Fitted((WrenchRegression(seamed, guess(), None),), guess()).dependences[0]
+    assert found.name == "place, periodic"
+    assert found.period == pytest.approx(0.7, rel=0.03)
+    assert found.log_factor > SURE
+
+
 @pytest.mark.parametrize("turns", [1, 2])
 def test_a_force_by_the_heading_is_found(turns):
     """As of a floor that slopes, or one with a grain."""
