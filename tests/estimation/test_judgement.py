@@ -67,10 +67,11 @@ class Fit:
     excess: float = 1.0
     is_late: bool = False
     regressions: tuple = (SimpleNamespace(step=0.01),)
+    others: tuple = ()
 
     @property
     def cart(self):
-        return CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(self.effect,))
+        return CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(*self.others, self.effect))
 
     def follows(self, is_periodic):
         return self.dependence if self.dependence and self.dependence.is_periodic >= is_periodic else None
@@ -84,11 +85,16 @@ def follows(foretold, period=2.2):
     return Dependence("time, periodic", 0, period, "s", 40.0, 1.0, foretold)
 
 
-def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0):
+def patch(x, y, label="", side=1.0):
+    return FloorPatch(x_min=x, x_max=x + side, y_min=y, y_max=y + side, coefficient=0.03, label=label)
+
+
+def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0, others=()):
     judge = Judge(before or Fit(), proof or Proof(), strongest)
     effect = effect or QuadraticDrag(coefficient=5.0)
     none = np.zeros(0)
-    return judge.verdict(Finding(effect, score, score, none, none, none, *change), score, Fit(effect=effect))
+    found = Finding(effect, score, score, none, none, none, *change)
+    return judge.verdict(found, score, Fit(effect=effect, others=others))
 
 
 def test_what_is_probable_steady_and_gains_is_added():
@@ -146,6 +152,33 @@ def test_a_reason_against_it(case, said):
 )
 def test_one_gain_is_enough(proof):
     assert judged(proof=proof).is_added
+
+
+@pytest.mark.parametrize(
+    ("place", "is_another"),
+    [
+        ((0.2, 0.2, 0.6), False),
+        ((-0.1, -0.1, 1.2), False),
+        ((0.5, -3.0, 9.0), False),
+        ((1.1, 0.0), False),
+        ((1.3, 0.0), True),
+        ((0.0, -1.3), True),
+        ((-2.0, -2.0), True),
+    ],
+)
+@pytest.mark.parametrize(
+    "proof", [Proof(share=0.04, log_likelihood=90.0), Proof(share=0.04, of_rest=0.9)], ids=["likely", "of the rest"]
+)
+def test_a_second_patch_at_the_firsts_place_is_its_form(place, is_another, proof):
+    """A carpet with ramps for edges is one, whose middle and rim look like two; unless it moves the cart itself."""
+    told = {"effect": patch(*place[:2], "2", *place[2:]), "others": (patch(0.0, 0.0),)}
+    assert judged(**told, proof=proof).is_added == is_another
+    assert judged(**told, proof=Proof(share=0.06)).is_added
+
+
+def test_a_patch_in_a_gust_is_a_patch():
+    """Nothing else that acts there is a form of it."""
+    assert judged(patch(0.0, 0.0), proof=Proof(share=0.01, log_likelihood=9.0), others=(FloorSlope(),)).is_added
 
 
 def test_what_a_period_does_not_foretell_is_none_of_its():
