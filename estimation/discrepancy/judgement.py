@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cartgrasp.effects import Effect, ForceEffect
+from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
@@ -85,7 +85,7 @@ class Judge:
     def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
-        implausible = self.implausible(effect)
+        implausible = self.implausible(effect) or self._bends_mass(effect, model)
         nameless = "" if implausible else self._held(effect, model) or self._unsteady(found)
         follows = "" if implausible or nameless else self._outside(effect, score)
         reason = implausible or nameless or follows or self._unsure(effect, score)
@@ -103,6 +103,16 @@ class Judge:
             return Verdict(True, ADDED, share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share, is_unproven=True)
+
+    def _bends_mass(self, effect: Effect, model: Fitted) -> str:
+        """A sensor that is read rightly again brings the mass back to what was believed of it, if anywhere."""
+        if not isinstance(effect, SensorEffect):
+            return ""
+        believed = self.fitted.prior_cart.inertia.mass
+        without, found = (abs(each.cart.inertia.mass - believed) for each in (self.fitted, model))
+        if found <= max(without, self.fitted.prior.mass * believed):
+            return ""
+        return f"with it, the mass would be {model.cart.inertia.mass:.3g} kg, far from {believed:.3g} kg"
 
     def _held(self, effect: Effect, model: Fitted) -> str:
         late = effect.lateness

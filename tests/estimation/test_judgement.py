@@ -12,6 +12,8 @@ from cartgrasp.effects import (
     ExternalPush,
     FloorPatch,
     FloorSlope,
+    ForceBias,
+    ForceScale,
     LoadSlosh,
     PayloadChange,
     QuadraticDrag,
@@ -27,6 +29,7 @@ from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.generic import Dependence
 from estimation.discrepancy.held_out import Gain, deviation_of_mean
 from estimation.discrepancy.judgement import Judge, _drives
+from estimation.prior import Prior
 
 WHEELS = WheelSet.of(
     (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.7, 0.0, 0.05)), rolls_along_x=True
@@ -68,10 +71,13 @@ class Fit:
     is_late: bool = False
     regressions: tuple = (SimpleNamespace(step=0.01),)
     others: tuple = ()
+    mass: float = 20.0
+    prior: Prior = field(default_factory=Prior)
+    prior_cart: CartModel = field(default_factory=lambda: CartModel(Inertia(20.0, (0.3, 0.0), 1.5)))
 
     @property
     def cart(self):
-        return CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(*self.others, self.effect))
+        return CartModel(Inertia(self.mass, (0.3, 0.0), 1.5), effects=(*self.others, self.effect or ViscousDrag()))
 
     def follows(self, is_periodic):
         return self.dependence if self.dependence and self.dependence.is_periodic >= is_periodic else None
@@ -89,12 +95,12 @@ def patch(x, y, label="", side=1.0):
     return FloorPatch(x_min=x, x_max=x + side, y_min=y, y_max=y + side, coefficient=0.03, label=label)
 
 
-def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0, others=()):
+def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0, **model):
     judge = Judge(before or Fit(), proof or Proof(), strongest)
     effect = effect or QuadraticDrag(coefficient=5.0)
     none = np.zeros(0)
     found = Finding(effect, score, score, none, none, none, *change)
-    return judge.verdict(found, score, Fit(effect=effect, others=others))
+    return judge.verdict(found, score, Fit(effect=effect, **model))
 
 
 def test_what_is_probable_steady_and_gains_is_added():
@@ -227,6 +233,30 @@ def test_what_is_remembered_may_have_been_remembered_wrongly():
 
 def test_a_delay_of_some_samples_is_one():
     assert judged(TimeDelay(delay=0.013)).is_added
+
+
+@pytest.mark.parametrize(("gain", "is_one"), [(0.39, False), (0.41, True), (0.9, True), (2.45, True), (2.55, False)])
+def test_a_gain_is_that_of_a_sensor(gain, is_one):
+    assert judged(ForceScale(gain=gain)).is_added == is_one
+
+
+@pytest.mark.parametrize(
+    ("effect", "without", "mass", "is_one"),
+    [
+        (ForceScale(gain=0.6), 12.0, 20.0, True),
+        (ForceScale(gain=0.6), 16.0, 27.0, True),
+        (ForceScale(gain=2.0), 20.0, 11.9, False),
+        (ForceScale(gain=0.6), 20.0, 28.1, False),
+        (ForceScale(gain=0.6), 31.0, 29.0, True),
+        (ForceBias(fx=3.0), 20.0, 11.9, False),
+        (QuadraticDrag(coefficient=5.0), 20.0, 11.9, True),
+    ],
+)
+def test_a_sensor_that_is_read_rightly_makes_no_other_cart(effect, without, mass, is_one):
+    """Of 20 kg, to 40 %; but for one that was further off before."""
+    verdict = judged(effect, before=Fit(mass=without), mass=mass)
+    assert verdict.is_added == is_one
+    assert is_one or f"{mass:.3g} kg, far from 20 kg" in verdict.reason
 
 
 def test_how_a_delay_varies_is_not_seen_from_another():
