@@ -91,7 +91,8 @@ class Judge:
         reason = implausible or nameless or follows or self._unsure(effect, score)
         reason = reason or _drives(model.cart, self.held_out.rolling[1])
         if reason:
-            return Verdict(False, reason, is_nameless=bool(nameless or follows))
+            is_spoiled = bool(implausible) and isinstance(effect, SensorEffect)  # wrenches, by what no sensor here does
+            return Verdict(False, reason, is_nameless=bool(nameless or follows) or is_spoiled)
         proof = self.held_out.everywhere if effect.gate.ends else self.held_out
         gain = proof.gain(self.fitted, model)
         share, others = gain.share, [one for one in model.cart.effects if one.key != effect.key]

@@ -285,9 +285,12 @@ def test_noise_of_a_gain():
         ({"before": Fit(follows(0.11), {0: 900.0})}, False),
         ({"score": 6.9}, False),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, False),
+        ({"effect": ForceScale(gain=4.2)}, True),
+        ({"effect": ForceScale(gain=0.6), "mass": 8.0}, True),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9), "change": (0.1, 1.1)}, False),
     ],
 )
 def test_what_is_there_without_a_name(case, is_nameless):
-    """So that nothing that explains less is its name: it drifts, or follows a period that no effect has."""
+    """So that nothing that explains less is its name: it drifts, follows a period that no effect has, or is what spoils
+    an arm's wrenches."""
     assert judged(**case).is_nameless == is_nameless
