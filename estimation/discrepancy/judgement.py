@@ -80,7 +80,12 @@ class Judge:
     def implausible(self, effect: Effect) -> str:
         """Why nobody would call it so on these logs; empty where they would."""
         nowhere_else = "it would be nearly everywhere" if self.held_out.covers(effect) else ""
-        return effect.implausible(*self.held_out.rolling) or nowhere_else
+        return effect.implausible(*self.held_out.rolling) or nowhere_else or self._simpler(effect)
+
+    def _simpler(self, effect: Effect) -> str:
+        """A cart that has the simpler one already has fitted it, and this is what it lacks."""
+        has = effect.simpler in {one.name for one in self.fitted.cart.effects}
+        return f"at these values, it is {effect.simpler}" if effect.simpler and not has else ""
 
     def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""

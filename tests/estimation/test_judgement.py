@@ -225,6 +225,19 @@ def test_a_drag_may_be_less_one_way_than_what_is_known_of_it():
     assert _drives(cart.with_effect(DirectionalDrag(forward=-17.0, backward=11.0)), 0.8)
 
 
+@pytest.mark.parametrize(
+    ("forward", "backward", "is_one"),
+    [(16.7, 16.5, False), (9.1, 10.0, False), (8.9, 10.0, True), (0.0, 3.0, True), (10.0, 0.0, True)],
+)
+def test_a_drag_that_is_alike_both_ways_has_none(forward, backward, is_one):
+    """It is viscous drag, where the cart has none yet that could make up for both."""
+    drag = DirectionalDrag(forward=forward, backward=backward)
+    verdict = judged(drag, before=Fit(effect=QuadraticDrag()))
+    assert verdict.is_added == is_one
+    assert is_one or "it is viscous_drag" in verdict.reason
+    assert judged(drag, before=Fit(effect=ViscousDrag(linear=4.0))).is_added
+
+
 def test_what_is_remembered_may_have_been_remembered_wrongly():
     casters = CasterRealignment(swivel_torque=0.2, trail=0.05)
     assert judged(casters, change=(0.1, 0.9)).is_added
