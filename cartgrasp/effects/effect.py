@@ -143,6 +143,11 @@ class Effect(ABC):
         empty where they are such as it has."""
         return ""
 
+    @property
+    def simpler(self) -> str:
+        """Name of the effect that it is at these values, or nearly; empty where it is its own."""
+        return ""
+
     def told(self, wheels: WheelSet) -> Self:
         """The same, with what it takes from the wheels written out."""
         return self

@@ -22,6 +22,7 @@ from .gap import Gap, measured_gap
 from .generic import Course, Dependence
 from .glitches import without_glitches
 from .held_out import BEYOND_NOISE
+from .left_over import beyond_noise, missing_push
 from .log_check import LogCheck, check_rows, checked
 from .scatter import Scatter
 from .selection import Selection, Step, select
@@ -105,7 +106,7 @@ class Diagnosis:
         """Whether the refitted nominal model is farther from the logs than noise, or something is there without a
         name."""
         last = self.selection.steps[-1].attempts if self.selection.steps else ()
-        nameless = any(a.is_there and a.log_factor > LEAST_NAMELESS for a in last)
+        nameless = self._is_left and any(a.is_there and a.log_factor > LEAST_NAMELESS for a in last)
         beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
         return bool(self.effects or self.remaining or beyond or nameless)
 
@@ -120,6 +121,11 @@ class Diagnosis:
         whole = max(self.gap.refitted**2 - floor, 1e-12)
         most = NEARLY_CLOSED if self.gap.after > FAR * self.gap.noise_floor else CLOSED
         return "partly_explained" if left > most * whole or self._much_remains else "explained"
+
+    @property
+    def _is_left(self) -> bool:
+        """Whether the residual is more than noise: what takes away a part of less is no thing without a name."""
+        return any(beyond_noise(scatter).any() for scatter in (self.after[0], self.selection.final.fine))
 
     @property
     def _much_remains(self) -> bool:
@@ -143,13 +149,12 @@ class Diagnosis:
 
     @property
     def unexplained(self) -> dict[str, Any]:
-        """What the final model leaves: root mean square size beyond noise by coordinate, and what it depends on."""
-        scatter = self.after[0]
-        f = scatter.mean.shape[1]
-        variance = np.array(
-            [np.mean(scatter.mean[:, i] ** 2 - scatter.excess / scatter.information[:, i, i]) for i in range(f)]
-        )
-        sizes = dict(zip(DIRECTIONS[f], np.sqrt(np.maximum(variance, 0.0)).tolist(), strict=True))
+        """What the final model leaves: root mean square size beyond noise by coordinate, of the residual, or of what
+        pushes rollouts away, where that is more; and what it depends on."""
+        size, f = beyond_noise(self.after[0]), self.nominal_cart.constraints.n_free
+        if self.verdict in ("unexplained", "partly_explained"):
+            size = np.max([size, beyond_noise(self.selection.final.fine), missing_push(self.gap, self.cart)], axis=0)
+        sizes = dict(zip(DIRECTIONS[f], size.tolist(), strict=True))
         told: dict[str, Any] = {"size": sizes, "depends_on": [_phrase(d, f) for d in self.remaining]}
         periods = [(d.period, d.unit) for d in self.remaining if d.period is not None]
         if periods:

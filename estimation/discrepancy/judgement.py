@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cartgrasp.effects import Effect, ForceEffect
+from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
@@ -34,6 +34,9 @@ LEAST_OF_REST = 0.3
 MOST_CHANGE, MOST_DRIFT, MOST_DRIFT_REMEMBERED = 0.5, 0.5, 1.0
 """Of its size: what an effect may change by when a quarter of the log is left out; from all to one quarter, beyond
 noise; the same of one with a memory, which in one quarter may have been another."""
+ABUTS = 0.2
+"""m: a second place of one effect that is nearer to the first may be the ramp at its edge, or a part of it where it is
+thicker; half a cell, by which places are first moved."""
 DRIVEN, NOWHERE = 0.15, 1e6
 """Of the most power that drags take: what they may give, at speeds of one sign, and be a mistake; m and s."""
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
@@ -77,28 +80,45 @@ class Judge:
     def implausible(self, effect: Effect) -> str:
         """Why nobody would call it so on these logs; empty where they would."""
         nowhere_else = "it would be nearly everywhere" if self.held_out.covers(effect) else ""
-        return effect.implausible(*self.held_out.rolling) or nowhere_else
+        return effect.implausible(*self.held_out.rolling) or nowhere_else or self._simpler(effect)
+
+    def _simpler(self, effect: Effect) -> str:
+        """A cart that has the simpler one already has fitted it, and this is what it lacks."""
+        has = effect.simpler in {one.name for one in self.fitted.cart.effects}
+        return f"at these values, it is {effect.simpler}" if effect.simpler and not has else ""
 
     def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
-        implausible = self.implausible(effect)
+        implausible = self.implausible(effect) or self._bends_mass(effect, model)
         nameless = "" if implausible else self._held(effect, model) or self._unsteady(found)
         follows = "" if implausible or nameless else self._outside(effect, score)
         reason = implausible or nameless or follows or self._unsure(effect, score)
         reason = reason or _drives(model.cart, self.held_out.rolling[1])
         if reason:
-            return Verdict(False, reason, is_nameless=bool(nameless or follows))
+            is_spoiled = bool(implausible) and isinstance(effect, SensorEffect)  # wrenches, by what no sensor here does
+            return Verdict(False, reason, is_nameless=bool(nameless or follows) or is_spoiled)
         proof = self.held_out.everywhere if effect.gate.ends else self.held_out
         gain = proof.gain(self.fitted, model)
-        share = gain.share
-        if share >= LEAST_GAIN or gain.of_rest >= LEAST_OF_REST:
+        share, others = gain.share, [one for one in model.cart.effects if one.key != effect.key]
+        is_form = any(_abut(effect, other) for other in others)
+        if share >= LEAST_GAIN or (gain.of_rest >= LEAST_OF_REST and not is_form):
             return Verdict(True, ADDED, share)
-        against = 0.5 * (min(share, 0.0) / max(gain.noise, NO_WORSE)) ** 2
-        if not effect.gate.ends and self.held_out.likelihood(self.fitted, model) > LEAST_LIKELIHOOD + against:
+        least = LEAST_LIKELIHOOD + 0.5 * (min(share, 0.0) / max(gain.noise, NO_WORSE)) ** 2
+        if not (effect.gate.ends or is_form) and self.held_out.likelihood(self.fitted, model) > least:
             return Verdict(True, ADDED, share)
         reason = f"closes {100 * share:.1f} % of the gap on held-out stretches, less than {100 * LEAST_GAIN:g} %"
         return Verdict(False, reason, share, is_unproven=True)
+
+    def _bends_mass(self, effect: Effect, model: Fitted) -> str:
+        """A sensor that is read rightly again brings the mass back to what was believed of it, if anywhere."""
+        if not isinstance(effect, SensorEffect):
+            return ""
+        believed = self.fitted.prior_cart.inertia.mass
+        without, found = (abs(each.cart.inertia.mass - believed) for each in (self.fitted, model))
+        if found <= max(without, self.fitted.prior.mass * believed):
+            return ""
+        return f"with it, the mass would be {model.cart.inertia.mass:.3g} kg, far from {believed:.3g} kg"
 
     def _held(self, effect: Effect, model: Fitted) -> str:
         late = effect.lateness
@@ -129,6 +149,16 @@ class Judge:
         usual = effect.doubt * (ENOUGH_PASSING if effect.gate.passes else searched)
         enough = max(usual, min(BESIDE[effect.gate] * self.strongest, MOST_BESIDE))
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""
+
+
+def _abut(effect: Effect, other: Effect) -> bool:
+    """Whether they are one thing at one place: the second is as well another form of the first, which is as likely on
+    any part of a log, and moves a rollout but little."""
+    if effect.gate is not Gate.INSIDE or type(effect) is not type(other):
+        return False
+    (x, right, y, top), (other_x, other_right, other_y, other_top) = effect.values[:4], other.values[:4]
+    apart = max(x - other_right, other_x - right, y - other_top, other_y - top)
+    return bool(apart < ABUTS)
 
 
 def _drives(cart: CartModel, fastest: float) -> str:

@@ -19,6 +19,9 @@ APART = 4
 """Stretches: noise does not reach so far."""
 SLOWEST, FASTEST = 0.4, 2.0
 """Hz: between which noise is looked for."""
+LEAST_KNOWN = 0.01
+"""Of what a log's stretches tell in the mean: one that tells less, as across a jolt, is left out. Its mean is any
+number, and what it tells may round to less than nothing."""
 
 Linearised = Sequence[tuple[WrenchRegression, Linearisation, float]]
 """Logs, each around the parameters of one cart, and their delays."""
@@ -63,11 +66,19 @@ def _means(linearised: Linearised, duration: float) -> tuple[Array, Array, Array
         begins = np.unique(number)
         own = sums[..., :-1].reshape(len(begins), f, APART, f)[np.arange(len(begins)), :, begins % APART]
         information = (own + np.swapaxes(own, 1, 2)) / 2
-        means.append(np.linalg.solve(information, sums[..., -1:])[..., 0])
+        known = _known(information)
+        information = information[known]
+        means.append(np.linalg.solve(information, sums[known, :, -1:])[..., 0])
         informations.append(information)
-        starts.append(begins * duration + line.time[0])
+        starts.append(begins[known] * duration + line.time[0])
         logs.append(np.full(len(information), k))
     return (np.concatenate(means), np.concatenate(informations), np.concatenate(starts), np.concatenate(logs))
+
+
+def _known(information: Array) -> np.ndarray:
+    """Which stretches (b,) tell, along every direction, enough beside the others."""
+    scale = np.linalg.inv(np.linalg.cholesky(information.mean(axis=0)))
+    return np.asarray(np.linalg.eigvalsh(scale @ information @ scale.T)[:, 0] > LEAST_KNOWN)
 
 
 def noise_excess(linearised: Linearised) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
+from itertools import chain, count, product
 
 from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, SensorEffect
 from cartgrasp.model import CartModel
@@ -29,9 +29,9 @@ def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> list[st
         if len(arms) > 1 and kind.by_arm:
             return [arm for arm in arms if arm not in taken]
         return [] if taken else [""]
-    if not taken:
-        return [""]
-    return [str(len(taken) + 1)] if kind.gate.n_parameters else []
+    if taken and not kind.gate.n_parameters:
+        return []
+    return [next(label for label in chain([""], map(str, count(2))) if label not in taken)]
 
 
 def _on_grid(kind: type[Effect], label: str) -> list[Effect]:

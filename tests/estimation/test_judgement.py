@@ -12,6 +12,8 @@ from cartgrasp.effects import (
     ExternalPush,
     FloorPatch,
     FloorSlope,
+    ForceBias,
+    ForceScale,
     LoadSlosh,
     PayloadChange,
     QuadraticDrag,
@@ -27,6 +29,7 @@ from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.generic import Dependence
 from estimation.discrepancy.held_out import Gain, deviation_of_mean
 from estimation.discrepancy.judgement import Judge, _drives
+from estimation.prior import Prior
 
 WHEELS = WheelSet.of(
     (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.7, 0.0, 0.05)), rolls_along_x=True
@@ -67,10 +70,14 @@ class Fit:
     excess: float = 1.0
     is_late: bool = False
     regressions: tuple = (SimpleNamespace(step=0.01),)
+    others: tuple = ()
+    mass: float = 20.0
+    prior: Prior = field(default_factory=Prior)
+    prior_cart: CartModel = field(default_factory=lambda: CartModel(Inertia(20.0, (0.3, 0.0), 1.5)))
 
     @property
     def cart(self):
-        return CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(self.effect,))
+        return CartModel(Inertia(self.mass, (0.3, 0.0), 1.5), effects=(*self.others, self.effect or ViscousDrag()))
 
     def follows(self, is_periodic):
         return self.dependence if self.dependence and self.dependence.is_periodic >= is_periodic else None
@@ -84,11 +91,16 @@ def follows(foretold, period=2.2):
     return Dependence("time, periodic", 0, period, "s", 40.0, 1.0, foretold)
 
 
-def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0):
+def patch(x, y, label="", side=1.0):
+    return FloorPatch(x_min=x, x_max=x + side, y_min=y, y_max=y + side, coefficient=0.03, label=label)
+
+
+def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, strongest=0.0, **model):
     judge = Judge(before or Fit(), proof or Proof(), strongest)
     effect = effect or QuadraticDrag(coefficient=5.0)
     none = np.zeros(0)
-    return judge.verdict(Finding(effect, score, score, none, none, none, *change), score, Fit(effect=effect))
+    found = Finding(effect, score, score, none, none, none, *change)
+    return judge.verdict(found, score, Fit(effect=effect, **model))
 
 
 def test_what_is_probable_steady_and_gains_is_added():
@@ -148,6 +160,33 @@ def test_one_gain_is_enough(proof):
     assert judged(proof=proof).is_added
 
 
+@pytest.mark.parametrize(
+    ("place", "is_another"),
+    [
+        ((0.2, 0.2, 0.6), False),
+        ((-0.1, -0.1, 1.2), False),
+        ((0.5, -3.0, 9.0), False),
+        ((1.1, 0.0), False),
+        ((1.3, 0.0), True),
+        ((0.0, -1.3), True),
+        ((-2.0, -2.0), True),
+    ],
+)
+@pytest.mark.parametrize(
+    "proof", [Proof(share=0.04, log_likelihood=90.0), Proof(share=0.04, of_rest=0.9)], ids=["likely", "of the rest"]
+)
+def test_a_second_patch_at_the_firsts_place_is_its_form(place, is_another, proof):
+    """A carpet with ramps for edges is one, whose middle and rim look like two; unless it moves the cart itself."""
+    told = {"effect": patch(*place[:2], "2", *place[2:]), "others": (patch(0.0, 0.0),)}
+    assert judged(**told, proof=proof).is_added == is_another
+    assert judged(**told, proof=Proof(share=0.06)).is_added
+
+
+def test_a_patch_in_a_gust_is_a_patch():
+    """Nothing else that acts there is a form of it."""
+    assert judged(patch(0.0, 0.0), proof=Proof(share=0.01, log_likelihood=9.0), others=(FloorSlope(),)).is_added
+
+
 def test_what_a_period_does_not_foretell_is_none_of_its():
     assert judged(before=Fit(follows(0.11), {0: 900.0})).is_added
     assert judged(before=Fit(follows(0.09), {0: 9000.0})).is_added
@@ -186,6 +225,19 @@ def test_a_drag_may_be_less_one_way_than_what_is_known_of_it():
     assert _drives(cart.with_effect(DirectionalDrag(forward=-17.0, backward=11.0)), 0.8)
 
 
+@pytest.mark.parametrize(
+    ("forward", "backward", "is_one"),
+    [(16.7, 16.5, False), (9.1, 10.0, False), (8.9, 10.0, True), (0.0, 3.0, True), (10.0, 0.0, True)],
+)
+def test_a_drag_that_is_alike_both_ways_has_none(forward, backward, is_one):
+    """It is viscous drag, where the cart has none yet that could make up for both."""
+    drag = DirectionalDrag(forward=forward, backward=backward)
+    verdict = judged(drag, before=Fit(effect=QuadraticDrag()))
+    assert verdict.is_added == is_one
+    assert is_one or "it is viscous_drag" in verdict.reason
+    assert judged(drag, before=Fit(effect=ViscousDrag(linear=4.0))).is_added
+
+
 def test_what_is_remembered_may_have_been_remembered_wrongly():
     casters = CasterRealignment(swivel_torque=0.2, trail=0.05)
     assert judged(casters, change=(0.1, 0.9)).is_added
@@ -194,6 +246,30 @@ def test_what_is_remembered_may_have_been_remembered_wrongly():
 
 def test_a_delay_of_some_samples_is_one():
     assert judged(TimeDelay(delay=0.013)).is_added
+
+
+@pytest.mark.parametrize(("gain", "is_one"), [(0.39, False), (0.41, True), (0.9, True), (2.45, True), (2.55, False)])
+def test_a_gain_is_that_of_a_sensor(gain, is_one):
+    assert judged(ForceScale(gain=gain)).is_added == is_one
+
+
+@pytest.mark.parametrize(
+    ("effect", "without", "mass", "is_one"),
+    [
+        (ForceScale(gain=0.6), 12.0, 20.0, True),
+        (ForceScale(gain=0.6), 16.0, 27.0, True),
+        (ForceScale(gain=2.0), 20.0, 11.9, False),
+        (ForceScale(gain=0.6), 20.0, 28.1, False),
+        (ForceScale(gain=0.6), 31.0, 29.0, True),
+        (ForceBias(fx=3.0), 20.0, 11.9, False),
+        (QuadraticDrag(coefficient=5.0), 20.0, 11.9, True),
+    ],
+)
+def test_a_sensor_that_is_read_rightly_makes_no_other_cart(effect, without, mass, is_one):
+    """Of 20 kg, to 40 %; but for one that was further off before."""
+    verdict = judged(effect, before=Fit(mass=without), mass=mass)
+    assert verdict.is_added == is_one
+    assert is_one or f"{mass:.3g} kg, far from 20 kg" in verdict.reason
 
 
 def test_how_a_delay_varies_is_not_seen_from_another():
@@ -222,9 +298,12 @@ def test_noise_of_a_gain():
         ({"before": Fit(follows(0.11), {0: 900.0})}, False),
         ({"score": 6.9}, False),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9)}, False),
+        ({"effect": ForceScale(gain=4.2)}, True),
+        ({"effect": ForceScale(gain=0.6), "mass": 8.0}, True),
         ({"effect": LoadSlosh(mass=3.0, damping=0.9), "change": (0.1, 1.1)}, False),
     ],
 )
 def test_what_is_there_without_a_name(case, is_nameless):
-    """So that nothing that explains less is its name: it drifts, or follows a period that no effect has."""
+    """So that nothing that explains less is its name: it drifts, follows a period that no effect has, or is what spoils
+    an arm's wrenches."""
     assert judged(**case).is_nameless == is_nameless

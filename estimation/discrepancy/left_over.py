@@ -1,0 +1,34 @@
+"""How much a model leaves, in N and N·m: what its residual scatters beyond noise, and what pushes rollouts away."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from .gap import Gap
+from .held_out import BEYOND_NOISE, HORIZON
+from .rollouts import COORDINATES
+from .scatter import Scatter
+
+FREE = {1: (0,), 2: (0, 2), 3: (0, 1, 2)}
+"""Which coordinates of a rollout are free directions."""
+
+
+def beyond_noise(scatter: Scatter) -> Array:
+    """Root mean square of the residual's means (f,), less their noise."""
+    known = np.diagonal(scatter.information, axis1=1, axis2=2)
+    return np.asarray(np.sqrt(np.maximum((scatter.mean**2 - scatter.excess / known).mean(axis=0), 0.0)))
+
+
+def missing_push(gap: Gap, cart: CartModel) -> Array:
+    """Wrench (f,) that is missing all along rollouts from the held-out stretches, root mean square, where they end
+    farther away than noise takes them: an acceleration a misses by `a T² / 2`."""
+    f = cart.constraints.n_free
+    if gap.after <= BEYOND_NOISE * gap.noise_floor:
+        return np.zeros(f)
+    told = [gap.per_coordinate[COORDINATES[i]] for i in FREE[f]]
+    missed = np.sqrt([max(one["after"] ** 2 - one["noise_floor"] ** 2, 0.0) for one in told])
+    mass = cart.regressor(np.zeros((f, f)), np.eye(f)) @ cart.inertia.phi
+    return np.asarray(np.sqrt((mass**2) @ (2 * missed / HORIZON**2) ** 2))
