@@ -22,7 +22,7 @@ from .gap import Gap, measured_gap
 from .generic import Course, Dependence
 from .glitches import without_glitches
 from .held_out import BEYOND_NOISE
-from .left_over import beyond_noise, missing_push
+from .left_over import beyond_noise, followed, missing_push
 from .log_check import LogCheck, check_rows, checked
 from .scatter import Scatter
 from .selection import Selection, Step, select
@@ -125,7 +125,7 @@ class Diagnosis:
     @property
     def _is_left(self) -> bool:
         """Whether the residual is more than noise: what takes away a part of less is no thing without a name."""
-        return any(beyond_noise(scatter).any() for scatter in (self.after[0], self.selection.final.fine))
+        return bool(beyond_noise(self.after[0]).any())
 
     @property
     def _much_remains(self) -> bool:
@@ -149,11 +149,12 @@ class Diagnosis:
 
     @property
     def unexplained(self) -> dict[str, Any]:
-        """What the final model leaves: root mean square size beyond noise by coordinate, of the residual, or of what
-        pushes rollouts away, where that is more; and what it depends on."""
+        """What the final model leaves: root mean square size beyond noise by coordinate, of the residual, of what
+        it follows, or of what pushes rollouts away, whatever is the most; and what it depends on."""
         size, f = beyond_noise(self.after[0]), self.nominal_cart.constraints.n_free
         if self.verdict in ("unexplained", "partly_explained"):
-            size = np.max([size, beyond_noise(self.selection.final.fine), missing_push(self.gap, self.cart)], axis=0)
+            dependences = followed(self.selection.final.polygon, self.remaining)
+            size = np.max([size, dependences, missing_push(self.gap, self.cart)], axis=0)
         sizes = dict(zip(DIRECTIONS[f], size.tolist(), strict=True))
         told: dict[str, Any] = {"size": sizes, "depends_on": [_phrase(d, f) for d in self.remaining]}
         periods = [(d.period, d.unit) for d in self.remaining if d.period is not None]

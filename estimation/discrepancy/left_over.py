@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from .gap import Gap
+from .generic import Dependence
 from .held_out import BEYOND_NOISE, HORIZON
+from .polygon import Polygon
 from .rollouts import COORDINATES
 from .scatter import Scatter
 
@@ -20,6 +24,17 @@ def beyond_noise(scatter: Scatter) -> Array:
     """Root mean square of the residual's means (f,), less their noise."""
     known = np.diagonal(scatter.information, axis1=1, axis2=2)
     return np.asarray(np.sqrt(np.maximum((scatter.mean**2 - scatter.excess / known).mean(axis=0), 0.0)))
+
+
+def followed(polygon: Polygon, dependences: Sequence[Dependence]) -> Array:
+    """Root mean square (f,) of the largest part of the residual that follows something, as of a constant that is as
+    sure."""
+    found = np.zeros(polygon.value.shape[1])
+    for one in dependences:
+        constant = np.square(polygon.whitened(one.direction, np.ones((len(polygon.time), 1)))).sum()
+        taken = one.share * np.square(polygon.standard(one.direction)).sum()
+        found[one.direction] = max(found[one.direction], np.sqrt(taken / constant))
+    return found
 
 
 def missing_push(gap: Gap, cart: CartModel) -> Array:

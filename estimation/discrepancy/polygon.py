@@ -25,7 +25,7 @@ REACH = 7
 NEGLIGIBLE = 1e-3
 """Of a factor's diagonal."""
 LOAD = 1e-6
-"""Of a node's information: far less than anything tells."""
+"""Of what nodes tell in the mean: what one that tells nothing, as across a jolt, is taken to tell."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def _banded(number: np.ndarray, information: Array) -> Array:
                 below = later * f + j - i
                 if below >= 0:
                     band[below, first * f + i] = own[:, i, j]
-    band[0] *= 1 + LOAD
+    band[0] += LOAD * band[0].mean()
     return band
 
 

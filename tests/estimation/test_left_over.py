@@ -1,5 +1,6 @@
 """What a model leaves, in N and N·m, against a push that the test leaves out."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,11 +11,18 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy.diagnosis import Diagnosis
 from estimation.discrepancy.gap import Gap
-from estimation.discrepancy.left_over import beyond_noise, missing_push
+from estimation.discrepancy.generic import Dependence
+from estimation.discrepancy.left_over import beyond_noise, followed, missing_push
+from estimation.discrepancy.polygon import Polygon
 from estimation.discrepancy.scatter import Scatter
 from estimation.discrepancy.selection import Attempt, Selection, Step
 
 MASS, COM, ABOUT_COM = 20.0, (0.0, 0.1), 2.0
+
+
+NODES = np.arange(400.0)
+POLYGON = Polygon(NODES, np.zeros(400, dtype=int), np.zeros((400, 2)), (np.full((1, 400), 2.0), np.full((1, 400), 0.5)))
+"""Of nodes that are known to 0.5 N and 2 N m, one apart from the other."""
 
 
 def gap_of(forward, heading, after=0.1, floor=0.01):
@@ -49,7 +57,7 @@ def diagnosis_of(left, gap):
     scatter = Scatter(np.tile(alternating[:, None], 2), np.tile(np.eye(2), (400, 1, 1)), np.arange(400), np.zeros(1), 1)
     cart = CartModel(Inertia(MASS, COM, ABOUT_COM))
     step = Step((Attempt("load_slosh", "load_slosh", 168.0, -22.0, "not proven", is_there=True),), None)
-    selection = Selection(SimpleNamespace(), SimpleNamespace(fine=scatter), (step,), None, (), {})
+    selection = Selection(SimpleNamespace(), SimpleNamespace(polygon=POLYGON), (step,), None, (), {})
     return Diagnosis(cart, selection, (), None, (scatter, None), (), gap, SimpleNamespace(cart=cart))
 
 
@@ -73,3 +81,10 @@ def test_a_residual_beyond_its_noise():
     mean = random.standard_normal((n, 2)) * [1.0, 0.1] + np.outer(np.sign(np.sin(np.arange(n) / 7)), [3.0, 0.0])
     scatter = Scatter(mean, np.tile(np.diag([2.0, 50.0]), (n, 1, 1)), np.arange(n), np.zeros(n, dtype=int), 2.0)
     assert beyond_noise(scatter) == pytest.approx([3.0, 0.0], rel=0.03)
+
+
+def test_what_follows_something_has_the_size_of_its_wave():
+    value = np.column_stack([np.zeros(400), 3.0 * np.sin(2 * np.pi * NODES / 40)])
+    heading = Dependence("heading", 1, None, "", 30.0, 1.0, 1.0)
+    found = followed(replace(POLYGON, value=value), [replace(heading, share=0.25), heading])
+    assert found == pytest.approx([0.0, 3.0 / np.sqrt(2)])
