@@ -82,35 +82,49 @@ class Course:
 def dependences(polygon: Polygon, course: Course) -> list[Dependence]:
     """The best of each family along each free direction, the most probable first. More harmonics tell a period alone:
     so flexible a family takes some of anything away."""
-    families, found = list(_families(course)), list[Dependence]()
     directions = [_Seen.of(polygon, i) for i in range(polygon.value.shape[1])]
-    looks = [[_Look.of(family, seen) for family in families] for seen in directions]
-    together = [_together(family, own) for family, own in zip(families, zip(*looks, strict=True), strict=True)]
-    for seen, own in zip(directions, looks, strict=True):
-        best: dict[str, tuple[Dependence, Array]] = {}
-        for family, look, both in zip(families, own, together, strict=True):
-            k = int(np.argmax(look.factor))
-            one, columns = look.told(k), look.columns[k]
-            if both is not None and both[0] == seen.direction and both[2] > one.log_factor:
-                one, columns = replace(look.told(both[1]), log_factor=both[2]), look.columns[both[1]]
-            if one.period is not None and one.log_factor > 0 and family.finer is not None:
-                finer = _Look.of(family.finer(one.period), seen)
-                known = finer.told(int(np.argmax(finer.factor)))
-                one = replace(one, period=known.period) if known.log_factor > look.factor[k] else one
-            if family.name not in best or one.log_factor > best[family.name][0].log_factor:
-                best[family.name] = one, columns
-        found += [replace(one, foretold=_foretold(seen, by)) for one, by in best.values()]
+    best = [dict[str, tuple[Dependence, Array]]() for _ in directions]
+    for family in _families(course):
+        looks = [_Look.of(family, seen) for seen in directions]
+        together = _together(family, looks)
+        for seen, look, known in zip(directions, looks, best, strict=True):
+            one, columns = _told(look, together, seen)
+            if family.name not in known or one.log_factor > known[family.name][0].log_factor:
+                known[family.name] = one, columns
+    found = [
+        replace(one, foretold=_foretold(seen, columns))
+        for seen, known in zip(directions, best, strict=True)
+        for one, columns in known.values()
+    ]
     return sorted(found, key=lambda one: -one.log_factor)
 
 
-def _together(family: _Family, looks: Sequence[_Look]) -> tuple[int, int, float] | None:
-    """Where a family fits all directions best: in which of them it takes the most, at which setting, and the log of the
-    Bayes factor of all."""
+Together = tuple[int, int, float]
+"""Where a family fits all directions best: in which of them it takes the most, at which setting, and the log of the
+Bayes factor of all."""
+
+
+def _together(family: _Family, looks: Sequence[_Look]) -> Together | None:
+    """Of what has a period."""
     if family.periods is None:
         return None
     factor = np.sum([look.factor for look in looks], axis=0) + (len(looks) - 1) * np.log(family.tried)
     k = int(np.argmax(factor))
     return int(np.argmax([look.share[k] for look in looks])), k, float(factor[k])
+
+
+def _told(look: _Look, together: Together | None, seen: _Seen) -> tuple[Dependence, Array]:
+    """Where a family fits best, with its columns (b, k) there; what these foretell is not worked out."""
+    k, family = int(np.argmax(look.factor)), look.family
+    one, own = look.told(k), float(look.factor[k])
+    if together is not None and together[0] == seen.direction and together[2] > own:
+        k = together[1]
+        one = replace(look.told(k), log_factor=together[2])
+    if one.period is not None and one.log_factor > 0 and family.finer is not None:
+        finer = _Look.of(family.finer(one.period), seen)
+        known = finer.told(int(np.argmax(finer.factor)))
+        one = replace(one, period=known.period) if known.log_factor > own else one
+    return one, look.columns[k].copy()
 
 
 @dataclass(frozen=True)
