@@ -5,7 +5,8 @@ because headings turn what is measured. Wrenches stay out: what they are regress
 (errors in variables, physics 11), and the smoothed motion is the mean of the true one given what was measured, so that
 its errors do not bias a regression on it. How much jerk there is, the likelihood of the measurements tells; where a
 jolt is seen, there is more. A single sample that is off is no jolt, and is left out: jerk that makes room for it would
-be as wrong as the motion that follows it.
+be as wrong as the motion that follows it. Where the pose's noise remembers (`pose_colour.py`), its slow part is a state
+beside the motion.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from ..log_noise import MAD_TO_STD
 from ..noise import FilterNoise
 from ..outliers import outlying, usual_distance
 from .block_tridiagonal import BlockTridiagonal, Factor
+from .pose_colour import PoseColour, SlowNoise, colour_of_poses
+from .smooth_motion import SmoothMotion
 
 ROUNDS, SETTLED = 8, 1e-6
 LONG_GAP = 0.3
@@ -30,8 +33,14 @@ LONG_GAP = 0.3
 PATH_FLOOR = 1e-6
 """m, rad: what a step's quadrature may miss."""
 FIRST_JERK = 3.0
-JERKS = 10.0 ** np.arange(-3.0, 3.5, 0.5)
+JERKS = 10.0 ** np.arange(-3.0, 3.5, 0.5)[:, None]
 """m/s³ √s or rad/s³ √s: root densities that are tried."""
+NEAR = 10.0 ** np.array([[-0.5], [0.0], [0.5]])
+"""Times those that are near."""
+SHARES = 2.0 ** np.arange(-1.5, 2.0, 0.5)
+"""Times a first guess of slow noise: what is tried."""
+COLOUR_WAYS = np.array([[0.0, 1.0, 0.0], [0.5, 0.5, 1.0], [1.0, 1.0, 0.0]])
+"""Powers of these: of a position's and a heading's standard deviation and of the correlation time."""
 WINDOW = 0.25
 """s: jerk may be larger for as long as this, where a start or a jolt is seen."""
 MISFITS, RAISE, RAISES = 4.0, 3.0, 6
@@ -42,74 +51,6 @@ MOST_OFF = 0.05
 """Of the samples: what happens more often is no accident."""
 LOOSE = np.array([1e2, 1e1, 1e2])
 """Standard deviations of pose, nu and nu' before anything is measured."""
-
-
-@dataclass(frozen=True)
-class SmoothMotion:
-    """At the rows of a log: pose (n, 3), nu (n, f), nu' (n, f), and the information about `(pose, nu, nu')` that the
-    measurements hold (at every row, where these are `paired`), with what of it they tell row by row, `measured`
-    (n, d, d). `linked` (n - 1,) says which neighbours belong together.
-    """
-
-    time: Array
-    pose: Array
-    velocity: Array
-    acceleration: Array
-    information: BlockTridiagonal
-    measured: Array
-    linked: np.ndarray
-    jerk: Array
-
-    @cached_property
-    def velocity_std(self) -> Array:
-        """Of nu (f,), in the middle of the log."""
-        n, d, _ = self.information.diagonal.shape
-        f = self.velocity.shape[1]
-        one = np.zeros((n, d, f))
-        one[n // 2, 3 : 3 + f] = np.eye(f)
-        return np.sqrt(np.diagonal(self.information.factor().solve(one)[n // 2, 3 : 3 + f]))
-
-    def drawn(self, generator: np.random.Generator) -> Array:
-        """Errors of `(pose, nu, nu')` (n, d) at every row that the sensors' noise makes."""
-        white = generator.standard_normal(self.measured.shape[:2])
-        pull = (np.linalg.cholesky(self.measured) @ white[..., None])[..., 0]
-        return self.information.factor().solve(pull)
-
-    def drawn_rows(self, generator: np.random.Generator) -> Array:
-        """The same at these rows."""
-        n = len(self.time)
-        size = len(self.measured) // n
-        return np.asarray(self.drawn(generator)[: size * n].reshape(n, size, -1).mean(axis=1))
-
-    @cached_property
-    def noisier(self) -> SmoothMotion:
-        """With as much noise of the sensors again."""
-        parts = np.split(self.drawn_rows(np.random.default_rng(0)), [3, 3 + self.velocity.shape[1]], axis=1)
-        pose, velocity, acceleration = (a + b for a, b in zip(self._parts, parts, strict=True))
-        return replace(self, pose=pose, velocity=velocity, acceleration=acceleration)
-
-    @property
-    def _parts(self) -> tuple[Array, Array, Array]:
-        return self.pose, self.velocity, self.acceleration
-
-    @property
-    def speed(self) -> Array:
-        """Of {b}'s origin (n,), whatever way it goes."""
-        return np.abs(self.velocity[:, 0]) if self.velocity.shape[1] < 3 else np.hypot(*self.velocity[:, :2].T)
-
-    def paired(self) -> SmoothMotion:
-        """Means of two rows each."""
-        n = len(self.time) // 2
-        columns = (self.time, self.pose, self.velocity, self.acceleration)
-        time, pose, velocity, acceleration = ((c[: 2 * n : 2] + c[1 : 2 * n : 2]) / 2 for c in columns)
-        whole, between = self.linked[: 2 * n - 1 : 2], self.linked[1 : 2 * n - 2 : 2]
-        linked = whole[:-1] & between & whole[1:]
-        rest = linked, self.jerk[: 2 * n - 2 : 2]
-        return SmoothMotion(time, pose, velocity, acceleration, self.information, self.measured, *rest)
-
-    @property
-    def state(self) -> Array:
-        return np.hstack(self._parts)
 
 
 @dataclass(frozen=True)
@@ -124,6 +65,25 @@ class _Chain:
     noise: FilterNoise
     first: Array
     sideways: float
+    slow: SlowNoise | None = None
+
+    @property
+    def size(self) -> int:
+        """Of the motion's state; slow noise of the pose is behind it."""
+        return 3 + 2 * int(self.basis.shape[1])
+
+    @cached_property
+    def pose_covariance(self) -> Array:
+        """Of the white noise."""
+        if self.slow is None:
+            return self.noise.pose_covariance
+        x, _, heading = np.sqrt(np.diagonal(self.noise.pose_covariance))
+        white = self.slow.colour.white(np.array([x, heading]), float(np.median(self.steps)))
+        return np.diag(white[[0, 0, 1]] ** 2)
+
+    def coloured(self, colour: PoseColour) -> _Chain:
+        first = np.hstack([self.first[:, : self.size], np.zeros((len(self.first), 3))])
+        return replace(self, first=first, slow=SlowNoise.of(colour, self.steps, self.linked))
 
     def without(self, off: np.ndarray) -> _Chain:
         """But for the samples (n, 4) that are `off`: x, y, theta, and the velocity."""
@@ -144,6 +104,10 @@ def smooth_motion(log: RunLog, cart: CartModel, noise: FilterNoise) -> SmoothMot
         if not off.any():
             break
         chain = chain.without(off)
+    if chain.slow is not None:
+        chain = _likelier(chain, state, jerk)
+        state = _settle(chain, state, jerk)[0]
+        jerk = _likeliest(chain, state, jerk, jerk * NEAR)
     jerk = np.tile(jerk, (max(len(log) - 1, 0), 1))
     state, information = _settle(chain, state, jerk)
     for _ in range(RAISES):
@@ -152,9 +116,9 @@ def smooth_motion(log: RunLog, cart: CartModel, noise: FilterNoise) -> SmoothMot
             break
         jerk[jolted] *= RAISE
         state, information = _settle(chain, state, jerk)
-    pose, velocity, acceleration = np.split(state, [3, 3 + n_free], axis=1)
-    measured = _measured(chain, state)[0].diagonal
-    return SmoothMotion(log.time, pose, velocity, acceleration, information, measured, chain.linked, jerk)
+    pose, velocity, acceleration = np.split(state[:, : chain.size], [3, 3 + n_free], axis=1)
+    measured = _measured(chain, state)[0].diagonal[:, : chain.size, : chain.size]
+    return SmoothMotion(log.time, pose, velocity, acceleration, information, measured, chain.linked, jerk, chain.slow)
 
 
 def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
@@ -168,7 +132,13 @@ def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
             first[:, i] = np.interp(log.time, log.time[seen], pose[seen, i])
     steps = np.diff(log.time)
     sideways = noise.sideways(cart)
-    return _Chain(cart.basis_b, steps, steps < LONG_GAP, pose, log.velocity, noise, first, sideways)
+    chain = _Chain(cart.basis_b, steps, steps < LONG_GAP, pose, log.velocity, noise, first, sideways)
+    if cart.constraints.axle_x is None:
+        return chain
+    seen = np.asarray(np.isfinite(pose).all(axis=1))
+    rolling = first[seen, :3] + [0.0, 0.0, np.arctan2(cart.basis_b[1, 0], cart.basis_b[0, 0])]
+    colour = colour_of_poses(log.time[seen], rolling, cart.constraints.axle_x, noise.heading / noise.position)
+    return chain if colour is None else chain.coloured(colour)
 
 
 def _settle(chain: _Chain, state: Array, jerk: Array) -> tuple[Array, BlockTridiagonal]:
@@ -181,57 +151,77 @@ def _settle(chain: _Chain, state: Array, jerk: Array) -> tuple[Array, BlockTridi
     return state, _normal(chain, state, jerk)[0]
 
 
-def _likeliest(chain: _Chain, state: Array, jerk: Array) -> Array:
-    """Root densities (f,), one after the other, from a motion that is nearly right."""
+def _likeliest(chain: _Chain, state: Array, jerk: Array, jerks: Array = JERKS) -> Array:
+    """Root densities (f,) among `jerks` (k, 1) or (k, f), one after the other, from a motion that is nearly right."""
     for i in range(len(jerk)):
-        tried = [np.where(np.arange(len(jerk)) == i, value, jerk) for value in JERKS]
+        tried = [np.where(np.arange(len(jerk)) == i, value, jerk) for value in jerks]
         jerk = min(tried, key=lambda one: _surprise(chain, state, one))
     return jerk
 
 
+def _likelier(chain: _Chain, state: Array, jerk: Array) -> _Chain:
+    """With the colour that the measurements make most likely, way by way."""
+    for way in COLOUR_WAYS:
+        assert chain.slow is not None
+        tried = [chain.coloured(chain.slow.colour.times(share**way)) for share in SHARES]
+        chain = min(tried, key=lambda one: _surprise(one, state, jerk))
+    return chain
+
+
 def _surprise(chain: _Chain, state: Array, jerk: Array) -> float:
-    """-2 log of the likelihood of the measurements, but for what does not depend on the jerk."""
+    """-2 log of the likelihood of the measurements, but for what depends neither on the jerk nor on the colour."""
     information, gradient, cost = _normal(chain, state, jerk)
     factor: Factor = information.factor()
     explained = float((gradient * factor.solve(gradient)).sum())
     normaliser = 4.0 * float(np.log(jerk).sum()) * int(chain.linked.sum())  # q² is in the determinant of each step
+    if chain.slow is not None:
+        known = np.isfinite(chain.pose).sum(axis=0)
+        normaliser += float((known * np.log(np.diagonal(chain.pose_covariance))).sum()) - chain.slow.log_determinant
     return cost - explained + factor.log_determinant + normaliser
 
 
 def _normal(chain: _Chain, state: Array, jerk: Array) -> tuple[BlockTridiagonal, Array, float]:
     """Information, `-Jᵀ W residual` (n, d) and cost at a state."""
-    seen, gradient, cost = _measured(chain, state)
-    residual, first, second, weights = _steps(chain, state, jerk)
+    information, gradient, cost = _measured(chain, state)
+    size = chain.size
+    residual, first, second, weights = _steps(chain, state[:, :size], jerk)
     weighted = (weights @ residual[..., None])[..., 0]
-    gradient[:-1] -= np.einsum("nki,nk->ni", first, weighted)
-    gradient[1:] -= np.einsum("nki,nk->ni", second, weighted)
-    information = seen + BlockTridiagonal.of_pairs(first, second, weights)
+    gradient[:-1, :size] -= np.einsum("nki,nk->ni", first, weighted)
+    gradient[1:, :size] -= np.einsum("nki,nk->ni", second, weighted)
+    moved = BlockTridiagonal.of_pairs(first, second, weights)
+    information.diagonal[:, :size, :size] += moved.diagonal
+    information.below[:, :size, :size] += moved.below
     return information, gradient, cost + float((residual * weighted).sum())
 
 
 def _measured(chain: _Chain, state: Array) -> tuple[BlockTridiagonal, Array, float]:
     n, d = state.shape
     n_free = chain.basis.shape[1]
-    loose = np.repeat(LOOSE, [3, n_free, n_free]) ** -2.0
+    loose = np.append(np.repeat(LOOSE, [3, n_free, n_free]) ** -2.0, np.zeros(d - chain.size))
     information = BlockTridiagonal.zeros(n, d)
     diagonal = information.diagonal
     diagonal[:, range(d), range(d)] = loose
     gradient = -loose * (state - chain.first)
     cost = float((loose * (state - chain.first) ** 2).sum())
-    for residual, weights, where in _sensors(chain, state):
-        diagonal[:, where, where] += weights
+    if chain.slow is not None:
+        cost += chain.slow.add_to(information, gradient, state[:, chain.size :])
+    for residual, weights, parts in _sensors(chain, state):
         pull = (weights @ residual[..., None])[..., 0]
-        gradient[:, where] += pull
         cost += float((residual * pull).sum())
+        for one in parts:
+            gradient[:, one] += pull
+            for other in parts:
+                diagonal[:, one, other] += weights
     return information, gradient, cost
 
 
-def _sensors(chain: _Chain, state: Array) -> list[tuple[Array, Array, slice]]:
-    """Residuals (n, k), weights (n, k, k), and which part of the state they tell."""
+def _sensors(chain: _Chain, state: Array) -> list[tuple[Array, Array, list[slice]]]:
+    """Residuals (n, k), weights (n, k, k), and which parts of the state they tell the sum of."""
     known = np.isfinite(chain.pose)
-    residual = np.where(known, chain.pose - state[:, :3], 0.0)
-    weights = known[:, :, None] * np.linalg.inv(chain.noise.pose_covariance)
-    found = [(residual, weights, slice(0, 3))]
+    parts = [slice(0, 3)] if chain.slow is None else [slice(0, 3), slice(chain.size, chain.size + 3)]
+    residual = np.where(known, chain.pose - sum(state[:, part] for part in parts), 0.0)
+    weights = known[:, :, None] * np.linalg.inv(chain.pose_covariance)
+    found = [(residual, weights, parts)]
     if chain.velocity is not None:
         n_free = chain.basis.shape[1]
         to_free = np.linalg.pinv(chain.basis) @ np.swapaxes(body_to_world(state[:, 2]), 1, 2)
@@ -239,19 +229,19 @@ def _sensors(chain: _Chain, state: Array) -> list[tuple[Array, Array, slice]]:
         measured = (to_free @ np.where(whole[:, None], chain.velocity, 0.0)[..., None])[..., 0]
         covariance = to_free @ chain.noise.velocity_covariance @ np.swapaxes(to_free, 1, 2)
         residual = np.where(whole[:, None], measured - state[:, 3 : 3 + n_free], 0.0)
-        found.append((residual, whole[:, None, None] * np.linalg.inv(covariance), slice(3, 3 + n_free)))
+        found.append((residual, whole[:, None, None] * np.linalg.inv(covariance), [slice(3, 3 + n_free)]))
     return found
 
 
 def _off(chain: _Chain, state: Array) -> np.ndarray:
     """Samples (n, 4) that are off as in `_Chain.without`: their residuals stand out from those around them."""
     found = np.zeros((len(state), 4), dtype=bool)
-    for residual, weights, told in _sensors(chain, state):
+    for residual, weights, parts in _sensors(chain, state):
         weight = np.diagonal(weights, axis1=1, axis2=2)
         for i, column in enumerate(np.where(weight > 0, residual * np.sqrt(weight), np.nan).T):
             own = outlying(column, OFF * max(1.0, MAD_TO_STD * usual_distance(column)))
             if own.mean() < MOST_OFF:
-                found[:, min(told.start + i, 3)] |= own
+                found[:, min(parts[0].start + i, 3)] |= own
     return found
 
 

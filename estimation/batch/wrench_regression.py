@@ -30,8 +30,9 @@ from ..log_noise import noise_of_log
 from ..noise import FilterNoise
 from .block_tridiagonal import Factor
 from .linearisation import Evidence, Linearisation
-from .motion_smoother import SmoothMotion, smooth_motion
+from .motion_smoother import smooth_motion
 from .noise_colour import NoiseColour, with_noise_states
+from .smooth_motion import SmoothMotion
 from .wrench_record import WrenchRecord
 
 BLOCK = 0.5
@@ -188,6 +189,10 @@ class WrenchRegression:
         """Slopes by the states of the chain from `nodes` (m,) to the next, slow noise among them, and the factor of
         what wrenches and smoother know of these states."""
         f = weights.shape[1]
+        beside = self.motion.information.diagonal.shape[1] - slopes[0].shape[2]
+        if beside:
+            nothing = np.zeros((len(nodes), f, beside))
+            slopes = np.concatenate([slopes[0], nothing], axis=2), np.concatenate([slopes[1], nothing], axis=2)
         if self.colour is not None and self.colour.remembers:
             shares = (0.5, 0.5) if self.size > 1 else (1.0, 0.0)
             by_noise = (np.broadcast_to(share * np.eye(f), (len(nodes), f, f)) for share in shares)

@@ -13,7 +13,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from ..batch.motion_smoother import SmoothMotion
+from ..batch.smooth_motion import SmoothMotion
 from .polygon import Polygon
 
 FREQUENCIES = 0.1, 4.0

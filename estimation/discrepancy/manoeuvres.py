@@ -6,7 +6,7 @@ import numpy as np
 
 from cartgrasp.wheels import FIXED
 
-from ..batch.motion_smoother import SmoothMotion
+from ..batch.smooth_motion import SmoothMotion
 from ..batch.wrench_regression import WrenchRegression
 
 SHORTEST, USUAL, LONGEST = 1.5, 2.5, 6.0

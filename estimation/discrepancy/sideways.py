@@ -151,7 +151,8 @@ def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array
     n = len(spans)
     duration = motion.time[spans[:, 1]] - motion.time[spans[:, 0]]
     noise = regression.row_noise
-    covariance = noise.position**2 * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
+    slow = 0.0 if motion.slow is None else motion.slow.colour.position
+    covariance = (noise.position**2 + slow**2) * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
     turned = noise.heading * np.abs(motion.velocity[spans[:, 0], 0]) * duration
     covariance += np.diag(noise.slip**2 * duration + turned**2 * (motion.time[1] - motion.time[0]) / duration)
     return moved[whole], covariance[np.ix_(whole, whole)], spans[whole]

@@ -1,0 +1,191 @@
+"""Pose noise that remembers, by other roads: dense Gaussian processes, differences, and the tests' own equations."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.model import CartModel
+from estimation.batch import identify
+from estimation.batch.motion_smoother import smooth_motion
+from estimation.batch.pose_colour import PoseColour, SlowNoise
+from estimation.log_noise import noise_of_log
+
+from .runs import STEP, simulate_two_hands
+
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(linear=2.0, angular=1.0),))
+WHITE, SLOW, TIME = 0.0005, 0.001, 0.2
+
+
+def remembering(n, random, time=TIME, step=STEP):
+    """Noise (n, 3) of unit variance that fades with a correlation time."""
+    fade = np.exp(-step / time)
+    white = random.standard_normal((n, 3))
+    white[1:] *= (1 - fade**2) ** 0.5
+    return lfilter([1.0], [1.0, -fade], white, axis=0)
+
+
+def recorded(seed, duration=40.0, slow=SLOW, time=TIME, velocity=False):
+    log = simulate_two_hands(TRUTH, seed, duration, noise=(WHITE, 0.005, 1.0))
+    noise = slow * remembering(len(log), np.random.default_rng(1000 + seed), time)
+    return replace(log, pose=log.pose + noise, velocity=log.velocity if velocity else None)
+
+
+def smoothed(log):
+    return smooth_motion(log, GUESS, noise_of_log(log, GUESS))
+
+
+# --- which noise it is --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("time", [0.1, 0.25])
+def test_the_colour_is_found(seed, time):
+    colour = smoothed(recorded(seed, time=time)).slow.colour
+    assert colour.position**2 / colour.time == pytest.approx(SLOW**2 / time, rel=0.5)
+    assert colour.position == pytest.approx(SLOW, rel=0.4)
+    assert colour.heading == pytest.approx(SLOW, rel=0.6)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("velocity", [False, True])
+def test_white_noise_stays_white(seed, velocity):
+    assert smoothed(recorded(seed, slow=0.0, velocity=velocity)).slow is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_cart_that_slips_in_curves_is_no_noise(seed):
+    """Its side force is answered by a sideways speed, which the poses of the tests' cart then follow."""
+    log = recorded(seed, slow=0.0)
+    steps = np.diff(log.pose, axis=0, prepend=log.pose[:1])
+    smooth = np.ones(40) / 40
+    turned, went = (np.convolve(c, smooth, "same") for c in (steps[:, 2], np.hypot(steps[:, 0], steps[:, 1])))
+    aside = np.cumsum(-40.0 * turned * went / STEP)  # 0.4 m/s at 1 m/s and 1 rad/s
+    turn = log.pose[:, 2]
+    way = np.cumsum(np.stack([-np.sin(turn), np.cos(turn)], axis=1) * np.diff(aside, prepend=0.0)[:, None], axis=0)
+    assert np.abs(aside).max() > 0.05
+    pose = np.column_stack([log.pose[:, :2] + way, log.pose[:, 2]])
+    assert smoothed(replace(log, pose=pose)).slow is None
+
+
+def test_a_cart_on_casters_has_no_axle_to_tell():
+    log = recorded(0)
+    cart = replace(GUESS, constraints=RollingConstraints(axle_x=None))
+    assert smooth_motion(log, cart, noise_of_log(log, cart)).slow is None
+
+
+def test_white_noise_is_what_third_differences_leave():
+    """Of an autoregression and white noise, drawn long: the deviation that they show together."""
+    random = np.random.default_rng(0)
+    noise = 0.4 * random.standard_normal((400000, 3)) + 0.9 * remembering(400000, random, 0.05)
+    shown = np.diff(noise, 3, axis=0).std(axis=0)[[0, 2]] / 20**0.5
+    assert PoseColour(0.9, 0.9, 0.05).white(shown, STEP) == pytest.approx(0.4, rel=0.01)
+
+
+# --- the smoother with it -----------------------------------------------------------------------------------
+
+
+def turning_on_the_spot(n=460, seed=0):
+    """Yaw is driven by white jerk; x and y stay, so that the chain is linear in all that matters."""
+    random = np.random.default_rng(seed)
+    rate = np.cumsum(np.cumsum(0.5 * STEP**0.5 * random.standard_normal(n)) * STEP)
+    truth = np.column_stack([np.zeros(n), np.zeros(n), np.cumsum(rate) * STEP])
+    pose = truth + WHITE * random.standard_normal((n, 3)) + 2 * SLOW * remembering(n, random)
+    arm = ArmLog(np.tile([-0.3, 0.0, 1.0], (n, 1)), np.zeros((n, 6)))
+    return RunLog(STEP * np.arange(n), pose, None, {"hand": arm})
+
+
+@cache
+def yaw_by_dense_algebra():
+    """A log, its smoothed motion, and by covariances of a Gaussian process, at all rows: the gain (2 n, n) from
+    measured headings to yaw rate and acceleration, their covariance, and that of the headings' noise."""
+    log = turning_on_the_spot()
+    motion, noise = smoothed(log), noise_of_log(log, GUESS)
+    n, colour = len(log), motion.slow.colour
+    step = np.array([[1.0, STEP, STEP**2 / 2], [0.0, 1.0, STEP], [0.0, 0.0, 1.0]])
+    q = motion.jerk[0, 1] ** 2
+    powers = np.array([[5, 4, 3], [4, 3, 2], [3, 2, 1]])
+    drive = q * STEP**powers / np.array([[20.0, 8.0, 6.0], [8.0, 3.0, 2.0], [6.0, 2.0, 1.0]])
+    drive[0, 0] += noise.slip**2 * STEP
+    here, joint = np.diag([1e4, 1e2, 1e4]) / 10.0, np.zeros((n, 3, n, 3))
+    for i in range(n):
+        joint[i, :, i] = here
+        for j in range(i + 1, n):
+            joint[j, :, i] = step @ joint[j - 1, :, i]
+            joint[i, :, j] = joint[j, :, i].T
+        here = step @ here @ step.T + drive
+    white = colour.white(np.array([noise.position, noise.heading]), STEP)[1]
+    apart = np.abs(np.subtract.outer(log.time, log.time))
+    errors = white**2 * np.eye(n) + colour.heading**2 * np.exp(-apart / colour.time)
+    wanted = joint[:, 1:].transpose(1, 0, 2, 3).reshape(2 * n, n, 3)[:, :, 0]
+    gain = np.linalg.solve(joint[:, 0, :, 0] + errors, wanted.T).T
+    own = joint[:, 1:, :, 1:].transpose(1, 0, 3, 2).reshape(2 * n, 2 * n)
+    return log, motion, gain, own - gain @ wanted.T, errors
+
+
+def test_the_motion_is_that_of_a_dense_smoother():
+    log, motion, gain, covariance, _ = yaw_by_dense_algebra()
+    n, found = len(log), np.concatenate([motion.velocity[:, 1], motion.acceleration[:, 1]])
+    assert not (motion.jerk != motion.jerk[0]).any()
+    std = np.sqrt(np.diagonal(covariance))
+    assert np.abs((found - gain @ log.pose[:, 2]) / std).max() < 0.03
+    at = n // 2
+    one = np.zeros((n, 10, 2))
+    one[at, 4, 0] = one[at, 6, 1] = 1.0
+    believed = np.sqrt(np.diagonal(motion.information.factor().solve(one)[at, [4, 6]]))
+    assert believed == pytest.approx(std[[at, n + at]], rel=0.02)
+
+
+def test_what_noise_does_to_the_motion_is_drawn():
+    _, motion, gain, _, errors = yaw_by_dense_algebra()
+    expected = np.sqrt(np.diagonal(gain @ errors @ gain.T)).reshape(2, -1)[:, 100:-100]
+    random = np.random.default_rng(5)
+    drawn = np.array([motion.drawn_rows(random)[100:-100, [4, 6]] for _ in range(60)])
+    assert drawn.std(axis=(0, 1)) == pytest.approx(expected.mean(axis=1), rel=0.08)
+
+
+def test_slow_noise_is_drawn_with_its_covariance():
+    """Also over steps that are not alike, and not from one piece of a log to another."""
+    steps = np.array([0.01, 0.05, 0.5, 0.02])
+    slow = SlowNoise.of(PoseColour(2.0, 3.0, 0.1), steps, steps < 0.3)
+    random = np.random.default_rng(0)
+    drawn = np.array([slow.drawn(random) for _ in range(20000)])
+    time = np.append(0.0, np.cumsum(steps))
+    piece = np.array([0, 0, 0, 1, 1])
+    together = piece[:, None] == piece
+    expected = np.exp(-np.abs(np.subtract.outer(time, time)) / 0.1) * together
+    for i, std in enumerate((2.0, 2.0, 3.0)):
+        assert np.cov(drawn[:, :, i].T) / std**2 == pytest.approx(expected, abs=0.04)
+    determinant = np.linalg.slogdet(expected)[1]
+    assert slow.log_determinant == pytest.approx(-3 * determinant - 10 * np.log([2.0, 2.0, 3.0]).sum(), rel=1e-9)
+
+
+# --- what is made of it -------------------------------------------------------------------------------------
+
+
+def scores(log):
+    found = identify([log], GUESS).parameters.values()
+    return np.array([(p.value - v) / p.std for p, v in zip(found, TRUTH[:6], strict=True)])
+
+
+@pytest.mark.parametrize("velocity", [False, True])
+def test_the_load_is_found_beside_it(velocity):
+    found = identify([recorded(3, velocity=velocity)], GUESS).parameters
+    assert found["mass"].value == pytest.approx(24.0, rel=0.04)
+    assert found["inertia"].value == pytest.approx(2.2, rel=0.15)
+    assert np.abs(scores(recorded(3, velocity=velocity))).max() < 4.0
+
+
+@pytest.mark.prove
+def test_intervals_cover_over_20_seeds():
+    z = np.array([scores(recorded(seed)) for seed in range(20)])
+    assert np.abs(z).max() < 4.5
+    assert np.sqrt((z**2).mean()) < 1.3
+    assert (np.abs(z) < 1.96).mean() > 0.88
