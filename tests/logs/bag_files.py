@@ -11,13 +11,14 @@ from mcap_ros2.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 WRENCH = "geometry_msgs/msg/WrenchStamped"
 ODOMETRY = "nav_msgs/msg/Odometry"
 POSE = "geometry_msgs/msg/PoseStamped"
 TF = "tf2_msgs/msg/TFMessage"
 ROS1, ROS2 = get_typestore(Stores.ROS1_NOETIC), get_typestore(Stores.ROS2_FOXY)
+ROS1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TF))
 START = 1_700_000_000
 NANO = 10**9
 
@@ -65,17 +66,23 @@ def odometry(ns, values, twist):
 
 
 def transforms(ns, *parts):
-    """`parts` are (frame, child, planar pose)."""
+    """`parts` are (frame, child, planar pose), or with position and quaternion in its place."""
     return {
         "transforms": [
             {
                 "header": header(ns, frame),
                 "child_frame_id": child,
-                "transform": {"translation": xyz([*values[:2], 0.0]), "rotation": quaternion(values[2])},
+                "transform": transform(values),
             }
             for frame, child, values in parts
         ]
     }
+
+
+def transform(values):
+    if len(values) == 3:
+        return {"translation": xyz([*values[:2], 0.0]), "rotation": quaternion(values[2])}
+    return {"translation": xyz(values[:3]), "rotation": dict(zip("xyzw", map(float, values[3:]), strict=True))}
 
 
 def typed(store, kind, value):

@@ -146,10 +146,23 @@ def test_a_static_transform_holds_for_the_whole_run(tmp_path):
         assert any(step.what == "contact point from a static transform" for step in reading.steps)
 
 
+def test_a_static_transform_that_changes(tmp_path):
+    entries = rows(transform("map", "base_link"), wrench)
+    sent = [transform("base_link", "hand", "/tf_static", x)(stamp(t)) for x, t in ((0.1, 0), (0.2, 0.1), (0.2, 0.2))]
+    path = mapped(of_bytes(tmp_path / "run.mcap", [*entries, *sent]), FROM_TF)
+    with pytest.raises(
+        LogError, match=r"/tf_static: message 1: holds another transform than was sent later.*--salvage"
+    ):
+        read_log(path)
+    reading = read_bag(path, salvage=True)
+    assert reading.log.arms["left"].contact[0, 0] == 0.2
+    assert reading.lost == ("/tf_static: 1 samples are not the static transform that was sent last",)
+
+
 def test_a_transform_that_is_not_there_is_told_with_those_that_are(tmp_path):
-    entries = rows(transform("map", "odom"), transform("odom", "base_link"), wrench)
+    entries = rows(transform("map", "odom"), transform("odom", "base"), wrench)
     path = mapped(of_bytes(tmp_path / "run.mcap", [*entries, transform("a", "b", "/tf_static")(0)]), FROM_TF)
-    with pytest.raises(FileError, match="no transform from map to base_link, but map → odom, odom → base_link"):
+    with pytest.raises(FileError, match=r"run\.mcap has no frame base_link, but base, b, a, map, odom"):
         read_log(path)
 
 

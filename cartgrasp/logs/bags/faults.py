@@ -1,4 +1,5 @@
-"""Samples that are whole, but can't belong to one run: in other frames than the rest, or stamped in another year."""
+"""Samples that are whole, but can't belong to one run: in other frames than the rest, stamped in another year, or of a
+static transform that changes."""
 
 from __future__ import annotations
 
@@ -40,6 +41,13 @@ def other_frames(samples: TopicSamples) -> Fault:
     odd = samples.frames != most
     one, usual = _said(samples, int(samples.frames[int(np.argmax(odd))])), _said(samples, most)
     return Fault(odd, f"is in the frames {one}, most others in {usual}", f"are in other frames than {usual}")
+
+
+def other_values(samples: TopicSamples) -> Fault:
+    """A static transform has the numbers that were sent last, all through the run."""
+    is_same = (samples.numbers == samples.numbers[-1]) | np.isnan(samples.numbers)
+    why = "holds another transform than was sent later, but a static one holds for the whole run"
+    return Fault(~is_same.all(axis=1), why, "are not the static transform that was sent last")
 
 
 def far_stamps(samples: TopicSamples, max_gap: float) -> Fault:

@@ -17,6 +17,7 @@ POSE = "geometry_msgs/msg/PoseStamped"
 ODOMETRY = "nav_msgs/msg/Odometry"
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 OLD_TRANSFORMS = "tf/msg/tfMessage"
+TF = (TRANSFORMS, OLD_TRANSFORMS)
 COVARIANCE = 36
 NANO = 1_000_000_000
 

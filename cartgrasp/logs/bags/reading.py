@@ -9,12 +9,14 @@ import numpy as np
 from ...frames import Array
 from ..run_log import ArmLog, RunLog
 from .bag import Bag
+from .clocked import Clocked
 from .planar_pose import of_body, planar, spline_velocity, tilt, world_velocity
 from .resampling import averaged, held, interpolated
-from .selection import Clocked, Place, Selection, is_static
+from .selection import Selection
 from .sensor_wrench import at_contact, on_cart
 from .steps import Step, Steps
-from .topic_map import ArmEntry, ContactEntry, MapFile, TopicMap
+from .tf_paths import Place
+from .topic_map import ArmEntry, MapFile, TopicMap
 
 MOST_TILT = 0.35
 FEWEST_TARED = 5
@@ -166,8 +168,7 @@ class _Reading:
         if isinstance(arm.contact, list):
             return np.tile(np.array(arm.contact), (len(time), 1))
         samples = self.samples["arms", name, "contact"]
-        entry = self.map_file.map.arms[name].contact
-        if isinstance(entry, ContactEntry) and is_static(entry.topic):
+        if samples.is_static:
             self.steps.add(name, "contact point from a static transform", sent=len(samples.time))
             return np.tile(samples.numbers[-1, :3], (len(time), 1))
         rows = held(samples.time, samples.numbers[:, :3], time, self.map_file.map.max_gap)

@@ -8,29 +8,19 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...frames import Array
 from ...yaml_file import did_you_mean
 from .bag import Bag
-from .faults import far_stamps, other_frames, without
-from .messages import ODOMETRY, OLD_TRANSFORMS, POSE, TRANSFORMS, WRENCH
+from .clocked import Clocked
+from .faults import far_stamps, other_frames, other_values, without
+from .messages import ODOMETRY, POSE, TF, WRENCH
 from .steps import Steps
+from .tf_paths import Place, TfPaths
 from .topic_map import ContactEntry, MapFile
-from .topic_samples import ALL, Frames, Key, TopicSamples, read_samples, transforms_of
+from .topic_samples import ALL, Frames, Key, TopicSamples, read_samples
+from .transform_chain import common_span, composed
+from .transform_tree import Link, is_static
 
 NANO = 1_000_000_000
-TF = (TRANSFORMS, OLD_TRANSFORMS)
-Place = tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Clocked:
-    """Times (n,) in s from the log's zero, strictly increasing, and numbers (n, k)."""
-
-    time: Array
-    numbers: Array
-
-    def span(self) -> tuple[float, float]:
-        return float(self.time[0]), float(self.time[-1])
 
 
 @dataclass
@@ -45,20 +35,48 @@ class Selection:
     def read(self) -> dict[Place, Clocked]:
         keys = dict(self._keys())
         self._check_topics(keys)
+        tf_paths = TfPaths(self.bag, self.map_file, self.is_salvage)
+        paths = {where: [Link(key)] for where, key in keys.items()}
+        paths |= tf_paths.find({where: key for where, key in keys.items() if key[1] != ALL})
+        links = {link.key: link for path in paths.values() for link in path}
         wanted: dict[str, set[Frames] | None] = {}
-        for topic, frames in keys.values():
+        for topic, frames in links:
             wanted[topic] = None if frames == ALL else (wanted.get(topic) or set()) | {frames}
         found = read_samples(self.bag, wanted, self.is_salvage)
-        for where, key in keys.items():
-            self._check_found(where, key, found)
-        for key in set(keys.values()):
+        self.bag.lost.extend(tf_paths.lost)
+        for key, link in links.items():
+            if key not in found or not len(found[key]):
+                why = "has no messages" + (" that can be read" if self.is_salvage else "")
+                raise self.bag.refuse(why, link.name)
             found[key] = self._of_one_run(found[key])
         epoch = self.map_file.map.epoch
         if epoch is None:
-            firsts = {where: int(self._stamps(where, found[key]).min()) for where, key in keys.items()}
-            epoch = max(first for where, first in firsts.items() if len(where) < 3)
+            moving = [(w, k.key) for w, path in paths.items() if len(w) < 3 for k in path if not k.is_static]
+            epoch = max(int(self._stamps(where, found[key]).min()) for where, key in moving)
         self.steps.add("log", "its zero", epoch_ns=epoch, stamps=self.map_file.map.stamps)
-        return {where: self._clocked(where, found[key], epoch) for where, key in keys.items()}
+        return {where: self._along(where, path, found, epoch) for where, path in paths.items()}
+
+    def _along(self, where: Place, path: list[Link], found: dict[Key, TopicSamples], epoch: int) -> Clocked:
+        """What is asked for itself, or composed of what is there."""
+        if path == [Link(path[0].key)]:
+            return self._clocked(where, path[0].topic, found[path[0].key], epoch)
+        clocked = [self._clocked(where, link.name, found[link.key], epoch) for link in path]
+        if moving := [(link, c) for link, c in zip(path, clocked, strict=True) if not c.is_static]:
+            self._check_moving(where, moving)
+        return composed(".".join(where), path, clocked, self.map_file.map.max_gap, self.steps)
+
+    def _check_moving(self, where: Place, moving: list[tuple[Link, Clocked]]) -> None:
+        for link, clocked in moving:
+            if len(clocked.time) < 2:
+                raise self.bag.refuse("was sent once; one that holds for ever is one of tf_static", link.name)
+            step = float(np.median(np.diff(clocked.time)))
+            if step > self.map_file.map.max_gap:
+                why = f"{link.name} has a transform every {step:.3g} s, so all would be gaps; state a longer one"
+                raise self.map_file.refuse(("max_gap",), why)
+        start, end = common_span([clocked for _, clocked in moving])
+        if start > end:
+            said = ", ".join(f"{link.name} from {c.span()[0]:.3f} to {c.span()[1]:.3f} s" for link, c in moving)
+            raise self.bag.refuse(f"the transforms of {'.'.join(where)} have no time in common: {said}")
 
     def _keys(self) -> Iterator[tuple[Place, Key]]:
         map_ = self.map_file.map
@@ -92,18 +110,11 @@ class Selection:
         if pose.velocity == "twist" and self.bag.kinds[pose.topic] != ODOMETRY:
             raise self.map_file.refuse(("pose", "velocity"), f"{pose.topic} holds no twist; use spline or none")
 
-    def _check_found(self, where: Place, key: Key, found: dict[Key, TopicSamples]) -> None:
-        topic, frames = key
-        if key not in found or not len(found[key]):
-            if frames != ALL:
-                there = ", ".join(f"{a} → {b}" for a, b in transforms_of(self.bag, topic)) or "none"
-                why = f"{topic} of {self.bag.path} holds no transform from {frames[0]} to {frames[1]}, but {there}"
-                raise self.map_file.refuse(where, why)
-            raise self.bag.refuse("has no messages" + (" that can be read" if self.is_salvage else ""), topic)
-
     def _of_one_run(self, samples: TopicSamples) -> TopicSamples:
         samples = without(samples, other_frames(samples), self.bag, self.is_salvage)
-        if self.map_file.map.stamps == "receive" or is_static(samples.topic):
+        if is_static(samples.topic):
+            return without(samples, other_values(samples), self.bag, self.is_salvage)
+        if self.map_file.map.stamps == "receive":
             return samples
         return without(samples, far_stamps(samples, self.map_file.map.max_gap), self.bag, self.is_salvage)
 
@@ -122,7 +133,7 @@ class Selection:
             return map_.arms[where[1]].latency
         return map_.pose.latency if where == ("pose",) else 0.0
 
-    def _clocked(self, where: Place, samples: TopicSamples, epoch: int) -> Clocked:
+    def _clocked(self, where: Place, of: str, samples: TopicSamples, epoch: int) -> Clocked:
         """Sorted by time, the first of those with the same stamp."""
         stamps = self._stamps(where, samples)
         order = np.argsort(stamps, kind="stable")
@@ -138,13 +149,8 @@ class Selection:
         }
         if len(time) > 1:
             figures |= {"median_step_s": float(np.median(np.diff(time))), "largest_gap_s": float(np.diff(time).max())}
-        self.steps.add(samples.topic, samples.kind, **figures)
-        return Clocked(time, samples.numbers[order][first])
-
-
-def is_static(topic: str) -> bool:
-    """Whether its transforms hold for the whole recording, whenever they were sent."""
-    return topic.rpartition("/")[2] == "tf_static"
+        self.steps.add(of, samples.kind, **figures)
+        return Clocked(time, samples.numbers[order][first], is_static(samples.topic))
 
 
 def _frame(name: str | None) -> str:

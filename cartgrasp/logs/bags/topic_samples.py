@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,7 +19,6 @@ ALL: Frames = ("", "")
 LARGEST = 1e9
 FARTHEST_NORM = 0.01
 LATEST = 2**62
-MOST_TOLD = 10
 
 
 @dataclass(frozen=True)
@@ -99,7 +98,7 @@ def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage:
             continue
         frames = wanted[message.topic]
         for sample in samples:
-            frame = (sample.frame.lstrip("/"), sample.child.lstrip("/"))
+            frame = frames_of(sample)
             if frames is None or frame in frames:
                 key = (message.topic, ALL if frames is None else frame)
                 if key not in growing:
@@ -118,13 +117,23 @@ def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage:
     return found
 
 
-def transforms_of(bag: Bag, topic: str) -> list[Frames]:
-    """The first few that a TF topic holds, for who asked for another one."""
-    found: set[Frames] = set()
-    for message in bag.messages({topic}):
+def links_in(bag: Bag, topics: Collection[str], enough: Collection[Key]) -> Counter[Key]:
+    """How many transforms of which frames TF topics hold; no further than until `enough` were there."""
+    found: Counter[Key] = Counter()
+    missing = set(enough)
+    for message in bag.messages(topics):
         try:
             samples = decode(message.raw, message.kind, bag.is_ros1)
         except BadMessageError:
             continue
-        found |= {(sample.frame.lstrip("/"), sample.child.lstrip("/")) for sample in samples}
-    return sorted(found)[:MOST_TOLD]
+        keys = [(message.topic, frames_of(sample)) for sample in samples]
+        found.update(keys)
+        missing.difference_update(keys)
+        if not missing:
+            break
+    return found
+
+
+def frames_of(sample: Sample) -> Frames:
+    """Without the slashes that ROS 1 once wrote before them."""
+    return sample.frame.lstrip("/"), sample.child.lstrip("/")
