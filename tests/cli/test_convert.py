@@ -12,6 +12,7 @@ from cartgrasp.logs import read_log
 
 from ..logs import bag_files as files
 from ..logs.bag_files import MAP, push
+from ..logs.test_tf_chains import robot
 from .commands import CART, run
 from .pushed_cart import as_csv, pushed_cart
 
@@ -96,6 +97,28 @@ def test_a_proposal_states_the_noise_of_poses(capsys, tmp_path):
     filled = text.replace("    contact: ", "    contact: [0, 0, 1]").replace("    force: ", "    force: on_cart")
     (tmp_path / "topics.yaml").write_text(filled)
     assert list(read_log(bag).arms) == ["left", "right"]
+
+
+def test_a_chain_is_proposed_where_there_is_no_odometry(capsys, tmp_path):
+    """map → odom every 0.2 s, base_link fixed in what moves at 50 Hz; a wheel turns faster than all."""
+    wheel = [
+        ("/tf", files.TF, ns, files.transforms(ns, ("base_link", "wheel", (0.0, 0.3, 0.0))))
+        for ns in map(files.stamp, np.arange(0, 2, 0.005))
+    ]
+    bag = files.write_mcap(tmp_path / "run.mcap", sorted([*robot(), *wheel], key=lambda m: m[2]))
+    text = run(capsys, "topics", bag, "--json").json["proposal"]
+    for part in ("topic: /tf\n", "frame: map\n", "child: base_link\n", "max_gap: 1 ", "stamps: header", "clock: pose"):
+        assert part in text
+    assert "# composed along map → odom → base_footprint → base_link" in text
+    assert "noise:" in text
+    filled = text.replace("    contact: ", "    contact: [0, 0, 1]").replace("    force: ", "    force: on_cart")
+    (tmp_path / "topics.yaml").write_text(filled)
+    answer = run(capsys, "convert", bag, "--out", tmp_path / "run.csv")
+    assert answer.status == 0
+    assert "/tf map → odom: tf2_msgs/msg/TFMessage (role pose, samples 11," in answer.out
+    assert "100 rows over 1.98 s" in answer.out
+    both = files.write_mcap(tmp_path / "both.mcap", sorted([*robot(), *push()], key=lambda m: m[2]))
+    assert "topic: /odom" in run(capsys, "topics", both, "--json").json["proposal"]
 
 
 def test_nothing_to_propose(capsys, tmp_path):

@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import printable
 from ...frames import Array
 from .bag import Bag
-from .messages import DECODERS, ODOMETRY, OLD_TRANSFORMS, POSE, TRANSFORMS, WRENCH, BadMessageError, Sample, decode
+from .likely_path import likely_path
+from .messages import DECODERS, ODOMETRY, POSE, TF, WRENCH, BadMessageError, Sample, decode
 from .planar_pose import planar
-from .topic_samples import LARGEST
+from .topic_samples import LARGEST, frames_of
+from .transform_tree import arrow, frames_on
 
 NANO = 1e9
-TF = (TRANSFORMS, OLD_TRANSFORMS)
 ENOUGH = 20_000
 """Samples of a topic that its noise is read off."""
 FEWEST = 20
@@ -74,7 +76,7 @@ def contents_of(bag: Bag) -> list[TopicContent]:
         is_tf = message.kind in TF
         found[message.topic, None].add(message.received, samples[0] if samples and not is_tf else None)
         for sample in samples if is_tf else ():
-            frames = (sample.frame.lstrip("/"), sample.child.lstrip("/"))
+            frames = frames_of(sample)
             key = (message.topic, frames)
             if key not in found:
                 found[key] = TopicContent(message.topic, message.kind, frames)
@@ -87,22 +89,25 @@ def proposed_map(contents: Sequence[TopicContent], name: str) -> str | None:
     full = [c for c in contents if c.count]
     wrenches = [c for c in full if c.kind == WRENCH]
     poses = [c for c in full if c.kind == ODOMETRY] or [c for c in full if c.kind == POSE]
-    poses = poses or [c for c in full if c.frames is not None]
+    transforms = {(c.topic, c.frames): c for c in full if c.frames is not None}
+    path = [] if poses else likely_path({key: c.count for key, c in transforms.items()})
+    poses = poses or [transforms[link.key] for link in path if not link.is_static]
     if not wrenches or not poses:
         return None
     pose = max(poses, key=lambda c: c.count)
-    used = [pose, *wrenches]
-    slowest = min(used, key=lambda c: c.rate or 0.0)
+    slowest = min([pose, *wrenches], key=lambda c: c.rate or 0.0)
     names = _arm_names([c.topic for c in wrenches])
     clock = "pose" if slowest is pose else names[slowest.topic]
+    used = [*(poses if path else [pose]), *wrenches]
     stamps = "header" if all(c.is_stamped for c in used) else "receive"
-    gap = max(0.1, 5 / slowest.rate) if slowest.rate else 0.1
+    least = min(c.rate or 0.0 for c in used)
+    gap = max(0.1, 5 / least) if least else 0.1
     lines = [
         f"# Which topics of {name} are a run. Fill in what is blank, and check the rest.",
         f"stamps: {stamps}           # or {'receive' if stamps == 'header' else 'header'}",
         f"clock: {clock}             # the topic whose stamps are the log's: the slowest; or a rate in Hz",
         f"max_gap: {gap:.3g}             # s; longer gaps are left out, never bridged",
-        *_pose_lines(pose),
+        *_pose_lines(pose, frames_on(path)),
         "arms:",
     ]
     for content in wrenches:
@@ -119,12 +124,15 @@ def proposed_map(contents: Sequence[TopicContent], name: str) -> str | None:
     return "\n".join(lines) + "\n"
 
 
-def _pose_lines(pose: TopicContent) -> list[str]:
+def _pose_lines(pose: TopicContent, frames: Sequence[str]) -> list[str]:
+    """`pose` moves fastest of the transforms between the frames, if it is one."""
     noise = _noise(pose)
     velocity = "twist" if pose.kind == ODOMETRY else "none"
     lines = ["pose:", f"  topic: {_quoted(pose.topic)}"]
-    if pose.frames is not None:
-        lines += [f"  frame: {_quoted(pose.frames[0])}", f"  child: {_quoted(pose.frames[1])}"]
+    if frames:
+        lines += [f"  frame: {_quoted(frames[0])}", f"  child: {_quoted(frames[-1])}"]
+    if len(frames) > 2:
+        lines.append(f"  # composed along {printable(arrow(frames))}")
     lines += [
         "  latency: 0.0          # s, taken off the stamps",
         "  body: [0.0, 0.0, 0.0] # pose x, y, yaw of the cart's frame {b} in the frame that is tracked: m, rad",
