@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from pathlib import Path
 
@@ -36,7 +37,9 @@ def put_files(folder: Path) -> None:
     (folder / "simulated.csv").write_text(as_csv(table[:100]))
     (folder / "cart.yaml").write_text(GUESS)
     (folder / "problem.yaml").write_text((ROOT / "examples" / "problem.yaml").read_text(encoding="utf-8"))
-    bag_files.write_ros1(folder / "run.bag", recording(table[:1000]))
+    messages = recording(table[:1000])
+    bag_files.write_ros1(folder / "run.bag", messages)
+    bag_files.write_mcap(folder / "robot.mcap", localised(messages[:600]))
 
 
 def recording(table: np.ndarray) -> list[tuple]:
@@ -54,6 +57,22 @@ def recording(table: np.ndarray) -> list[tuple]:
             late = ns + round(LATE * bag_files.NANO)
             messages.append((f"/{hand}/ft", bag_files.WRENCH, late, bag_files.wrench(late, reading)))
     return messages
+
+
+def localised(messages: list[tuple]) -> list[tuple]:
+    """Odometry as TF, in a map in which localisation says five times a second where it began."""
+    found = [m for m in messages if m[1] == bag_files.WRENCH]
+    odometry = [m for m in messages if m[1] == bag_files.ODOMETRY]
+    for i, (_, _, ns, value) in enumerate(odometry):
+        pose = value["pose"]["pose"]
+        x, y, z, w = pose["position"]["x"], pose["position"]["y"], pose["orientation"]["z"], pose["orientation"]["w"]
+        parts = [("odom", "base_footprint", (x, y, 2 * math.atan2(z, w)))]
+        if i % 20 == 0 or i == len(odometry) - 1:
+            parts.append(("map", "odom", (4.0 + 0.02 * (i // 100), 1.0, 0.5)))
+        found.append(("/tf", bag_files.TF, ns, bag_files.transforms(ns, *parts)))
+    static = bag_files.transforms(0, ("base_footprint", "base_link", (0.0, 0.0, 0.0)))
+    found.append(("/tf_static", bag_files.TF, odometry[0][2], static))
+    return sorted(found, key=lambda m: m[2])
 
 
 def cart(folder: Path) -> cg.CartModel:
