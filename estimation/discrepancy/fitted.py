@@ -264,8 +264,10 @@ class Fitted:
         return dependences(self.polygon, Course.of(self.polygon.time, self.polygon.log, motions, tracks))
 
     def follows(self, is_periodic: bool) -> Dependence | None:
-        """The most probable dependence, or that with a period, where it is sure."""
-        return next((d for d in self.dependences if d.is_periodic >= is_periodic and d.log_factor > SURE), None)
+        """The most probable dependence, where it is sure; where only one with a period counts, none unless it is that:
+        motion that is repeated makes all that follows the speed come again with the way."""
+        first = next((d for d in self.dependences if d.log_factor > SURE), None)
+        return first if first is not None and first.is_periodic >= is_periodic else None
 
     def misfit(self, direction: int) -> float:
         """The weighed squares of the residual's polygon along one free direction."""

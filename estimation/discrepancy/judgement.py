@@ -40,7 +40,7 @@ thicker; half a cell, by which places are first moved."""
 DRIVEN, NOWHERE = 0.15, 1e6
 """Of the most power that drags take: what they may give, at speeds of one sign, and be a mistake; m and s."""
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
-OUTSIDE, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 0.5, 0.03
+OUTSIDE, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 0.5, 0.1
 """Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary. What
 acts for a while takes away some turns of anything periodic, and some of what follows the heading. Of the squares: what
 foretells less is any."""
