@@ -1,6 +1,7 @@
 """The residual's polygon against all rows: what it knows of slow waves is what dense sums over the log know."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -72,3 +73,17 @@ def test_a_band_that_is_cut_off_is_mended(values, least):
     assert np.isfinite(cholesky_banded(mended, lower=True)).all()
     assert (mended[0] >= band[0]).all()
     np.testing.assert_array_equal(mended[1:], band[1:])
+
+
+@pytest.mark.parametrize("told", [1e-6, 0.0, -1e-9, -1e-4])
+def test_nodes_that_tell_nothing_are_told_by_none(told):
+    """As across a jolt; others are as if they were not there."""
+    fitted = fitted_on_a_rail(None, slice(0))
+    ((_, line, _),) = fitted.linearised
+    weight = np.where((line.time > 9.0) & (line.time < 10.0), told, 1.0)[:, None, None]
+    white = SimpleNamespace(time=line.time, residual=line.residual, whitened=lambda columns: weight * columns)
+    polygon = Polygon.of([white])
+    before = polygon.time < 8.0
+    expected = Polygon.of([SimpleNamespace(time=line.time, residual=line.residual, whitened=lambda columns: columns)])
+    np.testing.assert_allclose(polygon.value[before], expected.value[before], rtol=1e-3, atol=1e-3)
+    assert np.isfinite(polygon.standard(0)).all()
