@@ -92,7 +92,7 @@ def fit(
     settled: float = SETTLED,
 ) -> Identification:
     """As `identify`, of logs whose motion is smoothed already; from parameters (p,) at which to begin, until a round
-    moves none by more than a share `settled` of its standard deviation."""
+    would move none by more than a share `settled` of its standard deviation."""
     found = _Fit(cart, prior, [regression.with_cart(cart) for regression in regressions])
     return found.result(cart.parameters if start is None else start, settled)
 
@@ -122,7 +122,7 @@ class _Fit:
         f = len(self.free)
         parameters = start.copy()
         delays = self.delays.copy()
-        limits = PhysicalSet.of(self.cart, self.source)
+        limits, before = PhysicalSet.of(self.cart, self.source), 0.0
         for _ in range(ROUNDS):
             information, pull = self._normal(parameters, delays)
             covariance = np.asarray(np.linalg.inv(information), dtype=float)
@@ -139,8 +139,11 @@ class _Fit:
             delays = np.clip(delays + move[f:], EARLIEST, LATEST)
             if not np.isfinite(parameters).all():
                 raise DataError(f"{self.source}: can't be fitted; look for numbers that are not in SI units")
-            if np.abs(moved).max(initial=0.0) < settled:
+            most = float(np.abs(moved).max(initial=0.0))
+            shrinks = min(most / before, 1.0) if before else 1.0
+            if most * shrinks < settled:
                 break
+            before = most
         return parameters, delays, np.asarray(covariance[:f, :f], dtype=float)
 
     def _normal(self, parameters: Array, delays: Array) -> tuple[Array, Array]:

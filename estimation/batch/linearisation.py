@@ -12,8 +12,8 @@ from cartgrasp.frames import Array
 from .block_tridiagonal import Factor
 
 FEWEST_BLOCKS = 12
-AT_ONCE = 32
-"""Columns that are whitened together: more would leave the processor's cache."""
+AT_ONCE = 28
+"""Columns that are whitened together at most: more would leave the processor's cache."""
 OUTLYING = 4.0
 """Times its share of the scatter that a stretch may have with full weight."""
 
@@ -111,10 +111,9 @@ class Linearisation:
 
         found = np.empty(columns.shape)
         rows = (self.nodes, *self.by_motion, self.weights)
-        for at in range(0, columns.shape[2], AT_ONCE):
-            own = columns[..., at : at + AT_ONCE]
-            room = np.empty((len(self.factor.chain), own.shape[2]))
-            whiten(self.factor.chain, rows, own, room, found[..., at : at + AT_ONCE])
+        parts = max(1, -(-columns.shape[2] // AT_ONCE))
+        for own, white in zip(*(np.array_split(each, parts, axis=2) for each in (columns, found)), strict=True):
+            whiten(self.factor.chain, rows, own, np.empty((len(self.factor.chain), own.shape[2])), white)
         return found
 
     def missed(self, errors: Array) -> Array:

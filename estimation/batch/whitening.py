@@ -28,6 +28,38 @@ def _add(to: Array, share: float, row: Array) -> None:
         to[q] += share * row[q]
 
 
+@compiled
+def _solve(chain: Array, d: int, through: Array) -> None:
+    size = len(chain)
+    for j in range(size):
+        share = 1.0 / chain[j, 0]
+        for q in range(through.shape[1]):
+            through[j, q] *= share
+        for k in range(1, min(2 * d - j % d, size - j)):
+            _add(through[j + k], -chain[j, k], through[j])
+    for j in range(size - 1, -1, -1):
+        for k in range(1, min(2 * d - j % d, size - j)):
+            _add(through[j], -chain[j, k], through[j + k])
+        share = 1.0 / chain[j, 0]
+        for q in range(through.shape[1]):
+            through[j, q] *= share
+
+
+@compiled
+def _solve_one(chain: Array, d: int, through: Array) -> None:
+    """As `_solve`, of one column, without loops over columns."""
+    size = len(chain)
+    for j in range(size):
+        through[j, 0] /= chain[j, 0]
+        for k in range(1, min(2 * d - j % d, size - j)):
+            through[j + k, 0] -= chain[j, k] * through[j, 0]
+    for j in range(size - 1, -1, -1):
+        left = through[j, 0]
+        for k in range(1, min(2 * d - j % d, size - j)):
+            left -= chain[j, k] * through[j + k, 0]
+        through[j, 0] = left / chain[j, 0]
+
+
 @entry
 def whiten(chain: Array, rows: tuple[Ints, Array, Array, Array], columns: Array, through: Array, found: Array) -> None:
     """`chain` (n d, 2 d) holds the factor's columns from their diagonal on; `rows` the states (m,) that the rows
@@ -47,19 +79,10 @@ def whiten(chain: Array, rows: tuple[Ints, Array, Array, Array], columns: Array,
                     _add(through[before + s], first[i, a, s], found[i, a])
                 if second[i, a, s] != 0.0:
                     _add(through[after + s], second[i, a, s], found[i, a])
-    size = len(chain)
-    for j in range(size):
-        share = 1.0 / chain[j, 0]
-        for q in range(through.shape[1]):
-            through[j, q] *= share
-        for k in range(1, min(2 * d - j % d, size - j)):
-            _add(through[j + k], -chain[j, k], through[j])
-    for j in range(size - 1, -1, -1):
-        for k in range(1, min(2 * d - j % d, size - j)):
-            _add(through[j], -chain[j, k], through[j + k])
-        share = 1.0 / chain[j, 0]
-        for q in range(through.shape[1]):
-            through[j, q] *= share
+    if through.shape[1] == 1:
+        _solve_one(chain, d, through)
+    else:
+        _solve(chain, d, through)
     for i in range(m):
         before, after = nodes[i] * d, nodes[i] * d + d
         for b in range(f):

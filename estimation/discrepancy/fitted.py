@@ -158,6 +158,8 @@ class Fitted:
 
     def with_changed(self, effect: Effect, changed: Effect) -> Fitted:
         """With another setting of an effect that was added."""
+        if np.array_equal(changed.values, effect.values):
+            return self
         added = tuple(changed if one is effect else one for one in self.added)
         known = tuple(changed if one.key == changed.key else one for one in self.cart.effects)
         return replace(self, added=added, start=replace(self.cart, effects=known).parameters)
@@ -238,7 +240,8 @@ class Fitted:
         return float(np.mean(logs))
 
     def without(self, key: str) -> Fitted:
-        return replace(self, added=tuple(effect for effect in self.added if effect.key != key), start=None)
+        left, known = (tuple(e for e in effects if e.key != key) for effects in (self.added, self.cart.effects))
+        return replace(self, added=left, start=replace(self.cart, effects=known).parameters)
 
     def chi_squared(self, keys: Collection[str] = ()) -> float:
         """Of the residuals, beside other forms of added effects with `keys`, and of the parameters and delays against

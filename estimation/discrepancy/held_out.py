@@ -74,6 +74,13 @@ class HeldOut:
             self._trained[fitted] = fitted.on(self.training)
         return self._trained[fitted]
 
+    def without(self, fitted: Fitted, key: str) -> Fitted:
+        """Of a structure without one effect, which is trained from where the whole one is."""
+        less, trained = fitted.without(key), self.trained(fitted)
+        if trained is not fitted:
+            self._trained[less] = trained.without(key)
+        return less
+
     @cached_property
     def everywhere(self) -> HeldOut:
         """With every row in the proof and in the fits: what passes once can't be learned where it is held out."""

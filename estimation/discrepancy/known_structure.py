@@ -39,5 +39,6 @@ def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) ->
     for effect in effects:
         if not isinstance(effect, ConstraintEffect):
             fitted = fitted.with_added(effect).listening()
-    fitted = searched_again(fitted, fitted.added).settled()
+    if fitted.added:
+        fitted = searched_again(fitted, fitted.added).settled()
     return KnownStructure(fitted.cart, held_out.gap(fitted))

@@ -176,33 +176,41 @@ def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]
     """Without what the later effects have made superfluous, of two of which either would do the earlier stays; and
     without what makes simulations of stretches that no fit saw worse, however well it fits the wrenches."""
     removed: list[str] = []
-    while (effect := next((e for e in fitted.added[:-1] if _is_superfluous(e, fitted, held_out)), None)) is not None:
-        less, gone = fitted.without(effect.key), effect
-        for later in fitted.added[fitted.added.index(effect) + 1 :]:
-            other = fitted.without(later.key)
-            if 0.5 * (other.chi_squared() - less.chi_squared()) / fitted.excess < ENOUGH:
-                less, gone = other, later
-        fitted, removed = less, [*removed, gone.key]
-    while fitted.added:
-        harm = {effect.key: _harm(effect, fitted, held_out) for effect in fitted.added}
-        worst = max(harm, key=lambda key: harm[key])
-        if harm[worst] < HARM:
-            break
-        fitted, removed = fitted.without(worst), [*removed, worst]
-    return fitted, tuple(removed)
+    while True:
+        less = {effect.key: held_out.without(fitted, effect.key) for effect in fitted.added}
+        gone = _superfluous(fitted, less, held_out) or _harmful(fitted, less, held_out)
+        if not gone:
+            return fitted, tuple(removed)
+        fitted, removed = less[gone], [*removed, gone]
 
 
-def _harm(effect: Effect, fitted: Fitted, held_out: HeldOut) -> float:
+def _superfluous(fitted: Fitted, less: Mapping[str, Fitted], held_out: HeldOut) -> str:
+    """The key of an effect, but the last, without which it is as good; empty where there is none."""
+    keys = list(less)
+    gone = next((e.key for e in fitted.added[:-1] if _is_superfluous(e, fitted, less[e.key], held_out)), "")
+    for later in keys[keys.index(gone) + 1 :] if gone else ():
+        if 0.5 * (less[later].chi_squared() - less[gone].chi_squared()) / fitted.excess < ENOUGH:
+            gone = later
+    return gone
+
+
+def _harmful(fitted: Fitted, less: Mapping[str, Fitted], held_out: HeldOut) -> str:
+    """The key of the effect with which held-out stretches are the farthest away; empty where none harms."""
+    harm = {effect.key: _harm(effect, fitted, less[effect.key], held_out) for effect in fitted.added}
+    worst = max(harm, key=lambda key: harm[key], default="")
+    return worst if worst and harm[worst] >= HARM else ""
+
+
+def _harm(effect: Effect, fitted: Fitted, less: Fitted, held_out: HeldOut) -> float:
     """How many times as far away held-out stretches are with an effect as without."""
     if isinstance(effect, ConstraintEffect) or effect.gate.ends:
         return 0.0
-    return held_out.gap(fitted) / max(held_out.gap(fitted.without(effect.key)), LEAST_GAP)
+    return held_out.gap(fitted) / max(held_out.gap(less), LEAST_GAP)
 
 
-def _is_superfluous(effect: Effect, fitted: Fitted, held_out: HeldOut) -> bool:
+def _is_superfluous(effect: Effect, fitted: Fitted, less: Fitted, held_out: HeldOut) -> bool:
     if isinstance(effect, ConstraintEffect) or effect.gate.ends:
         return False
-    less = fitted.without(effect.key)
     gain = held_out.gain(less, fitted)
     needed = gain.share >= LEAST_GAIN or gain.of_rest >= LEAST_OF_REST
     return not needed and held_out.likelihood(less, fitted) < LEAST_LIKELIHOOD
