@@ -15,6 +15,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from .noise import FilterNoise
+from .velocity_colour import loudness
 
 LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.001
 DISTURBANCE_SHARE = 0.01
@@ -41,6 +42,8 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         along = (noise_floor(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
         linear = max(*along, LEAST_VELOCITY)
         yaw = max(noise_floor(log.velocity[:, 2], usual.yaw_rate), LEAST_VELOCITY)
+        remembers = _loudness(log, cart)
+        linear, yaw = remembers * linear, remembers * yaw
     wrenches = [arm.wrench for arm in log.arms.values()]
     force = max(*(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1)), LEAST_FORCE)
     moment = max(*(noise_floor(w[:, 5], usual.moment) for w in wrenches), LEAST_MOMENT)
@@ -63,6 +66,17 @@ def noise_floor(channel: Array, usual: float = 0.0) -> float:
     if len(present) < FEWEST:
         return usual
     return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / NOISE_OF_DIFFERENCES)
+
+
+def _loudness(log: RunLog, cart: CartModel) -> float:
+    """Of recorded velocities; 1 for a cart that may go any way."""
+    axle = cart.constraints.axle_x
+    if axle is None or log.velocity is None:
+        return 1.0
+    seen = np.isfinite(log.pose[:, 2]) & np.isfinite(log.velocity).all(axis=1)
+    rolling = log.pose[seen, 2] + np.arctan2(cart.basis_b[1, 0], cart.basis_b[0, 0])
+    x, y, yaw = log.velocity[seen].T
+    return loudness(log.time[seen], np.cos(rolling) * y - np.sin(rolling) * x + axle * yaw)
 
 
 def _force_size(log: RunLog, cart: CartModel) -> float:

@@ -57,6 +57,12 @@ class Judgement:
         return float(self.truth.get("share", 1.0))
 
     @property
+    def z(self) -> float | None:
+        """How plainly wrenches show what is hidden; None of what the motion shows, or where nobody worked it out."""
+        strength = self.truth.get("strength", {})
+        return None if strength.get("lateral_speed") else strength.get("z")
+
+    @property
     def kind(self) -> str:
         """nothing, single, outside or pair."""
         effects = self.truth["effects"]

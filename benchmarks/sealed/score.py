@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ NONE = "(none)"
 MISSING = "(no report)"
 UNEXPLAINED = "(unexplained)"
 POWER = 0.9
+PLAIN = 0.0, 5.0, 8.0, 12.0, np.inf
+"""Deviations by which who knows the motion, the noise and the form sees an effect."""
 CLOSE = 1.1
 """Times the gap of a refit of the true structure."""
 
@@ -35,6 +37,7 @@ def score(folder: Path, reports: str = "out") -> str:
     parts = [
         f"{len(there)} reports of {len(everyone)} logs; {len(everyone) - len(there)} missing",
         rates(there),
+        by_strength(there),
         gaps(there),
         beside_truth(there),
         coverage({"parameters of named effects": named, "cart, nothing beside": alone, "cart, effects beside": beside}),
@@ -98,6 +101,17 @@ def rates(judgements: Sequence[Judgement]) -> str:
             f"{'outside: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
         ]
     )
+
+
+def by_strength(judgements: Sequence[Judgement]) -> str:
+    """How often single effects are in the reported set, by how plainly the wrenches show them."""
+    known = [(j.z, j.within) for j in judgements if j.kind == "single" and j.z is not None]
+    lines = [f"{'Single effect in the reported set, by z':<52}"]
+    for low, high in pairwise(PLAIN):
+        own = [within for z, within in known if low <= z < high]
+        title = f"{low:g} to {high:g}" if high < np.inf else f"{low:g} and more"
+        lines.append(f"{title:<52} {sum(own):>3} of {len(own):<3} {percent(sum(own), len(own))}")
+    return "\n".join(lines) if known else ""
 
 
 def gaps(judgements: Sequence[Judgement]) -> str:

@@ -1,5 +1,5 @@
 """How plainly an effect shows: what is left of the recorded wrench when mass, CoM, inertia and drag are refitted
-without noise, beside the noise."""
+without noise, beside the noise; white, or what is new in each sample of noise that remembers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def regressors(states: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 
 def strength(scene: Scene, states: np.ndarray, rates: np.ndarray, recorded: np.ndarray) -> dict[str, float]:
-    """`force_share` and `moment_share`: rms left over rms; `z`: sqrt of the sum of squares over the noise's."""
+    """`force_share` and `moment_share`: rms left over rms; `z`: sqrt of the sum of squares over the noise's, with which
+    nobody sees the effect better who knows the motion, the noise and the effect's form."""
     contacts, sensors = scene.drive.contacts, scene.sensors
     seen = planar(contacts, recorded)
     lever = (contacts[..., 0] ** 2 + contacts[..., 1] ** 2).sum(axis=1)
@@ -40,10 +41,21 @@ def strength(scene: Scene, states: np.ndarray, rates: np.ndarray, recorded: np.n
     found, *_ = np.linalg.lstsq(rows, (seen / noise).ravel(), rcond=1e-9)
     left = (seen / noise - (rows @ found).reshape(-1, 2)) * noise
     share = np.sqrt((left**2).mean(axis=0) / (seen**2).mean(axis=0))
+    new = _innovations(np.concatenate([rows.reshape(-1, 2, 6), (seen / noise)[..., None]], axis=2), scene.drive.time, sensors.colour)
+    flat = new.reshape(-1, 7)
+    beside, *_ = np.linalg.lstsq(flat[:, :6], flat[:, 6], rcond=1e-9)
     slip = float(np.sqrt((states[:, W] ** 2).mean()))
     return {
         "force_share": float(share[0]),
         "moment_share": float(share[1]),
-        "z": float(np.sqrt(((left / noise) ** 2).sum())),
+        "z": float(np.linalg.norm(flat[:, 6] - flat[:, :6] @ beside)),
         "lateral_speed": slip,
     }
+
+
+def _innovations(samples: np.ndarray, time: np.ndarray, colour: float) -> np.ndarray:
+    """Samples (n, ...) in units of noise that is white, or a first-order autoregression, less what is foretold."""
+    if not colour:
+        return samples
+    keep = np.exp(-np.diff(time) / colour).reshape(-1, *[1] * (samples.ndim - 1))
+    return np.concatenate([samples[:1], (samples[1:] - keep * samples[:-1]) / np.sqrt(1 - keep**2)])

@@ -14,26 +14,20 @@ from typing import final
 
 import numpy as np
 from scipy.linalg import cholesky_banded, solve_banded
-from scipy.optimize import nnls
 
 from cartgrasp.frames import Array
 
+from ..variogram import FEWEST, LONGEST, Variogram, autoregression
 from .block_tridiagonal import BlockTridiagonal
 
 TIMES = np.geomspace(0.03, 0.3, 12)
 """s: correlation times that are tried."""
-LONGEST, FEWEST_LAGS, MOST_LAGS = 0.25, 8, 18
-"""s: of lags; how many of them, at least and at most."""
 SLIPS = np.array([0.1, 0.2, 0.4, 0.8])
 """s: for as long as this a cart that slips keeps its sideways speed."""
 MISFIT = 0.05
 """By how much smooth motion and white noise alone fit worse, in squares of the relative misfit summed over lags."""
 LEAST_WHITE = 0.3
 """Of what was read off as white noise."""
-FEWEST = 200
-"""Differences."""
-MEDIAN_OF_SQUARE = 0.4549
-"""Of a standard normal number."""
 
 
 @final
@@ -119,11 +113,11 @@ def colour_of_poses(time: Array, pose: Array, axle: float, lever: float) -> Pose
     middle, step = (pose[:-1, 2] + pose[1:, 2]) / 2, np.diff(pose, axis=0)
     across = np.cumsum(-np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1] + axle * step[:, 2])
     bend = _bend(time, pose)
-    whole, calm = (_variances(time, np.append(0.0, across), bend <= most) for most in (np.inf, np.median(bend)))
+    whole, calm = (Variogram.of(time, np.append(0.0, across), bend <= most) for most in (np.inf, np.median(bend)))
     if whole is None or calm is None:
         return None
-    (slow, fade), gain = _explained(*whole)
-    return PoseColour(slow, lever * slow, fade) if min(gain, _explained(*calm)[1]) > MISFIT else None
+    (slow, fade), gain = _explained(whole)
+    return PoseColour(slow, lever * slow, fade) if min(gain, _explained(calm)[1]) > MISFIT else None
 
 
 def _bend(time: Array, pose: Array) -> Array:
@@ -133,23 +127,10 @@ def _bend(time: Array, pose: Array) -> Array:
     return np.asarray(np.abs(moved[:, 2]) * np.hypot(moved[:, 0], moved[:, 1]))
 
 
-def _variances(time: Array, across: Array, which: np.ndarray) -> tuple[Array, Array] | None:
-    """Lags (s), and half the squares of differences over them from some rows; None where there are too few."""
-    step = float(np.median(np.diff(time)))
-    lags = np.unique(np.round(np.geomspace(1, max(FEWEST_LAGS, LONGEST / step), MOST_LAGS)).astype(int))
-    found = []
-    for lag in lags:
-        near = which[:-lag] & ((time[lag:] - time[:-lag]) < (lag + 0.5) * step)
-        if near.sum() < FEWEST:
-            return None
-        found.append(float(np.median((across[lag:] - across[:-lag])[near] ** 2)) / MEDIAN_OF_SQUARE / 2)
-    return (lags * step, np.array(found)) if min(found) > 0 else None
-
-
-def _explained(after: Array, variance: Array) -> tuple[tuple[float, float], float]:
+def _explained(grown: Variogram) -> tuple[tuple[float, float], float]:
     """The likeliest slow noise (m) and its correlation time (s), and by how much worse smooth slip explains it."""
-    smooth = min(_fitted(variance, after, _slipped(after / one))[1] for one in SLIPS)
-    fits = [(*_fitted(variance, after, 1 - np.exp(-after / one)), one) for one in TIMES]
+    smooth = min(grown.shares(_slipped(grown.lag / one))[1] for one in SLIPS)
+    fits = [(*grown.shares(autoregression(grown.lag, one)), one) for one in TIMES]
     shares, misfit, time = min(fits, key=lambda fit: fit[1])
     return (float(shares[1] ** 0.5), float(time)), smooth - misfit
 
@@ -157,11 +138,3 @@ def _explained(after: Array, variance: Array) -> tuple[tuple[float, float], floa
 def _slipped(after: Array) -> Array:
     """Squares of what is covered at a speed that fades, over its correlation times."""
     return np.asarray(after - 1 + np.exp(-after))
-
-
-def _fitted(variance: Array, after: Array, other: Array) -> tuple[Array, float]:
-    """Shares of white noise, of another kind and of smooth motion in half the squares of differences, and the misfit
-    of it."""
-    columns = np.column_stack([np.ones(len(after)), other, (after / after[-1]) ** 2])
-    shares, misfit = nnls(columns / variance[:, None], np.ones(len(after)))
-    return shares, float(misfit)

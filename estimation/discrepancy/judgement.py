@@ -37,8 +37,9 @@ noise; the same of one with a memory, which in one quarter may have been another
 ABUTS = 0.2
 """m: a second place of one effect that is nearer to the first may be the ramp at its edge, or a part of it where it is
 thicker; half a cell, by which places are first moved."""
-DRIVEN, NOWHERE = 0.15, 1e6
-"""Of the most power that drags take: what they may give, at speeds of one sign, and be a mistake; m and s."""
+DRIVEN, LEAST_POWER, NOWHERE = 0.15, 1e-6, 1e6
+"""Of the most power that drags take, and in W: what they may give, at speeds of one sign, and be a mistake; m and s.
+"""
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
 OUTSIDE, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 0.5, 0.1
 """Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary. What
@@ -91,7 +92,7 @@ class Judge:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
         implausible = self.implausible(effect) or self._bends_mass(effect, model)
-        nameless = "" if implausible else self._held(effect, model) or self._unsteady(found)
+        nameless = "" if implausible else self._held(effect, model) or self._unsteady(found, effect)
         follows = "" if implausible or nameless else self._outside(effect, score)
         reason = implausible or nameless or follows or self._unsure(effect, score)
         reason = reason or _drives(model.cart, self.held_out.rolling[1])
@@ -122,13 +123,14 @@ class Judge:
 
     def _held(self, effect: Effect, model: Fitted) -> str:
         late = effect.lateness
-        if 0 < late < max((regression.step for regression in model.regressions), default=0.0):
+        if 0 < late < _longest_step(model):
             return f"{1e3 * late:.0f} ms is less than a sample, as wrenches may be late that are held or averaged"
         return ""
 
-    def _unsteady(self, found: Finding) -> str:
-        effect, wheels = found.effect, self.held_out.rolling[0]
-        if effect.lateness > 0 and self.fitted.is_late:
+    def _unsteady(self, found: Finding, effect: Effect) -> str:
+        wheels = self.held_out.rolling[0]
+        far = abs(effect.lateness - found.effect.lateness) > _longest_step(self.fitted)
+        if effect.lateness > 0 and (self.fitted.is_late or far):
             return ""  # it was found where no linear fit looks
         remembers = isinstance(effect, ForceEffect) and effect.memory_names(wheels)
         most = MOST_DRIFT_REMEMBERED if remembers else MOST_DRIFT
@@ -161,6 +163,11 @@ def _abut(effect: Effect, other: Effect) -> bool:
     return bool(apart < ABUTS)
 
 
+def _longest_step(fitted: Fitted) -> float:
+    """Between rows of the logs (s)."""
+    return max((regression.step for regression in fitted.regressions), default=0.0)
+
+
 def _drives(cart: CartModel, fastest: float) -> str:
     """Why no cart is like this that needs to be held back; headings, far from any place and time, are averaged over."""
     headings = np.linspace(0, 2 * np.pi, 4, endpoint=False)
@@ -173,5 +180,5 @@ def _drives(cart: CartModel, fastest: float) -> str:
         state = np.hstack([pose, velocity, np.zeros((4, len(cart.memory_names)))])
         state[:, cart.memory_slice] = cart.settled_memory(state, np.tile(cart.parameters, (4, 1)), NOWHERE)
         power.append(speed * float(cart.required_wrench(state, still, time=NOWHERE)[:, 0].mean()))
-    backward = min(power) < -DRIVEN * max(np.abs(power))
+    backward = min(power) < -max(DRIVEN * max(np.abs(power)), LEAST_POWER)
     return "with it, the cart would drive itself" if backward else ""

@@ -26,6 +26,8 @@ BLOCK = 0.5
 """s."""
 SMOOTHED = 0.1
 """s: over which wrenches are averaged before they say what force the wheels take."""
+FAR = 6.0
+"""Times the usual distance: a recorded heading that is farther from the smoothed one is an accident."""
 SHARE_STD = 3.0
 """Of the usual size: the standard deviation of an effect's before data."""
 NO_AMPLITUDES = np.zeros(0, dtype=int)
@@ -138,7 +140,8 @@ def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array
     pose = regression.rows.pose
     seen = np.asarray(np.isfinite(pose[:, :2]).all(axis=1))
     linked = np.asarray(motion.linked & seen[:-1] & seen[1:])
-    middle = (motion.pose[:-1, 2] + motion.pose[1:, 2]) / 2
+    heading = _recorded_heading(regression)
+    middle = (heading[:-1] + heading[1:]) / 2
     step = np.where(linked[:, None], np.diff(pose[:, :2], axis=0), 0.0)
     across = -np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1] + axle * np.diff(motion.pose[:, 2])
     block = ((motion.time - motion.time[0]) // BLOCK).astype(int)
@@ -156,6 +159,15 @@ def _of_log(regression: WrenchRegression, cart: CartModel) -> tuple[Array, Array
     turned = noise.heading * np.abs(motion.velocity[spans[:, 0], 0]) * duration
     covariance += np.diag(noise.slip**2 * duration + turned**2 * (motion.time[1] - motion.time[0]) / duration)
     return moved[whole], covariance[np.ix_(whole, whole)], spans[whole]
+
+
+def _recorded_heading(regression: WrenchRegression) -> Array:
+    """Of rows (n,): smoothed ones lean towards where the cart was believed to roll. They stand in for what is missing,
+    or far from them."""
+    smooth, recorded = regression.motion.pose[:, 2], regression.rows.pose[:, 2]
+    off = (recorded - smooth + np.pi) % (2 * np.pi) - np.pi
+    far = np.abs(off) > FAR * max(regression.row_noise.heading, float(np.nanmedian(np.abs(off))))
+    return np.asarray(smooth + np.where(np.isfinite(off) & ~far, off, 0.0))
 
 
 def _velocity(regression: WrenchRegression, cart: CartModel) -> Array:

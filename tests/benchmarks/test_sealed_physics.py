@@ -15,7 +15,7 @@ from benchmarks.sealed.body import find_rate
 from benchmarks.sealed.cases import draw_case
 from benchmarks.sealed.driver import advance
 from benchmarks.sealed.sensors import Sensors, noiseless
-from benchmarks.sealed.strength import strength
+from benchmarks.sealed.strength import planar, regressors, strength
 from benchmarks.sealed.world import BOB, BRISTLE, CASTER, GRAVITY, SIZE, THETA, R, U, W, World, X
 from cartgrasp import CartModel, Inertia
 from cartgrasp.constraints import RollingConstraints
@@ -235,6 +235,11 @@ def test_a_late_wrench_is_that_of_a_delay_ago():
     assert np.abs(late[:, 0, 0] - present[:, 0, 0]).max() > 1.0
 
 
+def shortened(scene, n):
+    names = ("time", "speeds", "contacts", "shares", "extras", "errors")
+    return replace(scene, drive=scene.drive._replace(**{name: getattr(scene.drive, name)[:n] for name in names}))
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_a_cart_without_effects_needs_no_others(seed):
     """All of what the arms give is inertia and viscous drag, by regressors of another file."""
@@ -247,15 +252,31 @@ def test_a_cart_without_effects_needs_no_others(seed):
     assert np.ptp(states[:, R]) > 0.6
 
 
+def test_an_effect_shows_as_it_does_to_who_knows_the_whole_covariance_of_the_noise():
+    """Generalised least squares with a dense matrix, by regressors of another file."""
+    scene, n = shortened(draw_case("rolling_resistance", 0, "rich"), 500), 500
+    scene = replace(scene, sensors=replace(scene.sensors, colour=0.08))
+    states, rates, present, told = scene.run()
+    seen = noiseless(scene.sensors, scene.drive, present, told)
+    rows = regressors(states, rates).reshape(2 * n, 6)
+    lever = (scene.drive.contacts[..., :2] ** 2).sum(axis=2)
+    force, moment = (scene.sensors.force_noise**2, scene.sensors.moment_noise**2)
+    variance = np.column_stack([np.full(n, force * lever.shape[1]), force * lever.sum(axis=1) + moment * lever.shape[1]])
+    apart = np.abs(np.subtract.outer(scene.drive.time, scene.drive.time)) / 0.08
+    covariance = np.zeros((n, 2, n, 2))
+    for i in (0, 1):
+        covariance[:, i, :, i] = np.exp(-apart) * np.sqrt(np.outer(variance[:, i], variance[:, i]))
+    weight = np.linalg.inv(covariance.reshape(2 * n, 2 * n))
+    wrench = planar(scene.drive.contacts, seen).ravel()
+    left = wrench - rows @ np.linalg.solve(rows.T @ weight @ rows, rows.T @ weight @ wrench)
+    assert strength(scene, states, rates, seen)["z"] == pytest.approx(np.sqrt(left @ weight @ left), rel=0.02)
+
+
 def test_mujoco_moves_a_cart_alike():
     """Two roads to one motion: bearings and contacts of wheels, and equations in the plane."""
-    scene = draw_case("rolling_resistance", 0, "rich")
-    drive, n = scene.drive, 600
-    short = drive._replace(
-        **{name: getattr(drive, name)[:n] for name in ("time", "speeds", "contacts", "shares", "extras", "errors")}
-    )
-    ours = replace(scene, drive=short).run()
-    theirs = replace(scene, drive=short, in_mujoco=True).run()
+    scene = shortened(draw_case("rolling_resistance", 0, "rich"), 600)
+    ours = scene.run()
+    theirs = replace(scene, in_mujoco=True).run()
     np.testing.assert_allclose(theirs[0][:, [U, R]], ours[0][:, [U, R]], atol=0.02)
     np.testing.assert_allclose(theirs[2][:, 0, 0], ours[2][:, 0, 0], atol=2.0)
     assert np.ptp(ours[0][:, U]) > 0.3

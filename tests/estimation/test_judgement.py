@@ -225,6 +225,12 @@ def test_a_drag_may_be_less_one_way_than_what_is_known_of_it():
     assert _drives(cart.with_effect(DirectionalDrag(forward=-17.0, backward=11.0)), 0.8)
 
 
+@pytest.mark.parametrize("grade", [0.003, 0.05])
+def test_a_cart_without_drag_needs_nothing(grade):
+    """Whatever a sum over headings leaves of a floor's slope."""
+    assert judged(FloorSlope(grade_x=grade, grade_y=-0.7 * grade), before=Fit(effect=FloorSlope())).is_added
+
+
 @pytest.mark.parametrize(
     ("forward", "backward", "is_one"),
     [(16.7, 16.5, False), (9.1, 10.0, False), (8.9, 10.0, True), (0.0, 3.0, True), (10.0, 0.0, True)],
@@ -276,6 +282,14 @@ def test_how_a_delay_varies_is_not_seen_from_another():
     drifting = {"effect": TimeDelay(delay=0.025), "change": (0.1, 0.9)}
     assert "another part of the log" in judged(**drifting).reason
     assert judged(**drifting, before=Fit(is_late=True)).is_added
+
+
+@pytest.mark.parametrize(("found", "is_one"), [(0.155, False), (0.145, True)])
+def test_how_a_delay_varies_is_not_seen_far_from_it(found, is_one):
+    """A screening at 0.145 s says little of one that a search found at 0.156 s."""
+    none, judge = np.zeros(0), Judge(Fit(), Proof(), 0.0)
+    screened = Finding(TimeDelay(delay=found), 50.0, 50.0, none, none, none, 0.1, 0.9)
+    assert judge.verdict(screened, 50.0, Fit(effect=TimeDelay(delay=0.156))).is_added == is_one
 
 
 def test_a_tight_wheel_is_plausible():

@@ -1,0 +1,56 @@
+"""Variograms: half the squares of differences over lags, from which kinds of noise can be told.
+
+White noise gives the same at all lags, an autoregression grows with `1 - exp(-t / time)`, and what changes smoothly
+with `t²`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.optimize import nnls
+
+from cartgrasp.frames import Array
+
+LONGEST, FEWEST_LAGS, MOST_LAGS = 0.25, 8, 18
+"""s: of lags; how many of them, at least and at most."""
+FEWEST = 200
+"""Differences."""
+MEDIAN_OF_SQUARE = 0.4549
+"""Of a standard normal number."""
+
+
+@final
+@dataclass(frozen=True)
+class Variogram:
+    """At lags (l,), s."""
+
+    lag: Array
+    value: Array
+
+    @classmethod
+    def of(cls, time: Array, series: Array, which: np.ndarray) -> Variogram | None:
+        """Of a series (n,) from the rows `which` (n,) on, by medians; None where there are too few."""
+        step = float(np.median(np.diff(time)))
+        lags = np.unique(np.round(np.geomspace(1, max(FEWEST_LAGS, LONGEST / step), MOST_LAGS)).astype(int))
+        found = []
+        for lag in lags:
+            near = which[:-lag] & ((time[lag:] - time[:-lag]) < (lag + 0.5) * step)
+            if near.sum() < FEWEST:
+                return None
+            found.append(float(np.median((series[lag:] - series[:-lag])[near] ** 2)) / MEDIAN_OF_SQUARE / 2)
+        return cls(lags * step, np.array(found)) if min(found) > 0 else None
+
+    def shares(self, other: Array) -> tuple[Array, float]:
+        """Variances of white noise, of another kind (l,) and of smooth change, none negative, and the squares of the
+        relative misfit."""
+        columns = np.column_stack([np.ones(len(self.lag)), other, (self.lag / self.lag[-1]) ** 2])
+        shares, misfit = nnls(columns / self.value[:, None], np.ones(len(self.lag)))
+        return shares, float(misfit)
+
+
+def autoregression(lag: Array, time: float) -> Array:
+    """Of unit variance."""
+    return np.asarray(1 - np.exp(-lag / time))
