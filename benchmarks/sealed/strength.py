@@ -41,7 +41,9 @@ def strength(scene: Scene, states: np.ndarray, rates: np.ndarray, recorded: np.n
     found, *_ = np.linalg.lstsq(rows, (seen / noise).ravel(), rcond=1e-9)
     left = (seen / noise - (rows @ found).reshape(-1, 2)) * noise
     share = np.sqrt((left**2).mean(axis=0) / (seen**2).mean(axis=0))
-    new = _innovations(np.concatenate([rows.reshape(-1, 2, 6), (seen / noise)[..., None]], axis=2), scene.drive.time, sensors.colour)
+    new = _innovations(
+        np.concatenate([rows.reshape(-1, 2, 6), (seen / noise)[..., None]], axis=2), scene.drive.time, sensors.colour
+    )
     flat = new.reshape(-1, 7)
     beside, *_ = np.linalg.lstsq(flat[:, :6], flat[:, 6], rcond=1e-9)
     slip = float(np.sqrt((states[:, W] ** 2).mean()))

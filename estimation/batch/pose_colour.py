@@ -20,7 +20,7 @@ from cartgrasp.frames import Array
 from ..variogram import FEWEST, LONGEST, Variogram, autoregression
 from .block_tridiagonal import BlockTridiagonal
 
-TIMES = np.geomspace(0.03, 0.3, 12)
+TIMES = np.geomspace(0.008, 0.3, 18)
 """s: correlation times that are tried."""
 SLIPS = np.array([0.1, 0.2, 0.4, 0.8])
 """s: for as long as this a cart that slips keeps its sideways speed."""

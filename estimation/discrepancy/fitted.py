@@ -243,6 +243,11 @@ class Fitted:
         left, known = (tuple(e for e in effects if e.key != key) for effects in (self.added, self.cart.effects))
         return replace(self, added=left, start=replace(self.cart, effects=known).parameters)
 
+    @property
+    def n_rows(self) -> int:
+        """That have every wrench: where sensors are late, those of lost samples are others."""
+        return sum(len(line.time) for _, line, _ in self.linearised)
+
     def chi_squared(self, keys: Collection[str] = ()) -> float:
         """Of the residuals, beside other forms of added effects with `keys`, and of the parameters and delays against
         what was believed of them."""
@@ -266,11 +271,11 @@ class Fitted:
         motions = [regression.motion for regression in self.regressions]
         return dependences(self.polygon, Course.of(self.polygon.time, self.polygon.log, motions, tracks))
 
-    def follows(self, is_periodic: bool) -> Dependence | None:
-        """The most probable dependence, where it is sure; where only one with a period counts, none unless it is that:
-        motion that is repeated makes all that follows the speed come again with the way."""
+    def follows(self, lasts: bool) -> Dependence | None:
+        """The most probable dependence, where it is sure; against what lasts, none unless it has a period or is of the
+        floor: motion that is repeated makes all that follows the speed come again with the way."""
         first = next((d for d in self.dependences if d.log_factor > SURE), None)
-        return first if first is not None and first.is_periodic >= is_periodic else None
+        return first if first is not None and (first.is_periodic or first.is_of_the_floor or not lasts) else None
 
     def misfit(self, direction: int) -> float:
         """The weighed squares of the residual's polygon along one free direction."""

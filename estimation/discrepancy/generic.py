@@ -16,6 +16,7 @@ from cartgrasp.frames import Array
 from ..batch.smooth_motion import SmoothMotion
 from .polygon import Polygon
 
+HEADING, PLACE = "heading", "place"
 FREQUENCIES = 0.1, 4.0
 """Hz."""
 WAVENUMBERS = 1 / 3.0, 5.0
@@ -54,6 +55,11 @@ class Dependence:
     @property
     def is_periodic(self) -> bool:
         return self.period is not None
+
+    @property
+    def is_of_the_floor(self) -> bool:
+        """Whether it is what a floor does, which is one thing along one heading, or at one place."""
+        return not self.is_periodic and self.name in (HEADING, PLACE)
 
 
 @dataclass(frozen=True)
@@ -198,8 +204,8 @@ def _families(course: Course) -> Iterator[_Family]:
             for columns in (waves[..., :2], waves):
                 yield replace(wheel.family(turns, columns), finer=wheel.near)
     turned = course.heading / (2 * np.pi)
-    yield _Family("heading", _wave(turned)[None])
-    yield _Family("heading", np.hstack([_wave(turned), _wave(2 * turned)])[None])
+    yield _Family(HEADING, _wave(turned)[None])
+    yield _Family(HEADING, np.hstack([_wave(turned), _wave(2 * turned)])[None])
     yield _Family("speed", _levels(course.speed)[None])
     yield _Family("yaw rate", _levels(course.turning)[None])
     along = (course.time - course.time.min()) / max(float(np.ptp(course.time)), 1e-9)
@@ -207,7 +213,7 @@ def _families(course: Course) -> Iterator[_Family]:
     yield _Family("time, slowly", slow[None])
     place = course.place - course.place.mean(axis=0)
     x, y = (place / np.maximum(np.abs(place).max(axis=0), 1e-9)).T
-    yield _Family("place", np.column_stack([x, y, x * y, x**2, y**2])[None])
+    yield _Family(PLACE, np.column_stack([x, y, x * y, x**2, y**2])[None])
     yield from _seams(course)
 
 

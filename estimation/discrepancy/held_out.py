@@ -126,15 +126,18 @@ class HeldOut:
         """Log of the ratio of likelihoods of the wrenches that no fit saw, both at the usual delay of samples: at
         another, rows are mixed otherwise and their noise is another. Effects that both have may have other forms."""
         both = {effect.key for effect in fitted.added} & {effect.key for effect in better.added}
-        return 0.5 * (self._surprise(fitted, both) - self._surprise(better, both)) / better.excess
+        (before, rows), (after, left) = (self._surprise(each, both) for each in (fitted, better))
+        return 0.5 * (before * left / rows - after) / better.excess if rows else 0.0
 
-    def _surprise(self, fitted: Fitted, loose: Collection[str]) -> float:
-        trained, total = self.trained(fitted), 0.0
+    def _surprise(self, fitted: Fitted, loose: Collection[str]) -> tuple[float, int]:
+        """And of how many rows: where sensors are late, those of lost samples are others."""
+        trained, total, rows = self.trained(fitted), 0.0, 0
         for regression, kept in zip(fitted.regressions, self._kept, strict=True):
             own = regression.within(kept).with_cart(trained.cart)
             line = own.linearised(trained.cart.parameters, own.usual_delay[0])
             total += line.chi_squared - trained.forms(own, line, loose).taken(line)
-        return total
+            rows += len(line.time)
+        return total, rows
 
     def covers(self, effect: Effect) -> bool:
         """Whether a place holds nearly all of the motion."""

@@ -41,10 +41,10 @@ DRIVEN, LEAST_POWER, NOWHERE = 0.15, 1e-6, 1e6
 """Of the most power that drags take, and in W: what they may give, at speeds of one sign, and be a mistake; m and s.
 """
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
-OUTSIDE, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 0.5, 0.1
-"""Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary. What
-acts for a while takes away some turns of anything periodic, and some of what follows the heading. Of the squares: what
-foretells less is any."""
+OUTSIDE, OUTSIDE_FLOOR, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 1.15, 0.5, 0.1
+"""Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary; nor what
+heading or place do, by more than they foretell of a slope. What acts for a while takes away some turns of anything
+periodic, and some of what follows the heading. Of the squares: what foretells less is any."""
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,11 @@ class Judge:
         return UNSTEADY if found.change > MOST_CHANGE or found.drift > most else ""
 
     def _outside(self, effect: Effect, score: float) -> str:
-        enough = OUTSIDE_PASSING if effect.gate.passes else OUTSIDE
         follows, closed = self.fitted.follows(not effect.gate.passes), 2 * score * self.fitted.excess
         if follows is None or follows.foretold < LEAST_FORETOLD:
             return ""
+        lasting = OUTSIDE_FLOOR if follows.is_of_the_floor else OUTSIDE
+        enough = OUTSIDE_PASSING if effect.gate.passes else lasting
         if follows.foretold * self.fitted.misfit(follows.direction) <= enough * closed:
             return ""
         period = f" ({follows.period:.3g} {follows.unit})" if follows.period is not None else ""

@@ -331,7 +331,7 @@ def _scored(
     for one in candidates:
         gain = one.gain
         if _keeps_noise(one.effect):
-            refitted = 0.5 * (before - one.left)
+            refitted = 0.5 * (before * one.model.n_rows / fitted.n_rows - one.left)
             most = np.inf if _is_late(one.effect) else gain * MOST_BY_REFIT
             gain = float(np.clip(refitted, gain / MOST_BY_REFIT, most))
         scored.append((gain / excess + again[one.effect.key].occam, one.effect, one.model))

@@ -261,7 +261,9 @@ def test_an_effect_shows_as_it_does_to_who_knows_the_whole_covariance_of_the_noi
     rows = regressors(states, rates).reshape(2 * n, 6)
     lever = (scene.drive.contacts[..., :2] ** 2).sum(axis=2)
     force, moment = (scene.sensors.force_noise**2, scene.sensors.moment_noise**2)
-    variance = np.column_stack([np.full(n, force * lever.shape[1]), force * lever.sum(axis=1) + moment * lever.shape[1]])
+    variance = np.column_stack(
+        [np.full(n, force * lever.shape[1]), force * lever.sum(axis=1) + moment * lever.shape[1]]
+    )
     apart = np.abs(np.subtract.outer(scene.drive.time, scene.drive.time)) / 0.08
     covariance = np.zeros((n, 2, n, 2))
     for i in (0, 1):
