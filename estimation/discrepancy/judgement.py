@@ -40,6 +40,8 @@ thicker; half a cell, by which places are first moved."""
 DRIVEN, LEAST_POWER, NOWHERE = 0.15, 1e-6, 1e6
 """Of the most power that drags take, and in W: what they may give, at speeds of one sign, and be a mistake; m and s.
 """
+INSTANT, LEAST_LEFT = 1e-6, 0.15
+"""s; of its mass: what is left of a cart from which its load is taken."""
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
 OUTSIDE, OUTSIDE_FLOOR, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 1.15, 0.5, 0.1
 """Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary; nor what
@@ -91,7 +93,7 @@ class Judge:
     def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
-        implausible = self.implausible(effect) or self._bends_mass(effect, model)
+        implausible = self.implausible(effect) or _takes_too_much(effect, model.cart) or self._bends_mass(effect, model)
         nameless = "" if implausible else self._held(effect, model) or self._unsteady(found, effect)
         follows = "" if implausible or nameless else self._outside(effect, score)
         reason = implausible or nameless or follows or self._unsure(effect, score)
@@ -162,6 +164,14 @@ def _abut(effect: Effect, other: Effect) -> bool:
     (x, right, y, top), (other_x, other_right, other_y, other_top) = effect.values[:4], other.values[:4]
     apart = max(x - other_right, other_x - right, y - other_top, other_y - top)
     return bool(apart < ABUTS)
+
+
+def _takes_too_much(effect: Effect, cart: CartModel) -> str:
+    if effect.gate is not Gate.FROM:
+        return ""
+    began = float(effect.values[0])
+    before, after = (float(cart.phi_at(time)[0]) for time in (began - INSTANT, began + INSTANT))
+    return f"of {before:.3g} kg, it would leave {after:.3g} kg" if after < LEAST_LEFT * before else ""
 
 
 def _longest_step(fitted: Fitted) -> float:

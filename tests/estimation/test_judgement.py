@@ -229,6 +229,16 @@ def test_a_lasting_change_is_proven_by_what_came_after_it():
     assert judged(PayloadChange(time=9.0, mass=3.0), proof=Proof(share=0.0, log_likelihood=5.0)).is_added
 
 
+@pytest.mark.parametrize(
+    ("mass", "is_one"), [(-8.0, True), (-16.9, True), (-17.1, False), (-49.0, False), (300.0, True)]
+)
+def test_no_more_is_taken_off_than_is_there(mass, is_one):
+    """Of 20 kg."""
+    verdict = judged(PayloadChange(time=9.0, mass=mass), score=90.0)
+    assert verdict.is_added == is_one
+    assert is_one or "of 20 kg, it would leave" in verdict.reason
+
+
 def test_a_drag_may_be_less_one_way_than_what_is_known_of_it():
     """On a cart that drags more than that in all; and a floor that slopes drives no cart along all headings."""
     cart = CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(ViscousDrag(linear=12.0),))
