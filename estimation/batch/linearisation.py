@@ -19,6 +19,8 @@ OUTLYING = 4.0
 
 MOST_NOISE = 0.7
 """Of what a motion seems to tell in some way: where more is noise, nobody knows whether anything is left."""
+ASTRAY = 0.01
+"""Of all that a log tells: less is noise anywhere."""
 JITTER = 1e-9
 
 
@@ -37,9 +39,13 @@ class Evidence:
     def part(self, which: np.ndarray) -> Evidence:
         """About some of the parameters, without noise: the corrected score of errors in variables `pull + drag` falls
         by `information - noise` from one parameter to the next, and scatters by the information; so what it tells is
-        `(I - N) I⁻¹ (I - N)` (Nakamura 1990; Godambe)."""
+        `(I - N) I⁻¹ (I - N)` (Nakamura 1990; Godambe). Stretches in which more seems to be noise than there is tell
+        nothing: there, memories of the motion and of the same with more noise went other ways."""
         blocks, noise = (each[:, which[:, None], which] for each in (self.blocks, self.noise))
-        pulls = self.pulls[:, which] + self.drag[:, which]
+        whole, lost = (np.diagonal(each, axis1=1, axis2=2) for each in (blocks, noise))
+        astray = ((lost > whole) & (lost > ASTRAY * whole.sum(axis=0))).any(axis=1)
+        blocks, noise = (np.where(astray[:, None, None], 0.0, each) for each in (blocks, noise))
+        pulls = np.where(astray[:, None], 0.0, self.pulls[:, which] + self.drag[:, which])
         information = blocks.sum(axis=0)
         size = np.sqrt(np.diagonal(information))
         scale = 1 / np.where(size > 0, size, 1.0)

@@ -126,9 +126,11 @@ def select(
         steps.append(look.step.beside(shown))
         if look.better is None or look.step.added is None:
             break
-        fitted = searched_again(look.better, look.better.added[:-1], look.judge.is_odd)
+        fitted = _still_plausible(searched_again(look.better, look.better.added[:-1], look.judge.is_odd), look.judge)
         strongest = max(strongest, look.step.added.log_factor)
-    fitted, removed = _pruned(fitted, search.held_out)
+    fitted, _ = _pruned(fitted, search.held_out)
+    kept = {effect.key for effect in fitted.added}
+    removed = tuple(step.added.key for step in steps if step.added is not None and step.added.key not in kept)
     return Selection(nominal, fitted, tuple(steps), search.held_out, removed, shown)
 
 
@@ -170,6 +172,15 @@ class _Search:
         if again.step.added is None or again.step.added.key != look.nameless.added[-1].key:
             return None
         return look._replace(step=second.step, better=alone)
+
+
+def _still_plausible(fitted: Fitted, judge: Judge) -> Fitted:
+    """Without those that were added before the last one, and that nobody would call so at the values that they have
+    beside it: they stood for it too."""
+    for effect in fitted.cart.effects:
+        if effect.key in {one.key for one in fitted.added[:-1]} and judge.implausible(effect):
+            fitted = fitted.without(effect.key)
+    return fitted
 
 
 def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]:

@@ -1,13 +1,23 @@
 """What later effects have made superfluous goes, of two of which either would do the later one; and what does harm."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 
 import pytest
 
-from cartgrasp.effects import ExternalPush, LoadSlosh, RollingResistance, StribeckFriction
+from cartgrasp.effects import (
+    ExternalPush,
+    FloorSlope,
+    LoadSlosh,
+    RollingResistance,
+    StribeckFriction,
+    WheelDragImbalance,
+)
+from cartgrasp.wheels import Wheel, WheelSet
 from estimation.discrepancy.held_out import Gain
-from estimation.discrepancy.selection import _pruned
+from estimation.discrepancy.selection import _pruned, _still_plausible
 
+WHEELS = WheelSet.of((Wheel("fixed", 0.0, 0.25), Wheel("fixed", 0.0, -0.25)), rolls_along_x=True)
 SLOSH, ROLLING, STRIBECK = LoadSlosh(mass=3.0), RollingResistance(coefficient=0.02), StribeckFriction(breakaway=3.0)
 
 
@@ -37,6 +47,9 @@ class Proof:
 
     def gap(self, fitted):
         return 0.02
+
+    def without(self, fitted, key):
+        return fitted.without(key)
 
 
 class Rollouts(Proof):
@@ -89,3 +102,30 @@ def test_a_push_is_not_judged_by_what_it_does_elsewhere():
     fitted, removed = _pruned(Fit((push,), {}), Rollouts({("external_push",): 0.05, (): 0.02}))
     assert fitted.added == (push,)
     assert not removed
+
+
+@dataclass(frozen=True)
+class Refit(Fit):
+    """With values of effects beside all others, by their names."""
+
+    values: dict = field(default_factory=dict)
+
+    @property
+    def cart(self):
+        return SimpleNamespace(effects=tuple(self.values.get(e.name, e) for e in self.added))
+
+    def without(self, key):
+        return replace(self, added=tuple(e for e in self.added if e.key != key))
+
+
+@pytest.mark.parametrize(("moment", "stays"), [(-2.0, True), (-0.4, False)])
+@pytest.mark.parametrize("last", [False, True])
+def test_what_stood_for_a_later_effect_too_goes(moment, stays, last):
+    """A wheel that drags with a lever of 0.2 m alone, and of 0.04 m beside a slope: both wheels drag alike. Of the last
+    one the judge has just said what he thinks."""
+    wheel, slope = WheelDragImbalance(force=10.0, moment=-2.0), FloorSlope(grade_x=0.01)
+    judge = SimpleNamespace(implausible=lambda effect: effect.implausible(WHEELS, 0.8))
+    added = (slope, wheel) if last else (wheel, slope)
+    fitted = Refit(added, {}, values={"wheel_drag_imbalance": replace(wheel, moment=moment)})
+    kept = _still_plausible(fitted, judge)
+    assert [e.name for e in kept.added] == [e.name for e in added if stays or last or e is slope]
