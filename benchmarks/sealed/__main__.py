@@ -26,6 +26,9 @@ def main() -> None:
     making.add_argument(
         "--shares", type=shares, default=(1.0,), metavar="SHARE,…", help="of effects' sizes, for detection floors"
     )
+    making.add_argument(
+        "--rough", action="store_true", help="by worse sensors: noise that remembers, poses that are off, lost rows"
+    )
     scoring = commands.add_parser("score", help="compare DIR/logs/*/out/report.json with DIR/truth")
     scoring.add_argument("folder", type=Path, metavar="DIR")
     scoring.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
@@ -58,7 +61,7 @@ def main() -> None:
     unknown = [case for case in cases if case not in (*CASES, *MUJOCO_CASES)]
     if unknown:
         parser.error(f"no case {unknown[0]!r}; there are all, single, mujoco, {every}")
-    names = generate(options.out, cases, options.seeds, options.motion, options.shares)
+    names = generate(options.out, cases, options.seeds, options.motion, options.shares, options.rough)
     print(f"{len(names)} logs in {options.out / 'logs'}, truth in {options.out / 'truth'}")
 
 

@@ -13,25 +13,36 @@ import numpy as np
 
 from .carts import cart_file
 from .cases import draw_case
+from .rough import rough
 from .scenes import Scene, random_of
 from .sensors import csv_text, noiseless, record
 from .strength import strength
 from .weaker import weaker
 
-SALT = "sealed"
+SALT, ROUGH = "sealed", " rough"
 
 
 def generate(
-    out: Path, cases: Sequence[str], seeds: Sequence[int], motion: str, shares: Sequence[float] = (1.0,)
+    out: Path,
+    cases: Sequence[str],
+    seeds: Sequence[int],
+    motion: str,
+    shares: Sequence[float] = (1.0,),
+    is_rough: bool = False,
 ) -> list[str]:
-    """Names of the logs written, in no telling order; each case with `shares` of its effects' sizes."""
-    return sorted(write(out, case, seed, motion, share) for case in cases for seed in seeds for share in shares)
+    """Names of the logs written, in no telling order; each case with `shares` of its effects' sizes; `is_rough`: by
+    worse sensors."""
+    return sorted(
+        write(out, case, seed, motion, share, is_rough) for case in cases for seed in seeds for share in shares
+    )
 
 
-def write(out: Path, case: str, seed: int, motion: str, share: float = 1.0) -> str:
-    weak = "" if share == 1.0 else f" {share:g}"
-    name = hashlib.sha256(f"{SALT} {case} {seed} {motion}{weak}".encode()).hexdigest()[:10]
+def write(out: Path, case: str, seed: int, motion: str, share: float = 1.0, is_rough: bool = False) -> str:
+    kind = ("" if share == 1.0 else f" {share:g}") + (ROUGH if is_rough else "")
+    name = hashlib.sha256(f"{SALT} {case} {seed} {motion}{kind}".encode()).hexdigest()[:10]
     scene = weaker(draw_case(case, seed, motion), share)
+    if is_rough:
+        scene = rough(scene, random_of(case + ROUGH, seed, motion))
     header, table, truth = simulate(scene, random_of(f"{case} sensors", seed, motion))
     folder, truths = out / "logs" / name, out / "truth"
     folder.mkdir(parents=True, exist_ok=True)
@@ -70,7 +81,11 @@ def truth_of(scene: Scene) -> dict[str, Any]:
             "moment_noise": sensors.moment_noise,
             "noise_correlation": sensors.colour,
             "pose_noise": sensors.pose_noise,
+            "pose_correlation": sensors.pose_colour,
             "speed_noise": sensors.speed_noise,
+            "speed_correlation": sensors.speed_colour,
+            "lost_rows": sensors.lost,
+            "poses_off": sensors.off,
             "jitter": bool(np.ptp(np.diff(drive.time)) > 5e-5),
             "speed_steps": not drive.speeds[:, 2:].any(),
         },

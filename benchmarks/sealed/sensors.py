@@ -9,6 +9,9 @@ import numpy as np
 from .driver import LAG, Drive
 from .world import THETA, R, U, W, X
 
+OFF = 0.05, -0.04
+"""m: of a pose that is off."""
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -28,6 +31,10 @@ class Sensors:
     pose_noise: float = 5e-4
     speed_noise: float | None = 5e-3  # none: speeds are not recorded
     colour: float = 0.0  # s, correlation time of force noise
+    pose_colour: float = 0.0  # s
+    speed_colour: float = 0.0  # s
+    lost: float = 0.0  # share of the rows
+    off: int = 0  # poses that are far from where the cart is
 
 
 def wrenches_at(asked: np.ndarray, drive: Drive, present: np.ndarray, told: np.ndarray) -> np.ndarray:
@@ -67,21 +74,28 @@ def record(
 ) -> tuple[list[str], np.ndarray]:
     """Header and table of a run log; `wrenches` are those of `noiseless`."""
     n, k = drive.shares.shape
-    pose = states[:, X : THETA + 1] + sensors.pose_noise * random.standard_normal((n, 3))
+    pose = states[:, X : THETA + 1] + sensors.pose_noise * noise((n, 3), drive.time, sensors.pose_colour, random)
+    pose[_some(n, sensors.off, random), :2] += OFF
     header, columns = ["t", "x", "y", "theta"], [drive.time[:, None], pose]
     if sensors.speed_noise is not None:
         cosine, sine = np.cos(states[:, THETA]), np.sin(states[:, THETA])
         u, w, r = states[:, U], states[:, W], states[:, R]
         velocity = np.column_stack([cosine * u - sine * w, sine * u + cosine * w, r])
         header += ["vx", "vy", "omega"]
-        columns.append(velocity + sensors.speed_noise * random.standard_normal((n, 3)))
+        columns.append(velocity + sensors.speed_noise * noise((n, 3), drive.time, sensors.speed_colour, random))
     size = np.repeat([sensors.force_noise, sensors.moment_noise], 3)
     noisy = wrenches + size * noise(wrenches.shape, drive.time, sensors.colour, random)
     for arm in range(k):
         name = ("left", "right")[arm] if k > 1 else "arm"
         header += [f"{name}.{part}" for part in ("px", "py", "pz", "fx", "fy", "fz", "tx", "ty", "tz")]
         columns += [drive.contacts[:, arm], noisy[:, arm]]
-    return header, np.column_stack(columns)
+    table = np.column_stack(columns)
+    return header, np.delete(table, _some(n, round(sensors.lost * n), random), axis=0)
+
+
+def _some(n: int, count: int, random: np.random.Generator) -> np.ndarray:
+    """Of n rows; none without a draw, so that what is drawn next is what it would have been."""
+    return random.choice(n, count, replace=False) if count else np.zeros(0, dtype=int)
 
 
 def csv_text(header: list[str], table: np.ndarray) -> str:

@@ -47,6 +47,18 @@ def folder(tmp_path_factory):
     return out
 
 
+def test_rough_logs_have_other_names_and_can_be_read(tmp_path, folder):
+    """Of the same carts."""
+    names = generate(tmp_path, ("force_scale",), [3], "straight", is_rough=True)
+    assert not (folder / "logs" / names[0]).exists()
+    truth = json.loads((tmp_path / "truth" / f"{names[0]}.json").read_text())
+    assert truth["settings"]["pose_noise"] >= 5e-4
+    assert {"pose_correlation", "speed_correlation", "lost_rows", "poses_off"} <= set(truth["settings"])
+    clean = [json.loads(path.read_text()) for path in (folder / "truth").glob("*.json")]
+    assert truth["cart"] in [one["cart"] for one in clean if one["case"] == "force_scale"]
+    assert len(read_log(tmp_path / "logs" / names[0] / "run.csv")) > 1000
+
+
 def test_the_generator_imports_nothing_of_ours():
     for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

@@ -14,7 +14,8 @@ import cartgrasp.effects as known
 from benchmarks.sealed.body import find_rate
 from benchmarks.sealed.cases import draw_case
 from benchmarks.sealed.driver import advance
-from benchmarks.sealed.sensors import Sensors, noiseless
+from benchmarks.sealed.rough import rough
+from benchmarks.sealed.sensors import Sensors, noiseless, record
 from benchmarks.sealed.strength import planar, regressors, strength
 from benchmarks.sealed.world import BOB, BRISTLE, CASTER, GRAVITY, SIZE, THETA, R, U, W, World, X
 from cartgrasp import CartModel, Inertia
@@ -272,6 +273,35 @@ def test_an_effect_shows_as_it_does_to_who_knows_the_whole_covariance_of_the_noi
     wrench = planar(scene.drive.contacts, seen).ravel()
     left = wrench - rows @ np.linalg.solve(rows.T @ weight @ rows, rows.T @ weight @ wrench)
     assert strength(scene, states, rates, seen)["z"] == pytest.approx(np.sqrt(left @ weight @ left), rel=0.02)
+
+
+@pytest.mark.parametrize("what", ["pose", "speed"])
+def test_rough_sensors_remember_as_long_as_they_say(what):
+    """By what is left of noise one lag later, over a log at rest."""
+    scene = draw_case("nothing", 0, "rich")
+    time = np.arange(0.0, 200.0, 0.01)
+    n, k = len(time), 1
+    drive = scene.drive._replace(time=time, shares=np.ones((n, k)), contacts=np.zeros((n, k, 3)))
+    colours = {"pose_colour": 0.05} if what == "pose" else {"speed_colour": 0.05}
+    sensors = Sensors(pose_noise=0.002, speed_noise=0.01, **colours)
+    header, table = record(sensors, drive, np.zeros((n, SIZE)), np.zeros((n, k, 6)), np.random.default_rng(0))
+    columns = [header.index(name) for name in (("x", "y", "theta") if what == "pose" else ("vx", "vy", "omega"))]
+    for column in table[:, columns].T:
+        assert column.std() == pytest.approx(0.002 if what == "pose" else 0.01, rel=0.1)
+        assert np.corrcoef(column[5:], column[:-5])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.08)
+
+
+def test_rough_sensors_lose_rows_and_poses():
+    scene = rough(draw_case("nothing", 0, "rich"), np.random.default_rng(1))
+    scene = replace(scene, sensors=replace(scene.sensors, lost=0.02, off=4, pose_noise=5e-4, pose_colour=0.0))
+    states, _, present, told = scene.run()
+    seen = noiseless(scene.sensors, scene.drive, present, told)
+    _, table = record(scene.sensors, scene.drive, states, seen, np.random.default_rng(0))
+    assert len(table) == len(states) - round(0.02 * len(states))
+    at = np.searchsorted(scene.drive.time, table[:, 0] - 1e-9)
+    far = np.hypot(*(table[:, 1:3] - states[at, X : X + 2]).T)
+    assert 1 <= (far > 0.03).sum() <= 4
+    assert (np.diff(table[:, 0]) > 0).all()
 
 
 def test_mujoco_moves_a_cart_alike():
