@@ -1,4 +1,4 @@
-"""The same scenes through worse sensors: noise that remembers of poses and velocities, poses that are off, lost rows."""
+"""The same scenes through worse sensors: poses and velocities whose noise remembers, poses that are off, lost rows."""
 
 from __future__ import annotations
 

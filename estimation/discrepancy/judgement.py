@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from cartgrasp.effects import Effect, ForceEffect, SensorEffect
 from cartgrasp.effects.effect import Gate
-from cartgrasp.model import CartModel
 
 from .evidence import Finding
 from .fitted import Fitted
 from .held_out import HeldOut
+from .strange_carts import drives_itself, takes_too_much
 
 ENOUGH, ENOUGH_SEARCHED, ENOUGH_PASSING = 7.0, 12.0, 20.0
 """Logs of the Bayes factor of an effect that is named; of one whose speed or frequency was searched for, which finds
@@ -37,11 +35,6 @@ noise; the same of one with a memory, which in one quarter may have been another
 ABUTS = 0.2
 """m: a second place of one effect that is nearer to the first may be the ramp at its edge, or a part of it where it is
 thicker; half a cell, by which places are first moved."""
-DRIVEN, LEAST_POWER, NOWHERE = 0.15, 1e-6, 1e6
-"""Of the most power that drags take, and in W: what they may give, at speeds of one sign, and be a mistake; m and s.
-"""
-INSTANT, LEAST_LEFT = 1e-6, 0.15
-"""s; of its mass: what is left of a cart from which its load is taken."""
 ADDED, UNSTEADY = "added", "its size is another in another part of the log"
 OUTSIDE, OUTSIDE_FLOOR, OUTSIDE_PASSING, LEAST_FORETOLD = 1.0, 1.15, 0.5, 0.1
 """Times the chi-squared that an effect takes away: what time or way foretell better is none of the vocabulary; nor what
@@ -93,14 +86,17 @@ class Judge:
     def verdict(self, found: Finding, score: float, model: Fitted) -> Verdict:
         """Of an effect that was found, with the log of its Bayes factor, and the fit with it as the last added."""
         effect = next(one for one in model.cart.effects if one.key == found.effect.key)
-        implausible = self.implausible(effect) or _takes_too_much(effect, model.cart) or self._bends_mass(effect, model)
-        nameless = "" if implausible else self._held(effect, model) or self._unsteady(found, effect)
-        follows = "" if implausible or nameless else self._outside(effect, score)
-        reason = implausible or nameless or follows or self._unsure(effect, score)
-        reason = reason or _drives(model.cart, self.held_out.rolling[1])
-        if reason:
-            is_spoiled = bool(implausible) and isinstance(effect, SensorEffect)  # wrenches, by what no sensor here does
-            return Verdict(False, reason, is_nameless=bool(nameless or follows) or is_spoiled)
+        strange = self.implausible(effect) or takes_too_much(effect, model.cart) or self._bends_mass(effect, model)
+        if strange:  # of a sensor: wrenches, spoiled by what no sensor does
+            return Verdict(False, strange, is_nameless=isinstance(effect, SensorEffect))
+        nameless = self._held(effect, model) or self._unsteady(found, effect) or self._outside(effect, score)
+        if nameless:
+            return Verdict(False, nameless, is_nameless=True)
+        reason = self._unsure(effect, score) or drives_itself(model.cart, self.held_out.rolling[1])
+        return Verdict(False, reason) if reason else self._proven(effect, model)
+
+    def _proven(self, effect: Effect, model: Fitted) -> Verdict:
+        """By what it gains on stretches that no fit saw."""
         proof = self.held_out.everywhere if effect.gate.ends else self.held_out
         gain = proof.gain(self.fitted, model)
         share, others = gain.share, [one for one in model.cart.effects if one.key != effect.key]
@@ -166,30 +162,6 @@ def _abut(effect: Effect, other: Effect) -> bool:
     return bool(apart < ABUTS)
 
 
-def _takes_too_much(effect: Effect, cart: CartModel) -> str:
-    if effect.gate is not Gate.FROM:
-        return ""
-    began = float(effect.values[0])
-    before, after = (float(cart.phi_at(time)[0]) for time in (began - INSTANT, began + INSTANT))
-    return f"of {before:.3g} kg, it would leave {after:.3g} kg" if after < LEAST_LEFT * before else ""
-
-
 def _longest_step(fitted: Fitted) -> float:
     """Between rows of the logs (s)."""
     return max((regression.step for regression in fitted.regressions), default=0.0)
-
-
-def _drives(cart: CartModel, fastest: float) -> str:
-    """Why no cart is like this that needs to be held back; headings, far from any place and time, are averaged over."""
-    headings = np.linspace(0, 2 * np.pi, 4, endpoint=False)
-    pose = np.column_stack([np.full(4, NOWHERE), np.full(4, NOWHERE), headings])
-    still = np.zeros((4, cart.constraints.n_free))
-    power = []
-    for speed in fastest * np.array([-1.0, -0.5, 0.5, 1.0]):
-        velocity = still.copy()
-        velocity[:, 0] = speed
-        state = np.hstack([pose, velocity, np.zeros((4, len(cart.memory_names)))])
-        state[:, cart.memory_slice] = cart.settled_memory(state, np.tile(cart.parameters, (4, 1)), NOWHERE)
-        power.append(speed * float(cart.required_wrench(state, still, time=NOWHERE)[:, 0].mean()))
-    backward = min(power) < -max(DRIVEN * max(np.abs(power)), LEAST_POWER)
-    return "with it, the cart would drive itself" if backward else ""

@@ -28,7 +28,8 @@ from cartgrasp.wheels import Wheel, WheelSet
 from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.generic import Dependence
 from estimation.discrepancy.held_out import Gain, deviation_of_mean
-from estimation.discrepancy.judgement import Judge, _drives
+from estimation.discrepancy.judgement import Judge
+from estimation.discrepancy.strange_carts import drives_itself
 from estimation.prior import Prior
 
 WHEELS = WheelSet.of(
@@ -243,8 +244,8 @@ def test_a_drag_may_be_less_one_way_than_what_is_known_of_it():
     """On a cart that drags more than that in all; and a floor that slopes drives no cart along all headings."""
     cart = CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(ViscousDrag(linear=12.0),))
     for effect in (DirectionalDrag(forward=-11.0, backward=11.0), FloorSlope(grade_x=0.05)):
-        assert not _drives(cart.with_effect(effect), 0.8)
-    assert _drives(cart.with_effect(DirectionalDrag(forward=-17.0, backward=11.0)), 0.8)
+        assert not drives_itself(cart.with_effect(effect), 0.8)
+    assert drives_itself(cart.with_effect(DirectionalDrag(forward=-17.0, backward=11.0)), 0.8)
 
 
 @pytest.mark.parametrize("grade", [0.003, 0.05])
