@@ -54,3 +54,14 @@ class Variogram:
 def autoregression(lag: Array, time: float) -> Array:
     """Of unit variance."""
     return np.asarray(1 - np.exp(-lag / time))
+
+
+def in_means(fade: float) -> float:
+    """Variance of white noise that spoils long means as much as an autoregression of unit variance that fades so from
+    one sample to the next."""
+    return (1 + fade) / (1 - fade)
+
+
+def in_third_differences(fade: float) -> float:
+    """Variance of white noise that makes the same third differences as it."""
+    return 1 - 1.5 * fade + 0.6 * fade**2 - 0.1 * fade**3

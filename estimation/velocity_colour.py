@@ -11,7 +11,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .variogram import FEWEST, Variogram, autoregression
+from .variogram import FEWEST, Variogram, autoregression, in_means, in_third_differences
 
 TIMES = np.geomspace(0.006, 0.12, 14)
 """s: correlation times that are tried."""
@@ -34,6 +34,4 @@ def loudness(time: Array, sideways: Array) -> float:
     if smooth - misfit < MISFIT:
         return 1.0
     keep = float(np.exp(-np.median(np.diff(time)) / fade))
-    in_means = white + slow * (1 + keep) / (1 - keep)
-    in_differences = white + slow * (1 - 1.5 * keep + 0.6 * keep**2 - 0.1 * keep**3)
-    return float(np.sqrt(in_means / in_differences))
+    return float(np.sqrt((white + slow * in_means(keep)) / (white + slow * in_third_differences(keep))))

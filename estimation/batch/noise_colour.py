@@ -16,22 +16,17 @@ from scipy.optimize import nnls
 
 from cartgrasp.frames import Array
 
+from ..variogram import FEWEST, LONGEST, MEDIAN_OF_SQUARE, in_means
 from .block_tridiagonal import BlockTridiagonal
 
 TIMES = np.geomspace(0.015, 0.2, 24)
 """s: correlation times that are tried."""
-LONGEST = 0.25
-"""s."""
 LEAST_WHITE = 0.02
 """Of all: the share of the variance that is white at least."""
 WHITE = 0.0145
 """s: noise that forgets within less may as well be white."""
 LOUDER = 1.25
 """Times the variance that was believed: white noise that is no louder is as believed."""
-FEWEST = 200
-"""Differences."""
-MEDIAN_OF_SQUARE = 0.4549
-"""Of a standard normal number."""
 
 
 @final
@@ -51,7 +46,7 @@ class NoiseColour:
         """How many times the variance of long means is what white noise of the whole variance would give, for
         samples `step` (s) apart."""
         fade = float(np.exp(-step / self.time))
-        return (self.white + self.slow * (1 + fade) / (1 - fade)) / (self.white + self.slow)
+        return (self.white + self.slow * in_means(fade)) / (self.white + self.slow)
 
 
 def colour_of(time: Array, standard: Array, size: int = 1, known: Array | None = None) -> NoiseColour | None:

@@ -17,7 +17,7 @@ from scipy.linalg import cholesky_banded, solve_banded
 
 from cartgrasp.frames import Array
 
-from ..variogram import FEWEST, LONGEST, Variogram, autoregression
+from ..variogram import FEWEST, LONGEST, Variogram, autoregression, in_third_differences
 from .block_tridiagonal import BlockTridiagonal
 
 TIMES = np.geomspace(0.008, 0.3, 18)
@@ -50,8 +50,7 @@ class PoseColour:
 
     def white(self, std: Array, step: float) -> Array:
         """White noise (k,) where third differences show as much as white noise of `std` (k,) would."""
-        fade = np.exp(-step / self.time)
-        share = 1 - 1.5 * fade + 0.6 * fade**2 - 0.1 * fade**3
+        share = in_third_differences(float(np.exp(-step / self.time)))
         own = np.array([self.position, self.heading])
         return np.asarray(np.sqrt(np.maximum(std**2 - share * own**2, (LEAST_WHITE * std) ** 2)))
 

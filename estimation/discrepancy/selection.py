@@ -128,7 +128,7 @@ def select(
             break
         fitted = _still_plausible(searched_again(look.better, look.better.added[:-1], look.judge.is_odd), look.judge)
         strongest = max(strongest, look.step.added.log_factor)
-    fitted, _ = _pruned(fitted, search.held_out)
+    fitted = _pruned(fitted, search.held_out)
     kept = {effect.key for effect in fitted.added}
     removed = tuple(step.added.key for step in steps if step.added is not None and step.added.key not in kept)
     return Selection(nominal, fitted, tuple(steps), search.held_out, removed, shown)
@@ -177,22 +177,22 @@ class _Search:
 def _still_plausible(fitted: Fitted, judge: Judge) -> Fitted:
     """Without those that were added before the last one, and that nobody would call so at the values that they have
     beside it: they stood for it too."""
+    earlier = {effect.key for effect in fitted.added[:-1]}
     for effect in fitted.cart.effects:
-        if effect.key in {one.key for one in fitted.added[:-1]} and judge.implausible(effect):
+        if effect.key in earlier and judge.implausible(effect):
             fitted = fitted.without(effect.key)
     return fitted
 
 
-def _pruned(fitted: Fitted, held_out: HeldOut) -> tuple[Fitted, tuple[str, ...]]:
+def _pruned(fitted: Fitted, held_out: HeldOut) -> Fitted:
     """Without what the later effects have made superfluous, of two of which either would do the earlier stays; and
     without what makes simulations of stretches that no fit saw worse, however well it fits the wrenches."""
-    removed: list[str] = []
     while True:
         less = {effect.key: held_out.without(fitted, effect.key) for effect in fitted.added}
         gone = _superfluous(fitted, less, held_out) or _harmful(fitted, less, held_out)
         if not gone:
-            return fitted, tuple(removed)
-        fitted, removed = less[gone], [*removed, gone]
+            return fitted
+        fitted = less[gone]
 
 
 def _superfluous(fitted: Fitted, less: Mapping[str, Fitted], held_out: HeldOut) -> str:

@@ -36,6 +36,12 @@ class Fit:
         return self.left[tuple(e.name for e in self.added)]
 
 
+def pruned(fitted, proof):
+    """What is left, and the keys of what is not."""
+    left = _pruned(fitted, proof)
+    return left, tuple(e.key for e in fitted.added if e.key not in {one.key for one in left.added})
+
+
 class Proof:
     """Nothing is gained on rollouts; likelihoods are those of all rows."""
 
@@ -69,7 +75,7 @@ def test_of_two_of_which_either_would_do_the_earlier_stays(without_stribeck, gon
         ("stribeck_friction",): 101.0,
         ("rolling_resistance",): without_stribeck,
     }
-    fitted, removed = _pruned(Fit((ROLLING, STRIBECK), left), Proof())
+    fitted, removed = pruned(Fit((ROLLING, STRIBECK), left), Proof())
     assert removed == (gone,)
     assert [e.name for e in fitted.added] == [
         name for name in ("rolling_resistance", "stribeck_friction") if name != gone
@@ -82,7 +88,7 @@ def test_what_is_needed_stays():
         ("rolling_resistance",): 150.0,
         ("load_slosh",): 140.0,
     }
-    fitted, removed = _pruned(Fit((SLOSH, ROLLING), left), Proof())
+    fitted, removed = pruned(Fit((SLOSH, ROLLING), left), Proof())
     assert not removed
     assert len(fitted.added) == 2
 
@@ -92,14 +98,14 @@ def test_what_takes_simulations_away_from_the_log_goes(gap, gone):
     """However well it fits the wrenches; what the same rollouts say within a tenth is nothing against it."""
     left = {("load_slosh", "rolling_resistance"): 100.0, ("rolling_resistance",): 190.0, ("load_slosh",): 190.0}
     gaps = {("load_slosh", "rolling_resistance"): gap, ("load_slosh",): 0.02, ("rolling_resistance",): 0.03, (): 0.04}
-    fitted, removed = _pruned(Fit((SLOSH, ROLLING), left), Rollouts(gaps))
+    fitted, removed = pruned(Fit((SLOSH, ROLLING), left), Rollouts(gaps))
     assert removed == gone
     assert len(fitted.added) == 2 - len(gone)
 
 
 def test_a_push_is_not_judged_by_what_it_does_elsewhere():
     push = ExternalPush(start=1.0, duration=1.0, force=5.0)
-    fitted, removed = _pruned(Fit((push,), {}), Rollouts({("external_push",): 0.05, (): 0.02}))
+    fitted, removed = pruned(Fit((push,), {}), Rollouts({("external_push",): 0.05, (): 0.02}))
     assert fitted.added == (push,)
     assert not removed
 
