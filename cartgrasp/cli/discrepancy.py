@@ -10,6 +10,8 @@ from estimation.discrepancy import Diagnosis, diagnose
 from .log_inputs import cart_and_logs
 from .output import print_json, print_table, say, stages
 
+MOST_TOLD = 5
+
 
 def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, topics: Path | None, as_json: bool) -> int:
     cart, logs = cart_and_logs(paths, cart_path, out, topics)
@@ -27,8 +29,8 @@ def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, topics:
 
 def _print(found: Diagnosis) -> None:
     print(found.sentence)
-    for one in found.where[:3]:
-        print(f"  {one.condition}")
+    for one in found.where[:MOST_TOLD]:
+        print(f"  {one.sentence}")
     rows = [
         [f"after {horizon}", *(f"{1e3 * values[k]:.1f}" for k in ("before", "refitted", "after", "noise_floor"))]
         for horizon, values in found.gap.per_horizon.items()

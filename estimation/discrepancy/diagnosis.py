@@ -19,14 +19,15 @@ from ..batch.wrench_regression import WrenchRegression
 from .certainty import Certainty, proven
 from .fitted import SURE
 from .gap import Gap, measured_gap
-from .generic import Course, Dependence
+from .generic import Dependence
 from .glitches import without_glitches
 from .held_out import BEYOND_NOISE
 from .left_over import beyond_noise, followed, missing_push
 from .log_check import LogCheck, check_rows, checked
-from .scatter import Scatter
+from .residual import DIRECTIONS, Residual, lateral_residual, wrench_residuals
+from .residual_map import ResidualMap, residual_maps
 from .selection import Selection, Step, select
-from .where import DIRECTIONS, Disagreement, where
+from .where import Disagreement, where
 
 if TYPE_CHECKING:
     from .report import Report
@@ -82,8 +83,8 @@ class Diagnosis:
     nominal_cart: CartModel
     selection: Selection
     checks: tuple[LogCheck, ...]
-    before: tuple[Scatter, Course]
-    after: tuple[Scatter, Course]
+    before: tuple[Residual, ...]
+    after: tuple[Residual, ...]
     remaining: tuple[Dependence, ...]
     gap: Gap
     certainty: Certainty
@@ -99,7 +100,13 @@ class Diagnosis:
 
     @cached_property
     def where(self) -> tuple[Disagreement, ...]:
-        return tuple(where(*self.before))
+        """Of what the refitted nominal model leaves; nowhere, where it agrees with the logs."""
+        return tuple(where(self.before)) if self.disagrees else ()
+
+    @cached_property
+    def residual_maps(self) -> tuple[ResidualMap, ...]:
+        """The residual against all that it may depend on, refitted and extended."""
+        return residual_maps(self.before, self.after)
 
     @property
     def disagrees(self) -> bool:
@@ -125,7 +132,7 @@ class Diagnosis:
     @property
     def _is_left(self) -> bool:
         """Whether the residual is more than noise: what takes away a part of less is no thing without a name."""
-        return bool(beyond_noise(self.after[0]).any())
+        return bool(beyond_noise(self.selection.final.scatter).any())
 
     @property
     def _much_remains(self) -> bool:
@@ -151,7 +158,7 @@ class Diagnosis:
     def unexplained(self) -> dict[str, Any]:
         """What the final model leaves: root mean square size beyond noise by coordinate, of the residual, of what
         it follows, or of what pushes rollouts away, whatever is the most; and what it depends on."""
-        size, f = beyond_noise(self.after[0]), self.nominal_cart.constraints.n_free
+        size, f = beyond_noise(self.selection.final.scatter), self.nominal_cart.constraints.n_free
         if self.verdict in ("unexplained", "partly_explained"):
             dependences = followed(self.selection.final.polygon, self.remaining)
             size = np.max([size, dependences, missing_push(self.gap, self.cart)], axis=0)
@@ -219,9 +226,8 @@ def diagnose(
         whole.append(regression)
     selection, certainty = _proven(select(whole, cart, arms, tell))
     tell("measuring the gap")
-    motions = [regression.motion for regression in whole]
     before, after = (
-        (fitted.scatter, Course.of(fitted.scatter.middle, fitted.scatter.log, motions))
+        (*wrench_residuals(fitted), *lateral_residual(fitted, selection.final))
         for fitted in (selection.nominal, selection.final)
     )
     remaining = [
@@ -229,9 +235,8 @@ def diagnose(
         for d in selection.final.dependences
         if d.log_factor > SURE and d.share > (LEAST_SHARE if d.is_periodic else LEAST_SMOOTH)
     ]
-    return Diagnosis(
-        cart, selection, tuple(checks), before, after, tuple(remaining), measured_gap(cart, selection), certainty
-    )
+    gap = measured_gap(cart, selection)
+    return Diagnosis(cart, selection, tuple(checks), before, after, tuple(remaining), gap, certainty)
 
 
 def smoothed(log: RunLog, cart: CartModel) -> WrenchRegression:

@@ -1,4 +1,4 @@
-"""report.html: one page that opens from disk and loads nothing, and the figures in it.
+"""report.html: one page that opens from disk and loads nothing.
 
 Names come from logs and cart files, so every text is escaped; the page has no script, and its policy lets none run.
 """
@@ -6,19 +6,10 @@ Names come from logs and cart files, so every text is escaped; the page has no s
 from __future__ import annotations
 
 import html
-import io
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-
-from cartgrasp.frames import Array
-
-from .where import DIRECTIONS
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from .diagnosis import Diagnosis
     from .report import Report
 
@@ -34,14 +25,6 @@ th:first-child, td:first-child, .text { text-align: left; }
 svg { max-width: 100%; height: auto; }
 .wide { overflow-x: auto; }
 """
-UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m"}
-NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-BEFORE, AFTER, FLOOR = "#d55e00", "#0072b2", "#999999"
-
-
-def figures(diagnosis: Diagnosis) -> dict[str, str]:
-    """SVG texts by name."""
-    return {"gap": _svg(_gap(diagnosis)), "residuals": _svg(_residuals(diagnosis)), "places": _svg(_places(diagnosis))}
 
 
 def page(report: Report, drawn: dict[str, str]) -> str:
@@ -62,11 +45,14 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         "<h2>What was added</h2>",
         _effects(found),
         "<h2>Where they disagree</h2>",
-        _list(
-            [one.condition + f" ({one.coordinate.replace('_', ' ')})" for one in found.where], "Nowhere in particular."
-        ),
+        _list([one.sentence for one in found.where], "Nowhere in particular."),
         drawn["residuals"],
+        "<p>Means over half a second, of the refitted nominal model and of the extended one; dotted where the size of "
+        "the former changes.</p>",
         drawn["places"],
+        "<h2>What the residual depends on</h2>",
+        drawn["maps"],
+        "<p>Means and two standard deviations, in bins that hold as many stretches each.</p>",
         "<h2>What remains</h2>",
         _list(found.unexplained["depends_on"], "Nothing that stands out of the noise."),
         "<h2>Parameters</h2>",
@@ -176,70 +162,3 @@ def _list(lines: Sequence[str], none: str) -> str:
     if not lines:
         return f"<p>{html.escape(none)}</p>"
     return "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in lines) + "</ul>"
-
-
-def _svg(figure: Figure) -> str:
-    import matplotlib as mpl
-
-    buffer = io.StringIO()
-    with mpl.rc_context({"svg.hashsalt": "cartgrasp", "svg.fonttype": "none"}):
-        figure.savefig(buffer, format="svg", metadata=NO_METADATA, bbox_inches="tight")
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
-
-
-def _gap(found: Diagnosis) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.2, 2.2))
-    ax = figure.subplots()
-    horizons = found.gap.per_horizon
-    names = {"before": ("nominal", "#e69f00"), "refitted": ("refitted", BEFORE), "after": ("extended", AFTER)}
-    names["noise_floor"] = ("noise alone", FLOOR)
-    place = np.arange(len(horizons))
-    for k, (key, (label, colour)) in enumerate(names.items()):
-        values = [1e3 * one[key] for one in horizons.values()]
-        ax.bar(place + 0.2 * (k - 1.5), values, 0.18, label=label, color=colour)
-    ax.set_xticks(place, [f"after {h}" for h in horizons])
-    if any(0 < value < np.inf for one in horizons.values() for value in one.values()):
-        ax.set_yscale("log")
-    ax.set_ylabel("rollout error (mm)")
-    ax.legend(frameon=False, ncols=2, fontsize=8)
-    return figure
-
-
-def _residuals(found: Diagnosis) -> Figure:
-    from matplotlib.figure import Figure
-
-    coordinates = DIRECTIONS[found.before[0].mean.shape[1]]
-    figure = Figure(figsize=(7.2, 1.7 * len(coordinates)))
-    axes = figure.subplots(len(coordinates), 1, sharex=True, squeeze=False)[:, 0]
-    for i, (ax, coordinate) in enumerate(zip(axes, coordinates, strict=True)):
-        for (scatter, _), colour, label in ((found.before, BEFORE, "refitted"), (found.after, AFTER, "extended")):
-            ax.plot(scatter.start, scatter.mean[:, i], ".-", lw=0.8, ms=3, color=colour, label=label)
-        ax.axhline(0, color="0.6", lw=0.6)
-        ax.set_ylabel(f"{coordinate.replace('_', ' ')}\n({UNITS[coordinate]})")
-    axes[0].legend(frameon=False, fontsize=8)
-    axes[-1].set_xlabel("t (s)")
-    return figure
-
-
-def _places(found: Diagnosis) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.2, 3.0))
-    axes = figure.subplots(1, 2, sharex=True, sharey=True)
-    top = max(float(np.abs(found.before[0].mean[:, 0]).max()), 1e-9)
-    shown: Any = None
-    for ax, (scatter, course), title in zip(axes, (found.before, found.after), ("refitted", "extended"), strict=True):
-        values: Array = scatter.mean[:, 0]
-        shown = ax.scatter(*course.place.T, c=values, s=14, cmap="PuOr", vmin=-top, vmax=top)
-        ax.set_title(title, fontsize=9)
-        ax.set_xlabel("x (m)")
-        ax.set_aspect("equal")
-    axes[0].set_ylabel("y (m)")
-    bar = figure.colorbar(shown, ax=axes, label="forward residual (N)")
-    if bar.solids is not None:  # a page that loads nothing shows no images either
-        bar.solids.set_rasterized(False)
-        bar.solids.set_edgecolor("face")
-    return figure

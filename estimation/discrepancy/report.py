@@ -50,13 +50,15 @@ class Report:
             "steps": steps,
             "logs": [asdict(check) for check in found.checks],
             "isolability": {key: one.as_dict() for key, one in found.selection.isolability.items()},
+            "residual_maps": [one.as_dict() for one in found.residual_maps],
             "removed": list(found.selection.removed),
             "next_experiment": list(found.next_experiments),
         }
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Writes all into a folder, which is made, all at one go; the last is report.json."""
-        from .page import figures, page
+        from .figures import figures
+        from .page import page
 
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,7 @@ from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
-from .sideways import planar_wrench
+from .pushes import planar_wrench
 
 STEP = 0.005
 """s: the integrator's longest."""

@@ -36,7 +36,7 @@ from .judgement import (
     Verdict,
 )
 from .refinement import Refiner, searched_again
-from .sideways import sideways_trials
+from .sideways import LEAST_CREEP, sideways_trials
 from .vocabulary import trials
 
 MOST_TRIED = 4
@@ -58,8 +58,6 @@ there."""
 MOST_EFFECTS = 4
 HARM, LEAST_GAP = 1.1, 1e-9
 """Times the gap without an effect: more, and its name is no explanation; and m."""
-LEAST_CREEP = 0.002
-"""m/s, root mean square: less is in every bearing."""
 
 
 @dataclass(frozen=True)

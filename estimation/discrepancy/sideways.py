@@ -8,26 +8,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import log_ndtr
 from scipy.stats import chi2
 
-from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
+from ..log_noise import noise_floor
 from .evidence import Finding
+from .pushes import planar_wrench
 
 BLOCK = 0.5
 """s."""
-SMOOTHED = 0.1
-"""s: over which wrenches are averaged before they say what force the wheels take."""
 FAR = 6.0
 """Times the usual distance: a recorded heading that is farther from the smoothed one is an accident."""
+LEAST_CREEP = 0.002
+"""m/s, root mean square: less is in every bearing."""
 SHARE_STD = 3.0
 """Of the usual size: the standard deviation of an effect's before data."""
 NO_AMPLITUDES = np.zeros(0, dtype=int)
@@ -63,6 +65,24 @@ class Sideways:
             found[own] = travelled[self.rows[own, 1]] - travelled[self.rows[own, 0]]
         return found
 
+    def spans(self, regressions: Sequence[WrenchRegression]) -> tuple[Array, Array]:
+        """When each block begins and how long it lasts (b,), s."""
+        ends = np.zeros(self.rows.shape)
+        for k, regression in enumerate(regressions):
+            own = self.log == k
+            ends[own] = regression.motion.time[self.rows[own]]
+        return ends[:, 0], ends[:, 1] - ends[:, 0]
+
+    @cached_property
+    def whitening(self) -> Array:
+        """Of what is moved (b, b)."""
+        return np.asarray(np.linalg.cholesky(np.linalg.inv(self.covariance)).T)
+
+    def excess(self, left: Array) -> float:
+        """How many times too small the noise variance is believed to be, 1 or more, where so much (b,) is left: what
+        goes smoothly from block to block is no noise."""
+        return max(1.0, noise_floor(self.whitening @ left) ** 2)
+
 
 @dataclass(frozen=True)
 class SidewaysTrial:
@@ -96,7 +116,7 @@ def sideways_trials(regressions: Sequence[WrenchRegression], cart: CartModel) ->
             found.append((usual, column))
     if not found:
         return []
-    root = np.linalg.cholesky(np.linalg.inv(record.covariance)).T
+    root = record.whitening
     residual = root @ (record.moved - base)
     columns = [root @ column for _, column in found]
     excess = min(_excess(residual - c * (c @ residual) / max(float(c @ c), 1e-12)) for c in columns)
@@ -178,27 +198,3 @@ def _velocity(regression: WrenchRegression, cart: CartModel) -> Array:
     rate = cart.state_rate(state, planar_wrench(regression, cart), time=motion.time)
     heading = motion.pose[:, 2]
     return np.asarray(-np.sin(heading) * rate[:, 0] + np.cos(heading) * rate[:, 1] + axle * rate[:, 2])
-
-
-def planar_wrench(regression: WrenchRegression, cart: CartModel) -> Array:
-    """Of all arms in {b} (n, 3), averaged."""
-    log = regression.rows
-    total = np.zeros((len(log), 3))
-    for name, arm in log.arms.items():
-        wrench = cart.corrected_wrench(name, _filled(arm.wrench))[0]
-        total += (grasp_map_planar(_filled(arm.contact)) @ wrench[..., None])[..., 0]
-    reach = max(1, round(SMOOTHED / float(np.median(np.diff(log.time)))))
-    kernel = np.ones(2 * reach + 1)
-    count = np.convolve(np.ones(len(log)), kernel, "same")
-    return np.column_stack([np.convolve(total[:, i], kernel, "same") / count for i in range(3)])
-
-
-def _filled(rows: Array) -> Array:
-    """Rows (n, k) with the last known number where one is missing."""
-    found = rows.copy()
-    for i in range(rows.shape[1]):
-        known = np.flatnonzero(np.isfinite(rows[:, i]))
-        found[:, i] = (
-            rows[known[np.searchsorted(known, np.arange(len(rows)), "right").clip(1) - 1], i] if len(known) else 0.0
-        )
-    return found

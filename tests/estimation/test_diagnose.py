@@ -40,6 +40,10 @@ def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
     assert diagnosis.verdict in ("explained", "partly_explained")
     assert diagnosis.effects[0].name == "floor_slope"
     assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted < diagnosis.gap.before
+    assert any("goes with the heading" in one.condition for one in diagnosis.where)
+    maps = {(one.coordinate, one.variable): one for one in diagnosis.residual_maps}
+    by_heading = maps["forward_force", "heading"]
+    assert np.nanstd(by_heading.extended.mean) < 0.2 * np.nanstd(by_heading.refitted.mean)
     folder = diagnosis.report.save(tmp_path / "out")
     extended = cg.load_cart(folder / "cart.yaml")
     assert "floor_slope" in [effect.name for effect in extended.effects]
@@ -50,6 +54,7 @@ def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
 def test_where_nothing_is_hidden_nothing_is_named(found):
     diagnosis = found["nothing"]
     assert diagnosis.verdict == "no_discrepancy"
+    assert not diagnosis.where
     assert not diagnosis.effects
     assert diagnosis.gap.refitted < 1.35 * diagnosis.gap.noise_floor
 

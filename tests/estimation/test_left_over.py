@@ -57,8 +57,8 @@ def diagnosis_of(left, gap):
     scatter = Scatter(np.tile(alternating[:, None], 2), np.tile(np.eye(2), (400, 1, 1)), np.arange(400), np.zeros(1), 1)
     cart = CartModel(Inertia(MASS, COM, ABOUT_COM))
     step = Step((Attempt("load_slosh", "load_slosh", 168.0, -22.0, "not proven", is_there=True),), None)
-    selection = Selection(SimpleNamespace(), SimpleNamespace(polygon=POLYGON), (step,), None, (), {})
-    return Diagnosis(cart, selection, (), None, (scatter, None), (), gap, SimpleNamespace(cart=cart))
+    selection = Selection(SimpleNamespace(), SimpleNamespace(polygon=POLYGON, scatter=scatter), (step,), None, (), {})
+    return Diagnosis(cart, selection, (), (), (), (), gap, SimpleNamespace(cart=cart))
 
 
 @pytest.mark.parametrize(
