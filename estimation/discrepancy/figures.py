@@ -21,14 +21,15 @@ MOST_LOGS = 4
 
 def figures(diagnosis: Diagnosis) -> dict[str, str]:
     """SVG texts by name."""
-    drawn = {"gap": _gap, "residuals": _residuals, "places": _places, "maps": _maps}
-    return {name: _svg(draw(diagnosis)) for name, draw in drawn.items()}
+    drawn = {"gap": _gap, "residuals": _residuals, "places": _places}
+    return {name: _svg(draw(diagnosis), "tight") for name, draw in drawn.items()} | {"maps": _svg(_maps(diagnosis))}
 
 
-def _svg(figure: Figure) -> str:
+def _svg(figure: Figure, box: str | None = None) -> str:
+    """Cut to what is drawn, if the box is "tight", which is to draw twice."""
     buffer = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": "cartgrasp", "svg.fonttype": "none"}):
-        figure.savefig(buffer, format="svg", metadata=NO_METADATA, bbox_inches="tight")
+        figure.savefig(buffer, format="svg", metadata=NO_METADATA, bbox_inches=box)
     text = buffer.getvalue()
     return text[text.index("<svg") :]
 
@@ -99,14 +100,16 @@ def _maps(found: Diagnosis) -> Figure:
     """A row for each variable, a column for each coordinate."""
     maps = found.residual_maps
     variables = list(dict.fromkeys((one.variable, one.variable_unit) for one in maps))
-    figure = Figure(figsize=(8.4, 1.6 * len(variables)))
+    height = 1.6 * len(variables) + 0.5
+    figure = Figure(figsize=(8.4, height))
+    margins = {"left": 0.06, "right": 0.99, "top": 1 - 0.3 / height, "bottom": 0.45 / height}
     rows = figure.subplots(
         len(variables),
         len(found.before),
         sharex="row",
         sharey="col",
         squeeze=False,
-        gridspec_kw={"hspace": 0.75, "wspace": 0.3},
+        gridspec_kw={"hspace": 0.75, "wspace": 0.3, **margins},
     )
     known = {(one.variable, one.coordinate): one for one in maps}
     for axes, (variable, unit) in zip(rows, variables, strict=True):
@@ -114,6 +117,7 @@ def _maps(found: Diagnosis) -> Figure:
             ax.axhline(0, color="0.6", lw=0.6)
             ax.set_xlabel(f"{variable} ({unit})", fontsize=8)
             ax.tick_params(labelsize=7)
+            ax.locator_params(nbins=4)
             one = known.get((variable, residual.coordinate))
             if one is None:
                 continue

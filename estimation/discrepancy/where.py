@@ -53,7 +53,7 @@ class Disagreement:
     def sentence(self) -> str:
         """For people."""
         coordinate = self.coordinate.replace("_", " ").capitalize()
-        return f"{coordinate}: {self.condition}, {self.size:.2g} {UNITS[self.coordinate]}"
+        return f"{coordinate}, {self.size:.2g} {UNITS[self.coordinate]}: {self.condition}"
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)
