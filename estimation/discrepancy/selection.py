@@ -29,12 +29,11 @@ from .judgement import (
     ADDED,
     ENOUGH,
     LEAST_GAIN,
-    LEAST_LIKELIHOOD,
-    LEAST_OF_REST,
     UNSTEADY,
     Judge,
     Verdict,
 )
+from .pruning import NEARLY, pruned, still_plausible
 from .refinement import Refiner, searched_again
 from .sideways import LEAST_CREEP, sideways_trials
 from .vocabulary import trials
@@ -50,14 +49,10 @@ IN_VOCABULARY = 0.95
 IMPLAUSIBLE = "not plausible"
 NOT_TOLD_APART = 4.6
 """Difference of logs of Bayes factors: a hundredth."""
-NEARLY = 0.75
-"""Of the log of the Bayes factor, of an effect that looks like another: the rest may be the world's other form."""
 MOST_BY_REFIT = 2.0
 """Times what the linear fit gains, or a share of it: more is a better fit of all else, less a form that has no weight
 there."""
 MOST_EFFECTS = 4
-HARM, LEAST_GAP = 1.1, 1e-9
-"""Times the gap without an effect: more, and its name is no explanation; and m."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +84,11 @@ class Step:
             return self
         alike, least = shown[self.added.key].alike, NEARLY * self.added.log_factor
         near = [a.name for a in self.attempts if a.key in alike and a.log_factor > least and a.verdict != IMPLAUSIBLE]
+        return replace(self, confusable=tuple(dict.fromkeys((*self.confusable, *near))))
+
+    def instead_of(self, replaced: Sequence[tuple[str, str]]) -> Step:
+        """With the names of effects that went, and would do nearly as well in place of the added one."""
+        near = [name for key, name in replaced if self.added is not None and self.added.key == key]
         return replace(self, confusable=tuple(dict.fromkeys((*self.confusable, *near))))
 
 
@@ -124,10 +124,11 @@ def select(
         steps.append(look.step.beside(shown))
         if look.better is None or look.step.added is None:
             break
-        fitted = _still_plausible(searched_again(look.better, look.better.added[:-1], look.judge.is_odd), look.judge)
+        fitted = still_plausible(searched_again(look.better, look.better.added[:-1], look.judge.is_odd), look.judge)
         strongest = max(strongest, look.step.added.log_factor)
-    fitted = _pruned(fitted, search.held_out)
+    fitted, replaced = pruned(fitted, search.held_out)
     kept = {effect.key for effect in fitted.added}
+    steps = [step.instead_of(replaced) for step in steps]
     removed = tuple(step.added.key for step in steps if step.added is not None and step.added.key not in kept)
     return Selection(nominal, fitted, tuple(steps), search.held_out, removed, shown)
 
@@ -170,59 +171,6 @@ class _Search:
         if again.step.added is None or again.step.added.key != look.nameless.added[-1].key:
             return None
         return look._replace(step=second.step, better=alone)
-
-
-def _still_plausible(fitted: Fitted, judge: Judge) -> Fitted:
-    """Without those that were added before the last one, and that nobody would call so at the values that they have
-    beside it: they stood for it too."""
-    earlier = {effect.key for effect in fitted.added[:-1]}
-    for effect in fitted.cart.effects:
-        if effect.key in earlier and judge.implausible(effect):
-            fitted = fitted.without(effect.key)
-    return fitted
-
-
-def _pruned(fitted: Fitted, held_out: HeldOut) -> Fitted:
-    """Without what the later effects have made superfluous, of two of which either would do the earlier stays; and
-    without what makes simulations of stretches that no fit saw worse, however well it fits the wrenches."""
-    while True:
-        less = {effect.key: held_out.without(fitted, effect.key) for effect in fitted.added}
-        gone = _superfluous(fitted, less, held_out) or _harmful(fitted, less, held_out)
-        if not gone:
-            return fitted
-        fitted = less[gone]
-
-
-def _superfluous(fitted: Fitted, less: Mapping[str, Fitted], held_out: HeldOut) -> str:
-    """The key of an effect, but the last, without which it is as good; empty where there is none."""
-    keys = list(less)
-    gone = next((e.key for e in fitted.added[:-1] if _is_superfluous(e, fitted, less[e.key], held_out)), "")
-    for later in keys[keys.index(gone) + 1 :] if gone else ():
-        if 0.5 * (less[later].chi_squared() - less[gone].chi_squared()) / fitted.excess < ENOUGH:
-            gone = later
-    return gone
-
-
-def _harmful(fitted: Fitted, less: Mapping[str, Fitted], held_out: HeldOut) -> str:
-    """The key of the effect with which held-out stretches are the farthest away; empty where none harms."""
-    harm = {effect.key: _harm(effect, fitted, less[effect.key], held_out) for effect in fitted.added}
-    worst = max(harm, key=lambda key: harm[key], default="")
-    return worst if worst and harm[worst] >= HARM else ""
-
-
-def _harm(effect: Effect, fitted: Fitted, less: Fitted, held_out: HeldOut) -> float:
-    """How many times as far away held-out stretches are with an effect as without."""
-    if isinstance(effect, ConstraintEffect) or effect.gate.ends:
-        return 0.0
-    return held_out.gap(fitted) / max(held_out.gap(less), LEAST_GAP)
-
-
-def _is_superfluous(effect: Effect, fitted: Fitted, less: Fitted, held_out: HeldOut) -> bool:
-    if isinstance(effect, ConstraintEffect) or effect.gate.ends:
-        return False
-    gain = held_out.gain(less, fitted)
-    needed = gain.share >= LEAST_GAIN or gain.of_rest >= LEAST_OF_REST
-    return not needed and held_out.likelihood(less, fitted) < LEAST_LIKELIHOOD
 
 
 def _sideways(

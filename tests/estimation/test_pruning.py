@@ -15,7 +15,8 @@ from cartgrasp.effects import (
 )
 from cartgrasp.wheels import Wheel, WheelSet
 from estimation.discrepancy.held_out import Gain
-from estimation.discrepancy.selection import _pruned, _still_plausible
+from estimation.discrepancy.pruning import pruned, still_plausible
+from estimation.discrepancy.selection import Attempt, Step
 
 WHEELS = WheelSet.of((Wheel("fixed", 0.0, 0.25), Wheel("fixed", 0.0, -0.25)), rolls_along_x=True)
 SLOSH, ROLLING, STRIBECK = LoadSlosh(mass=3.0), RollingResistance(coefficient=0.02), StribeckFriction(breakaway=3.0)
@@ -36,9 +37,9 @@ class Fit:
         return self.left[tuple(e.name for e in self.added)]
 
 
-def pruned(fitted, proof):
+def left_of(fitted, proof):
     """What is left, and the keys of what is not."""
-    left = _pruned(fitted, proof)
+    left, _ = pruned(fitted, proof)
     return left, tuple(e.key for e in fitted.added if e.key not in {one.key for one in left.added})
 
 
@@ -74,12 +75,32 @@ def test_of_two_of_which_either_would_do_the_earlier_stays(without_stribeck, gon
         ("rolling_resistance", "stribeck_friction"): 100.0,
         ("stribeck_friction",): 101.0,
         ("rolling_resistance",): without_stribeck,
+        (): 1000.0,
     }
-    fitted, removed = pruned(Fit((ROLLING, STRIBECK), left), Proof())
+    fitted, removed = left_of(Fit((ROLLING, STRIBECK), left), Proof())
     assert removed == (gone,)
     assert [e.name for e in fitted.added] == [
         name for name in ("rolling_resistance", "stribeck_friction") if name != gone
     ]
+
+
+@pytest.mark.parametrize(("rolling_alone", "near"), [(300.0, True), (440.0, False)])
+def test_what_would_do_nearly_as_well_is_told_though_it_went(rolling_alone, near):
+    """Chi-squared of 1000 without either, and of 101 with the one that stays."""
+    left = {
+        ("load_slosh", "rolling_resistance", "stribeck_friction"): 100.0,
+        ("load_slosh", "stribeck_friction"): 101.0,
+        ("load_slosh", "rolling_resistance"): rolling_alone,
+        ("rolling_resistance", "stribeck_friction"): 600.0,
+        ("load_slosh",): 1000.0,
+        ("stribeck_friction",): 600.0,
+    }
+    fitted, replaced = pruned(Fit((SLOSH, ROLLING, STRIBECK), left), Proof())
+    assert [effect.name for effect in fitted.added] == ["load_slosh", "stribeck_friction"]
+    assert replaced == [("stribeck_friction", "rolling_resistance")] * near
+    step = Step((), Attempt("stribeck_friction", "stribeck_friction", 400.0, None, "added"), ("floor_slope",))
+    assert step.instead_of(replaced).confusable == ("floor_slope", *["rolling_resistance"] * near)
+    assert step.instead_of([("load_slosh", "rolling_resistance")]).confusable == ("floor_slope",)
 
 
 def test_what_is_needed_stays():
@@ -88,7 +109,7 @@ def test_what_is_needed_stays():
         ("rolling_resistance",): 150.0,
         ("load_slosh",): 140.0,
     }
-    fitted, removed = pruned(Fit((SLOSH, ROLLING), left), Proof())
+    fitted, removed = left_of(Fit((SLOSH, ROLLING), left), Proof())
     assert not removed
     assert len(fitted.added) == 2
 
@@ -98,14 +119,14 @@ def test_what_takes_simulations_away_from_the_log_goes(gap, gone):
     """However well it fits the wrenches; what the same rollouts say within a tenth is nothing against it."""
     left = {("load_slosh", "rolling_resistance"): 100.0, ("rolling_resistance",): 190.0, ("load_slosh",): 190.0}
     gaps = {("load_slosh", "rolling_resistance"): gap, ("load_slosh",): 0.02, ("rolling_resistance",): 0.03, (): 0.04}
-    fitted, removed = pruned(Fit((SLOSH, ROLLING), left), Rollouts(gaps))
+    fitted, removed = left_of(Fit((SLOSH, ROLLING), left), Rollouts(gaps))
     assert removed == gone
     assert len(fitted.added) == 2 - len(gone)
 
 
 def test_a_push_is_not_judged_by_what_it_does_elsewhere():
     push = ExternalPush(start=1.0, duration=1.0, force=5.0)
-    fitted, removed = pruned(Fit((push,), {}), Rollouts({("external_push",): 0.05, (): 0.02}))
+    fitted, removed = left_of(Fit((push,), {}), Rollouts({("external_push",): 0.05, (): 0.02}))
     assert fitted.added == (push,)
     assert not removed
 
@@ -133,5 +154,5 @@ def test_what_stood_for_a_later_effect_too_goes(moment, stays, last):
     judge = SimpleNamespace(implausible=lambda effect: effect.implausible(WHEELS, 0.8))
     added = (slope, wheel) if last else (wheel, slope)
     fitted = Refit(added, {}, values={"wheel_drag_imbalance": replace(wheel, moment=moment)})
-    kept = _still_plausible(fitted, judge)
+    kept = still_plausible(fitted, judge)
     assert [e.name for e in kept.added] == [e.name for e in added if stays or last or e is slope]
