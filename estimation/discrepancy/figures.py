@@ -9,6 +9,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from .isolability import ALIKE
+
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
     from .residual import Residual
@@ -22,6 +24,8 @@ MOST_LOGS = 4
 def figures(diagnosis: Diagnosis) -> dict[str, str]:
     """SVG texts by name."""
     drawn = {"gap": _gap, "residuals": _residuals, "places": _places}
+    if len(diagnosis.selection.isolability) > 1:
+        drawn["isolability"] = _isolability
     return {name: _svg(draw(diagnosis), "tight") for name, draw in drawn.items()} | {"maps": _svg(_maps(diagnosis))}
 
 
@@ -125,6 +129,27 @@ def _maps(found: Diagnosis) -> Figure:
                 ax.errorbar(one.at, bins.mean, 2 * bins.std, fmt=".-", lw=0.8, ms=4, color=colour)
     for ax, residual in zip(rows[0], found.before, strict=True):
         ax.set_title(_named(residual), fontsize=9)
+    return figure
+
+
+def _isolability(found: Diagnosis) -> Figure:
+    """How much each effect looks like each other one; grey, where it does not show."""
+    shown = found.selection.isolability
+    keys, n = list(shown), len(shown)
+    likeness = np.array([[1.0 if a == b else shown[a].likeness[b] for b in keys] for a in keys])
+    hidden = np.array([not shown[key].is_shown for key in keys])
+    figure = Figure(figsize=(1.6 + 0.28 * n, 1.6 + 0.28 * n))
+    ax = figure.subplots()
+    colours = mpl.colormaps["Blues"].copy()
+    colours.set_bad("0.85")
+    values = np.ma.masked_array(likeness, hidden[:, None] | hidden)
+    ax.pcolormesh(values, cmap=colours, vmin=0, vmax=1, edgecolors="white", linewidth=0.5)
+    for i, j in np.argwhere((likeness > ALIKE) & ~np.eye(n, dtype=bool) & ~values.mask):
+        ax.text(j + 0.5, i + 0.5, "=", ha="center", va="center", color="white", fontsize=8)
+    ax.set_yticks(np.arange(n) + 0.5, [f"{key} ({shown[key].z:.0f})" for key in keys], fontsize=7)
+    ax.set_xticks(np.arange(n) + 0.5, keys, rotation=60, ha="right", rotation_mode="anchor", fontsize=7)
+    ax.set_aspect("equal")
+    ax.invert_yaxis()
     return figure
 
 

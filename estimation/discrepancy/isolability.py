@@ -6,8 +6,9 @@ alike where their traces are parallel: where the largest canonical correlation o
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from itertools import groupby
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations, groupby
 from typing import Any
 
 import numpy as np
@@ -27,17 +28,22 @@ SHOWN = 3.0
 
 @dataclass(frozen=True)
 class Isolability:
-    """By how many deviations an effect of usual size stands out, and the effects that look like it on this motion."""
+    """By how many deviations an effect of usual size stands out, and how much each other one looks like it on this
+    motion: the largest canonical correlation of their traces, by key."""
 
     z: float
-    alike: tuple[str, ...]
+    likeness: Mapping[str, float]
+
+    @property
+    def alike(self) -> tuple[str, ...]:
+        return tuple(key for key, likeness in self.likeness.items() if likeness > ALIKE)
 
     @property
     def is_shown(self) -> bool:
         return self.z >= SHOWN
 
     def as_dict(self) -> dict[str, Any]:
-        return asdict(self)
+        return {"z": self.z, "alike": list(self.alike), "likeness": dict(self.likeness)}
 
 
 def isolability(dictionary: Dictionary, base: Base) -> dict[str, Isolability]:
@@ -54,11 +60,11 @@ def isolability(dictionary: Dictionary, base: Base) -> dict[str, Isolability]:
             part = reduced[np.ix_(trial.columns, trial.columns)]
             sizes.append((trial.columns, float(np.sqrt(max((usual**2 * np.diagonal(part)).max(), 0.0)))))
         chosen[key] = max(sizes, key=lambda one: one[1])
+    pairs = combinations(chosen.items(), 2)
+    alike = {frozenset((a, b)): _correlation(reduced, here, there) for (a, (here, _)), (b, (there, _)) in pairs}
     return {
-        key: Isolability(
-            z, tuple(o for o, (there, _) in chosen.items() if o != key and _correlation(reduced, here, there) > ALIKE)
-        )
-        for key, (here, z) in chosen.items()
+        key: Isolability(z, {other: alike[frozenset((key, other))] for other in chosen if other != key})
+        for key, (_, z) in chosen.items()
     }
 
 

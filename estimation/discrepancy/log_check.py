@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 from cartgrasp.errors import DataError
+from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
+from .clock_offset import ClockOffset, clock_offset
 
 FEWEST_ROWS = 100
 SHORTEST = 4.0
@@ -22,14 +24,19 @@ LEAST_DISTANCE = 0.3
 """m."""
 FASTEST, NOISES = 40.0, 10.0
 """m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
+EIGHTHS, LEAST_HEADED = 8, 1.0
+"""Of the circle; s that a cart heads into one."""
 ROLLING, STILL_TURNING = 0.015, 0.015
 """m/s, rad/s: below both a cart may stand still, and friction takes whatever value holds it."""
 
 
 @dataclass(frozen=True)
 class LogCheck:
-    """Rows, duration (s), rate (Hz), longest gap (s), rows with every wrench; noise floors; motion: distance (m),
-    turning (rad), reversals, the fastest speed (m/s) and the share of the time that it moves."""
+    """Rows, duration (s), rate (Hz), longest gap (s), rows with every wrench; noise floors; by how much wrenches are
+    later than the motion; motion: distance (m), turning (rad), reversals, the fastest speed (m/s), the share of the
+    time that it moves; of that time, speeds (m/s) that nine, five and one tenth exceed, how many eighths of the circle
+    it heads into, and accelerations along the free directions (m/s², rad/s²) that a twentieth exceeds.
+    """
 
     name: str
     rows: int
@@ -38,11 +45,15 @@ class LogCheck:
     longest_gap: float
     rows_with_wrenches: int
     noise: FilterNoise
+    clock_offset: ClockOffset | None
     distance: float
     turned: float
     reversals: int
     fastest: float
     moving: float
+    speeds: tuple[float, float, float]
+    headings: int
+    accelerations: tuple[float, ...]
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -93,7 +104,9 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
             f"{log.name}: the cart moves {distance:.3f} m in all, too little to compare with a simulation; "
             "record a push with starts, stops and turns"
         )
-    sign = np.sign(speed[np.abs(speed) > ROLLING])
+    sign, moves = np.sign(speed[np.abs(speed) > ROLLING]), moving(regression)
+    of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS
+    seconds = np.bincount(of_eighths, minlength=EIGHTHS) * float(np.median(h))
     return LogCheck(
         name=log.name,
         rows=len(log),
@@ -104,12 +117,21 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
             np.all([np.isfinite(arm.wrench).all(axis=1) for arm in log.arms.values()], axis=0).sum()
         ),
         noise=noise_of_log(log, cart),
+        clock_offset=clock_offset(regression),
         distance=distance,
         turned=float((np.abs(turning[:-1]) * h).sum()),
         reversals=int((np.diff(sign) != 0).sum()),
         fastest=float(motion.speed.max()),
-        moving=float(moving(regression).mean()),
+        moving=float(moves.mean()),
+        speeds=_percentiles(motion.speed[moves], (10.0, 50.0, 90.0)),
+        headings=int((seconds > LEAST_HEADED).sum()),
+        accelerations=tuple(_percentiles(each, (95.0,))[0] for each in np.abs(motion.acceleration[moves].T)),
     )
+
+
+def _percentiles(values: Array, shares: tuple[float, ...]) -> Any:
+    """0 where there are no values."""
+    return tuple(float(one) for one in np.percentile(values if len(values) else np.zeros(1), shares))
 
 
 def moving(regression: WrenchRegression) -> np.ndarray:

@@ -9,6 +9,8 @@ import html
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from .log_check import EIGHTHS, LogCheck
+
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
     from .report import Report
@@ -62,6 +64,9 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         "<h2>What to measure next</h2>",
         _list(found.next_experiments, "Nothing: the model fits these logs."),
         "<h2>What this motion can show</h2>",
+        drawn.get("isolability", ""),
+        "<p>How much effects of usual size look like one another on this motion (dark: alike), beside the deviations "
+        "by which each stands out; grey ones do not show. Of two that are marked (=) the log can't tell which.</p>",
         _isolability(found),
         "<h2>The logs</h2>",
         _checks(found),
@@ -136,20 +141,25 @@ def _isolability(found: Diagnosis) -> str:
 
 
 def _checks(found: Diagnosis) -> str:
-    rows = [
-        [
-            c.name,
-            str(c.rows),
-            f"{c.duration:.1f}",
-            f"{c.rate:.0f}",
-            f"{c.longest_gap:.3f}",
-            f"{c.distance:.1f}",
-            str(c.reversals),
-            f"{c.noise.force:.2g}",
-        ]
-        for c in found.checks
+    return "".join(_table(["", check.name], _check_rows(check)) for check in found.checks)
+
+
+def _check_rows(check: LogCheck) -> list[list[str]]:
+    late, speeds = check.clock_offset, ", ".join(f"{speed:.2f}" for speed in check.speeds)
+    units = ("m/s²", "rad/s²") if len(check.accelerations) < 3 else ("m/s²", "m/s²", "rad/s²")
+    hard = ", ".join(f"{a:.2g} {unit}" for a, unit in zip(check.accelerations, units, strict=False))
+    return [
+        ["rows, with every wrench", f"{check.rows}, {check.rows_with_wrenches}"],
+        ["duration", f"{check.duration:.1f} s at {check.rate:.0f} Hz, longest gap {check.longest_gap:.3f} s"],
+        ["noise of position, heading", f"{1e3 * check.noise.position:.2g} mm, {1e3 * check.noise.heading:.2g} mrad"],
+        ["noise of force, moment", f"{check.noise.force:.2g} N, {check.noise.moment:.2g} N·m"],
+        ["wrenches late by", f"{1e3 * late.value:.0f} ± {1.96e3 * late.std:.0f} ms" if late else "not known"],
+        ["way, turning", f"{check.distance:.1f} m, {check.turned:.1f} rad, {check.reversals} reversals"],
+        ["time on the move", f"{100 * check.moving:.0f} %"],
+        ["speeds (a tenth, half, nine tenths slower)", f"{speeds}, at most {check.fastest:.2f} m/s"],
+        ["headings", f"{check.headings} of {EIGHTHS} directions"],
+        ["accelerations (nineteen of twenty less)", hard],
     ]
-    return _table(["log", "rows", "s", "Hz", "longest gap, s", "m", "reversals", "force noise, N"], rows)
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -34,6 +34,8 @@ def test_parallel_traces_are_alike(angle, alike):
     assert (found["rolling_resistance"].alike == ("quadratic_drag",)) == alike
     assert found["rolling_resistance"].z == pytest.approx(5.0)
     assert found["rolling_resistance"].is_shown
+    assert found["rolling_resistance"].likeness["quadratic_drag"] == pytest.approx(np.cos(angle))
+    assert found["quadratic_drag"].likeness == {"rolling_resistance": pytest.approx(np.cos(angle))}
 
 
 def test_what_the_base_explains_is_not_shown():

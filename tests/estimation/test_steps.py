@@ -35,7 +35,7 @@ def test_what_looks_alike_on_a_motion_and_explains_nearly_as_much_is_told():
     )
     alike = ("floor_slope", "force_bias", "wheel_drag_imbalance")
     step = Step((added, *others), added, ("stribeck_friction",), 0.9)
-    told = step.beside({"rolling_resistance": Isolability(9.0, alike)})
+    told = step.beside({"rolling_resistance": Isolability(9.0, dict.fromkeys(alike, 0.96))})
     assert told.confusable == ("stribeck_friction", "floor_slope")
     assert step.beside({}) is step
 
