@@ -27,8 +27,8 @@ class TeachingMotion:
     says: str
     twist_b: Array
 
-    def information(self, cart: CartModel, noise: WrenchNoise) -> Array:
-        """Fisher information (p, p) of the cart's parameters, held by two hands with noisy wrenches."""
+    def along(self, cart: CartModel) -> tuple[Array, Array, Array]:
+        """Times (n,), the cart's states (n, ...) and nu' (n, f) at them."""
         velocity = self.twist_b @ np.linalg.pinv(cart.basis_b).T
         velocity = np.asarray(np.where(np.abs(velocity) < 1e-12, 0.0, velocity), dtype=float)
         acceleration = np.gradient(velocity, PERIOD, axis=0)
@@ -37,7 +37,12 @@ class TeachingMotion:
             pose[i + 1] = pose[i] + PERIOD * body_to_world(pose[i, 2]) @ cart.basis_b @ velocity[i]
         time = np.asarray(PERIOD * np.arange(len(pose)), dtype=float)
         memory = cart.memory_along(pose, velocity, time)
-        regressor = parameter_regressor(cart, np.hstack([pose, velocity, memory]), acceleration)
+        return time, np.hstack([pose, velocity, memory]), acceleration
+
+    def information(self, cart: CartModel, noise: WrenchNoise) -> Array:
+        """Fisher information (p, p) of the cart's parameters, held by two hands with noisy wrenches."""
+        _, state, acceleration = self.along(cart)
+        regressor = parameter_regressor(cart, state, acceleration)
         hands = [(-REACH, REACH, 1.0), (-REACH, -REACH, 1.0)]
         return fisher_information(regressor, reduced_noise(cart, hands, noise)) * noise.rate * PERIOD
 

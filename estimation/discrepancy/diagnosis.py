@@ -185,20 +185,12 @@ class Diagnosis:
             return f"The model lacks {names}: with it {shrinks}; {floor}."
         return f"The model lacks {names}, which explains a part: with it {shrinks}; {floor}."
 
-    @property
+    @cached_property
     def next_experiments(self) -> tuple[str, ...]:
         """What to record next."""
-        told = []
-        shown = self.selection.isolability
-        hidden = [key for key, one in shown.items() if not one.is_shown]
-        if any(effect.confusable_with for effect in self.effects) or len(hidden) > len(shown) / 2:
-            told.append(MORE_MOTION)
-        if self.remaining:
-            cause = self.remaining[0].name.split(",")[0]
-            told.append(f"repeat the motion with another {cause}, to see whether the rest follows it")
-        elif self.verdict in ("unexplained", "partly_explained"):
-            told.append("record the same motion twice: what comes back is the cart's, what does not is noise")
-        return tuple(told)
+        from .next_experiments import next_experiments
+
+        return next_experiments(self)
 
     @property
     def report(self) -> Report:
@@ -251,12 +243,6 @@ def _proven(selection: Selection) -> tuple[Selection, Certainty]:
     for key in removed:
         final = final.without(key)
     return replace(selection, final=final, removed=(*selection.removed, *removed)), certainty
-
-
-MORE_MOTION = (
-    "push forward and backward, at a slow and a fast steady speed, along two headings and through turns both ways: "
-    "effects that this log shows alike differ there"
-)
 
 
 def _arms(logs: Sequence[RunLog]) -> list[str]:

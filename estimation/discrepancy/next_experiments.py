@@ -1,0 +1,56 @@
+"""What to record next: what this motion lacks, what tells effects apart, and what a rest may follow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cartgrasp.information import WrenchNoise
+
+from .separating import Hands, separating
+
+if TYPE_CHECKING:
+    from .diagnosis import Diagnosis, NamedEffect
+
+MORE_MOTION = (
+    "push forward and backward, at a slow and a fast steady speed, along two headings and through turns both ways: "
+    "effects that this log shows alike differ there"
+)
+
+
+def next_experiments(found: Diagnosis) -> tuple[str, ...]:
+    """The most useful first."""
+    return tuple(dict.fromkeys(_told(found)))
+
+
+def _told(found: Diagnosis) -> Iterator[str]:
+    for effect in found.effects:
+        if effect.confusable_with:
+            yield _to_tell_apart(found, effect)
+    shown = found.selection.isolability.values()
+    if sum(not one.is_shown for one in shown) > len(shown) / 2:
+        yield MORE_MOTION
+    if found.remaining:
+        cause = found.remaining[0].name.split(",")[0]
+        yield f"repeat the motion with another {cause}, to see whether the rest follows it"
+    elif found.verdict in ("unexplained", "partly_explained"):
+        yield "record the same motion twice: what comes back is the cart's, what does not is noise"
+
+
+def _to_tell_apart(found: Diagnosis, effect: NamedEffect) -> str:
+    key = f"{effect.name}.{effect.label}" if effect.label else effect.name
+    best = separating(found.cart, key, effect.confusable_with, _hands(found))
+    if best is None:
+        return MORE_MOTION
+    others = " or ".join(effect.confusable_with)
+    return f"to tell {effect.name} from {others}: {best.says}; they differ there by {best.deviations:.0f} deviations"
+
+
+def _hands(found: Diagnosis) -> Hands:
+    """Where the arms hold in the first log that has each, and the first log's noise."""
+    logs = [regression.rows for regression in found.selection.final.regressions]
+    contacts = {arm: np.nanmedian(own.contact, axis=0) for log in reversed(logs) for arm, own in log.arms.items()}
+    check = found.checks[0]
+    return Hands(contacts, WrenchNoise(check.noise.force, check.noise.moment, check.rate))
