@@ -27,8 +27,11 @@ def next_experiments(found: Diagnosis) -> tuple[str, ...]:
 
 def _told(found: Diagnosis) -> Iterator[str]:
     for effect in found.effects:
-        if effect.confusable_with:
-            yield _to_tell_apart(found, effect)
+        others = [name for name in effect.confusable_with if name != effect.name]
+        if others:
+            yield _to_tell_apart(found, effect, others)
+        if effect.name in effect.confusable_with:
+            yield f"push with one arm alone, then with another: that tells whose {effect.name} it is"
     shown = found.selection.isolability.values()
     if sum(not one.is_shown for one in shown) > len(shown) / 2:
         yield MORE_MOTION
@@ -39,13 +42,13 @@ def _told(found: Diagnosis) -> Iterator[str]:
         yield "record the same motion twice: what comes back is the cart's, what does not is noise"
 
 
-def _to_tell_apart(found: Diagnosis, effect: NamedEffect) -> str:
+def _to_tell_apart(found: Diagnosis, effect: NamedEffect, others: list[str]) -> str:
     key = f"{effect.name}.{effect.label}" if effect.label else effect.name
-    best = separating(found.cart, key, effect.confusable_with, _hands(found))
+    best = separating(found.cart, key, others, _hands(found))
     if best is None:
         return MORE_MOTION
-    others = " or ".join(effect.confusable_with)
-    return f"to tell {effect.name} from {others}: {best.says}; they differ there by {best.deviations:.0f} deviations"
+    names = " or ".join(others)
+    return f"to tell {effect.name} from {names}: {best.says}; they differ there by {best.deviations:.0f} deviations"
 
 
 def _hands(found: Diagnosis) -> Hands:

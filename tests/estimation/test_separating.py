@@ -140,6 +140,8 @@ def test_what_to_record_next():
     assert int(told.split("by ")[1].split()[0]) > 5
     assert next_experiments(diagnosis(["payload_change"], hidden=6)) == (MORE_MOTION,)
     assert next_experiments(diagnosis([])) == ()
+    (told,) = next_experiments(diagnosis(["rolling_resistance"]))
+    assert told.startswith("push with one arm alone")
     assert "twice" in next_experiments(diagnosis([], verdict="unexplained"))[0]
     rest = (SimpleNamespace(name="travelled distance, periodic"),)
     assert "another travelled distance" in next_experiments(diagnosis([], verdict="unexplained", remaining=rest))[0]
