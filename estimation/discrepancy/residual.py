@@ -90,10 +90,10 @@ def wrench_residuals(fitted: Fitted) -> tuple[Residual, ...]:
 
 
 def lateral_residual(fitted: Fitted, final: Fitted) -> tuple[Residual, ...]:
-    """How fast the axle goes sideways beyond what a model says; none where it may go any way. The noise is as large as
-    the final model leaves it."""
-    axle = final.cart.constraints.axle_x
-    record = Sideways.of(final.regressions, final.cart) if axle is not None else None
+    """How fast the axle goes sideways beyond what a model says; none where it may go any way, or no other than its
+    rails'. The noise is as large as the final model leaves it."""
+    rolls = final.cart.constraints.axle_x is not None and not final.cart.constraints.no_rotation
+    record = Sideways.of(final.regressions, final.cart) if rolls else None
     if record is None or not len(record.moved):
         return ()
     excess = record.excess(record.moved - record.expected(final.regressions, final.cart))

@@ -75,7 +75,7 @@ def profiles(residual: Residual, bins: Circumstances | None = None) -> Iterator[
     own = _variables(residual.circumstances)
     for (name, unit), values in _variables(bins or residual.circumstances).items():
         edges = _edges(name, values)
-        if len(edges) > 2:
+        if len(edges) > 2 and np.isfinite(_means(values, edges)).sum() > 1:
             yield Profile(name, unit, _means(own[name, unit], edges), _binned(residual, own[name, unit], edges))
 
 

@@ -10,8 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
+from cartgrasp.model import CartModel
 from estimation.batch.wrench_regression import WrenchRegression
 from estimation.discrepancy.changes import PENALTY, changes
 from estimation.discrepancy.circumstances import Circumstances
@@ -228,6 +231,17 @@ def test_wheels_at_an_angle_go_sideways_in_proportion_to_the_speed():
     assert found.disagrees
     (straight,) = lateral_residual(*[Fitted((WrenchRegression(rolling(), guess(), None),), guess())] * 2)
     assert not straight.disagrees
+
+
+def test_a_rail_has_neither_headings_nor_a_lateral_velocity():
+    log, _ = simulate(TRUTH, 7, 12.0, curved=False)
+    rail = CartModel(Inertia(24.0, (0.0, 0.0), 1.0), RollingConstraints(0.0, no_rotation=True))
+    fitted = Fitted((WrenchRegression(log, rail, None),), rail)
+    assert lateral_residual(fitted, fitted) == ()
+    (forward,) = wrench_residuals(fitted)
+    names = [one.variable for one in residual_maps([forward], [forward])]
+    assert "speed" in names
+    assert "heading" not in names
 
 
 def test_a_force_that_nobody_knows_of_is_in_the_forward_residual():
