@@ -56,6 +56,12 @@ class Circumstances:
         """Travelled since the log's begin (b,), m, be it forward or backward."""
         return self.course.rolled[:, -1]
 
+    @property
+    def elapsed(self) -> Array:
+        """Since the begin of each log (b,), s."""
+        begin = [float(self.course.time[self.log == k].min(initial=np.inf)) for k in range(len(self.names))]
+        return np.asarray(self.course.time - np.array(begin)[self.log])
+
     def strength(self, arm: str) -> Array:
         """Of an arm's force in the plane (b,), N."""
         return np.asarray(np.hypot(*self.wrenches[arm][:, :2].T))

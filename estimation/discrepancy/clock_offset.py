@@ -20,15 +20,16 @@ PARTS = 4
 """Of a log, whose answers say how sure it is."""
 FEWEST = 50
 """Rows of a part."""
+SAMPLED, FORM = 0.3, 0.005
+"""Of a row, and s: standard deviations of what a log does not tell."""
 ROLLING = 0.02
 """m/s or rad/s: below, no sign."""
 
 
 @dataclass(frozen=True)
 class ClockOffset:
-    """By how much later wrenches are than the motion (s), and by how much parts of the log disagree (a standard
-    deviation of the whole). A sample that holds until the next one is half a row early. Friction that has another form
-    may shift it by some milliseconds."""
+    """By how much later wrenches are than the motion (s), and its standard deviation: by how much parts of the log
+    disagree, that nobody knows whether a sample holds until the next one, and that friction has many forms."""
 
     value: float
     std: float
@@ -60,7 +61,8 @@ def clock_offset(regression: WrenchRegression) -> ClockOffset | None:
         return None
     pairs = zip(np.array_split(columns, PARTS), np.array_split(shifted, PARTS), strict=True)
     spread = float(np.std([_best(*each, late) for each in pairs], ddof=1)) / PARTS**0.5
-    return ClockOffset(best * step, spread * step)
+    row = step / regression.size
+    return ClockOffset(best * step, float(np.hypot(np.hypot(spread * step, SAMPLED * row), FORM)))
 
 
 def _best(columns: Array, shifted: Array, late: np.ndarray) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 
 from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
-from cartgrasp.errors import UsageError
+from cartgrasp.errors import DataError, UsageError
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
@@ -22,6 +22,7 @@ from .gap import Gap, measured_gap
 from .generic import Dependence
 from .glitches import without_glitches
 from .held_out import BEYOND_NOISE
+from .holes import without_holes
 from .left_over import beyond_noise, followed, missing_push
 from .log_check import LogCheck, check_rows, checked
 from .residual import DIRECTIONS, Residual, lateral_residual, wrench_residuals
@@ -177,6 +178,8 @@ class Diagnosis:
         floor = f"noise alone makes {1e3 * gap.noise_floor:.1f} mm"
         if self.verdict == "no_discrepancy":
             return f"Simulation and measurement agree: {1e3 * gap.refitted:.1f} mm after 1 s, refitted, and {floor}."
+        if self.verdict == "unexplained" and gap.refitted <= BEYOND_NOISE * gap.noise_floor:
+            return f"Rollouts agree ({1e3 * gap.refitted:.1f} mm after 1 s, and {floor}), but {self._follows}."
         if self.verdict == "unexplained":
             return (
                 f"They disagree, and no known effect explains it: {1e3 * gap.refitted:.1f} mm after 1 s, while {floor}."
@@ -184,6 +187,11 @@ class Diagnosis:
         if self.verdict == "explained":
             return f"The model lacks {names}: with it {shrinks}; {floor}."
         return f"The model lacks {names}, which explains a part: with it {shrinks}; {floor}."
+
+    @property
+    def _follows(self) -> str:
+        told = self.unexplained["depends_on"]
+        return f"what is left follows something: {told[0]}" if told else "something is there that has no name"
 
     @cached_property
     def next_experiments(self) -> tuple[str, ...]:
@@ -207,14 +215,23 @@ def diagnose(
     Raises DataError for a log that can't be used.
     """
     logs = [logs] if isinstance(logs, RunLog) else list(logs)
-    tell = progress or (lambda _: None)
+    try:
+        return _diagnosed(logs, cart, progress or (lambda _: None))
+    except np.linalg.LinAlgError as error:
+        raise DataError(
+            f"{', '.join(log.name for log in logs)}: the equations of a fit have no solution; look for long stretches "
+            "without motion or wrenches, and for numbers that are not in SI units"
+        ) from error
+
+
+def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None]) -> Diagnosis:
     arms = _arms(logs)
     whole, checks = [], []
     for log in logs:
         tell(f"smoothing {log.name}")
         check_rows(log, cart)
         regression = smoothed(log, cart)
-        checks.append(checked(regression.log, cart, regression))
+        checks.append(checked(log, cart, regression))
         whole.append(regression)
     selection, certainty = _proven(select(whole, cart, arms, tell))
     tell("measuring the gap")
@@ -233,7 +250,7 @@ def diagnose(
 
 def smoothed(log: RunLog, cart: CartModel) -> WrenchRegression:
     """A log as the search sees it."""
-    log = without_glitches(log)
+    log = without_holes(without_glitches(log))
     return WrenchRegression(log, cart, None, _in_pairs(log)).wary()
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import warnings
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from .isolability import ALIKE
 
@@ -26,14 +28,17 @@ def figures(diagnosis: Diagnosis) -> dict[str, str]:
     drawn = {"gap": _gap, "residuals": _residuals, "places": _places}
     if len(diagnosis.selection.isolability) > 1:
         drawn["isolability"] = _isolability
-    return {name: _svg(draw(diagnosis), "tight") for name, draw in drawn.items()} | {"maps": _svg(_maps(diagnosis))}
+    plain = mpl.rc_context({"svg.hashsalt": "cartgrasp", "svg.fonttype": "none", "text.parse_math": False})
+    with plain, warnings.catch_warnings():  # names come from logs: what looks like a formula is none
+        warnings.filterwarnings("ignore", "Glyph")  # the reader's fonts draw it
+        found = {name: _svg(draw(diagnosis), "tight") for name, draw in drawn.items()}
+        return found | {"maps": _svg(_maps(diagnosis))}
 
 
 def _svg(figure: Figure, box: str | None = None) -> str:
     """Cut to what is drawn, if the box is "tight", which is to draw twice."""
     buffer = io.StringIO()
-    with mpl.rc_context({"svg.hashsalt": "cartgrasp", "svg.fonttype": "none"}):
-        figure.savefig(buffer, format="svg", metadata=NO_METADATA, bbox_inches=box)
+    figure.savefig(buffer, format="svg", metadata=NO_METADATA, bbox_inches=box)
     text = buffer.getvalue()
     return text[text.index("<svg") :]
 
@@ -51,6 +56,8 @@ def _gap(found: Diagnosis) -> Figure:
     ax.set_xticks(place, [f"after {h}" for h in horizons])
     if any(0 < value < np.inf for one in horizons.values() for value in one.values()):
         ax.set_yscale("log")
+        ax.yaxis.set_major_formatter("{x:g}")
+        ax.yaxis.set_minor_formatter(NullFormatter())
     ax.set_ylabel("rollout error (mm)")
     ax.legend(frameon=False, ncols=2, fontsize=8)
     return figure

@@ -300,7 +300,7 @@ def _levels(values: Array) -> Array:
 
 def _along(motion: SmoothMotion, at_times: Array, tracks: Sequence[float]) -> tuple[Array, ...]:
     time, speed = motion.time, motion.velocity[:, 0]
-    steps = np.append(0.0, np.diff(time))
+    steps = np.append(0.0, np.where(motion.linked, np.diff(time), 0.0))
     distance = np.cumsum(motion.speed * steps)
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(time))
     rolled = np.cumsum((speed[:, None] - np.outer(turning, tracks)) * steps[:, None], axis=0)

@@ -22,8 +22,7 @@ FREE = {1: (0,), 2: (0, 2), 3: (0, 1, 2)}
 
 def beyond_noise(scatter: Scatter) -> Array:
     """Root mean square of the residual's means (f,), less their noise."""
-    known = np.diagonal(scatter.information, axis1=1, axis2=2)
-    return np.asarray(np.sqrt(np.maximum((scatter.mean**2 - scatter.excess / known).mean(axis=0), 0.0)))
+    return np.asarray(np.sqrt(np.maximum((scatter.mean**2 - scatter.std**2).mean(axis=0), 0.0)))
 
 
 def followed(polygon: Polygon, dependences: Sequence[Dependence]) -> Array:

@@ -71,12 +71,27 @@ def check_rows(log: RunLog, cart: CartModel) -> None:
         raise DataError(
             f"{log.name}: only {int(seen.sum())} rows have a whole pose (x, y, theta); {FEWEST_ROWS} are needed"
         )
+    step = float(np.median(np.diff(log.time)))
     for name, arm in log.arms.items():
-        whole = np.isfinite(arm.wrench).all(axis=1)
-        if whole.sum() < FEWEST_ROWS:
-            raise DataError(f"{log.name}: only {int(whole.sum())} rows have a whole wrench of arm {name}")
+        for what, columns in (("wrench", arm.wrench), ("contact point", arm.contact)):
+            _check_enough(
+                np.asarray(np.isfinite(columns).all(axis=1)), step, f"{log.name}: arm {name} has its whole {what}"
+            )
+    _check_enough(_with_wrenches(log), step, f"{log.name}: all arms together have wrenches and contact points")
     if not any((np.nanmax(arm.wrench, axis=0) > np.nanmin(arm.wrench, axis=0)).any() for arm in log.arms.values()):
         raise DataError(f"{log.name}: no wrench ever changes, as if no sensor were there; look at its connection")
+
+
+def _check_enough(whole: np.ndarray, step: float, what: str) -> None:
+    count = int(whole.sum())
+    if count < FEWEST_ROWS or count * step < SHORTEST:
+        raise DataError(f"{what} in {count} rows only, {count * step:.1f} s; record at least {SHORTEST:g} s of them")
+
+
+def _with_wrenches(log: RunLog) -> np.ndarray:
+    """Rows (n,) in which every arm's wrench and contact are whole."""
+    whole = (np.isfinite(np.hstack([arm.wrench, arm.contact])).all(axis=1) for arm in log.arms.values())
+    return np.asarray(np.all(list(whole), axis=0))
 
 
 def _check_steps(log: RunLog, noise: float) -> None:
@@ -93,10 +108,14 @@ def _check_steps(log: RunLog, noise: float) -> None:
 
 
 def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCheck:
-    """After the motion has been smoothed; refuses one that goes nowhere."""
+    """After the motion has been smoothed; refuses one that goes nowhere, or has no wrenches where it is seen."""
     _check_steps(log, regression.noise.position)
+    step = float(np.median(np.diff(regression.motion.time)))
+    _check_enough(
+        np.repeat(regression.usable, regression.size), step / regression.size, f"{log.name}: wrenches come with poses"
+    )
     motion, steps = regression.motion, np.diff(log.time)
-    speed, h = motion.velocity[:, 0], np.diff(motion.time)
+    speed, h = motion.velocity[:, 0], np.where(motion.linked, np.diff(motion.time), 0.0)
     distance = float((motion.speed[:-1] * h).sum())
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
     if distance < LEAST_DISTANCE and float((np.abs(turning[:-1]) * h).sum()) < LEAST_DISTANCE:
@@ -106,16 +125,14 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
         )
     sign, moves = np.sign(speed[np.abs(speed) > ROLLING]), moving(regression)
     of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS
-    seconds = np.bincount(of_eighths, minlength=EIGHTHS) * float(np.median(h))
+    seconds = np.bincount(of_eighths, minlength=EIGHTHS) * float(np.median(np.diff(motion.time)))
     return LogCheck(
         name=log.name,
         rows=len(log),
         duration=log.duration,
         rate=float(1 / np.median(steps)),
         longest_gap=float(steps.max()),
-        rows_with_wrenches=int(
-            np.all([np.isfinite(arm.wrench).all(axis=1) for arm in log.arms.values()], axis=0).sum()
-        ),
+        rows_with_wrenches=int(_with_wrenches(log).sum()),
         noise=noise_of_log(log, cart),
         clock_offset=clock_offset(regression),
         distance=distance,

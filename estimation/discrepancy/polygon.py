@@ -22,6 +22,8 @@ STEP = 0.1
 """s, from one node to the next."""
 REACH = 7
 """Nodes: how far noise reaches."""
+WINDOW = 150
+"""Nodes at a time."""
 NEGLIGIBLE = 1e-3
 """Of a factor's diagonal."""
 LOAD = 1e-6
@@ -31,7 +33,7 @@ LOAD = 1e-6
 @dataclass(frozen=True)
 class Polygon:
     """Of some logs: nodes' times (b,) and logs (b,), values along the free directions (b, f), and of each direction the
-    lower banded Cholesky factor (r, b) of the nodes' information."""
+    lower banded Cholesky factor (r, b) of the nodes' information, whatever the other directions' values are."""
 
     time: Array
     log: np.ndarray
@@ -44,7 +46,7 @@ class Polygon:
         times, values, bands = zip(*(_nodes(line) for line in lines), strict=True)
         log = np.repeat(np.arange(len(lines)), [len(each) for each in times])
         f, band = values[0].shape[1], np.concatenate(bands, axis=1)
-        roots = tuple(_root(band[::f, i::f]) for i in range(f))
+        roots = tuple(_root(_alone(band, f, i)) for i in range(f))
         return cls(np.concatenate(times), log, np.concatenate(values), roots)
 
     def whitened(self, direction: int, columns: Array) -> Array:
@@ -109,6 +111,37 @@ def _solved(band: Array, pull: Array) -> Array:
     except LinAlgError:
         found = solveh_banded(_dominant(band), pull.ravel(), lower=True)
     return np.asarray(found).reshape(pull.shape)
+
+
+def _alone(band: Array, f: int, direction: int) -> Array:
+    """Of the nodes' information, lower banded, what is known of one direction when nothing is known of the others
+    (r, b): they are taken out, a window of nodes at a time, since nodes far away have no part in it."""
+    if f == 1:
+        return band
+    b, reach = band.shape[1] // f, len(band) // f
+    found = np.zeros((reach, b))
+    for first in range(0, b, WINDOW):
+        low, high = max(0, first - 2 * reach), min(b, first + WINDOW + 2 * reach)
+        part = _dense(band[:, low * f : high * f])
+        own = np.arange(direction, len(part), f)
+        others = np.setdiff1d(np.arange(len(part)), own)
+        across = part[np.ix_(others, own)]
+        left = part[np.ix_(own, own)] - across.T @ np.linalg.solve(part[np.ix_(others, others)], across)
+        last = min(first + WINDOW, b)
+        for below in range(reach):
+            diagonal = np.diagonal(left, -below)[first - low : last - low]
+            found[below, first : first + len(diagonal)] = diagonal
+    return found
+
+
+def _dense(band: Array) -> Array:
+    """The symmetric matrix (n, n) of a lower band (r, n)."""
+    n = band.shape[1]
+    found = np.zeros((n, n))
+    for below in range(min(len(band), n)):
+        rows = np.arange(below, n)
+        found[rows, rows - below] = found[rows - below, rows] = band[below, : n - below]
+    return found
 
 
 def _root(band: Array) -> Array:

@@ -82,9 +82,8 @@ def wrench_residuals(fitted: Fitted) -> tuple[Residual, ...]:
     """Along the free directions."""
     scatter, f = fitted.scatter, fitted.scatter.mean.shape[1]
     found = Circumstances.of(scatter.middle, scatter.log, fitted.regressions, fitted.cart)
-    std = np.sqrt(scatter.excess / np.diagonal(scatter.information, axis1=1, axis2=2))
     return tuple(
-        Residual(name, scatter.mean[:, i], std[:, i], scatter.start, SCATTER_BLOCK, found)
+        Residual(name, scatter.mean[:, i], scatter.std[:, i], scatter.start, SCATTER_BLOCK, found)
         for i, name in enumerate(DIRECTIONS[f])
     )
 

@@ -83,7 +83,7 @@ def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
     """By name and unit (b,); what is not known is not finite."""
     course = found.course
     known = {
-        ("time", "s"): course.time,
+        **_times(found),
         ("way travelled", "m"): found.way,
         ("distance since a reversal", "m"): course.since_reversal,
         ("speed", "m/s"): course.speed,
@@ -95,6 +95,12 @@ def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
     if len(found.wrenches) > 1:
         known |= {(f"force of arm {arm}", "N"): found.strength(arm) for arm in found.wrenches}
     return known
+
+
+def _times(found: Circumstances) -> dict[tuple[str, str], Array]:
+    """Clocks of several logs have nothing in common."""
+    several = len(found.names) > 1
+    return {("time since the log's begin", "s"): found.elapsed} if several else {("time", "s"): found.course.time}
 
 
 def _edges(name: str, values: Array) -> Array:

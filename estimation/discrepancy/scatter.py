@@ -48,6 +48,11 @@ class Scatter:
         return self.start + SCATTER_BLOCK / 2
 
     @property
+    def std(self) -> Array:
+        """Of each mean (b, f), whatever the other directions' are."""
+        return np.sqrt(self.excess * np.diagonal(np.linalg.inv(self.information), axis1=1, axis2=2))
+
+    @property
     def misfit(self) -> Array:
         """Of each stretch (b,), chi-squared with f degrees of freedom where the model is right."""
         return np.asarray(np.einsum("bi,bij,bj->b", self.mean, self.information, self.mean))

@@ -84,9 +84,16 @@ def _of_one(residual: Residual) -> list[tuple[float, Disagreement]]:
             others.append(chosen)
             text = f"{100 * share:.0f} % of the misfit lies {words} ({100 * time_share:.0f} % of the time)"
             size = float(np.sqrt((residual.value[chosen] ** 2).mean()))
-            first, last = float(residual.start[chosen].min()), float(residual.start[chosen].max()) + residual.duration
-            kept.append((known, Disagreement(first, last, residual.coordinate, text, size, share)))
+            kept.append((known, Disagreement(*_span(residual, chosen), residual.coordinate, text, size, share)))
     return kept
+
+
+def _span(residual: Residual, chosen: np.ndarray) -> tuple[float, float]:
+    """From when to when stretches lie, in the log that holds the most of their disagreement."""
+    logs = np.where(chosen, residual.circumstances.log, -1)
+    held = [float(residual.beyond[logs == k].sum()) for k in range(len(residual.circumstances.names))]
+    start = residual.start[logs == (int(np.argmax(held)) if (logs == int(np.argmax(held))).any() else logs.max())]
+    return float(start.min()), float(start.max()) + residual.duration
 
 
 def _along(residual: Residual) -> list[Disagreement]:
@@ -101,8 +108,8 @@ def _along(residual: Residual) -> list[Disagreement]:
     values, share = best.residual.mean, min(share, 1.0)
     ends = [f"{values[k]:.2g} {residual.unit} at {best.at[k]:.2g} {best.unit}" for k in _ends(values)]
     text = f"{100 * share:.0f} % of the misfit goes with the {best.variable}: {ends[0]}, {ends[1]}"
-    size, last = float(np.sqrt((residual.value**2).mean())), float(residual.start.max()) + residual.duration
-    return [Disagreement(float(residual.start.min()), last, residual.coordinate, text, size, share)]
+    span, size = _span(residual, np.ones(len(residual.start), dtype=bool)), float(np.sqrt((residual.value**2).mean()))
+    return [Disagreement(*span, residual.coordinate, text, size, share)]
 
 
 def _ends(values: Array) -> tuple[int, int]:
@@ -170,12 +177,9 @@ def _among(rows: np.ndarray, start: Array) -> np.ndarray:
 
 
 def _in_place(place: Array) -> Iterator[Condition]:
-    low, high = np.floor(place.min(axis=0)), np.ceil(place.max(axis=0))
-    for x in np.arange(low[0], high[0]):
-        for y in np.arange(low[1], high[1]):
-            inside = np.asarray((place >= (x, y)).all(axis=1) & (place < (x + 1, y + 1)).all(axis=1))
-            if inside.any():
-                yield f"where x is {x:.0f} to {x + 1:.0f} m and y {y:.0f} to {y + 1:.0f} m", inside
+    squares, number = np.unique(np.floor(place), axis=0, return_inverse=True)
+    for k, (x, y) in enumerate(squares):
+        yield f"where x is {x:.0f} to {x + 1:.0f} m and y {y:.0f} to {y + 1:.0f} m", number.ravel() == k
 
 
 def _in_force(found: Circumstances) -> Iterator[Condition]:

@@ -43,7 +43,7 @@ def test_wrenches_are_as_late_as_they_were_made(rows, mass):
     """Whatever mass is believed; those of the simulation hold until the next row, so they are half a row early."""
     found = offset(late(rows), guess(mass))
     assert found.value == pytest.approx((rows - 0.5) * STEP, abs=0.003)
-    assert found.std < 0.004
+    assert 0.005 < found.std < 0.008
 
 
 def test_in_pairs_of_rows_too():

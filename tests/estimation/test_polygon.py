@@ -12,9 +12,11 @@ from scipy.linalg import cholesky_banded
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.batch.noise_colour import NoiseColour
 from estimation.batch.wrench_regression import WrenchRegression
+from estimation.discrepancy import polygon as polygons
 from estimation.discrepancy.fitted import Fitted
 from estimation.discrepancy.polygon import REACH, STEP, Polygon, _dominant
 
@@ -87,3 +89,43 @@ def test_nodes_that_tell_nothing_are_told_by_none(told):
     expected = Polygon.of([SimpleNamespace(time=line.time, residual=line.residual, whitened=lambda columns: columns)])
     np.testing.assert_allclose(polygon.value[before], expected.value[before], rtol=1e-3, atol=1e-3)
     assert np.isfinite(polygon.standard(0)).all()
+
+
+@pytest.fixture(scope="module")
+def held_aside():
+    """A log of a hand far from the middle, whose force's noise is in the moment too."""
+    log, _ = simulate(TRUTH, 6, 14.0, noise=(0.0005, 0.005, 0.0))
+    hand = log.arms["hand"]
+    aside = np.array([0.0, 0.4, 0.0])
+    noise = np.random.default_rng(0).standard_normal((len(log), 6)) * [2.0, 2.0, 2.0, 0.1, 0.1, 0.1]
+    wrench = hand.wrench + np.outer(hand.wrench[:, 0], [0, 0, 0, 0, 0, 0.4]) + noise
+    cart = CartModel(Inertia(24.0, (0.28, 0.0), 2.2), effects=(ViscousDrag(3.0, 1.2),))
+    beside = replace(log, arms={"hand": ArmLog(hand.contact + aside, wrench)})
+    return Fitted((WrenchRegression(beside, cart, None),), cart)
+
+
+@pytest.mark.parametrize("window", [20, 1000])
+def test_each_direction_is_known_as_if_nothing_were_of_the_others(held_aside, window, monkeypatch):
+    """By the inverse of the inverse of all nodes' information; a window more or less changes nothing."""
+    ((_, line, _),) = held_aside.linearised
+    monkeypatch.setattr(polygons, "WINDOW", window)
+    _, _, band = polygons._nodes(line)
+    whole = polygons._dense(band)
+    covariance = np.linalg.inv(whole)
+    for i in range(2):
+        expected = np.linalg.inv(covariance[i::2, i::2])
+        found = polygons._dense(polygons._alone(band, 2, i))
+        size = np.abs(expected).max()
+        reach = np.abs(np.subtract.outer(np.arange(len(found)), np.arange(len(found)))) <= REACH
+        np.testing.assert_allclose(found[reach], expected[reach], atol=1e-3 * size)
+    less = whole[::2, ::2].diagonal() / np.linalg.inv(covariance[::2, ::2]).diagonal()
+    assert np.median(less) > 1.2
+
+
+def test_noise_is_as_large_as_it_is_along_each_direction(held_aside):
+    """Squares of one in means over half a second, though directions know of one another."""
+    scatter = held_aside.scatter
+    for i in range(2):
+        assert np.mean((scatter.mean[:, i] / scatter.std[:, i]) ** 2) * scatter.excess == pytest.approx(1.0, abs=0.5)
+    conditional = np.sqrt(scatter.excess / np.diagonal(scatter.information, axis1=1, axis2=2))
+    assert np.median(scatter.std / conditional) > 1.1
