@@ -147,8 +147,7 @@ def _isolability(found: Diagnosis) -> Figure:
     hidden = np.array([not shown[key].is_shown for key in keys])
     figure = Figure(figsize=(1.6 + 0.28 * n, 1.6 + 0.28 * n))
     ax = figure.subplots()
-    colours = mpl.colormaps["Blues"].copy()
-    colours.set_bad("0.85")
+    colours = mpl.colormaps["Blues"].with_extremes(bad="0.85")
     values = np.ma.masked_array(likeness, hidden[:, None] | hidden)
     ax.pcolormesh(values, cmap=colours, vmin=0, vmax=1, edgecolors="white", linewidth=0.5)
     for i, j in np.argwhere((likeness > ALIKE) & ~np.eye(n, dtype=bool) & ~values.mask):

@@ -75,7 +75,7 @@ def check_rows(log: RunLog, cart: CartModel) -> None:
     for name, arm in log.arms.items():
         for what, columns in (("wrench", arm.wrench), ("contact point", arm.contact)):
             _check_enough(
-                np.asarray(np.isfinite(columns).all(axis=1)), step, f"{log.name}: arm {name} has its whole {what}"
+                np.asarray(np.isfinite(columns).all(axis=1)), step, f"{log.name}: the {what} of arm {name} is whole"
             )
     _check_enough(_with_wrenches(log), step, f"{log.name}: all arms together have wrenches and contact points")
     if not any((np.nanmax(arm.wrench, axis=0) > np.nanmin(arm.wrench, axis=0)).any() for arm in log.arms.values()):

@@ -71,7 +71,7 @@ def test_nothing_is_named_for_what_nobody_saw(stretches):
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda arm: ArmLog(arm.contact * np.nan, arm.wrench), "contact point in 0 rows"),
+        (lambda arm: ArmLog(arm.contact * np.nan, arm.wrench), "contact point of arm hand is whole in 0 rows"),
         (lambda arm: ArmLog(arm.contact, np.where(np.arange(2000)[:, None] < 120, arm.wrench, np.nan)), "1.2 s"),
     ],
 )
