@@ -114,7 +114,9 @@ class Diagnosis:
         """Whether the refitted nominal model is farther from the logs than noise, or something is there without a
         name."""
         last = self.selection.steps[-1].attempts if self.selection.steps else ()
-        nameless = self._is_left and any(a.is_there and a.log_factor > LEAST_NAMELESS for a in last)
+        nameless = self.selection.nameless or (
+            self._is_left and any(a.is_there and a.log_factor > LEAST_NAMELESS for a in last)
+        )
         beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
         return bool(self.effects or self.remaining or beyond or nameless)
 

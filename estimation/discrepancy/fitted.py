@@ -274,7 +274,8 @@ class Fitted:
     def follows(self, lasts: bool) -> Dependence | None:
         """The most probable dependence, where it is sure; against what lasts, none unless it has a period or is of the
         floor: motion that is repeated makes all that follows the speed come again with the way."""
-        first = next((d for d in self.dependences if d.log_factor > SURE), None)
+        known = (d for d in self.dependences if d.log_factor > SURE and not (lasts and d.is_drag))
+        first = next(known, None)
         return first if first is not None and (first.is_periodic or first.is_of_the_floor or not lasts) else None
 
     def misfit(self, direction: int) -> float:

@@ -6,7 +6,7 @@ judged by Schwarz's criterion, which needs no size of the noise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,8 @@ from ..batch.smooth_motion import SmoothMotion
 from .polygon import Polygon
 
 HEADING, PLACE = "heading", "place"
+AS_DRAG = ", as a drag"
+"""Of what acts against the motion."""
 FREQUENCIES = 0.1, 4.0
 """Hz."""
 WAVENUMBERS = 1 / 3.0, 5.0
@@ -55,6 +57,10 @@ class Dependence:
     @property
     def is_periodic(self) -> bool:
         return self.period is not None
+
+    @property
+    def is_drag(self) -> bool:
+        return self.name.endswith(AS_DRAG)
 
     @property
     def is_of_the_floor(self) -> bool:
@@ -215,6 +221,15 @@ def _families(course: Course) -> Iterator[_Family]:
     x, y = (place / np.maximum(np.abs(place).max(axis=0), 1e-9)).T
     yield _Family(PLACE, np.column_stack([x, y, x * y, x**2, y**2])[None])
     yield from _seams(course)
+    yield from _drags(course, {HEADING: _wave(turned), "time": slow, PLACE: np.column_stack([x, y, x * y, x**2, y**2])})
+
+
+def _drags(course: Course, by: Mapping[str, Array]) -> Iterator[_Family]:
+    """Of what acts against the motion, flat in speed or in proportion to it, and is larger or smaller by something."""
+    speed = course.speed
+    ways = np.sign(speed), speed / max(float(np.abs(speed).max()), 1e-9)
+    for name, columns in {**by, "yaw rate": np.abs(course.turning)[:, None]}.items():
+        yield _Family(f"{name}{AS_DRAG}", np.hstack([way[:, None] * columns for way in ways])[None])
 
 
 def _seams(course: Course) -> Iterator[_Family]:

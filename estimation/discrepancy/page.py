@@ -90,8 +90,10 @@ _ORDER = ("before", "refitted", "after", "noise_floor")
 
 
 def _effects(found: Diagnosis) -> str:
+    lost = ", ".join(found.selection.nameless)
+    told = f"<p>Lost their names, as pictures of what nobody knows: {html.escape(lost)}.</p>" if lost else ""
     if not found.effects:
-        return "<p>Nothing.</p>"
+        return "<p>Nothing.</p>" + told
     rows = []
     for effect in found.effects:
         rest = ", ".join(effect.confusable_with) or "-"
@@ -106,7 +108,8 @@ def _effects(found: Diagnosis) -> str:
                     f"{100 * effect.gap_share:.0f} %" if k == 0 else "",
                 ]
             )
-    return _table(["effect", "probability", "not told apart from", "parameter", "95 % interval", "gap closed"], rows)
+    columns = ["effect", "probability", "not told apart from", "parameter", "95 % interval", "gap closed"]
+    return _table(columns, rows) + told
 
 
 def _parameters(found: Diagnosis) -> str:

@@ -52,6 +52,7 @@ class Report:
             "isolability": {key: one.as_dict() for key, one in found.selection.isolability.items()},
             "residual_maps": [one.as_dict() for one in found.residual_maps],
             "removed": list(found.selection.removed),
+            "stand_ins": list(found.selection.nameless),
             "next_experiment": list(found.next_experiments),
         }
 

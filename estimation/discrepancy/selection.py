@@ -36,6 +36,7 @@ from .judgement import (
 from .pruning import NEARLY, pruned, still_plausible
 from .refinement import Refiner, searched_again
 from .sideways import LEAST_CREEP, sideways_trials
+from .stand_ins import stand_ins
 from .vocabulary import trials
 
 MOST_TRIED = 4
@@ -95,7 +96,8 @@ class Step:
 @dataclass(frozen=True)
 class Selection:
     """The structure with none added, that with all, the steps between, and the judge of gaps; the keys of what was
-    added and, beside what came later, not needed any more; what the motion could show."""
+    added and, beside what came later, not needed any more; what the motion could show; of what was removed, what has no
+    name."""
 
     nominal: Fitted
     final: Fitted
@@ -103,6 +105,7 @@ class Selection:
     held_out: HeldOut
     removed: tuple[str, ...]
     isolability: dict[str, Isolability]
+    nameless: tuple[str, ...] = ()
 
 
 def select(
@@ -127,10 +130,13 @@ def select(
         fitted = still_plausible(searched_again(look.better, look.better.added[:-1], look.judge.is_odd), look.judge)
         strongest = max(strongest, look.step.added.log_factor)
     fitted, replaced = pruned(fitted, search.held_out)
+    nameless = stand_ins(fitted, search.held_out)
+    for key in nameless:
+        fitted = fitted.without(key)
     kept = {effect.key for effect in fitted.added}
     steps = [step.instead_of(replaced) for step in steps]
     removed = tuple(step.added.key for step in steps if step.added is not None and step.added.key not in kept)
-    return Selection(nominal, fitted, tuple(steps), search.held_out, removed, shown)
+    return Selection(nominal, fitted, tuple(steps), search.held_out, removed, shown, nameless)
 
 
 class _Look(NamedTuple):

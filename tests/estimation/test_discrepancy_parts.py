@@ -228,6 +228,36 @@ def test_a_force_by_the_heading_is_found(turns):
     assert 0.8 * found.share < found.foretold <= found.share
 
 
+DRAGS = {
+    "time, as a drag": lambda log, speed: np.sign(speed) * np.cos(np.pi * log.time / log.duration),
+    "heading, as a drag": lambda log, speed: 2.5 * speed * np.cos(log.pose[:, 2]),
+    "place, as a drag": lambda log, speed: np.sign(speed) * (log.pose[:, 0] - log.pose[:, 0].mean()) / 3,
+    "yaw rate, as a drag": lambda log, speed: 3 * speed * np.abs(np.gradient(log.pose[:, 2], log.time)),
+}
+
+
+@pytest.mark.parametrize("name", DRAGS)
+def test_a_drag_that_grows_with_something_is_found(name):
+    """Flat in speed or not; it says nothing against an effect that lasts, but something against one that passes."""
+    log, _ = simulate(TRUTH, 4, 60.0, noise=(0.0005, 0.005, 1.0))
+    speed = WrenchRegression(log, guess(), None).motion.velocity[:, 0]
+    (arm_name, arm), *_ = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] += 5.0 * DRAGS[name](log, speed)
+    dragged = replace(log, arms={arm_name: ArmLog(arm.contact, wrench)})
+    fitted = Fitted((WrenchRegression(dragged, guess(), None),), guess())
+    found = next(one for one in fitted.dependences if one.name == name)
+    assert found.log_factor > SURE
+    assert found.is_drag
+    assert found.foretold > 0.2
+    assert fitted.dependences[0].is_drag
+    assert fitted.follows(lasts=False) == fitted.dependences[0]
+    lasting = fitted.follows(lasts=True)
+    assert lasting is None or not lasting.is_drag
+    quiet = Fitted((WrenchRegression(log, guess(), None),), guess())
+    assert next(one for one in quiet.dependences if one.name == name).log_factor < 6
+
+
 def is_heading(dependence):
     return dependence.name == "heading"
 
