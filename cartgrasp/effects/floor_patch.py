@@ -2,6 +2,9 @@
 
 Each wheel drags `coefficient * load` more, along its own rolling (`rolling_resistance.py`), while it is in a
 rectangle of the world. Its share inside is the product of four edges, each smoothed over `EDGE`.
+
+Carpet adds 0.012 in the mean to what wheelchairs have on linoleum (Hoffman et al., American Journal of Physical
+Medicine & Rehabilitation 82, 2003, 880-889), and doubles what hard rubber has on concrete (`rolling_resistance.py`).
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from .effect import Parameter
 @final
 @dataclass(frozen=True)
 class FloorSlope(CompiledForce):
-    """Rise over run along the world's x and y."""
+    """Rise over run along the world's x and y. Across a path for wheelchairs at most 0.02 is allowed (ADAAG)."""
 
     grade_x: float = 0.0
     grade_y: float = 0.0

@@ -2,6 +2,9 @@
 
 A fixed wheel rolls along {b}'s x, a caster along the velocity of its pivot. Loads are the static ones
 (`wheels.py`), so the force depends on m, m dx and m dy too.
+
+The coefficient of a wheel is a lever over its radius: 2.2 mm for hard rubber on concrete, 2.4 on tile, 3.3 on asphalt
+and 4.5 on industrial carpet (Al-Eisawi et al., Applied Ergonomics 30, 1999, 235-245); so 0.02 for 0.2 m wheels.
 """
 
 from __future__ import annotations

@@ -257,11 +257,18 @@ def smoothed(log: RunLog, cart: CartModel) -> WrenchRegression:
 
 
 def _proven(selection: Selection) -> tuple[Selection, Certainty]:
+    """Without what is not sure, and without what passes that nobody would call so when it is told whole."""
     certainty, removed = proven(selection.final)
-    final = selection.final
-    for key in removed:
-        final = final.without(key)
-    return replace(selection, final=final, removed=(*selection.removed, *removed)), certainty
+    final = selection.final.without_all(removed)
+    added = {effect.key for effect in final.added}
+    odd = tuple(
+        effect.key
+        for effect in certainty.cart.effects
+        if effect.key in added and effect.gate.ends and effect.implausible(*selection.held_out.rolling)
+    )
+    gone, nameless = (*selection.removed, *removed, *odd), (*selection.nameless, *odd)
+    selection = replace(selection, final=final.without_all(odd), removed=gone, nameless=nameless)
+    return _proven(selection) if odd else (selection, certainty)
 
 
 def _arms(logs: Sequence[RunLog]) -> list[str]:

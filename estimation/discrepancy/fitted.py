@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -242,6 +242,13 @@ class Fitted:
     def without(self, key: str) -> Fitted:
         left, known = (tuple(e for e in effects if e.key != key) for effects in (self.added, self.cart.effects))
         return replace(self, added=left, start=replace(self.cart, effects=known).parameters)
+
+    def without_all(self, keys: Iterable[str]) -> Fitted:
+        """One after the other."""
+        found = self
+        for key in keys:
+            found = found.without(key)
+        return found
 
     @property
     def n_rows(self) -> int:

@@ -131,8 +131,7 @@ def select(
         strongest = max(strongest, look.step.added.log_factor)
     fitted, replaced = pruned(fitted, search.held_out)
     nameless = stand_ins(fitted, search.held_out)
-    for key in nameless:
-        fitted = fitted.without(key)
+    fitted = fitted.without_all(nameless)
     kept = {effect.key for effect in fitted.added}
     steps = [step.instead_of(replaced) for step in steps]
     removed = tuple(step.added.key for step in steps if step.added is not None and step.added.key not in kept)

@@ -1,6 +1,7 @@
 """Pushes, places and loads that stand in for what has no name."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,6 +14,7 @@ from cartgrasp.effects import (
     RollingResistance,
     WheelMisalignment,
 )
+from estimation.discrepancy import diagnosis
 from estimation.discrepancy.stand_ins import MUCH, NEARLY_ALL, stand_ins
 
 PUSH, LATER = ExternalPush(start=1.0, duration=1.0, force=5.0), ExternalPush(start=9.0, duration=1.0, label="2")
@@ -81,6 +83,31 @@ def test_beside_nearly_all_no_force_has():
     assert names(ROLLING, SLOPE, left=NEARLY_ALL + 0.05) == ("rolling_resistance", "floor_slope")
     assert names(ANGLE, ROLLING, left=NEARLY_ALL + 0.05) == ("rolling_resistance",)
     assert names(ANGLE, left=NEARLY_ALL + 0.05) == ()
+
+
+@dataclass(frozen=True)
+class Search:
+    """Of a diagnosis; pushes are told whole after it, from where they begin to where they end."""
+
+    final: Fit
+    held_out: object = field(default_factory=lambda: SimpleNamespace(rolling=(None, 1.0)))
+    removed: tuple = ()
+    nameless: tuple = ()
+
+
+@pytest.mark.parametrize(("seconds", "stays"), [(5.5, True), (9.0, False)])
+def test_a_push_that_is_told_to_last_for_long_has_no_name(seconds, stays, monkeypatch):
+    def proven(fitted):
+        told = [replace(e, duration=seconds) if isinstance(e, ExternalPush) else e for e in fitted.added]
+        return SimpleNamespace(cart=SimpleNamespace(effects=told)), ("load_slosh",) if SLOSH in fitted.added else ()
+
+    monkeypatch.setattr(diagnosis, "proven", proven)
+    monkeypatch.setattr(Fit, "without_all", lambda f, keys: Fit(tuple(e for e in f.added if e.key not in keys)), False)
+    found, certainty = diagnosis._proven(Search(Fit((ROLLING, PUSH, SLOSH))))
+    assert found.final.added == ((ROLLING, PUSH) if stays else (ROLLING,))
+    assert found.removed == ("load_slosh", *([] if stays else ["external_push"]))
+    assert found.nameless == (() if stays else ("external_push",))
+    assert [e.name for e in certainty.cart.effects] == [e.name for e in found.final.added] + ["load_slosh"] * stays
 
 
 def test_what_may_be_noise_is_not_left():
