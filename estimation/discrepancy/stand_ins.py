@@ -1,7 +1,8 @@
 """Names that stand in for what has none: pushes, places and loads, of which enough can follow anything.
 
-What happens once, or at one place, has a few numbers for each time and place that it is given. A second of one kind,
-or one beside which much remains, is no more than a picture of a force that nobody knows.
+What happens once, or at one place, has a few numbers for each time and place that it is given. A third of one kind, a
+second after which something is left, or one beside which much is, is no more than a picture of a force that nobody
+knows.
 """
 
 from __future__ import annotations
@@ -14,9 +15,12 @@ from cartgrasp.effects.effect import Gate
 from .fitted import Fitted
 from .held_out import BEYOND_NOISE, HeldOut
 
-MUCH, NEARLY_ALL = 0.25, 0.8
-"""Of the squared gap above the noise floor: where the first is left, nothing that passes has a name; where the second
-is, no force has."""
+LITTLE, MUCH, MOST = 0.03, 0.25, 0.5
+"""Of the squared gap above the noise floor: where no more than the first is left, two of a kind may pass; where more
+than the second is, nothing that passes has a name; where more than the third, no force has."""
+
+AT_BEST = 2
+"""Of one kind, as of carpets."""
 
 
 def stand_ins(fitted: Fitted, held_out: HeldOut) -> tuple[str, ...]:
@@ -26,8 +30,8 @@ def stand_ins(fitted: Fitted, held_out: HeldOut) -> tuple[str, ...]:
     left = _left(fitted, held_out) if forces else 0.0
 
     def is_doubtful(effect: Effect) -> bool:
-        passes = effect.gate is not Gate.ALWAYS
-        return left > NEARLY_ALL or (passes and (left > MUCH or kinds[effect.name] > 1))
+        passes, most = effect.gate is not Gate.ALWAYS, 1 if left > LITTLE else AT_BEST
+        return left > MOST or (passes and (left > MUCH or kinds[effect.name] > most))
 
     first = next((i for i, effect in enumerate(forces) if is_doubtful(effect)), len(forces))
     return tuple(effect.key for effect in forces[first:])

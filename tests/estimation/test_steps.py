@@ -78,7 +78,7 @@ def test_what_is_there_without_a_name_disagrees(log_factor, is_there, disagrees)
         remaining=(),
         _is_left=True,
         gap=SimpleNamespace(refitted=0.01, noise_floor=0.02),
-        selection=SimpleNamespace(steps=(step,)),
+        selection=SimpleNamespace(steps=(step,), nameless=()),
     )
     assert Diagnosis.disagrees.fget(found) is disagrees
 
