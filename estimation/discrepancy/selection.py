@@ -130,8 +130,9 @@ def select(
         fitted = still_plausible(searched_again(look.better, look.better.added[:-1], look.judge.is_odd), look.judge)
         strongest = max(strongest, look.step.added.log_factor)
     fitted, replaced = pruned(fitted, search.held_out)
-    nameless = stand_ins(fitted, search.held_out)
-    fitted = fitted.without_all(nameless)
+    nameless = tuple[str, ...]()
+    while lost := stand_ins(fitted, search.held_out):
+        fitted, nameless = fitted.without_all(lost), (*nameless, *lost)
     kept = {effect.key for effect in fitted.added}
     steps = [step.instead_of(replaced) for step in steps]
     removed = tuple(step.added.key for step in steps if step.added is not None and step.added.key not in kept)
