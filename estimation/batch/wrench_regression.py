@@ -12,7 +12,7 @@ delay that made more noise likely would look good.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
@@ -274,7 +274,7 @@ class WrenchRegression:
     def sensor_slopes(self, cart: CartModel, delay: float) -> Array:
         """What `force_slopes` leaves out."""
         expected = _delayed(self._inverse(self.cart, self.cart.parameters)[1].wrench, delay)
-        late = np.gradient(expected, self.motion.time, axis=0)[..., None] * _lateness_slopes(cart, self.log)
+        late = np.gradient(expected, self.motion.time, axis=0)[..., None] * lateness_slopes(cart, self.log.arms)
         return np.asarray(-(self._neighbours.slopes(cart, expected) + late)[self._used])
 
     def _inverse(
@@ -303,11 +303,11 @@ def _delayed(wrench: Array, delay: float) -> Array:
     return found
 
 
-def _lateness_slopes(cart: CartModel, log: RunLog) -> Array:
-    """Of the mean lateness of a log's arms by the parameters (p,)."""
+def lateness_slopes(cart: CartModel, arms: Collection[str]) -> Array:
+    """Of the mean lateness of arms by the parameters (p,)."""
     slopes = np.zeros(len(cart.parameters))
     for effect, where in cart.sensor_effects:
-        share = np.mean([effect.concerns(arm) for arm in log.arms])
+        share = np.mean([effect.concerns(arm) for arm in arms])
         for i, at in enumerate(range(where.start, where.stop)):
             more = effect.values + LATENESS_STEP * (np.arange(len(effect.values)) == i)
             slopes[at] = share * (effect.with_values(more).lateness - effect.lateness) / LATENESS_STEP

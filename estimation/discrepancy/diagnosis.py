@@ -25,6 +25,7 @@ from .held_out import BEYOND_NOISE
 from .holes import without_holes
 from .left_over import beyond_noise, followed, missing_push
 from .log_check import LogCheck, check_rows, checked
+from .next_experiments import next_experiments
 from .residual import DIRECTIONS, Residual, lateral_residual, wrench_residuals
 from .residual_map import ResidualMap, residual_maps
 from .selection import Selection, Step, select
@@ -198,8 +199,6 @@ class Diagnosis:
     @cached_property
     def next_experiments(self) -> tuple[str, ...]:
         """What to record next."""
-        from .next_experiments import next_experiments
-
         return next_experiments(self)
 
     @property

@@ -51,7 +51,7 @@ class LogCheck:
     reversals: int
     fastest: float
     moving: float
-    speeds: tuple[float, float, float]
+    speeds: tuple[float, ...]
     headings: int
     accelerations: tuple[float, ...]
 
@@ -146,7 +146,7 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
     )
 
 
-def _percentiles(values: Array, shares: tuple[float, ...]) -> Any:
+def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
     """0 where there are no values."""
     return tuple(float(one) for one in np.percentile(values if len(values) else np.zeros(1), shares))
 

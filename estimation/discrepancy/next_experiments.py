@@ -43,7 +43,7 @@ def _told(found: Diagnosis) -> Iterator[str]:
 
 
 def _to_tell_apart(found: Diagnosis, effect: NamedEffect, others: list[str]) -> str:
-    key = f"{effect.name}.{effect.label}" if effect.label else effect.name
+    key = next(one.key for one in found.cart.effects if (one.name, one.label) == (effect.name, effect.label))
     best = separating(found.cart, key, others, _hands(found))
     if best is None:
         return MORE_MOTION

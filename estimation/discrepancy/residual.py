@@ -24,8 +24,6 @@ DIRECTIONS = {
 LEAST = {LATERAL: LEAST_CREEP}
 """Root mean square beyond noise: less is no disagreement."""
 UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m", LATERAL: "m/s"}
-
-
 SURE = 3.0
 """Standard deviations of what noise makes of the squares."""
 

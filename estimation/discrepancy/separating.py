@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects import Effect, SensorEffect
+from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.information import WrenchNoise, reduced_noise
 from cartgrasp.model import CartModel
 
+from ..batch.wrench_regression import lateness_slopes
 from ..teaching_motions import DURATION, PERIOD, SPEED, TeachingMotion, teaching_motions
 from .dictionary import amplitudes_of
 from .isolability import SHOWN
@@ -57,16 +58,17 @@ def separating(cart: CartModel, key: str, others: Sequence[str], hands: Hands) -
     them acts at a time, at a place, or on the wheels' angles."""
     added = next(effect for effect in cart.effects if effect.key == key)
     without = replace(cart, effects=tuple(effect for effect in cart.effects if effect.key != key))
-    every = trials(without, list(hands.contacts))
-    rivals = [[one for one in every if one.name == name and one.gate is Gate.ALWAYS] for name in others]
+    may_be = trials(without, list(hands.contacts))
+    rivals = [[one for one in may_be if one.name == name and one.gate is Gate.ALWAYS] for name in others]
     if not rivals or not all(rivals) or added.gate is not Gate.ALWAYS:
         return None
-    known = [(m, min(_apart(m, without, added, group, hands) for group in rivals)) for m in _motions(cart)]
+    every = [one for group in rivals for one in group]
+    known = [(motion, _apart(motion, without, added, every, hands)) for motion in _motions(cart)]
     most = max(deviations for _, deviations in known)
     if most < SHOWN:
         return None
     least = max(ENOUGH * most, SHOWN)
-    return next(Manoeuvre(m.says, deviations) for m, deviations in known if deviations >= least)
+    return next(Manoeuvre(motion.says, deviations) for motion, deviations in known if deviations >= least)
 
 
 def _motions(cart: CartModel) -> list[TeachingMotion]:
@@ -119,23 +121,15 @@ def _traced(motion: TeachingMotion, cart: CartModel, hands: Hands) -> Array:
 
 def _felt(cart: CartModel, needed: Array, hands: Hands) -> tuple[Array, Array]:
     """What recorded wrenches that are as large as needed stand for, less these (n, f), and its slopes (n, f, p)."""
-    p, late = len(cart.parameters), np.gradient(needed, PERIOD, axis=0)
-    total, slopes = np.zeros_like(needed), np.zeros((*needed.shape, p))
+    late = np.gradient(needed, PERIOD, axis=0)
+    total = late * np.mean([cart.lateness(arm) for arm in hands.contacts])
+    slopes = late[..., None] * lateness_slopes(cart, hands.contacts)
     for arm, recorded in hands.shared(cart, needed).items():
         reduced = cart.basis_b.T @ grasp_map_planar(hands.contacts[arm])
         true, by = cart.corrected_wrench(arm, recorded)
-        total += (true - recorded) @ reduced.T + late * cart.lateness(arm) / len(hands.contacts)
+        total += (true - recorded) @ reduced.T
         slopes += reduced @ by
-    for effect, where in cart.sensor_effects:
-        slopes[..., where] += late[..., None] * _lateness_slopes(effect)
     return total, slopes
-
-
-def _lateness_slopes(effect: SensorEffect) -> Array:
-    """By its parameters (p,)."""
-    steps = np.diag([parameter.typical for parameter in effect.parameters])
-    later = [effect.with_values(effect.values + step).lateness for step in steps]
-    return np.asarray((np.array(later) - effect.lateness) / np.diagonal(steps))
 
 
 def _slopes(motion: TeachingMotion, cart: CartModel, hands: Hands, rival: Effect | None = None) -> Array:

@@ -91,8 +91,8 @@ def _of_one(residual: Residual) -> list[tuple[float, Disagreement]]:
 def _span(residual: Residual, chosen: np.ndarray) -> tuple[float, float]:
     """From when to when stretches lie, in the log that holds the most of their disagreement."""
     logs = np.where(chosen, residual.circumstances.log, -1)
-    held = [float(residual.beyond[logs == k].sum()) for k in range(len(residual.circumstances.names))]
-    start = residual.start[logs == (int(np.argmax(held)) if (logs == int(np.argmax(held))).any() else logs.max())]
+    most = max(np.unique(logs[chosen]), key=lambda k: float(residual.beyond[logs == k].sum()))
+    start = residual.start[logs == most]
     return float(start.min()), float(start.max()) + residual.duration
 
 
