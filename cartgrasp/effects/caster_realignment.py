@@ -9,6 +9,9 @@ which for r = 0 is the trail model psi' = -(v/b) sin psi. Swivel friction T agai
 side force F_n = -(T/b) sign(delta') n at the patch: the wrench on the cart. Its power is -T |delta'|, so it
 never gives energy; along the motion it is the drag (T/b) |sin psi|. A swivel that has come to rest, in a steady turn
 or on a straight line, is stuck, and keeps some torque of up to T until it is next turned: seconds.
+
+A cart that lists no casters has one for all of them, `x` ahead of {b}'s origin. A search finds how far that is; that it
+is ahead, and not behind, hardly shows.
 """
 
 from __future__ import annotations
@@ -18,29 +21,39 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ..wheels import WheelSet
+from ..wheels import DEFAULT_TRAIL, WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
 SMOOTHING_RATE = 0.2
 """rad/s: below it swivel friction fades to zero."""
+USUAL_X = 0.8
+"""m."""
 
 
 @final
 @dataclass(frozen=True)
 class CasterRealignment(CompiledForce):
-    """Swivel friction `swivel_torque` (N·m, each) of casters with `trail` (m; 0: as listed in wheels)."""
+    """Swivel friction `swivel_torque` (N·m, each) of casters with `trail` (m; 0: as listed in wheels), that stand `x`
+    (m) ahead of where they are listed."""
 
     swivel_torque: float = 0.0
     trail: float = 0.0
+    x: float = 0.0
 
     name: ClassVar[str] = "caster_realignment"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0),
-        Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False),
+        Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False, grid=(DEFAULT_TRAIL,)),
+        Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(USUAL_X,)),
     )
     stuck_for: ClassVar[float] = 4.0
     signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
+
+    @classmethod
+    def grids(cls, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
+        """Nobody looks for casters that are listed."""
+        return ((),) * len(cls.parameters) if wheels.is_caster.any() else super().grids(wheels)
 
     @property
     def constant(self) -> float:

@@ -148,6 +148,11 @@ class Effect(ABC):
         """Name of the effect that it is at these values, or nearly; empty where it is its own."""
         return ""
 
+    @classmethod
+    def grids(cls, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
+        """Of each parameter, where a search begins on a cart with these wheels; empty where there is none."""
+        return tuple(parameter.grid for parameter in cls.parameters)
+
     def told(self, wheels: WheelSet) -> Self:
         """The same, with what it takes from the wheels written out."""
         return self

@@ -1,4 +1,4 @@
-"""`effects/caster_realignment.py`: parameters swivel_torque, trail; a heading a pivot; the constant is
+"""`effects/caster_realignment.py`: parameters swivel_torque, trail, x; a heading a pivot; the constant is
 `SMOOTHING_RATE`."""
 
 from __future__ import annotations
@@ -16,12 +16,13 @@ from .smooth import smooth_sign
 def wrench(at: Situation, own: Own, out: Parts) -> None:
     torque, has_trail = own.parameters[0], own.parameters[1] > 0.0
     for k in range(len(own.memory)):
-        trail, sine, cosine = _trail(at, own, k), math.sin(own.memory[k]), math.cos(own.memory[k])
+        trail, cosine = _trail(at, own, k), math.cos(own.memory[k])
         rate, by_velocity, by_heading, by_trail = _swivel(at, own, k)
+        by_x = at.velocity[2] * cosine / trail
         slip, slope = smooth_sign(rate, own.constant)
         strength = -torque / trail * slip
         by_rate = -torque / trail * slope
-        side, turned = _side(at, k, sine, cosine, trail)
+        side, turned = _side(at, own, k)
         for i in range(3):
             out.value[i] += strength * side[i]
             for j in range(3):
@@ -30,8 +31,10 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
             out.by_parameters[i, 0] -= slip / trail * side[i]
             if has_trail:
                 out.by_parameters[i, 1] += (by_rate * by_trail - strength / trail) * side[i]
+            out.by_parameters[i, 2] += by_rate * by_x * side[i]
         if has_trail:
             out.by_parameters[2, 1] -= strength
+        out.by_parameters[2, 2] += strength * cosine
 
 
 @compiled
@@ -44,6 +47,7 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
         out.by_memory[k, k] += by_heading
         if own.parameters[1] > 0.0:
             out.by_parameters[k, 1] += by_trail
+        out.by_parameters[k, 2] += at.velocity[2] * math.cos(own.memory[k]) / _trail(at, own, k)
 
 
 @compiled
@@ -51,7 +55,7 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
     for k in range(len(own.memory)):
         trail, rate = _trail(at, own, k), _swivel(at, own, k)[0]
         slip, _ = smooth_sign(rate, own.constant)
-        side, _ = _side(at, k, math.sin(own.memory[k]), math.cos(own.memory[k]), trail)
+        side, _ = _side(at, own, k)
         for i in range(3):
             columns[k, i] = own.parameters[0] / trail * (1.0 - slip * slip) * side[i]
     return len(own.memory)
@@ -61,7 +65,7 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
 def settled(at: Situation, own: Own, memory: Array) -> None:
     """Each caster trails its pivot, at the turn nearest to the heading."""
     for k in range(len(own.memory)):
-        along, across = _pivot_velocity(at, k)
+        along, across = _pivot_velocity(at, own, k)
         turn = math.atan2(across, along) - own.memory[k]
         memory[k] = own.memory[k] + turn - 2.0 * math.pi * math.floor((turn + math.pi) / (2.0 * math.pi))
 
@@ -72,27 +76,32 @@ def _trail(at: Situation, own: Own, k: int) -> float:
 
 
 @compiled
-def _pivot_velocity(at: Situation, k: int) -> tuple[float, float]:
+def _place(at: Situation, own: Own, k: int) -> tuple[float, float]:
+    return at.pivots[k, 0] + own.parameters[2], at.pivots[k, 1]
+
+
+@compiled
+def _pivot_velocity(at: Situation, own: Own, k: int) -> tuple[float, float]:
     u, w, r = at.velocity[0], at.velocity[1], at.velocity[2]
-    return u - at.pivots[k, 1] * r, w + at.pivots[k, 0] * r
+    x, y = _place(at, own, k)
+    return u - y * r, w + x * r
 
 
 @compiled
 def _swivel(at: Situation, own: Own, k: int) -> tuple[float, tuple[float, float, float], float, float]:
     """delta', and its partials by velocity, delta and the trail."""
-    x, y, trail = at.pivots[k, 0], at.pivots[k, 1], _trail(at, own, k)
+    (x, y), trail = _place(at, own, k), _trail(at, own, k)
     sine, cosine = math.sin(own.memory[k]), math.cos(own.memory[k])
-    along, across = _pivot_velocity(at, k)
+    along, across = _pivot_velocity(at, own, k)
     slip = cosine * across - sine * along
     by_velocity = (-sine / trail, cosine / trail, (sine * y + cosine * x) / trail - 1.0)
     return slip / trail - at.velocity[2], by_velocity, -(cosine * along + sine * across) / trail, -slip / trail**2
 
 
 @compiled
-def _side(
-    at: Situation, k: int, sine: float, cosine: float, trail: float
-) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+def _side(at: Situation, own: Own, k: int) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Wrench of a unit side force at the patch, and its partial by heading. The force is across the trail, so the
     trail enters the moment whole."""
-    x, y = at.pivots[k, 0], at.pivots[k, 1]
+    (x, y), trail = _place(at, own, k), _trail(at, own, k)
+    sine, cosine = math.sin(own.memory[k]), math.cos(own.memory[k])
     return (-sine, cosine, x * cosine + y * sine - trail), (-cosine, -sine, y * cosine - x * sine)

@@ -54,6 +54,7 @@ class Mechanisms:
     rolling_coefficient: float = 0.0
     swivel_torque: float = 0.0
     trail: float = 0.0
+    casters_x: float = 0.0
     load_times: tuple[float, ...] = ()
 
 
@@ -67,9 +68,10 @@ def _rolling_resistance(has: Mechanisms, effect: RollingResistance) -> Mechanism
 
 
 def _caster_realignment(has: Mechanisms, effect: CasterRealignment) -> Mechanisms:
-    if has.swivel_torque and has.trail != effect.trail:
-        raise PlantError(f"MuJoCo plant: {effect.key}: its casters have two trails; give each effect the same one")
-    return replace(has, swivel_torque=has.swivel_torque + effect.swivel_torque, trail=effect.trail)
+    if has.swivel_torque and (has.trail, has.casters_x) != (effect.trail, effect.x):
+        raise PlantError(f"MuJoCo plant: {effect.key}: casters have two trails or places; give each effect the same")
+    torque = has.swivel_torque + effect.swivel_torque
+    return replace(has, swivel_torque=torque, trail=effect.trail, casters_x=effect.x)
 
 
 def _payload_change(has: Mechanisms, effect: PayloadChange) -> Mechanisms:
@@ -103,7 +105,7 @@ def physical_wheels(cart: CartModel, mechanisms: Mechanisms) -> tuple[Wheel, ...
     """The wheels to build: the listed ones or usual ones, each caster with its trail; none on a rail."""
     if cart.constraints.n_rows == 2:
         return ()
-    wheels = cart.wheels or _default_wheels(cart)
+    wheels = _with_casters_at(cart.wheels or _default_wheels(cart), cart, mechanisms.casters_x)
     fixed = [w for w in wheels if w.kind == FIXED]
     axle_x = cart.constraints.axle_x
     if axle_x is None and fixed:
@@ -116,6 +118,15 @@ def physical_wheels(cart: CartModel, mechanisms: Mechanisms) -> tuple[Wheel, ...
         raise PlantError(f"MuJoCo plant: wheels: a fixed wheel stands off the axle at x = {axle_x:g} m")
     trail = mechanisms.trail
     return tuple(replace(w, trail=trail or w.trail or DEFAULT_TRAIL) if w.kind == CASTER else w for w in wheels)
+
+
+def _with_casters_at(wheels: tuple[Wheel, ...], cart: CartModel, x: float) -> tuple[Wheel, ...]:
+    """`x` ahead of where they are listed; where none is, one that stands for all."""
+    if x == 0.0:
+        return wheels
+    if any(wheel.kind == CASTER for wheel in cart.wheels):
+        return tuple(replace(w, x=w.x + x) if w.kind == CASTER else w for w in wheels)
+    return (*(wheel for wheel in wheels if wheel.kind == FIXED), Wheel(CASTER, x, 0.0))
 
 
 def _default_wheels(cart: CartModel) -> tuple[Wheel, ...]:

@@ -65,7 +65,7 @@ class Judge:
 
     def may_be(self, absent: Effect) -> bool:
         """Whether a search may begin from a setting: one that its grid offers, but no cart like this has, is left."""
-        searched = absent.gate is Gate.ALWAYS and any(p.grid for p in absent.parameters)
+        searched = absent.gate is Gate.ALWAYS and any(absent.grids(self.fitted.cart.wheel_set))
         return not (searched and absent.implausible(*self.held_out.rolling))
 
     def is_odd(self, effect: Effect) -> bool:
@@ -146,7 +146,7 @@ class Judge:
         return f"the residual follows {follows.name}{period} better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
-        searched = ENOUGH_SEARCHED if any(p.grid for p in effect.parameters) else ENOUGH
+        searched = ENOUGH_SEARCHED if any(effect.grids(self.fitted.cart.wheel_set)) else ENOUGH
         usual = effect.doubt * (ENOUGH_PASSING if effect.gate.passes else searched)
         enough = max(usual, min(BESIDE[effect.gate] * self.strongest, MOST_BESIDE))
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""

@@ -5,15 +5,17 @@ Each setting is judged by the most that the effect's amplitudes gain there, with
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
+from cartgrasp.wheels import WheelSet
 
 from .dictionary import BLOCK, CELL, amplitudes_of, slopes_of
 from .fitted import Fitted
@@ -40,6 +42,7 @@ class Refiner:
         """`implausible` says of an effect at a setting why it can't be, where it can't."""
         self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
         self._profile: Profile = at_once
+        self.wheels = fitted.cart.wheel_set
         information, self._pull = fitted.loose.information, fitted.loose.pull
         for (_, line, _), known in zip(fitted.linearised, fitted.loose_columns, strict=True):
             taught, drawn = line.taught(known)
@@ -70,7 +73,7 @@ class Refiner:
 
     def refined(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> tuple[Effect, Gain]:
         """From an effect whose amplitudes have values."""
-        effect, steps = absent(effect, amplitudes), moves(effect, amplitudes)
+        effect, steps = absent(effect, amplitudes), moves(effect, amplitudes, self.wheels)
         values, best = effect.values, self.gain(effect, amplitudes, std)
         left = EVALUATIONS
         for halving in range(HALVINGS if steps else 0):
@@ -101,7 +104,8 @@ def searched_again(
     now."""
     for effect in effects:
         amplitudes = amplitudes_of(effect)
-        if any(not effect.parameters[move.which].estimated for move in moves(effect, amplitudes)):
+        searched = moves(effect, amplitudes, fitted.cart.wheel_set)
+        if any(not effect.parameters[move.which].estimated for move in searched):
             known = next(one for one in fitted.cart.effects if one.key == effect.key)
             refiner = Refiner(fitted.without(effect.key), implausible)
             fitted = fitted.with_changed(effect, refiner.refined(known, amplitudes, prior_std(effect, amplitudes))[0])
@@ -121,11 +125,13 @@ def prior_std(effect: Effect, amplitudes: np.ndarray) -> Array:
 
 @dataclass(frozen=True)
 class Move:
-    """Of one parameter: by a step, or by a power of `FACTOR`; with another that moves the other way, to keep an end."""
+    """Of one parameter: by a step, or by a power of `FACTOR`; with another that moves the other way, to keep an end, or
+    by the same factor."""
 
     which: int
     step: float
     against: int | None = None
+    beside: int | None = None
 
     def applied(self, values: Array, share: float) -> Array | None:
         moved = values.copy()
@@ -137,10 +143,12 @@ class Move:
             moved[self.against] -= share * self.step
             if moved[self.against] <= 0:
                 return None
+        if self.beside is not None:
+            moved[self.beside] *= moved[self.which] / values[self.which]
         return moved
 
 
-def moves(effect: Effect, amplitudes: np.ndarray) -> list[Move]:
+def moves(effect: Effect, amplitudes: np.ndarray, wheels: WheelSet) -> list[Move]:
     if effect.gate is Gate.FROM:
         gate = [Move(0, BLOCK)]
     elif effect.gate is Gate.WHILE:
@@ -151,10 +159,16 @@ def moves(effect: Effect, amplitudes: np.ndarray) -> list[Move]:
         gate = []
     rest = [
         Move(i, 0.0 if effect.values[i] > 0 else parameter.typical)
-        for i, parameter in enumerate(effect.parameters)
-        if i >= len(gate) and i not in amplitudes and parameter.grid and not parameter.estimated
+        for i, (parameter, grid) in enumerate(zip(effect.parameters, effect.grids(wheels), strict=True))
+        if i >= len(gate) and i not in amplitudes and grid and not parameter.estimated
     ]
-    return gate + rest
+    return gate + rest + _together(effect, rest)
+
+
+def _together(effect: Effect, alone: Sequence[Move]) -> list[Move]:
+    """Of lengths: their ratio shows more than either."""
+    lengths = [move.which for move in alone if move.step == 0.0 and effect.parameters[move.which].unit == "m"]
+    return [Move(one, 0.0, beside=other) for one, other in pairwise(lengths)]
 
 
 def is_open(effect: Effect, values: Array) -> bool:

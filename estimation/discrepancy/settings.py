@@ -22,8 +22,9 @@ from .refinement import Move, Refiner, absent, is_open, moves, prior_std
 
 FORM = {"s": 0.05, "m": 0.03}
 """How much less sharp the world is than a step in time or place."""
-FORM_SHARE = 0.05
-"""Of every other value of an effect: how near to one another two forms of one name are."""
+FORM_SHARE, FORM_SHARE_OF_LENGTH = 0.05, 0.2
+"""Of every other value of an effect: how near to one another two forms of one name are. One caster, which stands for
+two, stands a fifth farther away, and trails by a fifth more."""
 SMEARED = (0.1, 0.2)
 """s: what smoothed motion makes of a push's edges."""
 FIRST, FIRST_SHARE, DOUBLINGS = {"s": 0.04, "m": 0.02}, 0.02, 7
@@ -35,7 +36,8 @@ FINE = 400
 def settled_setting(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]]:
     """An effect with times in the middle of where they may be, and its settings' deviations."""
     amplitudes = amplitudes_of(effect)
-    searched = [move for move in moves(effect, amplitudes) if not effect.parameters[move.which].estimated]
+    every = moves(effect, amplitudes, fitted.cart.wheel_set)
+    searched = [move for move in every if not effect.parameters[move.which].estimated]
     if not searched:
         return effect, {}
     own = next(one for one in fitted.cart.effects if one.key == effect.key)
@@ -50,8 +52,13 @@ def _told(refiner: Refiner, own: Effect, searched: Sequence[Move], excess: float
         if own.gate.passes and offset != 0.0:
             moved = replace(move, step=offset).applied(values, 1.0)
             values = values if moved is None else moved
-        floor = FORM.get(parameter.unit, FORM_SHARE * abs(float(values[move.which])))
+        share = FORM_SHARE_OF_LENGTH if parameter.unit == "m" else FORM_SHARE
+        is_gate = move.which < own.gate.n_parameters
+        floor = FORM[parameter.unit] if is_gate else share * abs(float(values[move.which]))
         found[own.keys[move.which]] = float(np.hypot(std, floor))
+        if move.beside is not None:
+            ratio = float(values[move.beside] / values[move.which])
+            found[own.keys[move.beside]] = ratio * found[own.keys[move.which]]
     if own.gate is Gate.WHILE:  # its start moves one end, its duration the other
         found[own.keys[1]] = float(np.hypot(found[own.keys[0]], found[own.keys[1]]))
     return own.with_values(values), found
@@ -68,7 +75,7 @@ def swelling(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]] 
     found, gain = refiner.refined(around(effect), amplitudes, std)
     if gain.value <= least:
         return None
-    found, told = _told(refiner, found, moves(found, amplitudes), max(fitted.excess, 1.0))
+    found, told = _told(refiner, found, moves(found, amplitudes, refiner.wheels), max(fitted.excess, 1.0))
     values = found.values.copy()
     values[amplitudes] *= MEAN
     return found.with_values(values), told

@@ -7,6 +7,7 @@ from itertools import chain, count, product
 
 from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, SensorEffect
 from cartgrasp.model import CartModel
+from cartgrasp.wheels import WheelSet
 
 
 def trials(cart: CartModel, arms: Sequence[str]) -> list[Effect]:
@@ -16,7 +17,7 @@ def trials(cart: CartModel, arms: Sequence[str]) -> list[Effect]:
         if issubclass(kind, ConstraintEffect):  # they show sideways
             continue
         for label in _labels(kind, cart, arms):
-            found.extend(_on_grid(kind, label))
+            found.extend(_on_grid(kind, label, cart.wheel_set))
     return found
 
 
@@ -34,9 +35,9 @@ def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> list[st
     return [next(label for label in chain([""], map(str, count(2))) if label not in taken)]
 
 
-def _on_grid(kind: type[Effect], label: str) -> list[Effect]:
+def _on_grid(kind: type[Effect], label: str, wheels: WheelSet) -> list[Effect]:
     absent = [p.absent for p in kind.parameters]
-    grids = [p.grid or (value,) for p, value in zip(kind.parameters, absent, strict=True)]
+    grids = [grid or (value,) for grid, value in zip(kind.grids(wheels), absent, strict=True)]
     return [
         kind(**dict(zip((p.name for p in kind.parameters), values, strict=True)), label=label)
         for values in product(*grids)

@@ -6,6 +6,8 @@ takes is `b ln(tan(psi0/2) / tan(psi1/2))`, and the swivel torque T takes the en
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,6 +24,7 @@ from tests.core.drawn import HOSPITAL_BED, SHOPPING_CART, numbers, vectors, velo
 
 TRAIL = 0.045
 TORQUE = 0.3
+WRENCH = np.array([10.0, 2.0, 1.0])
 INERTIA = Inertia(24.0, (0.3, 0.0), 2.0)
 
 
@@ -55,6 +58,19 @@ def test_the_force_is_across_the_wheel_at_its_patch(place, delta, trail):
     np.testing.assert_allclose(force[:2], strength * across, atol=1e-12)
     np.testing.assert_allclose(force[2], patch[0] * force[1] - patch[1] * force[0], atol=1e-12)
     assert abs(strength) <= TORQUE / trail
+
+
+@given(x=numbers(-0.8, 0.8), ahead=numbers(-0.8, 0.8), delta=numbers(-3, 3), velocity=velocities())
+def test_casters_ahead_of_where_they_are_listed_are_as_those_that_are_listed_there(x, ahead, delta, velocity):
+    there = one_caster(x + ahead)
+    moved = replace(one_caster(x), effects=(CasterRealignment(TORQUE, x=ahead),))
+    (wanted, rest), (found, also_rest) = (
+        (cart.rate(state, WRENCH).value, cart.settled_memory(state, cart.parameters))
+        for cart in (there, moved)
+        for state in [at_heading(cart, delta, velocity)]
+    )
+    np.testing.assert_allclose(found, wanted, atol=1e-12)
+    np.testing.assert_allclose(also_rest, rest, atol=1e-12)
 
 
 @given(place=vectors(2, -0.8, 0.8), delta=numbers(-4, 4), velocity=velocities())

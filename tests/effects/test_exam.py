@@ -55,12 +55,13 @@ CONTRACT = {
     "time_delay": {"delay": "s"},
     "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
 }
-BEYOND_CONTRACT = {"stribeck_friction": {"by_wheels": "-"}}
+BEYOND_CONTRACT = {"stribeck_friction": {"by_wheels": "-"}, "caster_realignment": {"x": "m"}}
 COULOMB = {
     *("rolling_resistance", "stribeck_friction", "floor_patch", "caster_realignment", "wheel_drag_imbalance"),
 }
 NOT_ESTIMATED_ONLINE = {
     *("stribeck_friction.speed", "stribeck_friction.by_wheels", "caster_realignment.trail", "payload_change.time"),
+    "caster_realignment.x",
     *("external_push.start", "external_push.duration", "time_delay.delay"),
     *("wheel_misalignment.angle", "lateral_slip.cornering_stiffness"),
     *("load_slosh.frequency", "load_slosh.damping"),

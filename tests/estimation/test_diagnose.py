@@ -1,6 +1,7 @@
 """The discrepancy workflow end to end, on logs whose equations share nothing with the library's."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,21 @@ def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
     assert "floor_slope" in [effect.name for effect in extended.effects]
     again = diagnose_names(json.loads((folder / "report.json").read_text()))
     assert again == [effect.name for effect in diagnosis.effects]
+
+
+def test_casters_that_the_cart_does_not_list_are_found_with_their_place(tmp_path):
+    """One stands for two, a fifth farther away."""
+    log = tmp_path / "logs" / generate(tmp_path, ["caster_realignment"], [41], "rich")[0]
+    cart = cg.load_cart(log / "cart.yaml")
+    listed = [wheel for wheel in cart.wheels if wheel.kind == "caster"]
+    diagnosis = diagnose(cg.read_log(log / "run.csv"), replace(cart, wheels=()))
+    assert [effect.name for effect in diagnosis.effects] == ["caster_realignment"]
+    found = next(effect for effect in diagnosis.cart.effects if effect.name == "caster_realignment")
+    for name, listed_value in (("x", listed[0].x), ("trail", listed[0].trail)):
+        value, std, _ = diagnosis.effects[0].parameters[name]
+        assert value == getattr(found, name)
+        assert abs(value - listed_value) < 2 * std < 0.5 * listed_value
+    assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted
 
 
 def test_where_nothing_is_hidden_nothing_is_named(found):

@@ -35,7 +35,7 @@ from cartgrasp.effects.effect import Contribution
 from cartgrasp.errors import PlantError, UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.simulation.mujoco_cart import MujocoCart, patches
+from cartgrasp.simulation.mujoco_cart import MujocoCart, mechanisms_of, patches, physical_wheels
 from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.wheels import GRAVITY, Wheel, WheelSet
 
@@ -404,6 +404,16 @@ def test_a_bed_on_casters_alone_moves_as_its_model():
     theirs = push(MujocoPlant(cart, velocity=(0.5, 0.0, 0.0)), sway, 5.0)
     assert apart(ours, theirs) < 0.005
     np.testing.assert_allclose(theirs[:, 3:], ours[:, 3:6], atol=0.003)
+
+
+def test_a_cart_that_lists_no_casters_gets_one_where_its_effect_says_and_listed_ones_move():
+    bare = shopping_cart(CasterRealignment(0.3, x=0.65), wheels=())
+    assert np.array(MujocoPlant(bare).caster_headings).shape == (1,)
+    listed = shopping_cart(CasterRealignment(0.3, x=-0.07))
+    places = [wheel.x for wheel in physical_wheels(listed, mechanisms_of(listed)) if wheel.kind == "caster"]
+    np.testing.assert_allclose(places, [wheel.x - 0.07 for wheel in listed.wheels if wheel.kind == "caster"])
+    casters = [wheel for wheel in physical_wheels(bare, mechanisms_of(bare)) if wheel.kind == "caster"]
+    assert [(wheel.x, wheel.y) for wheel in casters] == [(0.65, 0.0)]
 
 
 def test_a_bed_without_listed_casters_gets_four():
