@@ -21,7 +21,8 @@ MOST_NOISE = 0.7
 """Of what a motion seems to tell in some way: where more is noise, nobody knows whether anything is left."""
 ASTRAY = 0.01
 """Of all that a log tells: less is noise anywhere."""
-JITTER = 1e-9
+LEAST_TOLD = 1e-9
+"""In a direction, of what parameters are told: less is round-off."""
 
 
 @dataclass(frozen=True)
@@ -40,20 +41,23 @@ class Evidence:
         """About some of the parameters, without noise: the corrected score of errors in variables `pull + drag` falls
         by `information - noise` from one parameter to the next, and scatters by the information; so what it tells is
         `(I - N) I⁻¹ (I - N)` (Nakamura 1990; Godambe). Stretches in which more seems to be noise than there is tell
-        nothing: there, memories of the motion and of the same with more noise went other ways."""
+        nothing: there, memories of the motion and of the same with more noise went other ways. Neither does the
+        rest of what only they taught: it is not what a stretch teaches, but what its neighbours take from it, and may
+        be negative."""
         blocks, noise = (each[:, which[:, None], which] for each in (self.blocks, self.noise))
         whole, lost = (np.diagonal(each, axis1=1, axis2=2) for each in (blocks, noise))
         astray = ((lost > whole) & (lost > ASTRAY * whole.sum(axis=0))).any(axis=1)
         blocks, noise = (np.where(astray[:, None, None], 0.0, each) for each in (blocks, noise))
         pulls = np.where(astray[:, None], 0.0, self.pulls[:, which] + self.drag[:, which])
-        information = blocks.sum(axis=0)
-        size = np.sqrt(np.diagonal(information))
-        scale = 1 / np.where(size > 0, size, 1.0)
-        root = np.linalg.cholesky(information * np.outer(scale, scale) + JITTER * np.eye(len(size)))
-        inverse = np.linalg.inv(root) * scale
+        size = np.sqrt(np.maximum(whole.sum(axis=0), 0.0))
+        scale = np.where(size > 0, size, 1.0)
+        sizes, directions = np.linalg.eigh(blocks.sum(axis=0) / np.outer(scale, scale))
+        told = sizes > LEAST_TOLD
+        root = scale[:, None] * directions[:, told] * np.sqrt(sizes[told])
+        inverse = (directions[:, told] / np.sqrt(sizes[told])).T / scale
         share, ways = np.linalg.eigh(inverse @ noise.sum(axis=0) @ inverse.T)
         kept = np.where(share < MOST_NOISE, 1 - np.clip(share, 0.0, 1.0), 0.0)
-        keeps = (root / scale[:, None]) @ (ways * kept) @ ways.T @ inverse
+        keeps = root @ (ways * kept) @ ways.T @ inverse
         found = keeps @ blocks @ keeps.T, pulls @ keeps.T
         return Evidence(*found, np.zeros_like(blocks), np.zeros_like(pulls))
 

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
 
 from estimation.batch.linearisation import Evidence
+from tests.core.drawn import numbers
 
 SLOPE, ERROR, NOISE, ROWS, BLOCKS = 2.0, 0.6, 0.5, 50, 60
 
@@ -54,3 +56,21 @@ def test_without_errors_nothing_is_corrected():
     part = found.part(np.array([0]))
     assert part.blocks == pytest.approx(found.blocks, rel=1e-6)
     assert part.pulls == pytest.approx(found.pulls, rel=1e-6)
+
+
+@given(shared=numbers(-0.9, 0.9), left=numbers(-0.2, -0.01), pull=numbers(-1, 1))
+def test_what_only_a_stretch_taught_that_went_astray_is_not_known(shared, left, pull):
+    """A push in it, whose end the stretch behind it takes some of."""
+    whole = evidence(2, [7])
+    blocks, noise = np.zeros((BLOCKS, 2, 2)), np.zeros((BLOCKS, 2, 2))
+    blocks[:, :1, :1], noise[:, :1, :1] = whole.blocks, whole.noise
+    blocks[7, 1, 1], blocks[8, 1, 1] = 1.0, left
+    blocks[8, 0, 1] = blocks[8, 1, 0] = shared
+    pulls, drag = (np.column_stack([own[:, 0], np.zeros(BLOCKS)]) for own in (whole.pulls, whole.drag))
+    pulls[8, 1] = pull
+    part = Evidence(blocks, pulls, noise, drag).part(np.array([0, 1]))
+    known, told = part.blocks.sum(axis=0), part.pulls.sum(axis=0)
+    assert np.linalg.eigvalsh(known).min() > -1e-9
+    assert abs(known[1, 1]) < 1e-3
+    alone = whole.part(np.array([0]))
+    assert told[0] / known[0, 0] == pytest.approx(float(alone.pulls.sum() / alone.blocks.sum()), rel=1e-3)
