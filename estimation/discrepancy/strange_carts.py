@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import Effect, LoadSlosh
 from cartgrasp.effects.effect import Gate
 from cartgrasp.model import CartModel
 
@@ -12,9 +12,13 @@ DRIVEN, LEAST_POWER, NOWHERE = 0.15, 1e-6, 1e6
 """Of the most power that drags take, and in W: what they may give, at speeds of one sign, and be a mistake; m and s."""
 INSTANT, LEAST_LEFT = 1e-6, 0.15
 """s; of its mass: what is left of a cart from which its load is taken."""
+MOST_SWUNG = 2 / 3
+"""Of its mass: a load that is nearly all of a cart does not swing on it, but it in the load."""
 
 
 def takes_too_much(effect: Effect, cart: CartModel) -> str:
+    if isinstance(effect, LoadSlosh) and effect.mass > MOST_SWUNG * cart.inertia.mass:
+        return f"of {cart.inertia.mass:.3g} kg, {effect.mass:.3g} kg would swing"
     if effect.gate is not Gate.FROM:
         return ""
     began = float(effect.values[0])

@@ -240,6 +240,14 @@ def test_no_more_is_taken_off_than_is_there(mass, is_one):
     assert is_one or "of 20 kg, it would leave" in verdict.reason
 
 
+@pytest.mark.parametrize(("mass", "is_one"), [(6.0, True), (13.0, True), (14.0, False)])
+def test_a_load_that_swings_is_a_part_of_the_cart(mass, is_one):
+    """Of 20 kg: two thirds at most."""
+    verdict = judged(LoadSlosh(mass=mass, frequency=1.2), score=90.0)
+    assert verdict.is_added == is_one
+    assert is_one or "of 20 kg, 14 kg would swing" in verdict.reason
+
+
 def test_a_drag_may_be_less_one_way_than_what_is_known_of_it():
     """On a cart that drags more than that in all; and a floor that slopes drives no cart along all headings."""
     cart = CartModel(Inertia(20.0, (0.3, 0.0), 1.5), effects=(ViscousDrag(linear=12.0),))
