@@ -29,6 +29,7 @@ from .next_experiments import next_experiments
 from .residual import DIRECTIONS, Residual, lateral_residual, wrench_residuals
 from .residual_map import ResidualMap, residual_maps
 from .selection import Selection, Step, select
+from .stale import without_stale
 from .where import Disagreement, where
 
 if TYPE_CHECKING:
@@ -251,7 +252,7 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
 
 def smoothed(log: RunLog, cart: CartModel) -> WrenchRegression:
     """A log as the search sees it."""
-    log = without_holes(without_glitches(log))
+    log = without_holes(without_glitches(without_stale(log)))
     return WrenchRegression(log, cart, None, _in_pairs(log)).wary()
 
 
