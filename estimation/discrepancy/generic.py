@@ -6,7 +6,7 @@ judged by Schwarz's criterion, which needs no size of the noise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -210,8 +210,9 @@ def _families(course: Course) -> Iterator[_Family]:
             for columns in (waves[..., :2], waves):
                 yield replace(wheel.family(turns, columns), finer=wheel.near)
     turned = course.heading / (2 * np.pi)
-    yield _Family(HEADING, _wave(turned)[None])
-    yield _Family(HEADING, np.hstack([_wave(turned), _wave(2 * turned)])[None])
+    once, twice = _wave(turned), np.hstack([_wave(turned), _wave(2 * turned)])
+    yield _Family(HEADING, once[None])
+    yield _Family(HEADING, twice[None])
     yield _Family("speed", _levels(course.speed)[None])
     yield _Family("yaw rate", _levels(course.turning)[None])
     along = (course.time - course.time.min()) / max(float(np.ptp(course.time)), 1e-9)
@@ -219,16 +220,17 @@ def _families(course: Course) -> Iterator[_Family]:
     yield _Family("time, slowly", slow[None])
     place = course.place - course.place.mean(axis=0)
     x, y = (place / np.maximum(np.abs(place).max(axis=0), 1e-9)).T
-    yield _Family(PLACE, np.column_stack([x, y, x * y, x**2, y**2])[None])
+    curved = np.column_stack([x, y, x * y, x**2, y**2])
+    yield _Family(PLACE, curved[None])
     yield from _seams(course)
-    yield from _drags(course, {HEADING: _wave(turned), "time": slow, PLACE: np.column_stack([x, y, x * y, x**2, y**2])})
+    yield from _drags(course, [(HEADING, once), (HEADING, twice), ("time", slow), (PLACE, curved)])
 
 
-def _drags(course: Course, by: Mapping[str, Array]) -> Iterator[_Family]:
+def _drags(course: Course, by: Sequence[tuple[str, Array]]) -> Iterator[_Family]:
     """Of what acts against the motion, flat in speed or in proportion to it, and is larger or smaller by something."""
     speed = course.speed
     ways = np.sign(speed), speed / max(float(np.abs(speed).max()), 1e-9)
-    for name, columns in {**by, "yaw rate": np.abs(course.turning)[:, None]}.items():
+    for name, columns in [*by, ("yaw rate", np.abs(course.turning)[:, None])]:
         yield _Family(f"{name}{AS_DRAG}", np.hstack([way[:, None] * columns for way in ways])[None])
 
 
