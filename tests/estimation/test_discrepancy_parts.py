@@ -231,7 +231,7 @@ def test_a_force_by_the_heading_is_found(turns):
 DRAGS = {
     "time, as a drag": lambda log, speed: np.sign(speed) * np.cos(np.pi * log.time / log.duration),
     "heading, as a drag": lambda log, speed: 2.5 * speed * np.cos(log.pose[:, 2]),
-    "heading, as a drag, along two opposite headings": lambda log, speed: np.sign(speed) * np.cos(2 * log.pose[:, 2]),
+    "heading, as a drag, along two opposite headings": lambda log, speed: np.sign(speed) * np.sin(2 * log.pose[:, 2]),
     "place, as a drag": lambda log, speed: np.sign(speed) * (log.pose[:, 0] - log.pose[:, 0].mean()) / 3,
     "yaw rate, as a drag": lambda log, speed: 3 * speed * np.abs(np.gradient(log.pose[:, 2], log.time)),
 }
