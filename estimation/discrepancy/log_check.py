@@ -16,6 +16,7 @@ from ..batch.wrench_regression import WrenchRegression
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
 from .clock_offset import ClockOffset, clock_offset
+from .stale import without_stale
 
 FEWEST_ROWS = 100
 SHORTEST = 4.0
@@ -32,10 +33,11 @@ ROLLING, STILL_TURNING = 0.015, 0.015
 
 @dataclass(frozen=True)
 class LogCheck:
-    """Rows, duration (s), rate (Hz), longest gap (s), rows with every wrench; noise floors; by how much wrenches are
-    later than the motion; motion: distance (m), turning (rad), reversals, the fastest speed (m/s), the share of the
-    time that it moves; of that time, speeds (m/s) that nine, five and one tenth exceed, how many eighths of the circle
-    it heads into, and accelerations along the free directions (m/s², rad/s²) that a twentieth exceeds.
+    """Rows, duration (s), rate (Hz), longest gap (s), rows with every wrench, poses that repeat the last one; noise
+    floors; by how much wrenches are later than the motion; motion: distance (m), turning (rad), reversals, the fastest
+    speed (m/s), the share of the time that it moves; of that time, speeds (m/s) that nine, five and one tenth exceed,
+    how many eighths of the circle it heads into, and accelerations along the free directions (m/s², rad/s²) that a
+    twentieth exceeds.
     """
 
     name: str
@@ -44,6 +46,7 @@ class LogCheck:
     rate: float
     longest_gap: float
     rows_with_wrenches: int
+    stale_poses: int
     noise: FilterNoise
     clock_offset: ClockOffset | None
     distance: float
@@ -114,7 +117,7 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
     _check_enough(
         np.repeat(regression.usable, regression.size), step / regression.size, f"{log.name}: wrenches come with poses"
     )
-    motion, steps = regression.motion, np.diff(log.time)
+    motion, steps, fresh = regression.motion, np.diff(log.time), without_stale(log)
     speed, h = motion.velocity[:, 0], np.where(motion.linked, np.diff(motion.time), 0.0)
     distance = float((motion.speed[:-1] * h).sum())
     turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
@@ -133,7 +136,8 @@ def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCh
         rate=float(1 / np.median(steps)),
         longest_gap=float(steps.max()),
         rows_with_wrenches=int(_with_wrenches(log).sum()),
-        noise=noise_of_log(log, cart),
+        stale_poses=int((np.isnan(fresh.pose) & ~np.isnan(log.pose)).any(axis=1).sum()),
+        noise=noise_of_log(fresh, cart),
         clock_offset=clock_offset(regression),
         distance=distance,
         turned=float((np.abs(turning[:-1]) * h).sum()),

@@ -153,6 +153,7 @@ def _check_rows(check: LogCheck) -> list[list[str]]:
     hard = ", ".join(f"{a:.2g} {unit}" for a, unit in zip(check.accelerations, units, strict=False))
     return [
         ["rows, with every wrench", f"{check.rows}, {check.rows_with_wrenches}"],
+        ["poses written twice, left out", f"{check.stale_poses}"],
         ["duration", f"{check.duration:.1f} s at {check.rate:.0f} Hz, longest gap {check.longest_gap:.3f} s"],
         ["noise of position, heading", f"{1e3 * check.noise.position:.2g} mm, {1e3 * check.noise.heading:.2g} mrad"],
         ["noise of force, moment", f"{check.noise.force:.2g} N, {check.noise.moment:.2g} N·m"],

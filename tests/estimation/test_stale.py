@@ -1,15 +1,27 @@
 """Poses that repeat the last one: left out where a recorder wrote them again, kept where a cart rests or a sensor can't
 tell them apart."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
 from cartgrasp.logs.run_log import ArmLog, RunLog
+from cartgrasp.model import CartModel
+from estimation.discrepancy.diagnosis import smoothed
+from estimation.discrepancy.log_check import checked
 from estimation.discrepancy.stale import without_stale
 from tests.core.drawn import numbers
 
+from .runs import simulate
+
 PERIOD, ROWS = 0.02, 200
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
 
 
 def log_of(pose, velocity=None):
@@ -63,3 +75,14 @@ def test_what_is_missing_stays_missing():
     rows[22] = rows[19]
     found = without_stale(log_of(rows)).pose
     assert np.flatnonzero(np.isnan(found).any(axis=1)).tolist() == [20, 21, 22, 60]
+
+
+def test_the_check_counts_them_and_reads_the_noise_of_the_others():
+    """Two poses of three are written again, as of a camera at 33 Hz."""
+    log, _ = simulate(TRUTH, 3, 30.0, noise=(0.001, 0.002, 1.0))
+    held = replace(log, pose=log.pose[np.arange(len(log)) // 3 * 3])
+    whole, twice = (checked(each, CART, smoothed(each, CART)) for each in (log, held))
+    assert whole.stale_poses == 0
+    assert twice.stale_poses == pytest.approx(2 / 3 * len(log), abs=80)  # but those at rest
+    assert twice.noise.position == pytest.approx(whole.noise.position, rel=0.25)
+    assert twice.distance == pytest.approx(whole.distance, rel=0.02)
