@@ -232,7 +232,7 @@ class AugmentedFilter:
         would be evidence of an infinite inertia (errors in variables, physics 11)."""
         where = self.layout.wrench
         variance = np.diagonal(self.belief.covariance[where, where])
-        return np.maximum(0.0, 1.0 - STANDS_OUT**2 * variance / np.maximum(wrench**2, 1e-300))
+        return np.clip(1.0 - STANDS_OUT**2 * variance / np.maximum(wrench**2, 1e-300), 0.0, 1.0)
 
     def _density(self, heading: float, reach: Array, stiction: Array) -> Array:
         """Of the continuous process noise: disturbance force, stiction, slip, swivel."""
