@@ -18,6 +18,8 @@ from .kernels.workspace import MEMORY, N_PHI, N_WRENCH, PHI, POSE, VELOCITY, Pac
 from .wheels import GRAVITY, WheelSet
 
 STAY = np.zeros(2)
+STABLE = 1.5
+"""Of step times stiffness, where `advanced` is stable: up to 2.78 in theory."""
 
 
 class CompiledDynamics:

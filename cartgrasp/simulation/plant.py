@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..compiled_dynamics import STABLE
 from ..contacts import ContactWrenches
 from ..errors import PlantError
 from ..frames import Array
@@ -13,8 +14,6 @@ from ..motion import Motion
 from .integrate import held
 
 MAX_STEP = 0.005
-STABLE = 1.5
-"""Of step times stiffness; the fourth-order method is stable up to 2.78."""
 
 
 class ModelPlant:

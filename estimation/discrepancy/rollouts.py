@@ -6,15 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cartgrasp.compiled_dynamics import STABLE
 from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
+from ..batch.smooth_motion import SmoothMotion
 from ..batch.wrench_regression import WrenchRegression
 from .fitted import Fitted
 from .pushes import planar_wrench
 
-STEP = 0.005
-"""s: the integrator's longest."""
+STEP, SAMPLED = 0.005, 64
+"""s: the integrator's longest; rows by which it is known how stiff a cart is."""
 DRAWS = 4
 """Of noise: rollouts of a log are few."""
 COORDINATES = ("forward", "sideways", "heading")
@@ -130,14 +132,14 @@ def _ends(
     state[:, : 3 + f] += off
     planar, row = cart.planar_wrench(wrench), first.copy()
     side = planar_wrench(regression, cart) if cart.slip_compliance else planar
-    last = _last(regression, first, horizon)
+    last, step = _last(regression, first, horizon), _stable_step(cart, motion, memory, planar)
     while (active := np.flatnonzero(row < last)).size:
         at = row[active]
         steps = motion.time[at + 1] - motion.time[at]
         point = state[active], motion.time[at], np.broadcast_to(cart.parameters, (len(at), len(cart.parameters)))
         push = planar[at], np.ones((len(at), f))
         creep = _creep(cart, point, side[at]) * steps[:, None] if cart.slip_compliance else 0.0
-        state[active] = cart.dynamics.advanced(point, push, *_divided(steps))
+        state[active] = cart.dynamics.advanced(point, push, *_divided(steps, step))
         state[active, :2] += creep
         row[active] += 1
     return state[:, :3]
@@ -157,6 +159,16 @@ def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) ->
     return np.asarray(full - held)
 
 
-def _divided(steps: Array) -> tuple[Array, Array]:
-    count = np.ceil(steps / STEP - 1e-9)
+def _divided(steps: Array, step: float) -> tuple[Array, Array]:
+    count = np.ceil(steps / step - 1e-9)
     return steps / count, count
+
+
+def _stable_step(cart: CartModel, motion: SmoothMotion, memory: Array, planar: Array) -> float:
+    """That keeps swivels, which are stiff where they hardly turn, inside the region where the integrator is stable."""
+    if not cart.memory_names:
+        return STEP
+    rows = np.linspace(0, len(motion.time) - 1, SAMPLED).astype(int)
+    state = np.hstack([motion.pose, motion.velocity, memory])[rows]
+    jacobian = cart.rate(state, planar[rows], time=motion.time[rows]).by_state
+    return min(STEP, STABLE / max(float(np.abs(np.linalg.eigvals(jacobian)).max()), 1e-9))

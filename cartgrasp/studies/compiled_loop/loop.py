@@ -15,13 +15,14 @@ from planning.allocation_template import AllocationTemplate
 from planning.compiled_allocation import CompiledAllocation
 from planning.planner import WrenchPlanner
 
+from ...compiled_dynamics import STABLE
 from ...errors import PlantError
 from ...frames import Array, body_to_world
 from ...inertia import N_PHI, physical_jacobian
 from ...kernels.jit import Ints
 from ...logs.run_log import ArmLog, RunLog
 from ...motion import Measurement
-from ...simulation.plant import MAX_STEP, STABLE
+from ...simulation.plant import MAX_STEP
 from ...simulation.record import RunRecord
 from ...simulation.record import Series as Estimated
 from ..scenario import LEARNING, MODEL_PLANT, Scenario, with_truth
