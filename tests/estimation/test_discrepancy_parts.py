@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import FloorPatch, LateralSlip, RollingResistance, ViscousDrag, WheelMisalignment
+from cartgrasp.effects import (
+    CasterRealignment,
+    FloorPatch,
+    LateralSlip,
+    RollingResistance,
+    ViscousDrag,
+    WheelMisalignment,
+)
 from cartgrasp.errors import DataError
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
@@ -15,6 +22,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
+from estimation.discrepancy import rollouts
 from estimation.discrepancy.fitted import SURE, Fitted
 from estimation.discrepancy.gap import measured_gap
 from estimation.discrepancy.generic import Course, dependences
@@ -55,6 +63,18 @@ def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
     assert found.error[:, 0] == pytest.approx(0.5 * (20.0 / 25.0 - 1.0) / 2, abs=2e-4)
     assert found.error[:, 1:] == pytest.approx(0.0, abs=1e-6)
     assert found.gap == pytest.approx(0.05, abs=3e-4)
+
+
+def test_rollouts_of_stiff_swivels_are_those_of_finer_steps(monkeypatch):
+    """A light cart on heavy casters: in steps of 5 ms it would shake itself off its way."""
+    wheels = (Wheel("fixed", 0.0, 0.2), Wheel("fixed", 0.0, -0.2), Wheel("caster", 0.8, 0.2, 0.04))
+    cart = CartModel(Inertia(12.0, (0.28, 0.06), 1.0), effects=(*DRAG, CasterRealignment(0.8)), wheels=wheels)
+    log, _ = simulate(TRUTH, 0, 12.0)
+    regression = WrenchRegression(log, cart, None)
+    first = starts(regression, np.ones(len(regression.motion.time), dtype=bool), 1.0, 0.5)
+    found = roll_out(regression, cart, 0.5, first, 1.0).error
+    monkeypatch.setattr(rollouts, "STEP", 2e-4)
+    assert found == pytest.approx(roll_out(regression, cart, 0.5, first, 1.0).error, abs=1e-3)
 
 
 @pytest.mark.parametrize("curved", [False, True])
