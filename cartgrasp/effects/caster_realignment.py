@@ -25,7 +25,7 @@ from ..wheels import DEFAULT_TRAIL, WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
-SMOOTHING_RATE = 0.1
+SMOOTHING_RATE = 0.2
 """rad/s: below it swivel friction fades to zero."""
 USUAL_X = 0.8
 """m."""
