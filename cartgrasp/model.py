@@ -105,6 +105,11 @@ class CartModel(CartStructure):
             rates = creeping(self, point, push[0], rates)
         return StateRate(*rates)
 
+    def stiffness(self, state: Array, wrench_b: Array, time: Any = 0.0) -> float:
+        """How fast (1/s) anything fades or grows at states (..., n): the largest eigenvalue; 0 if one is infinite."""
+        jacobian = self.rate(state, wrench_b, time=time).by_state
+        return float(np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 0.0
+
     def state_rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Forward dynamics without partials: the rate of the state, (..., n)."""
         if self.slip_compliance:

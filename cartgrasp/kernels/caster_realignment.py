@@ -16,9 +16,8 @@ from .smooth import smooth_sign
 def wrench(at: Situation, own: Own, out: Parts) -> None:
     torque, has_trail = own.parameters[0], own.parameters[1] > 0.0
     for k in range(len(own.memory)):
-        trail, cosine = _trail(at, own, k), math.cos(own.memory[k])
-        rate, by_velocity, by_heading, by_trail = _swivel(at, own, k)
-        by_x = at.velocity[2] * cosine / trail
+        trail = _trail(at, own, k)
+        rate, by_velocity, by_heading, by_trail, by_x = _swivel(at, own, k)
         slip, slope = smooth_sign(rate, own.constant)
         strength = -torque / trail * slip
         by_rate = -torque / trail * slope
@@ -34,20 +33,20 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
             out.by_parameters[i, 2] += by_rate * by_x * side[i]
         if has_trail:
             out.by_parameters[2, 1] -= strength
-        out.by_parameters[2, 2] += strength * cosine
+        out.by_parameters[2, 2] += strength * side[1]
 
 
 @compiled
 def memory_rate(at: Situation, own: Own, out: Parts) -> None:
     for k in range(len(own.memory)):
-        rate, by_velocity, by_heading, by_trail = _swivel(at, own, k)
+        rate, by_velocity, by_heading, by_trail, by_x = _swivel(at, own, k)
         out.value[k] += rate
         for j in range(3):
             out.by_velocity[k, j] += by_velocity[j]
         out.by_memory[k, k] += by_heading
         if own.parameters[1] > 0.0:
             out.by_parameters[k, 1] += by_trail
-        out.by_parameters[k, 2] += at.velocity[2] * math.cos(own.memory[k]) / _trail(at, own, k)
+        out.by_parameters[k, 2] += by_x
 
 
 @compiled
@@ -88,14 +87,15 @@ def _pivot_velocity(at: Situation, own: Own, k: int) -> tuple[float, float]:
 
 
 @compiled
-def _swivel(at: Situation, own: Own, k: int) -> tuple[float, tuple[float, float, float], float, float]:
-    """delta', and its partials by velocity, delta and the trail."""
+def _swivel(at: Situation, own: Own, k: int) -> tuple[float, tuple[float, float, float], float, float, float]:
+    """delta', and its partials by velocity, delta, the trail and x."""
     (x, y), trail = _place(at, own, k), _trail(at, own, k)
     sine, cosine = math.sin(own.memory[k]), math.cos(own.memory[k])
     along, across = _pivot_velocity(at, own, k)
-    slip = cosine * across - sine * along
+    slip, turning = cosine * across - sine * along, at.velocity[2]
     by_velocity = (-sine / trail, cosine / trail, (sine * y + cosine * x) / trail - 1.0)
-    return slip / trail - at.velocity[2], by_velocity, -(cosine * along + sine * across) / trail, -slip / trail**2
+    by_heading, by_trail = -(cosine * along + sine * across) / trail, -slip / trail**2
+    return slip / trail - turning, by_velocity, by_heading, by_trail, turning * cosine / trail
 
 
 @compiled

@@ -121,10 +121,10 @@ def physical_wheels(cart: CartModel, mechanisms: Mechanisms) -> tuple[Wheel, ...
 
 
 def _with_casters_at(wheels: tuple[Wheel, ...], cart: CartModel, x: float) -> tuple[Wheel, ...]:
-    """`x` ahead of where they are listed; where none is, one that stands for all."""
+    """`x` ahead of where they stand; beside fixed wheels alone, where none is listed, one that stands for all."""
     if x == 0.0:
         return wheels
-    if any(wheel.kind == CASTER for wheel in cart.wheels):
+    if cart.constraints.axle_x is None or any(wheel.kind == CASTER for wheel in cart.wheels):
         return tuple(replace(w, x=w.x + x) if w.kind == CASTER else w for w in wheels)
     return (*(wheel for wheel in wheels if wheel.kind == FIXED), Wheel(CASTER, x, 0.0))
 

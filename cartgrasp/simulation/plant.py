@@ -63,6 +63,4 @@ class ModelPlant:
         integrator is stable."""
         if not self.cart.effects:
             return 1
-        jacobian = self.cart.rate(self._state, wrench_b, time=self._time).by_state
-        stiffness = float(np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 0.0
-        return int(np.ceil(duration * stiffness / STABLE))
+        return int(np.ceil(duration * self.cart.stiffness(self._state, wrench_b, self._time) / STABLE))

@@ -42,7 +42,6 @@ class Refiner:
         """`implausible` says of an effect at a setting why it can't be, where it can't."""
         self._fitted, self._implausible = fitted, implausible or (lambda effect: False)
         self._profile: Profile = at_once
-        self.wheels = fitted.cart.wheel_set
         information, self._pull = fitted.loose.information, fitted.loose.pull
         for (_, line, _), known in zip(fitted.linearised, fitted.loose_columns, strict=True):
             taught, drawn = line.taught(known)
@@ -73,7 +72,7 @@ class Refiner:
 
     def refined(self, effect: Effect, amplitudes: np.ndarray, std: Array) -> tuple[Effect, Gain]:
         """From an effect whose amplitudes have values."""
-        effect, steps = absent(effect, amplitudes), moves(effect, amplitudes, self.wheels)
+        effect, steps = absent(effect, amplitudes), moves(effect, amplitudes, self._fitted.cart.wheel_set)
         values, best = effect.values, self.gain(effect, amplitudes, std)
         left = EVALUATIONS
         for halving in range(HALVINGS if steps else 0):

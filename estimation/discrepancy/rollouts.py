@@ -170,5 +170,4 @@ def _stable_step(cart: CartModel, motion: SmoothMotion, memory: Array, planar: A
         return STEP
     rows = np.linspace(0, len(motion.time) - 1, SAMPLED).astype(int)
     state = np.hstack([motion.pose, motion.velocity, memory])[rows]
-    jacobian = cart.rate(state, planar[rows], time=motion.time[rows]).by_state
-    return min(STEP, STABLE / max(float(np.abs(np.linalg.eigvals(jacobian)).max()), 1e-9))
+    return STABLE / max(STABLE / STEP, cart.stiffness(state, planar[rows], motion.time[rows]))

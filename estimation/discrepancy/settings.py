@@ -75,7 +75,7 @@ def swelling(fitted: Fitted, effect: Effect) -> tuple[Effect, dict[str, float]] 
     found, gain = refiner.refined(around(effect), amplitudes, std)
     if gain.value <= least:
         return None
-    found, told = _told(refiner, found, moves(found, amplitudes, refiner.wheels), max(fitted.excess, 1.0))
+    found, told = _told(refiner, found, moves(found, amplitudes, fitted.cart.wheel_set), max(fitted.excess, 1.0))
     values = found.values.copy()
     values[amplitudes] *= MEAN
     return found.with_values(values), told

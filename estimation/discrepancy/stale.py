@@ -6,7 +6,6 @@ Such a row is no measurement: taken as one, the cart stands still in it and then
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -35,11 +34,10 @@ def _without(rows: Array, time: Array) -> Array:
     if moved.all() or not moved.any():
         return rows
     smallest = np.min(np.where(steps > TINY, steps, np.inf), axis=0)
-    new = np.flatnonzero(np.r_[True, moved, True])  # the first of equal rows; the end
+    new = np.flatnonzero(np.r_[True, moved])
     found = rows.copy()
-    for first, after in pairwise(new):
-        if after - first < 2 or after == len(there):
-            continue
+    for k in np.flatnonzero(np.diff(new) > 1):
+        first, after = new[k], new[k + 1]
         is_short = time[there[after]] - time[there[first]] < LONGEST
         if is_short and (steps[after - 1] > RESOLVED * smallest).any():
             found[there[first + 1 : after]] = np.nan

@@ -414,6 +414,8 @@ def test_a_cart_that_lists_no_casters_gets_one_where_its_effect_says_and_listed_
     np.testing.assert_allclose(places, [wheel.x - 0.07 for wheel in listed.wheels if wheel.kind == "caster"])
     casters = [wheel for wheel in physical_wheels(bare, mechanisms_of(bare)) if wheel.kind == "caster"]
     assert [(wheel.x, wheel.y) for wheel in casters] == [(0.65, 0.0)]
+    bed = CartModel(Inertia(150.0, (0.1, 0.05), 60.0), ALL_CASTERS, (CasterRealignment(0.3, x=0.1),))
+    assert np.array(MujocoPlant(bed).caster_headings).shape == (4,)
 
 
 def test_a_bed_without_listed_casters_gets_four():
