@@ -24,7 +24,7 @@ from ..log_noise import MAD_TO_STD
 from ..noise import FilterNoise
 from ..outliers import outlying, usual_distance
 from .block_tridiagonal import BlockTridiagonal, Factor
-from .pose_colour import PoseColour, SlowNoise, colour_of_poses
+from .pose_colour import PoseColour, SlowNoise, colour_of_poses, gone_across
 from .smooth_motion import SmoothMotion
 
 ROUNDS, SETTLED = 8, 1e-6
@@ -49,6 +49,9 @@ OFF, CLEARINGS = 5.0, 3
 """Standard deviations from its neighbours beyond which a residual is off; rounds in which such samples are left out."""
 MOST_OFF = 0.05
 """Of the samples: what happens more often is no accident."""
+CREEP, CREEP_BLOCK = 0.03, 0.5
+"""m/s within so many seconds (s), root mean square: wheels that creep more across their heading are not said to roll,
+or the smoother would make up speeds that explain it."""
 LOOSE = np.array([1e2, 1e1, 1e2])
 """Standard deviations of pose, nu and nu' before anything is measured."""
 
@@ -137,8 +140,19 @@ def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
         return chain
     seen = np.asarray(np.isfinite(pose).all(axis=1))
     rolling = first[seen, :3] + [0.0, 0.0, np.arctan2(cart.basis_b[1, 0], cart.basis_b[0, 0])]
+    creep = _creep(log.time[seen], rolling, cart.constraints.axle_x)
+    chain = replace(chain, sideways=float(np.hypot(sideways, creep)) if creep > CREEP else sideways)
     colour = colour_of_poses(log.time[seen], rolling, cart.constraints.axle_x, noise.heading / noise.position)
     return chain if colour is None else chain.coloured(colour)
+
+
+def _creep(time: Array, rolling: Array, axle: float) -> float:
+    """Sideways speed (m/s), root mean square without the largest tenth."""
+    across = gone_across(rolling, axle)
+    ends = np.searchsorted(time, np.arange(time[0], time[-1], CREEP_BLOCK)) if len(time) else np.zeros(0, dtype=int)
+    squares = np.sort(np.diff(across[ends]) ** 2)
+    kept = squares[: int(np.ceil(0.9 * len(squares)))]
+    return float(np.sqrt(kept.mean())) / CREEP_BLOCK if len(kept) else 0.0
 
 
 def _settle(chain: _Chain, state: Array, jerk: Array) -> tuple[Array, BlockTridiagonal]:

@@ -109,14 +109,20 @@ def colour_of_poses(time: Array, pose: Array, axle: float, lever: float) -> Pose
     not."""
     if len(time) < FEWEST:
         return None
-    middle, step = (pose[:-1, 2] + pose[1:, 2]) / 2, np.diff(pose, axis=0)
-    across = np.cumsum(-np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1] + axle * step[:, 2])
-    bend = _bend(time, pose)
-    whole, calm = (Variogram.of(time, np.append(0.0, across), bend <= most) for most in (np.inf, np.median(bend)))
+    across, bend = gone_across(pose, axle), _bend(time, pose)
+    whole, calm = (Variogram.of(time, across, bend <= most) for most in (np.inf, np.median(bend)))
     if whole is None or calm is None:
         return None
     (slow, fade), gain = _explained(whole)
     return PoseColour(slow, lever * slow, fade) if min(gain, _explained(calm)[1]) > MISFIT else None
+
+
+def gone_across(pose: Array, axle: float) -> Array:
+    """How far (m,) to the left the axle has gone, `axle` (m) before the pose (m, 3) of something that rolls along its
+    heading."""
+    middle, step = (pose[:-1, 2] + pose[1:, 2]) / 2, np.diff(pose, axis=0)
+    across = -np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1] + axle * step[:, 2]
+    return np.append(0.0, np.cumsum(across))
 
 
 def _bend(time: Array, pose: Array) -> Array:

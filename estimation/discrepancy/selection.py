@@ -35,7 +35,7 @@ from .judgement import (
 )
 from .pruning import NEARLY, pruned, still_plausible
 from .refinement import Refiner, searched_again
-from .sideways import LEAST_CREEP, sideways_trials
+from .sideways import sideways_trials
 from .stand_ins import stand_ins
 from .vocabulary import trials
 
@@ -184,14 +184,18 @@ def _sideways(
 ) -> tuple[tuple[WrenchRegression, ...], Fitted, list[Step]]:
     """Constraint effects, which bend the smoothed motion, come first; with each, the motion is smoothed again."""
     whole, steps = tuple(whole), list[Step]()
-    added: tuple[Effect, ...] = ()
+    added, creep = tuple[Effect, ...](), 0.0
     while True:
         fitted = on_moving_rows(whole, cart, added)
         trials = sideways_trials(whole, fitted.cart)
-        if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, LEAST_CREEP):
+        if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, creep):
             return whole, fitted, steps
-        whole, first = bent(whole, cart, added, trials[0].finding.effect)
-        added = (*added, first)
+        if trials[0].finding.effect.slip_compliance:
+            creep = trials[0].speed
+        added = (*added, trials[0].finding.effect)
+        for _ in added:  # the new one, and each that came before it once more beside it
+            whole, last = bent(whole, cart, added[:-1], added[-1])
+            added = (last, *added[:-1])
         attempts = [
             Attempt(t.finding.effect.key, t.finding.effect.name, t.finding.log_factor, t.held_out_gain, "less probable")
             for t in trials

@@ -30,6 +30,9 @@ FAR = 6.0
 """Times the usual distance: a recorded heading that is farther from the smoothed one is an accident."""
 LEAST_CREEP = 0.002
 """m/s, root mean square: less is in every bearing."""
+BESIDE_CREEP, ALL_THE_REST = 0.25, 0.8
+"""Of the speed at which tyres creep: less may be what they do besides, of another form, if it is not so much of what
+they leave on stretches that no fit saw."""
 SHARE_STD = 3.0
 """Of the usual size: the standard deviation of an effect's before data."""
 NO_AMPLITUDES = np.zeros(0, dtype=int)
@@ -95,8 +98,10 @@ class SidewaysTrial:
     held_out_gain: float
     speed: float
 
-    def is_worth(self, log_factor: float, gain: float, speed: float) -> bool:
-        return self.finding.log_factor > log_factor and self.held_out_gain > gain and self.speed > speed
+    def is_worth(self, log_factor: float, gain: float, creep: float) -> bool:
+        """Beside tyres that creep so fast (m/s), if they are known to."""
+        least = gain if self.speed > BESIDE_CREEP * creep else max(gain, ALL_THE_REST)
+        return self.finding.log_factor > log_factor and self.held_out_gain > least and self.speed > LEAST_CREEP
 
 
 def sideways_trials(regressions: Sequence[WrenchRegression], cart: CartModel) -> list[SidewaysTrial]:

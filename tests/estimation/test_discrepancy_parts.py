@@ -30,7 +30,8 @@ from estimation.discrepancy.log_check import check_rows, checked, moving
 from estimation.discrepancy.manoeuvres import manoeuvres, settled
 from estimation.discrepancy.rollouts import Rollouts, roll_out, starts
 from estimation.discrepancy.scatter import Scatter
-from estimation.discrepancy.sideways import sideways_trials
+from estimation.discrepancy.selection import _sideways
+from estimation.discrepancy.sideways import SidewaysTrial, sideways_trials
 
 from .runs import simulate
 
@@ -158,6 +159,33 @@ def test_creeping_wheels_show_sideways():
     first = sideways_trials((regression,), regression.cart)[0].finding
     assert isinstance(first.effect, LateralSlip)
     assert first.effect.cornering_stiffness == pytest.approx(600.0, rel=0.1)
+
+
+def test_tyres_that_creep_fast_do_not_bend_the_motion():
+    """Said to roll, the cart would be smoothed at speeds that nobody saw, where headings are all that they change."""
+    log = rolling(compliance=1 / 30.0)
+    motion = WrenchRegression(replace(log, velocity=None), guess(()), None).motion
+    speed, turn = 0.6 * np.sin(0.5 * log.time), 0.5 * np.cos(0.3 * log.time)
+    np.testing.assert_allclose(motion.velocity[50:-50], np.column_stack([speed, turn])[50:-50], atol=0.02)
+    assert np.median(np.abs(motion.pose[:, 2] - np.sin(0.3 * log.time) * 0.5 / 0.3)) < 0.0003
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.01, 0.06])
+def test_an_angle_beside_tyres_that_creep(angle):
+    """It is told where it explains what they leave, also where it is a trifle beside them."""
+    cart = guess(())
+    _, fitted, steps = _sideways((WrenchRegression(rolling(angle, compliance=1 / 60.0), cart, None),), cart)
+    assert {step.added.name for step in steps} == {"lateral_slip", *(["wheel_misalignment"] if angle else [])}
+    if angle:
+        assert next(e.angle for e in fitted.added if isinstance(e, WheelMisalignment)) == pytest.approx(angle, rel=0.05)
+
+
+@pytest.mark.parametrize(("gain", "speed", "expected"), [(0.6, 0.02, True), (0.6, 0.01, False), (0.9, 0.01, True)])
+def test_a_part_of_what_tyres_leave_may_be_of_their_form(gain, speed, expected):
+    """Of tyres that creep at 0.06 m/s."""
+    finding = sideways_trials((WrenchRegression(rolling(0.03), guess(()), None),), guess(()))[0].finding
+    assert SidewaysTrial(finding, 1.0, gain, speed).is_worth(7.0, 0.05, 0.06) is expected
+    assert SidewaysTrial(finding, 1.0, gain, speed).is_worth(7.0, 0.05, 0.0)
 
 
 def test_wheels_that_hold_show_nothing_sideways():
