@@ -190,9 +190,10 @@ def _sideways(
         trials = sideways_trials(whole, fitted.cart)
         if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, creep):
             return whole, fitted, steps
-        if trials[0].finding.effect.slip_compliance:
+        first = trials[0].finding.effect
+        if isinstance(first, ConstraintEffect) and first.slip_compliance:
             creep = trials[0].speed
-        added = (*added, trials[0].finding.effect)
+        added = (*added, first)
         for _ in added:  # the new one, and each that came before it once more beside it
             whole, last = bent(whole, cart, added[:-1], added[-1])
             added = (last, *added[:-1])
