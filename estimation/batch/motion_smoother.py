@@ -24,7 +24,7 @@ from ..log_noise import MAD_TO_STD
 from ..noise import FilterNoise
 from ..outliers import outlying, usual_distance
 from .block_tridiagonal import BlockTridiagonal, Factor
-from .pose_colour import PoseColour, SlowNoise, colour_of_poses, gone_across
+from .pose_colour import PoseColour, SlowNoise, colour_of_free_poses, colour_of_poses, gone_across
 from .smooth_motion import SmoothMotion
 
 ROUNDS, SETTLED = 8, 1e-6
@@ -136,13 +136,15 @@ def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
     steps = np.diff(log.time)
     sideways = noise.sideways(cart)
     chain = _Chain(cart.basis_b, steps, steps < LONG_GAP, pose, log.velocity, noise, first, sideways)
-    if cart.constraints.axle_x is None:
-        return chain
-    seen = np.asarray(np.isfinite(pose).all(axis=1))
-    rolling = first[seen, :3] + [0.0, 0.0, np.arctan2(cart.basis_b[1, 0], cart.basis_b[0, 0])]
-    creep = _creep(log.time[seen], rolling, cart.constraints.axle_x)
-    chain = replace(chain, sideways=float(np.hypot(sideways, creep)) if creep > CREEP else sideways)
-    colour = colour_of_poses(log.time[seen], rolling, cart.constraints.axle_x, noise.heading / noise.position)
+    whole = np.asarray(np.isfinite(pose).all(axis=1))
+    axle, lever = cart.constraints.axle_x, noise.heading / noise.position
+    if axle is None:
+        colour = colour_of_free_poses(log.time[whole], first[whole, :2], lever)
+    else:
+        rolling = first[whole, :3] + [0.0, 0.0, np.arctan2(cart.basis_b[1, 0], cart.basis_b[0, 0])]
+        creep = _creep(log.time[whole], rolling, axle)
+        chain = replace(chain, sideways=float(np.hypot(sideways, creep)) if creep > CREEP else sideways)
+        colour = colour_of_poses(log.time[whole], rolling, axle, lever)
     return chain if colour is None else chain.coloured(colour)
 
 

@@ -3,7 +3,9 @@
 Taken for white, it passes for motion, and the acceleration that the smoother finds is mostly noise. What it is can be
 read where no motion can be: wheels that roll keep the axle from going sideways, so sideways increments of the pose
 are noise alone. Over a lag t their squares grow with `1 - exp(-t / time)`, those of a cart that does slip smoothly,
-and those of white noise not at all; a fit of the three tells them apart.
+and those of white noise not at all; a fit of the three tells them apart. A cart on casters alone goes any way, but no
+motion makes third differences that grow as slowly: their squares go with t³ where velocities jump, and with higher
+powers else.
 """
 
 from __future__ import annotations
@@ -26,6 +28,8 @@ SLIPS = np.array([0.1, 0.2, 0.4, 0.8])
 """s: for as long as this a cart that slips keeps its sideways speed."""
 MISFIT = 0.05
 """By how much smooth motion and white noise alone fit worse, in squares of the relative misfit summed over lags."""
+MISFIT_OF_SHAPE = 0.1
+"""The same of white noise and motion alone, to third differences."""
 LEAST_WHITE = 0.3
 """Of what was read off as white noise."""
 
@@ -100,6 +104,19 @@ class SlowNoise:
         upper = np.stack([np.append(0.0, root[1, :-1]), root[0]])
         white = generator.standard_normal((len(diagonal), 3))
         return np.asarray(solve_banded((0, 1), upper, white) * self.colour.std)
+
+
+def colour_of_free_poses(time: Array, position: Array, lever: float) -> PoseColour | None:
+    """By the third differences of x and y (m, 2) of something that may go any way; as `colour_of_poses`."""
+    shown = Variogram.of_third_differences(time, position) if len(time) > FEWEST else None
+    if shown is None:
+        return None
+    fits = [(*shown.beside_motion(one), one) for one in TIMES]
+    shares, misfit, fade = min(fits, key=lambda fit: fit[1])
+    if shown.beside_motion(None)[1] - misfit < MISFIT_OF_SHAPE:
+        return None
+    slow = float(shares[1] ** 0.5)
+    return PoseColour(slow, lever * slow, float(fade))
 
 
 def colour_of_poses(time: Array, pose: Array, axle: float, lever: float) -> PoseColour | None:

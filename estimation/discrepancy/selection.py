@@ -184,16 +184,13 @@ def _sideways(
 ) -> tuple[tuple[WrenchRegression, ...], Fitted, list[Step]]:
     """Constraint effects, which bend the smoothed motion, come first; with each, the motion is smoothed again."""
     whole, steps = tuple(whole), list[Step]()
-    added, creep = tuple[Effect, ...](), 0.0
+    added, fastest = tuple[Effect, ...](), 0.0
     while True:
         fitted = on_moving_rows(whole, cart, added)
         trials = sideways_trials(whole, fitted.cart)
-        if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, creep):
+        if not trials or not trials[0].is_worth(ENOUGH, LEAST_GAIN, fastest):
             return whole, fitted, steps
-        first = trials[0].finding.effect
-        if isinstance(first, ConstraintEffect) and first.slip_compliance:
-            creep = trials[0].speed
-        added = (*added, first)
+        added, fastest = (*added, trials[0].finding.effect), max(fastest, trials[0].speed)
         for _ in added:  # the new one, and each that came before it once more beside it
             whole, last = bent(whole, cart, added[:-1], added[-1])
             added = (last, *added[:-1])

@@ -15,7 +15,7 @@ from scipy.linalg import block_diag
 from scipy.special import log_ndtr
 from scipy.stats import chi2
 
-from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect
+from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
@@ -30,9 +30,9 @@ FAR = 6.0
 """Times the usual distance: a recorded heading that is farther from the smoothed one is an accident."""
 LEAST_CREEP = 0.002
 """m/s, root mean square: less is in every bearing."""
-BESIDE_CREEP, ALL_THE_REST = 0.25, 0.8
-"""Of the speed at which tyres creep: less may be what they do besides, of another form, if it is not so much of what
-they leave on stretches that no fit saw."""
+BESIDE, ALL_THE_REST = 0.25, 0.8
+"""Of the speed that an earlier effect explains: less is what every tyre gives at an angle, or what tyres that creep do
+besides, of another form, if it is not so much of what they leave on stretches that no fit saw."""
 SHARE_STD = 3.0
 """Of the usual size: the standard deviation of an effect's before data."""
 NO_AMPLITUDES = np.zeros(0, dtype=int)
@@ -98,10 +98,11 @@ class SidewaysTrial:
     held_out_gain: float
     speed: float
 
-    def is_worth(self, log_factor: float, gain: float, creep: float) -> bool:
-        """Beside tyres that creep so fast (m/s), if they are known to."""
-        least = gain if self.speed > BESIDE_CREEP * creep else max(gain, ALL_THE_REST)
-        return self.finding.log_factor > log_factor and self.held_out_gain > least and self.speed > LEAST_CREEP
+    def is_worth(self, log_factor: float, gain: float, earlier: float) -> bool:
+        """Beside an effect that explains a speed (m/s)."""
+        if self.speed < BESIDE * earlier:
+            gain = np.inf if _gives(self.finding.effect) else max(gain, ALL_THE_REST)
+        return self.finding.log_factor > log_factor and self.held_out_gain > gain and self.speed > LEAST_CREEP
 
 
 def sideways_trials(regressions: Sequence[WrenchRegression], cart: CartModel) -> list[SidewaysTrial]:
@@ -138,12 +139,16 @@ def _trial(usual: ConstraintEffect, column: Array, residual: Array, excess: floa
     share, std = pull * variance, variance**0.5
     gain = 0.5 * pull * share
     factor = gain + 0.5 * np.log(variance / SHARE_STD**2)
-    if usual.scaled(-1.0).values[0] == usual.parameters[0].absent or usual.slip_compliance > 0:
+    if usual.scaled(-1.0).values[0] == usual.parameters[0].absent or _gives(usual):
         factor += np.log(2) + float(log_ndtr(share / std))
     effect = usual.scaled(share)
     slope = np.abs(usual.scaled(share + std / 2).values - usual.scaled(share - std / 2).values)
     finding = Finding(effect, float(factor), gain, NO_AMPLITUDES, np.zeros(0), slope)
     return SidewaysTrial(finding, excess, _held_out_gain(column, residual, excess), abs(share) * speed)
+
+
+def _gives(effect: Effect) -> bool:
+    return isinstance(effect, ConstraintEffect) and effect.slip_compliance > 0
 
 
 def _held_out_gain(column: Array, residual: Array, excess: float) -> float:

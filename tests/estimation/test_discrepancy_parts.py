@@ -23,6 +23,7 @@ from cartgrasp.wheels import Wheel
 from estimation import FilterNoise
 from estimation.batch.wrench_regression import WrenchRegression
 from estimation.discrepancy import rollouts
+from estimation.discrepancy.evidence import Finding
 from estimation.discrepancy.fitted import SURE, Fitted
 from estimation.discrepancy.gap import measured_gap
 from estimation.discrepancy.generic import Course, dependences
@@ -180,10 +181,19 @@ def test_an_angle_beside_tyres_that_creep(angle):
         assert next(e.angle for e in fitted.added if isinstance(e, WheelMisalignment)) == pytest.approx(angle, rel=0.05)
 
 
-@pytest.mark.parametrize(("gain", "speed", "expected"), [(0.6, 0.02, True), (0.6, 0.01, False), (0.9, 0.01, True)])
-def test_a_part_of_what_tyres_leave_may_be_of_their_form(gain, speed, expected):
-    """Of tyres that creep at 0.06 m/s."""
-    finding = sideways_trials((WrenchRegression(rolling(0.03), guess(()), None),), guess(()))[0].finding
+@pytest.mark.parametrize(
+    ("effect", "gain", "speed", "expected"),
+    [
+        (WheelMisalignment(0.1), 0.6, 0.02, True),
+        (WheelMisalignment(0.1), 0.6, 0.01, False),
+        (WheelMisalignment(0.1), 0.9, 0.01, True),
+        (LateralSlip(500.0), 0.6, 0.02, True),
+        (LateralSlip(500.0), 0.9, 0.01, False),
+    ],
+)
+def test_a_trifle_sideways_beside_much_may_be_of_its_form(effect, gain, speed, expected):
+    """Beside 0.06 m/s: an angle is none unless it explains all that is left, and every tyre gives a little."""
+    finding = Finding(effect, 50.0, 50.0, np.zeros(0, dtype=int), np.zeros(0), np.zeros(1))
     assert SidewaysTrial(finding, 1.0, gain, speed).is_worth(7.0, 0.05, 0.06) is expected
     assert SidewaysTrial(finding, 1.0, gain, speed).is_worth(7.0, 0.05, 0.0)
 

@@ -16,6 +16,7 @@ from estimation.batch import identify
 from estimation.batch.motion_smoother import smooth_motion
 from estimation.batch.pose_colour import PoseColour, SlowNoise
 from estimation.log_noise import noise_of_log
+from estimation.variogram import Variogram, in_third_differences
 
 from .runs import STEP, simulate_two_hands
 
@@ -75,10 +76,42 @@ def test_a_cart_that_slips_in_curves_is_no_noise(seed):
     assert smoothed(replace(log, pose=pose)).slow is None
 
 
-def test_a_cart_on_casters_has_no_axle_to_tell():
-    log = recorded(0)
-    cart = replace(GUESS, constraints=RollingConstraints(axle_x=None))
-    assert smooth_motion(log, cart, noise_of_log(log, cart)).slow is None
+def free(seed, **given):
+    """The same log, to somebody who does not know that the cart has an axle."""
+    log, cart = recorded(seed, **given), replace(GUESS, constraints=RollingConstraints(axle_x=None))
+    return smooth_motion(log, cart, noise_of_log(log, cart))
+
+
+@pytest.mark.parametrize("velocity", [False, True])
+@pytest.mark.parametrize("time", [0.05, 0.1, 0.25])
+def test_the_colour_is_found_where_no_axle_tells(time, velocity):
+    colour = free(1, time=time, velocity=velocity).slow.colour
+    assert colour.position**2 / colour.time == pytest.approx(SLOW**2 / time, rel=0.5)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("velocity", [False, True])
+def test_white_noise_stays_white_where_no_axle_tells(seed, velocity):
+    assert free(seed, slow=0.0, velocity=velocity).slow is None
+
+
+@pytest.mark.parametrize("power", [3, 4, 5, 6])
+def test_motion_is_no_noise(power):
+    """Jumps of velocity, of acceleration, white jerk and smooth motion, each with white noise, by their variograms."""
+    lag = STEP * np.array([1, 2, 3, 4, 6, 8, 12])
+    shown = Variogram(lag, WHITE**2 + (0.002 * (lag / lag[-1]) ** (power / 2)) ** 2)
+    assert shown.beside_motion(None) == (pytest.approx([WHITE**2]), pytest.approx(0.0, abs=1e-6))
+    slow = replace(shown, value=shown.value + SLOW**2 * in_third_differences(np.exp(-lag / 0.1)))
+    assert slow.beside_motion(None)[1] > 0.1
+    assert slow.beside_motion(0.1)[0] == pytest.approx([WHITE**2, SLOW**2], rel=1e-3)
+
+
+def test_third_differences_are_in_units_of_white_noise():
+    random = np.random.default_rng(0)
+    noise = 0.4 * random.standard_normal((200000, 2)) + 0.9 * remembering(200000, random, 0.05)[:, :2]
+    shown = Variogram.of_third_differences(STEP * np.arange(len(noise)), noise)
+    expected = 0.4**2 + 0.9**2 * in_third_differences(np.exp(-shown.lag / 0.05))
+    np.testing.assert_allclose(shown.value, expected, rtol=0.03)
 
 
 def test_white_noise_is_what_third_differences_leave():
