@@ -33,6 +33,7 @@ from .judgement import (
     Judge,
     Verdict,
 )
+from .onset import with_best_onset
 from .pruning import NEARLY, pruned, still_plausible
 from .refinement import Refiner, searched_again
 from .sideways import sideways_trials
@@ -272,6 +273,7 @@ def _judged(
         elif better is None and score < unproven and effect.gate.ends:
             verdict = Verdict(False, "less probable than what is not proven, and lasts")
         elif better is None:
+            model = with_best_onset(judge.fitted, model)
             verdict = judge.verdict(again[effect.key], score, model)
             if verdict.is_nameless and unnamed is None:
                 nameless, unnamed = score, model
