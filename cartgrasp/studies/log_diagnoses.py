@@ -1,4 +1,5 @@
-"""The discrepancy workflow on many logs: FOLDER/logs/NAME holds `run.csv` and `cart.yaml`, and gets `out`.
+"""The discrepancy workflow on many logs: FOLDER/logs/NAME holds `run.csv` (or `.parquet`, `.mcap`) and `cart.yaml`,
+and gets `out`.
 
 What has its report is left alone, so a study that was killed goes on where it was.
 """
@@ -22,6 +23,7 @@ from .claims import Claim
 from .parallel import run_all
 
 COLUMNS = ("log", "verdict", "effects", "s")
+LOGS = ("run.csv", "run.parquet", "run.mcap")
 REPORT, SECONDS = "report.json", "seconds.json"
 
 
@@ -46,10 +48,20 @@ class LogDiagnosis:
 
 
 def log_folders(folder: Path) -> list[Path]:
-    found = sorted(path.parent for path in folder.glob("logs/*/run.csv"))
+    found = sorted({path.parent for name in LOGS for path in folder.glob(f"logs/*/{name}")})
     if not found:
-        raise UsageError(f"{folder}: there is no logs/NAME/run.csv; put each log and its cart.yaml into such a folder")
+        raise UsageError(
+            f"{folder}: there is no logs/NAME/run.csv, .parquet or .mcap; put each log and its cart.yaml into such a "
+            "folder"
+        )
     return found
+
+
+def _log_of(folder: Path) -> Path:
+    there = [path for path in (folder / name for name in LOGS) if path.is_file()]
+    if len(there) > 1:
+        raise UsageError(f"{folder}: holds {' and '.join(path.name for path in there)}; leave one of them")
+    return there[0]
 
 
 def diagnose_all(folder: Path, workers: int = 1, progress: Callable[[float], None] | None = None) -> list[LogDiagnosis]:
@@ -62,7 +74,7 @@ def diagnose_one(folder: Path) -> LogDiagnosis:
     try:
         if not (out / REPORT).is_file():
             start = time.perf_counter()
-            found = diagnose(read_log(folder / "run.csv"), load_cart(folder / "cart.yaml"))
+            found = diagnose(read_log(_log_of(folder)), load_cart(folder / "cart.yaml"))
             out.mkdir(exist_ok=True)
             write_atomically(out / SECONDS, json.dumps({"seconds": time.perf_counter() - start}) + "\n")
             found.report.save(out)

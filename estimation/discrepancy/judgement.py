@@ -20,6 +20,8 @@ LEAST_GAIN = 0.05
 BESIDE = {Gate.WHILE: 0.15, Gate.FROM: 0.02, Gate.INSIDE: 0.01, Gate.ALWAYS: 0.01}
 """Of the log of the strongest earlier Bayes factor: what another form of that effect leaves looks like accidents, but
 hardly like a lasting change, or like what always acts."""
+BESIDE_LATE = 0.05
+"""The same, of what swings beside a sensor that is late: one that lags rounds what it records, too."""
 MOST_BESIDE = 180.0
 """Log of a Bayes factor: no form of an effect leaves more than that behind it."""
 LEAST_LIKELIHOOD = 4.0
@@ -146,9 +148,12 @@ class Judge:
         return f"the residual follows {follows.name}{period} better"
 
     def _unsure(self, effect: Effect, score: float) -> str:
-        searched = ENOUGH_SEARCHED if any(effect.grids(self.fitted.cart.wheel_set)) else ENOUGH
-        usual = effect.doubt * (ENOUGH_PASSING if effect.gate.passes else searched)
-        enough = max(usual, min(BESIDE[effect.gate] * self.strongest, MOST_BESIDE))
+        is_searched = any(effect.grids(self.fitted.cart.wheel_set))
+        usual = effect.doubt * (ENOUGH_PASSING if effect.gate.passes else ENOUGH_SEARCHED if is_searched else ENOUGH)
+        beside = BESIDE[effect.gate]
+        if is_searched and any(one.lateness > 0 for one in self.fitted.added):
+            beside = max(beside, BESIDE_LATE)
+        enough = max(usual, min(beside * self.strongest, MOST_BESIDE))
         return f"log of the Bayes factor {score:.1f} is below {enough:g}" if score < enough else ""
 
 

@@ -14,6 +14,7 @@ import pytest
 from benchmarks.sealed.generate import generate
 from cartgrasp import load_cart
 from cartgrasp.effects import KNOWN_EFFECTS
+from cartgrasp.logs import read_log, write_log
 
 from .commands import run, run_apart
 
@@ -235,20 +236,26 @@ def test_a_study_goes_on_where_it_was(capsys, tmp_path, sealed, made):
     put(tmp_path, "a", sealed, sealed.table)
     shutil.copytree(made.out, tmp_path / "logs" / "a" / "out")
     bad = put(tmp_path, "b", sealed, spoiled(sealed.table, slice(40, 41), ("y",), "abc"))
-    put(tmp_path, "c", sealed, sealed.table[:1301])
+    short = put(tmp_path, "c", sealed, sealed.table[:1301])
+    write_log(read_log(short), short.with_suffix(".parquet"))
+    short.unlink()
+    two = put(tmp_path, "d", sealed, sealed.table)
+    shutil.copy(two, two.with_suffix(".mcap"))
     answer = run(capsys, "study", "discrepancy", tmp_path, "--jobs", "1", "--json")
     assert answer.status == 1
-    a, b, c = answer.json["logs"]
+    a, b, c, d = answer.json["logs"]
     assert (a["verdict"], a["effects"], a["seconds"]) == ("explained", ["rolling_resistance"], None)
     assert f"{bad}:42" in b["failure"]
     assert c["verdict"] in VERDICTS
     assert c["seconds"] > 0
+    assert "run.csv and run.mcap" in d["failure"]
     assert not (bad.parent / "out").exists()
     assert (tmp_path / "discrepancy.md").read_text(encoding="utf-8").startswith("# Discrepancies")
 
     report = tmp_path / "logs" / "c" / "out" / "report.json"
     before = report.stat().st_mtime_ns
     shutil.rmtree(bad.parent)
+    shutil.rmtree(two.parent)
     again = run_apart("study", "discrepancy", tmp_path, "--jobs", "2")
     assert again.status == 0, again.err
     assert "rolling_resistance" in again.out

@@ -72,6 +72,7 @@ class Fit:
     is_late: bool = False
     regressions: tuple = (SimpleNamespace(step=0.01),)
     others: tuple = ()
+    added: tuple = ()
     mass: float = 20.0
     prior: Prior = field(default_factory=Prior)
     prior_cart: CartModel = field(default_factory=lambda: CartModel(Inertia(20.0, (0.3, 0.0), 1.5)))
@@ -105,8 +106,16 @@ def judged(effect=None, score=50.0, change=(0.1, 0.1), proof=None, before=None, 
     return judge.verdict(found, score, Fit(effect=effect, **model))
 
 
+LATE = TimeDelay(delay=0.08)
+
+
 def test_what_is_probable_steady_and_gains_is_added():
     assert judged().is_added
+
+
+def test_what_does_not_swing_is_judged_beside_a_late_sensor_as_elsewhere():
+    assert judged(strongest=2000.0, before=Fit(added=(LATE,))).is_added
+    assert judged(LoadSlosh(mass=3.0), strongest=2000.0).is_added
 
 
 @pytest.mark.parametrize(
@@ -116,6 +125,7 @@ def test_what_is_probable_steady_and_gains_is_added():
         ({"effect": LoadSlosh(mass=3.0), "score": 11.9}, "below 12"),
         ({"strongest": 6000.0}, "below 60"),
         ({"effect": TimeDelay(delay=0.009)}, "less than a sample"),
+        ({"effect": LoadSlosh(mass=3.0), "strongest": 2000.0, "before": Fit(added=(LATE,))}, "below 100"),
         ({"change": (0.6, 0.1)}, "another part of the log"),
         ({"change": (0.1, 0.6)}, "another part of the log"),
         ({"proof": Proof(share=0.04)}, "closes 4.0 %"),
