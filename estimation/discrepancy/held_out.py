@@ -97,10 +97,6 @@ class HeldOut:
         """Root mean square distance (m) of a structure trained elsewhere."""
         return self._of(fitted).gap
 
-    def usual_gap(self, fitted: Fitted) -> float:
-        """Median of the distance (m)."""
-        return self._of(fitted).usual_gap
-
     def _of(self, fitted: Fitted) -> Rollouts:
         """Worked out once."""
         if fitted not in self._rolled:
@@ -110,9 +106,6 @@ class HeldOut:
 
     def floor(self, fitted: Fitted) -> float:
         return joined(self.floor_rollouts(fitted, HORIZON)).gap
-
-    def usual_floor(self, fitted: Fitted) -> float:
-        return joined(self.floor_rollouts(fitted, HORIZON)).usual_gap
 
     def floor_rollouts(self, fitted: Fitted, horizon: float = HORIZON) -> tuple[Rollouts, ...]:
         generator = np.random.default_rng(0)

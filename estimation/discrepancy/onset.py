@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from cartgrasp.effects.effect import Gate
-
 from .fitted import Fitted
 
 STEPS, MOST_FITS = (1.0, 0.5, 0.25), 14
@@ -18,8 +16,6 @@ BETTER = 0.5
 def with_best_onset(fitted: Fitted, model: Fitted) -> Fitted:
     """`model`, which is `fitted` with one more effect, with this begun when whole fits say so."""
     effect = next(one for one in model.cart.effects if one.key == model.added[-1].key)
-    if effect.gate is not Gate.FROM:
-        return model
     others = {one.key for one in fitted.added}
     start, least, left = float(effect.values[0]), model.chi_squared(others), MOST_FITS
     for step in STEPS:

@@ -37,12 +37,6 @@ class Rollouts:
         """Root mean square of the distance, m; NaN of no rollouts."""
         return float(np.hypot(*self._root_mean_square[:2]))
 
-    @property
-    def usual_gap(self) -> float:
-        """Median of the distance, m: a few stretches on which a motion is unstable, as of a cart that is pushed
-        backwards, have no say in it."""
-        return float(np.median(np.hypot(*self.error[:, :2].T))) if len(self.error) else np.nan
-
     def closed(self, better: Rollouts) -> Array:
         """By how much the squared distance shrinks with another model, of each rollout (r,), m²."""
         return np.asarray((self.error[:, :2] ** 2 - better.error[:, :2] ** 2).sum(axis=1))

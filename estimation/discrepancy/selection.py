@@ -273,8 +273,10 @@ def _judged(
         elif better is None and score < unproven and effect.gate.ends:
             verdict = Verdict(False, "less probable than what is not proven, and lasts")
         elif better is None:
-            model = with_best_onset(judge.fitted, model)
             verdict = judge.verdict(again[effect.key], score, model)
+            if effect.gate is Gate.FROM and (verdict.is_added or verdict.is_unproven):
+                model = with_best_onset(judge.fitted, model)
+                verdict = judge.verdict(again[effect.key], score, model)
             if verdict.is_nameless and unnamed is None:
                 nameless, unnamed = score, model
             unproven = max(unproven, score) if verdict.is_unproven and effect.gate is Gate.ALWAYS else unproven

@@ -17,7 +17,7 @@ from .held_out import BEYOND_NOISE, HeldOut
 
 LITTLE, MUCH, MOST = 0.03, 0.25, 0.5
 """Of the squared gap above the noise floor: where no more than the first is left, two of a kind may pass; where more
-than the second is, nothing that passes has a name; where more than the third, also of the usual gap, no force has."""
+than the second is, nothing that passes has a name; where more than the third, no force has."""
 
 AT_BEST = 2
 """Of one kind, as of carpets."""
@@ -27,23 +27,19 @@ def stand_ins(fitted: Fitted, held_out: HeldOut) -> tuple[str, ...]:
     """Keys of the added effects that lose their names: with the first, all that was found beside it."""
     forces = [effect for effect in fitted.added if not isinstance(effect, ConstraintEffect)]
     kinds = Counter(effect.name for effect in forces)
-    left = usually = 0.0
-    if forces:
-        left = _left(held_out.gap(held_out.nominal), held_out.gap(fitted), held_out.floor(fitted))
-    if left > MOST:
-        nominal, after = held_out.usual_gap(held_out.nominal), held_out.usual_gap(fitted)
-        usually = _left(nominal, after, held_out.usual_floor(fitted))
+    left = _left(fitted, held_out) if forces else 0.0
 
     def is_doubtful(effect: Effect) -> bool:
         passes, most = effect.gate is not Gate.ALWAYS, 1 if left > LITTLE else AT_BEST
-        return min(left, usually) > MOST or (passes and (left > MUCH or kinds[effect.name] > most))
+        return left > MOST or (passes and (left > MUCH or kinds[effect.name] > most))
 
     first = next((i for i, effect in enumerate(forces) if is_doubtful(effect)), len(forces))
     return tuple(effect.key for effect in forces[first:])
 
 
-def _left(nominal: float, after: float, floor: float) -> float:
+def _left(fitted: Fitted, held_out: HeldOut) -> float:
     """The share of the nominal model's squared gap above the floor; 0 where all may be noise."""
+    nominal, after, floor = held_out.gap(held_out.nominal), held_out.gap(fitted), held_out.floor(fitted)
     if after <= BEYOND_NOISE * floor:
         return 0.0
     return (after**2 - floor**2) / max(nominal**2 - floor**2, after**2 - floor**2)

@@ -93,11 +93,6 @@ def test_places_everywhere_are_the_whole_floor(curved):
     assert cells[p:-1].sum() == pytest.approx(everywhere[p], rel=1e-6)
 
 
-def test_a_usual_gap_is_that_of_half_the_rollouts():
-    error = np.array([[0.03, 0.04, 9.0], [0.0, 0.01, 0.0], [2.0, 0.0, 0.0]])
-    assert Rollouts(np.arange(3), 1.0, error).usual_gap == pytest.approx(0.05)
-
-
 def test_rollouts_stay_where_they_are_allowed():
     regression = WrenchRegression(straight(), guess(), None)
     chosen = regression.motion.time > 2.0

@@ -30,27 +30,20 @@ class Fit:
 
 @dataclass(frozen=True)
 class Proof:
-    """Gaps (m): of the nominal model 10 floors, of any other so much of its square above one floor; and the usual
-    ones."""
+    """Gaps (m): of the nominal model 10 floors, of any other so much of its square above one floor."""
 
     left: float
-    usually: float
     nominal: str = "nominal"
 
     def gap(self, fitted):
         return 10.0 if fitted is self.nominal else (1 + self.left * 99) ** 0.5
 
-    def usual_gap(self, fitted):
-        return Proof(self.usually, 0.0, self.nominal).gap(fitted)
-
     def floor(self, fitted):
         return 1.0
 
-    usual_floor = floor
 
-
-def names(*added, left, usually=1.0):
-    return stand_ins(Fit(added), Proof(left, usually))
+def names(*added, left):
+    return stand_ins(Fit(added), Proof(left))
 
 
 @pytest.mark.parametrize("added", [(PUSH,), (PATCH,), (LOAD,), (PUSH, PATCH), (ROLLING, PUSH), (LOAD, SLOPE), ()])
@@ -95,11 +88,6 @@ def test_where_most_is_left_no_force_has_a_name():
     assert names(ANGLE, left=MOST + 0.05) == ()
 
 
-def test_a_few_stretches_that_run_away_take_no_name_from_what_always_acts():
-    assert names(ROLLING, SLOPE, left=MOST + 0.05, usually=MOST - 0.05) == ()
-    assert names(ROLLING, PUSH, left=MOST + 0.05, usually=MOST - 0.05) == ("external_push",)
-
-
 @dataclass(frozen=True)
 class Search:
     """Of a diagnosis; pushes are told whole after it, from where they begin to where they end."""
@@ -130,4 +118,4 @@ def test_what_may_be_noise_is_not_left():
         def gap(self, fitted):
             return 1.4
 
-    assert stand_ins(Fit((PUSH,)), Noise(0.0, 0.0)) == ()
+    assert stand_ins(Fit((PUSH,)), Noise(0.0)) == ()
