@@ -22,6 +22,7 @@ from cartgrasp.motion import ParameterEstimate
 from ..batch.wrench_regression import BLOCK
 from ..parameter_report import ParameterReport
 from ..prior import report_names
+from .dictionary import amplitudes_of
 from .fitted import Fitted
 from .forms import form_sizes
 from .manoeuvres import manoeuvres, settled
@@ -38,7 +39,7 @@ LEAST_DEVIATIONS = 2.5
 @dataclass(frozen=True)
 class Certainty:
     """The structure with its directions in balance, and the cart; its parameters; standard deviations of settings by
-    key, and by how many deviations each effect's amplitudes differ from none."""
+    key, and by how many deviations each effect's amplitudes differ from none, where a load lies beside."""
 
     fitted: Fitted
     cart: CartModel
@@ -92,7 +93,7 @@ def _told(fitted: Fitted, known: Certainty) -> Certainty:
 def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
     places, found = {name: i for i, name in enumerate(report_names(fitted.cart))}, dict[str, float]()
     for effect in fitted.added:
-        own = [i for i in _may_be_estimated(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
+        own = [i for i in amplitudes_of(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
         if own and not isinstance(effect, ConstraintEffect):
             at = [places[effect.keys[i]] for i in own]
             size = fitted.cart.parameters[at] - [effect.parameters[i].absent for i in own]

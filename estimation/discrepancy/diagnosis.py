@@ -42,7 +42,8 @@ LEAST_SHARE, LEAST_SMOOTH = 0.05, 0.15
 """Of the squares of the residual, for a dependence that is told: on what is periodic, and on what any other form of the
 model would follow a little."""
 RATE, ENOUGH = 45.0, 2000
-"""Rows a second, and rows, that are as good as more: of a log with twice as many, pairs are looked at."""
+"""Rows a second, and rows, that are as good as more: of a log with twice as many, pairs are looked at, with four times
+as many, pairs of means of two."""
 WHOLE = 0.98
 """Of the rows: so many must be whole for that."""
 CLOSED, NEARLY_CLOSED, FAR = 0.25, 0.05, 2.0
@@ -253,7 +254,9 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
 def smoothed(log: RunLog, cart: CartModel) -> WrenchRegression:
     """A log as the search sees it."""
     log = without_holes(without_glitches(without_stale(log)))
-    return WrenchRegression(log, cart, None, _in_pairs(log)).wary()
+    if _is_dense(log, 4.0):
+        log = log.thinned().paired()
+    return WrenchRegression(log, cart, None, _is_dense(log, 2.0)).wary()
 
 
 def _proven(selection: Selection) -> tuple[Selection, Certainty]:
@@ -277,10 +280,11 @@ def _arms(logs: Sequence[RunLog]) -> list[str]:
     return list(dict.fromkeys(arm for log in logs for arm in log.arms))
 
 
-def _in_pairs(log: RunLog) -> bool:
+def _is_dense(log: RunLog, times: float) -> bool:
+    """Whether it has so many times the rows that are enough, and nearly all of them whole."""
     rows = log.thinned()
     whole = np.isfinite(np.column_stack([rows.pose, *(arm.wrench for arm in rows.arms.values())])).all(axis=1)
-    return len(rows) > 2 * max(ENOUGH, RATE * log.duration) and bool(whole.mean() > WHOLE)
+    return len(rows) > times * max(ENOUGH, RATE * log.duration) and bool(whole.mean() > WHOLE)
 
 
 def _named(diagnosis: Diagnosis, step: Step) -> NamedEffect:

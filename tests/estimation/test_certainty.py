@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.effects import ExternalPush, ForceBias, ViscousDrag
+from cartgrasp.effects import ExternalPush, ForceBias, PayloadChange, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
@@ -123,6 +123,13 @@ def test_what_is_hardly_surer_than_nothing_is_left_out():
     assert removed == ()
     offset = kept.parameters["force_bias.fx"]
     assert kept.deviations["force_bias"] >= 0.99 * offset.value / offset.std
+
+
+def test_where_a_load_lies_says_nothing_of_whether_it_is_there():
+    log, load = pushed(0.0), PayloadChange(time=5.0, mass=0.5, x=0.9, y=0.5)
+    known = certain(Fitted((WrenchRegression(log, CART, None),), CART, (load,)))
+    mass = known.parameters["payload_change.mass"]
+    assert known.deviations["payload_change"] == pytest.approx(abs(mass.value) / mass.std)
 
 
 def test_a_direction_with_misfit_is_believed_less():
