@@ -86,12 +86,17 @@ class Step:
             return self
         alike, least = shown[self.added.key].alike, NEARLY * self.added.log_factor
         near = [a.name for a in self.attempts if a.key in alike and a.log_factor > least and a.verdict != IMPLAUSIBLE]
-        return replace(self, confusable=tuple(dict.fromkeys((*self.confusable, *near))))
+        return self._confused(near)
 
     def instead_of(self, replaced: Sequence[tuple[str, str]]) -> Step:
         """With the names of effects that went, and would do nearly as well in place of the added one."""
-        near = [name for key, name in replaced if self.added is not None and self.added.key == key]
-        return replace(self, confusable=tuple(dict.fromkeys((*self.confusable, *near))))
+        return self._confused([name for key, name in replaced if self.added is not None and self.added.key == key])
+
+    def _confused(self, near: Sequence[str]) -> Step:
+        """With other names; that another arm may have the same effect is told by its label."""
+        own = self.added.name if self.added is not None else ""
+        names = dict.fromkeys((*self.confusable, *near))
+        return replace(self, confusable=tuple(name for name in names if name != own))
 
 
 @dataclass(frozen=True)

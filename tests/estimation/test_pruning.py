@@ -101,6 +101,7 @@ def test_what_would_do_nearly_as_well_is_told_though_it_went(rolling_alone, near
     step = Step((), Attempt("stribeck_friction", "stribeck_friction", 400.0, None, "added"), ("floor_slope",))
     assert step.instead_of(replaced).confusable == ("floor_slope", *["rolling_resistance"] * near)
     assert step.instead_of([("load_slosh", "rolling_resistance")]).confusable == ("floor_slope",)
+    assert step.instead_of([("stribeck_friction", "stribeck_friction")]).confusable == ("floor_slope",)
 
 
 def test_what_is_needed_stays():
