@@ -55,6 +55,9 @@ MOST_BY_REFIT = 2.0
 """Times what the linear fit gains, or a share of it: more is a better fit of all else, less a form that has no weight
 there."""
 MOST_EFFECTS = 4
+UNSETTLES = 0.1
+"""Of the log of the Bayes factor of what is there and has no name: a second effect that explains less is not what makes
+it look unsteady."""
 
 
 @dataclass(frozen=True)
@@ -176,7 +179,10 @@ class _Search:
             return None
         self.tell("trying two at once")
         second = self.look(look.nameless.settled(), strongest)
-        if second.better is None:
+        if second.better is None or second.step.added is None:
+            return None
+        whole = next(a.log_factor for a in look.step.attempts if a.key == look.nameless.added[-1].key)
+        if second.step.added.log_factor < UNSETTLES * whole:
             return None
         alone = look.judge.fitted.tried(second.better.added[-1]).settled()
         again = self.look(alone, strongest)

@@ -17,7 +17,7 @@ from cartgrasp.effects import (
 from estimation.discrepancy.diagnosis import Diagnosis
 from estimation.discrepancy.isolability import Isolability
 from estimation.discrepancy.judgement import ADDED, UNSTEADY, Verdict
-from estimation.discrepancy.selection import IMPLAUSIBLE, Attempt, Step, _is_late, _judged, _keeps_noise
+from estimation.discrepancy.selection import IMPLAUSIBLE, Attempt, Step, _is_late, _judged, _keeps_noise, _Look, _Search
 
 
 def attempt(name, log_factor, verdict="less probable than another"):
@@ -66,6 +66,33 @@ def test_what_explains_less(first, verdict, second, is_added):
     assert (attempts[1].verdict == ADDED) is is_added
     assert attempts[0].is_there is (verdict.is_unproven or verdict.is_nameless)
     assert nameless is (model if verdict.is_nameless else None)
+
+
+@pytest.mark.parametrize(
+    ("second", "then", "is_found"),
+    [(400.0, "floor_slope", True), (99.0, "floor_slope", False), (400.0, "load_slosh", False), (None, "", False)],
+)
+def test_what_is_unsteady_alone_is_named_beside_another(second, then, is_found):
+    """Where that explains a tenth of it at least, and it is then what is added beside that."""
+
+    def model(*keys):
+        added = tuple(SimpleNamespace(key=key) for key in keys)
+        return SimpleNamespace(added=added, settled=lambda: model(*keys), tried=lambda one: model(*keys, one.key))
+
+    def look(fitted, name, log_factor, better=None, nameless=None):
+        added = None if name is None else attempt(name, log_factor, "added")
+        unnamed = attempt("floor_slope", 1000.0, UNSTEADY)
+        return _Look(SimpleNamespace(fitted=fitted), None, Step((unnamed,), added), better, nameless)
+
+    first = look(model(), None, 0.0, nameless=model("floor_slope"))
+    beside = model("floor_slope", "force_bias") if second else None
+    answers = iter([look(model(), second and "force_bias", second, beside), look(model(), then, 900.0)])
+    search = SimpleNamespace(look=lambda fitted, strongest: next(answers), tell=lambda what: None)
+    found = _Search.beside_another(search, first, 0.0)
+    assert (found is not None) is is_found
+    if is_found:
+        assert [one.key for one in found.better.added] == ["force_bias"]
+        assert found.step.added.name == "force_bias"
 
 
 @pytest.mark.parametrize(
