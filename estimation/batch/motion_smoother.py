@@ -150,11 +150,10 @@ def _chain(log: RunLog, cart: CartModel, noise: FilterNoise) -> _Chain:
 
 def _creep(time: Array, rolling: Array, axle: float) -> float:
     """Sideways speed (m/s), root mean square without the largest tenth."""
-    across = gone_across(rolling, axle)
-    ends = np.searchsorted(time, np.arange(time[0], time[-1], CREEP_BLOCK)) if len(time) else np.zeros(0, dtype=int)
-    squares = np.sort(np.diff(across[ends]) ** 2)
-    kept = squares[: int(np.ceil(0.9 * len(squares)))]
-    return float(np.sqrt(kept.mean())) / CREEP_BLOCK if len(kept) else 0.0
+    first = np.flatnonzero(np.diff((time - time[:1]) // CREEP_BLOCK, prepend=-1.0))
+    speed = np.diff(gone_across(rolling, axle)[first]) / np.diff(time[first])
+    squares = np.sort(speed**2)[: int(np.ceil(0.9 * len(speed)))]
+    return float(np.sqrt(squares.mean())) if len(squares) else 0.0
 
 
 def _settle(chain: _Chain, state: Array, jerk: Array) -> tuple[Array, BlockTridiagonal]:
