@@ -1,0 +1,1 @@
+"""Finds what a cart's model lacks (being rebuilt)."""
