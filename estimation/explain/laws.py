@@ -59,6 +59,12 @@ class Law:
         return f"law: {self.name}, {self.form}" + (f", {self.period:.3g} {self.unit}" if self.period else "")
 
     @property
+    def words(self) -> str:
+        """For people."""
+        period = f" with a period of {self.period:.3g} {self.unit}" if self.period else ""
+        return f"{'yaw moment' if self.is_moment else 'forward force'}: {self.name}{period} ({self.form})"
+
+    @property
     def std(self) -> Array:
         return np.full(self.size, MOMENT_STD if self.is_moment else FORCE_STD)
 

@@ -19,7 +19,7 @@ from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
 from ..weak_form.rows import Whitening, excess_noise
 from ..weak_form.score import Folds, Score, scored
 from .candidates import amplitudes_of
-from .laws import Law
+from .laws import Course, Law
 
 GUESS_STD, COM_STD = 1.5, 0.5
 """Of the logarithms of mass and inertia; m."""
@@ -145,21 +145,36 @@ class Model:
         prior = structure_prior(self.cart, self.guess, self.wide)
         return np.concatenate([prior.std[prior.free], self.nuisance.std])
 
+    def law_size(self, law: Law) -> float:
+        """Root mean square force (N) or moment (N·m) of a law at its fitted amplitudes."""
+        first = int(structure_prior(self.cart, self.guess, self.wide).free.sum()) + len(self.cart.constraint_effects)
+        for one in self.laws:
+            if one is law:
+                break
+            first += one.size
+        amplitudes = self.score.fit[first : first + law.size]
+        signals = [law.shape(Course.of(balances)) @ amplitudes for balances in self.logs]
+        return float(np.sqrt(np.mean(np.concatenate(signals) ** 2)))
+
     @cached_property
     def folds(self) -> Folds:
         return Folds.joined([Folds.of(balances.time, balances.row_step) for balances in self.logs])
 
     @cached_property
+    def sums(self) -> Array:
+        """Products of the rows' columns, by balance and block."""
+        return self.folds.sums(self.rows)
+
+    @cached_property
     def score(self) -> Score:
-        return self._scored(self.rows, self.prior_std)
+        start = np.ones(self.rows.shape[1])
+        return scored(self.sums, self.folds.rows, self.prior_std, self.folds, start)
 
     def with_columns(self, columns: Array, std: Array) -> Score:
         """The score with whitened columns (k, c, q) more."""
         whole = np.concatenate([self.rows[..., :-1], columns, self.rows[..., -1:]], axis=2)
-        return self._scored(whole, np.concatenate([self.prior_std, std]))
-
-    def _scored(self, rows: Array, std: Array) -> Score:
-        return scored(self.folds.sums(rows), self.folds.rows, std, self.folds, np.ones(rows.shape[1]))
+        start, prior = self.score.scale, np.concatenate([self.prior_std, std])
+        return scored(self.folds.sums(whole), self.folds.rows, prior, self.folds, start)
 
     def columns_of(self, effect: Effect) -> tuple[Array, Array]:
         """Whitened columns (k, c, q) of an effect's amplitudes, and their prior standard deviations (q,)."""

@@ -67,7 +67,7 @@ def refined(effect: Effect, gain: Callable[[Effect], float]) -> Effect:
             for move in steps:
                 for sign in (1.0, -1.0):
                     values = move.applied(effect.values, sign / 2**halving)
-                    if not _is_open(effect, values):
+                    if not is_open(effect, values):
                         continue
                     left -= 1
                     tried = effect.with_values(values)
@@ -78,7 +78,7 @@ def refined(effect: Effect, gain: Callable[[Effect], float]) -> Effect:
     return effect
 
 
-def _is_open(effect: Effect, values: Array) -> bool:
+def is_open(effect: Effect, values: Array) -> bool:
     low = np.array([p.lower for p in effect.parameters])
     high = np.array([p.upper for p in effect.parameters])
     if (values < low).any() or (values > high).any():

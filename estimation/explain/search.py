@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,10 +74,12 @@ class Step:
     added: Attempt | None
 
 
-def search(model: Model) -> tuple[Model, list[Step]]:
+def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[Model, list[Step]]:
+    """The model with all that is worth it, and what was tried on the way."""
     steps: list[Step] = []
     first = 0.0
-    for _ in range(MOST_STEPS):
+    for number in range(MOST_STEPS):
+        tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model)
         best = chosen(attempts)
         if best is None or best.model is None or best.gain < max(WORTH, SHARE * first):

@@ -29,7 +29,8 @@ FEWEST_ROWS = 12
 @dataclass(frozen=True, eq=False)
 class Motion:
     """At times (n,): smooth pose (n, 3) and free velocity (n, f), unbiased free acceleration (n, f) and speed across
-    the wheels at {b}'s axle (n,; from poses alone; None without one). `seen` (n,) where sensors saw it."""
+    the wheels at {b}'s axle (n,; from poses alone; None without one). `seen` (n,) where sensors saw it. Standard
+    deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log."""
 
     time: Array
     pose: Array
@@ -38,6 +39,8 @@ class Motion:
     across: Array | None
     seen: np.ndarray
     noise: MotionNoise
+    pose_std: Array
+    rate_std: Array
 
     @property
     def step(self) -> float:
@@ -91,7 +94,9 @@ def motion_of(log: RunLog, cart: CartModel) -> Motion:
     gap = LONGEST_GAP * max(native, step)
     near = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
     is_seen = time[near] - time[near - 1] <= gap
-    return Motion(grid, pose, free(velocity_b), free(acceleration_b), across, is_seen, noise)
+    middle = float(np.median(time))
+    std = [np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1)]
+    return Motion(grid, pose, free(velocity_b), free(acceleration_b), across, is_seen, noise, *std)
 
 
 def _turned(heading: Array, vectors_s: Array) -> Array:

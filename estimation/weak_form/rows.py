@@ -13,7 +13,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from .balances import SUPPORT, Balances
-from .sensor_noise import white_noise
+from .sensor_noise import noise_density
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
@@ -25,7 +25,7 @@ REST_SPEED, SWING_WAY = 0.05, 0.2
 """m/s, below which the paper learns nothing either; m, some four usual trails."""
 BISECTIONS = 16
 LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
-"""N (N·m), m/s: keeps logs without any noise solvable."""
+"""N/√Hz (N·m/√Hz), m/√Hz: keeps logs without any noise solvable."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,21 +38,22 @@ class Whitening:
     def of(cls, balances: Balances, cart: CartModel, excess: Array) -> Whitening:
         """By white noise of wrenches and motion; `cart` tells how much of the motion's a balance takes in. `excess` (c,)
         is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time."""
-        force, steps = _wrench_noise(balances, cart), balances.sample_step
+        force, root_step = wrench_noise(balances, cart), balances.sample_step**0.5
         noise, free = balances.motion.noise, cart.constraints.n_free
         inertia = cart.inertia
         heavy = np.array([inertia.mass, inertia.mass, inertia.phi[3]])[[0, 1, 2] if free == 3 else [0, 2][:free]]
         own = [0, 1, 2] if free == 3 else [0, 2][:free]
         roots, unsure = [], model_error(balances, cart)
         for i in range(free):
-            parts = [(float(np.hypot(force[i], excess[i] / steps**0.5)), 0)]
+            parts = [(float(np.hypot(force[i], excess[i])), 0)]
             if noise.velocity is not None:
-                parts.append((heavy[i] * noise.velocity[own[i]], 1))
+                parts.append((heavy[i] * noise.velocity[own[i]] * root_step, 1))
             else:
-                parts.append((heavy[i] * noise.pose[own[i]], 2))
-            roots.append(_root(balances, parts, steps, unsure[:, i]))
+                parts.append((heavy[i] * noise.pose[own[i]] * root_step, 2))
+            roots.append(_root(balances, parts, unsure[:, i]))
         if balances.motion.across is not None:
-            roots.append(_root(balances, [(noise.pose[0], 1), (float(np.hypot(LEAST_SPEED, excess[-1] / steps**0.5)), 0)], steps))
+            creep = float(np.hypot(LEAST_SPEED, excess[-1]))
+            roots.append(_root(balances, [(noise.pose[0] * root_step, 1), (creep, 0)]))
         return cls(tuple(roots))
 
     def __call__(self, columns: Array) -> Array:
@@ -84,16 +85,16 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
     return np.asarray(np.sqrt(own**2 + form**2 + effects**2))
 
 
-def _root(balances: Balances, parts: list[tuple[float, int]], steps: float, unsure: Array | None = None) -> Array:
-    """Of the covariance of white noise, each part through as many derivatives of the test functions, and of model
+def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
+    """Of the covariance of white noise, each part (the root of its density) through as many derivatives of the test functions, and of model
     errors (n,) that neighbours share."""
     k = len(balances.used)
     covariance = np.zeros((SUPPORT, k))
-    for std, order in parts:
+    for density, order in parts:
         for lag in range(min(SUPPORT, k)):
             overlap = balances.overlap(order, lag)
             linked = balances.used[lag:] - balances.used[: k - lag] == lag
-            covariance[lag, : k - lag] += std**2 * steps * overlap * linked
+            covariance[lag, : k - lag] += density**2 * overlap * linked
     if unsure is not None:
         off = balances.integrated(unsure)
         for lag in range(min(SUPPORT, k)):
@@ -103,15 +104,14 @@ def _root(balances: Balances, parts: list[tuple[float, int]], steps: float, unsu
     return np.asarray(cholesky_banded(covariance, lower=True))
 
 
-def _wrench_noise(balances: Balances, cart: CartModel) -> Array:
-    """Of one sample of the reduced wrench (f,)."""
-    f = cart.constraints.n_free
-    variance = np.zeros(f)
+def wrench_noise(balances: Balances, cart: CartModel) -> Array:
+    """Root of the density of the reduced wrench's noise (f,), N/√Hz, N·m/√Hz."""
+    variance = np.full(cart.constraints.n_free, LEAST_FORCE**2)
     for grasp, arm in zip(balances.wrenches.grasps, balances.log.arms.values(), strict=True):
-        std = np.array([white_noise(arm.wrench[:, i]) for i in range(6)])
+        density = np.array([noise_density(balances.log.time, arm.wrench[:, i]) for i in range(6)])
         reduced = np.abs(cart.basis_b.T @ grasp)
-        variance += ((reduced * std) ** 2).sum(axis=2).mean(axis=0)
-    return np.asarray(np.sqrt(variance + LEAST_FORCE**2))
+        variance += ((reduced * density) ** 2).sum(axis=2).mean(axis=0)
+    return np.asarray(np.sqrt(variance))
 
 
 def excess_noise(parts: Sequence[tuple[Balances, CartModel, Array]], used: float) -> Array:

@@ -11,6 +11,8 @@ from cartgrasp.logs import RunLog
 
 NOISE_OF_DIFFERENCES, MAD_TO_STD = 20**0.5, 1.4826
 """Third differences of white noise have 20 times its variance; the median of a normal deviate's size."""
+AVERAGED = (0.0, 0.02, 0.05)
+"""s: blocks over which samples are averaged; over longer ones, motion shows."""
 LEAST_POSITION, LEAST_VELOCITY = 2e-6, 1e-4
 """m (rad), m/s (rad/s): of the best motion capture."""
 
@@ -43,3 +45,20 @@ def white_noise(channel: Array) -> float:
     rounding = float(jumps[jumps > 0].min(initial=np.inf)) if (jumps > 0).any() else 0.0
     from_differences = MAD_TO_STD * float(np.median(np.abs(np.diff(present, 3)))) / NOISE_OF_DIFFERENCES
     return max(from_differences, rounding / 12**0.5)
+
+
+def noise_density(time: Array, channel: Array) -> float:
+    """Root of the density (unit/√Hz) of noise as slow as a test function sees it: of means over longer and longer blocks,
+    the largest. Noise that is filtered, or held from sample to sample, looks quieter from row to row than it is."""
+    known = np.isfinite(channel)
+    present = channel[known]
+    if len(present) < 2:
+        return 0.0
+    step = float(np.median(np.diff(time[known])))
+    densities = []
+    for length in AVERAGED:
+        size = max(1, round(length / step))
+        count = len(present) // size
+        means = present[: count * size].reshape(count, size).mean(axis=1)
+        densities.append(white_noise(means) * (size * step) ** 0.5)
+    return max(densities)

@@ -89,6 +89,12 @@ class SplineFit:
         """The data's weight on one coefficient."""
         return float(np.mean(self._normal[0][-1]))
 
+    def smooth_std(self, time: float, derivative: int = 0) -> float:
+        """Of the smooth fit at a time, if its penalty is that of the truth (a Bayesian credible one)."""
+        matrix = self._normal[0] + self._penalty * self._roughness
+        point = self.basis.design(np.array([time]), derivative).toarray()[0]
+        return float(np.sqrt(point @ cho_solve_banded((cholesky_banded(matrix), False), point)))
+
     @property
     def _normal(self) -> tuple[Array, Array]:
         matrix = np.zeros((DEGREE + 1, self.basis.count))
@@ -103,7 +109,8 @@ class SplineFit:
         """The smooth fit, with samples far from it weighed less, round by round."""
         coefficients = np.zeros(self.basis.count)
         for _ in range(ROUNDS):
-            coefficients = self._solved(self._likely_penalty())
+            self._penalty = self._likely_penalty()
+            coefficients = self._solved(self._penalty)
             for i, (design, one) in enumerate(zip(self._designs, self._samples, strict=True)):
                 off = np.abs(one.value - design @ coefficients) / one.std
                 self._weights[i] = one.std**-2.0 / np.maximum(off / OUTLYING, 1.0) ** 2
