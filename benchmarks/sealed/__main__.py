@@ -42,6 +42,9 @@ def main() -> None:
     scoring.add_argument("folder", type=Path, metavar="DIR")
     scoring.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
     scoring.add_argument("--reliability", type=Path, metavar="FILE", help="draw said against true probabilities there")
+    comparing = commands.add_parser("compare", help="the same logs with two first guesses: the same verdicts?")
+    comparing.add_argument("folders", type=Path, nargs=2, metavar="DIR")
+    comparing.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
     regressing = commands.add_parser("baselines", help="general methods on DIR/logs/*, to be scored too")
     regressing.add_argument("folder", type=Path, metavar="DIR")
     regressing.add_argument("--method", choices=list(METHODS), default="err")
@@ -54,6 +57,8 @@ def main() -> None:
         regress_logs(options)
     elif options.command == "score":
         score_reports(options)
+    elif options.command == "compare":
+        compare_reports(options, parser)
     else:
         generate_logs(options, parser)
 
@@ -127,6 +132,15 @@ def score_reports(options: argparse.Namespace) -> None:
         from .reliability_plot import save_reliability
 
         save_reliability(judged(options.folder, options.reports), options.reliability)
+
+
+def compare_reports(options: argparse.Namespace, parser: argparse.ArgumentParser) -> None:
+    from .comparing import compare
+
+    try:
+        print(compare(*options.folders, options.reports))
+    except ValueError as error:
+        parser.error(str(error))
 
 
 def regress_logs(options: argparse.Namespace) -> None:
