@@ -14,8 +14,8 @@ from .judging import Judgement, bare
 CLOSE_MASS = 0.03
 """Of the mass."""
 NOISE = 0.05
-"""Of a gap: both gaps are root mean squares of the same stretches, some hundred of them, so chance moves their ratio by
-less than the 1 / sqrt(2 n) by which it moves either."""
+"""Of a gap. Of n rollouts a root mean square is sure to 1 / sqrt(2 n), a twentieth of 200; two of the same rollouts err
+together, so chance moves their ratio by less."""
 LIKELY = 0.5
 
 
