@@ -75,11 +75,14 @@ prove: setup
 	$(ENV) $(BIN)/python -m pytest -m prove tests || [ $$? -eq 5 ]
 
 # Diagnoses that are there are kept, so what was interrupted goes on; after a change of the workflow, remove them first.
+# Logs that are rough on purpose, worse first guesses, proof: make sealed SEALED=out/rough OPTIONS="--cases rough"
+# (`python -m benchmarks.sealed --help` says what there is).
 SEEDS := 0:4
 SHARES := 1,0.5,0.25,0.125
 SEALED := out/sealed
+OPTIONS :=
 sealed: setup $(READY_FOR_BENCH)
-	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS)
+	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS) $(OPTIONS)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.true_structures $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED)
