@@ -9,10 +9,10 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -40,8 +40,8 @@ ALONE = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command said, as its `--json` has it, or its last words in `error`; and the seconds it took, start
-    included."""
+    """What a command said, as its `--json` has it, or its last words in `error`; and the seconds of a core that it
+    took, start included, whatever else the machine did."""
 
     said: Mapping[str, Any] = field(default_factory=dict)
     error: str = ""
@@ -94,7 +94,7 @@ def run_all(jobs: Sequence[Job], processes: int) -> Iterator[Outcome]:
     """As they come."""
     from joblib import Parallel, delayed
 
-    yield from Parallel(processes, prefer="threads", return_as="generator_unordered")(delayed(run)(job) for job in jobs)
+    yield from Parallel(processes, return_as="generator_unordered", batch_size=1)(delayed(run)(job) for job in jobs)
 
 
 def run(job: Job) -> Outcome:
@@ -146,14 +146,14 @@ def _asked(command: str, log: Path, cart: Path, folders: Sequence[Path]) -> Answ
 
 def _asked_once(command: str, log: Path, cart: Path, folders: Sequence[Path]) -> Answer:
     words = [sys.executable, "-m", "cartgrasp", command, str(log), "--cart", str(cart), "--json"]
-    start = time.perf_counter()
+    before = _seconds_of_children()
     try:
         done = subprocess.run(
             words, cwd=ROOT, env=os.environ | ALONE, capture_output=True, text=True, timeout=LONGEST, check=False
         )
     except subprocess.TimeoutExpired:
         return Answer(error=f"has not ended after {LONGEST:g} s", seconds=LONGEST)
-    seconds = time.perf_counter() - start
+    seconds = _seconds_of_children() - before
     if done.returncode:
         last = (done.stderr.strip().splitlines() or ["no word"])[-1]
         return Answer(error=f"status {done.returncode}, {_without(last, folders)}", seconds=seconds)
@@ -161,6 +161,12 @@ def _asked_once(command: str, log: Path, cart: Path, folders: Sequence[Path]) ->
     if command == "discrepancy":
         said = {key: said[key] for key in KEPT if key in said}
     return Answer(said, seconds=seconds)
+
+
+def _seconds_of_children() -> float:
+    """Of all that ended so far; a worker has one at a time."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _without(words: str, folders: Sequence[Path]) -> str:

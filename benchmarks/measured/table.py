@@ -32,7 +32,7 @@ NOTE = (
     "`make measured`: `estimate`, `identify` and `discrepancy` on logs that nobody of this project made, from a rail "
     "with a round wrong mass and some viscous drag, and on variants of each. What is true was worked out by simpler "
     "means (`benchmarks/measured/truths.py`). Values have their standard deviations; a mass with * is said to be "
-    "taught. Gaps are those before, refitted and after, and what noise makes. Seconds count each command's start."
+    "taught. Gaps are those before, refitted and after, and what noise makes. Seconds are a core's, start included."
 )
 
 

@@ -97,7 +97,7 @@ def test_the_program_writes_what_it_prints(data, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(running, "_asked", lambda *_: running.Answer(error="status 3, no"))
     out = tmp_path / "new" / "section.md"
     words = ["measured", "--data", str(data), "--kept", str(tmp_path / "kept"), "--out", str(out)]
-    monkeypatch.setattr("sys.argv", [*words, "--only", "as it is", "half"])
+    monkeypatch.setattr("sys.argv", [*words, "--processes", "1", "--only", "as it is", "half"])
     program.main()
     printed = capsys.readouterr()
     assert out.read_text() == printed.out.removesuffix("\n")
