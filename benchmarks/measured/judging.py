@@ -12,6 +12,7 @@ from .at_a_bound import at_a_bound
 from .logs import MeasuredLog
 from .running import Outcome
 from .told_values import VALUES, Name, Number, mass, names, number
+from .truths import Interval
 
 DEVIATIONS = 2.0
 """Within which an interval is said to meet another: 95 %."""
@@ -94,7 +95,7 @@ def report_holds(j: Judgement) -> bool | None:
     true, told = j.log.truth.mass, j.mass("discrepancy")
     if true is None:
         return None
-    return told is not None and true.holds(*told, 0.0 if j.is_base else DEVIATIONS)
+    return told is not None and (true.holds(told[0]) if j.is_base else _near(true, told))
 
 
 def told_what_must_be(j: Judgement) -> bool | None:
@@ -120,7 +121,7 @@ def values_hold(j: Judgement) -> bool | None:
     told = [(j.log.truth.values[name], value) for name, value in j.values.items() if value is not None]
     if not told:
         return None
-    return all(true.holds(*value, None if j.is_base else max(true.deviations, DEVIATIONS)) for true, value in told)
+    return all(true.holds(*value) if j.is_base else _near(true, value) for true, value in told)
 
 
 def nothing_taught_at_a_bound(j: Judgement) -> bool | None:
@@ -173,7 +174,13 @@ def _meets(j: Judgement, command: str) -> bool | None:
     true, told = j.log.truth.mass, j.mass(command)
     if true is None:
         return None
-    return told is not None and true.holds(*told, DEVIATIONS)
+    return told is not None and _near(true, told)
+
+
+def _near(true: Interval, told: Number) -> bool:
+    """Whether intervals meet; one that reaches nought says nothing, and its value alone counts."""
+    value, std = told
+    return true.holds(value, std, DEVIATIONS if DEVIATIONS * std < abs(value) else 0.0)
 
 
 CRITERIA: dict[str, Callable[[Judgement], bool | None]] = {

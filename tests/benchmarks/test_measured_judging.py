@@ -192,6 +192,8 @@ def test_a_variant_is_judged_by_intervals_and_by_the_names_of_the_log_itself():
     near = report(effect("rolling_resistance", force=(18.0, 0.6)), mass=(134.0, 2.5))
     assert judged("wheelchair", near, base=base).faults == ()
     assert judged("wheelchair", near).faults == (REPORT, VALUES)
+    vague = report(effect("rolling_resistance", force=(14.0, 1.0)), mass=(50.0, 40.0))
+    assert judged("wheelchair", vague, online=parameters(105.0), batch=parameters(105.0), base=base).faults == (REPORT,)
     more = report(ROLLS, effect("force_bias"))
     assert judged("wheelchair", more, base=base).faults == (SAME,)
     tie = report(effect("stribeck_friction", confusable=["rolling_resistance"]))
