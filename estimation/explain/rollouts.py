@@ -11,6 +11,7 @@ from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
+from ..weak_form.rows import STILL_SPEED
 
 HORIZONS = (0.5, 1.0, 2.0)
 """s."""
@@ -20,6 +21,8 @@ STEP = 0.01
 """s: of the integrator, where nothing is stiff."""
 STABLE = 0.5
 """Of a step times the fastest rate: inside the region where the integrator is stable."""
+MOST_STILL = 0.2
+"""Of a rollout's time: where a cart stands longer, anything may have held it."""
 SAMPLED = 40
 """States at which stiffness is looked at."""
 
@@ -40,12 +43,14 @@ class Rollouts:
 
 
 def starts(balances: Balances) -> np.ndarray:
-    """Points of the grid from which the shortest rollout stays where everything was seen."""
+    """Points of the grid from which a rollout stays where everything was seen, on the move."""
     motion, seen = balances.motion, balances.wrenches.seen
     last = round(HORIZONS[1] / motion.step)
     unseen = np.append(0, np.cumsum(~seen))
     first = np.arange(0, len(seen) - last, max(round(EVERY / motion.step), 1))
-    return np.asarray(first[unseen[first + last] == unseen[first]])
+    stands = np.append(0, np.cumsum(balances.turning_speed < STILL_SPEED))
+    moves = stands[first + last] - stands[first] < MOST_STILL * last
+    return np.asarray(first[(unseen[first + last] == unseen[first]) & moves])
 
 
 def rolled_out(

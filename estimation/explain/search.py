@@ -19,9 +19,9 @@ from .plausible import is_plausible
 from .refine import refined
 from .screening import Screen
 
-WORTH = 12.0
+WORTH = 10.0
 """Of the score: what is added gains so much at least, and a simpler one is taken unless another gains so much more."""
-SHARE = 0.1
+SHARE = 0.12
 """Of the largest gain so far: what is smaller may be what the form of the first leaves."""
 SIMPLER = 0.2
 """Of the best gain: by what less a simpler candidate is taken."""

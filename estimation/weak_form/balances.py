@@ -27,6 +27,8 @@ from cartgrasp.model import CartModel
 from .motion import KNOT_STEPS, Motion, motion_of
 from .wrenches import GridWrenches
 
+LEVER = 0.35
+"""m: half of a usual track."""
 SUPPORT = 4
 """Row steps over which a cubic B-spline is not zero."""
 
@@ -59,6 +61,13 @@ class Balances:
     def late(self, lateness: float) -> Balances:
         """With wrenches that were felt `lateness` (s) before they were recorded."""
         return replace(self, wrenches=GridWrenches.on(self.log, self.motion, lateness))
+
+    @property
+    def turning_speed(self) -> Array:
+        """How fast the cart and its wheels go (n,), m/s."""
+        velocity = self.motion.velocity
+        turning = np.abs(velocity[:, -1]) if velocity.shape[1] > 1 else 0.0
+        return np.asarray(self.motion.speed + LEVER * turning)
 
     # --- test functions ----------------------------------------------------------------------------------------
 

@@ -12,17 +12,18 @@ from scipy.linalg.lapack import dtbtrs
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .balances import SUPPORT, Balances
+from .balances import LEVER, SUPPORT, Balances
 from .sensor_noise import noise_density
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
 which neighbours share."""
 G = 9.81
-FRICTION, LEVER = 0.01, 0.35
-"""Coefficient and m: half of a usual rolling resistance, at half of a usual track."""
-REST_SPEED, SWING_WAY = 0.05, 0.2
-"""m/s, below which the paper learns nothing either; m, some four usual trails."""
+FRICTION = 0.01
+"""Half of a usual coefficient of rolling resistance."""
+STILL_SPEED, REST_SPEED, SWING_WAY = 0.02, 0.05, 0.2
+"""m/s, below which brakes, chocks and friction may hold any force; m/s, below which the paper learns nothing either; m,
+some four usual trails."""
 BISECTIONS = 16
 LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
 """N/√Hz (N·m/√Hz), m/√Hz: keeps logs without any noise solvable."""
@@ -66,10 +67,10 @@ class Whitening:
 
 
 def model_error(balances: Balances, cart: CartModel) -> Array:
-    """What any Coulomb friction may be off by (n, f): near rest it takes whatever value holds things, and while casters
+    """What a model may be off by (n, f), but for noise. Where the cart stands, anything may hold it. Near rest Coulomb friction takes whatever value holds things, and while casters
     swing round after a reversal nobody knows where they drag."""
     motion, free = balances.motion, cart.constraints.n_free
-    speed = motion.speed + LEVER * np.abs(motion.velocity[:, -1] if free > 1 else 0.0)
+    speed = balances.turning_speed
     resting = np.exp(-((speed / REST_SPEED) ** 2))
     direction = np.sign(motion.velocity[:, 0])
     reversed_at = np.flatnonzero(np.diff(direction) != 0)
@@ -78,11 +79,12 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
     swinging = np.exp(-((since / SWING_WAY) ** 2))
     weight = FRICTION * G * cart.inertia.mass
     total = balances.wrenches.planar(cart) @ cart.basis_b
-    form = FORM_SHARE * np.sqrt((total**2).mean(axis=0))
+    size = np.sqrt((total**2).mean(axis=0))
+    held = np.exp(-((speed / STILL_SPEED) ** 2))[:, None] * size
     force, moment = weight * resting, weight * LEVER * np.maximum(resting, swinging)
     own = np.column_stack([force, force, moment][:: 1 if free == 3 else 2] if free > 1 else [force])
     effects = EFFECT_SHARE * np.abs(cart.effect_wrench(balances.state(cart), time=motion.time) @ cart.basis_b)
-    return np.asarray(np.sqrt(own**2 + form**2 + effects**2))
+    return np.asarray(np.sqrt(own**2 + (FORM_SHARE * size) ** 2 + effects**2 + held**2))
 
 
 def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
