@@ -66,8 +66,8 @@ def model(weaves):
 
 
 def test_on_a_straight_way_a_slope_is_a_biased_sensor():
-    """One heading alone: what gravity does along it and what the sensor adds to the forward force are one constant. With
-    many headings they are not."""
+    """One heading alone: what gravity does along it and what the sensor adds to the forward force are one constant.
+    With many headings they are not."""
     straight, many = isolability(model(weaves=False)), isolability(model(weaves=True))
     assert straight["floor_slope"].likeness["force_bias"] > 0.99
     assert "force_bias" not in many["floor_slope"].alike

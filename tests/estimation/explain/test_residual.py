@@ -1,4 +1,4 @@
-"""What a model leaves, as means over stretches: forces and angles that were put in, and noise against its deviations."""
+"""What a model leaves, as means over stretches: forces and angles that were put in; noise against its deviations."""
 
 from dataclasses import replace
 
@@ -61,8 +61,8 @@ def test_a_force_that_nobody_knows_of_is_in_the_forward_residual(log, quiet):
 
 
 def test_means_of_noise_are_as_large_as_their_deviations():
-    """Against many logs of one motion: the spread of each stretch's mean over them is what is told of it, no less; noise
-    beyond the sensors', which a model may have, makes it more."""
+    """Over eight logs. What rows are unsure of beside the sensors' noise (forms of friction near rest) is not in them,
+    so they may be smaller."""
     told = [
         residuals(model, model)[:2]
         for model in (started(simulate(TRUTH, seed, 12.0, noise=(0.0005, 0.005, 2.0))[0]) for seed in range(8))
