@@ -111,6 +111,8 @@ def _maps(found: Diagnosis) -> Figure:
     """A row for each variable, a column for each coordinate."""
     maps = found.residual_maps
     variables = list(dict.fromkeys((one.variable, one.variable_unit) for one in maps))
+    if not variables:
+        return Figure(figsize=(8.4, 0.5))
     height = 1.6 * len(variables) + 0.5
     figure = Figure(figsize=(8.4, height))
     margins = {"left": 0.06, "right": 0.99, "top": 1 - 0.3 / height, "bottom": 0.45 / height}

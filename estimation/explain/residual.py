@@ -126,6 +126,8 @@ class _Means:
 
 def _factor(root: Array) -> csr_array:
     """The Cholesky factor (k, k) whose diagonals, from the main one down, a whitening keeps (lags, k)."""
-    lag, column = np.indices(root.shape)
-    there = lag + column < root.shape[1]
-    return csr_array((root[there], ((lag + column)[there], column[there])), shape=(root.shape[1],) * 2)
+    k = root.shape[1]
+    column = np.broadcast_to(np.arange(k), root.shape)
+    row = column + np.arange(len(root))[:, None]
+    there = row < k
+    return csr_array((root[there], (row[there], column[there])), shape=(k, k))
