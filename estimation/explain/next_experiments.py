@@ -12,7 +12,8 @@ from cartgrasp.information import WrenchNoise
 from .separating import Hands, separating
 
 if TYPE_CHECKING:
-    from .diagnosis import Diagnosis, NamedEffect
+    from .diagnosis import Diagnosis
+    from .named import NamedEffect
 
 MORE_MOTION = (
     "push forward and backward, at a slow and a fast steady speed, along two headings and through turns both ways: "
