@@ -9,7 +9,7 @@ import numpy as np
 
 from cartgrasp.information import WrenchNoise
 
-from .separating import Hands, separating
+from .separating import Hands, rivals_named, separating
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -45,6 +45,8 @@ def _told(found: Diagnosis) -> Iterator[str]:
 def _to_tell_apart(found: Diagnosis, effect: NamedEffect, others: list[str]) -> str:
     key = next(one.key for one in found.cart.effects if (one.name, one.label) == (effect.name, effect.label))
     hands = _hands(found)
+    lasting = [name for name in others if rivals_named(name, found.cart.without_effect(key), hands)]
+    others = lasting or others  # what acts at a place or a time is told apart by no motion
     best = separating(found.cart, key, others, hands) if hands.contacts else None
     if best is None:
         return MORE_MOTION

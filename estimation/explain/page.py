@@ -102,7 +102,7 @@ def _effects(found: Diagnosis) -> str:
         head = [f"{effect.name} {effect.label}".strip(), f"{100 * effect.probability:.1f} %", rest]
         share = f"{100 * effect.gap_share:.0f} %"
         for k, (parameter, (value, std, unit)) in enumerate(effect.parameters.items()):
-            known = f"{value:.4g} ± {std:.2g} {unit}".rstrip()
+            known = f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -")
             rows.append([*(head if k == 0 else ["", "", ""]), parameter, known, share if k == 0 else ""])
     columns = ["effect", "probability", "not told apart from", "parameter", f"value {ONE_STD}", "gap closed"]
     return _table(columns, rows)

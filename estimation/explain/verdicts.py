@@ -5,7 +5,7 @@ from __future__ import annotations
 from cartgrasp.effects import Effect
 
 from .plausible import is_plausible
-from .search import Attempt, Step
+from .search import WORTH, Attempt, Step
 
 ADDED = "added"
 TOO_LITTLE = "less than needed"
@@ -16,11 +16,12 @@ ODD = "nobody would call it so at these values"
 
 def verdict(step: Step, one: Attempt) -> str:
     """Of one of a step's attempts."""
-    if step.added is not None and one.key == step.added.key:
+    if one is step.added:
         return ADDED
-    if one.model is None:
+    if one.gain < WORTH:
         return TOO_LITTLE
-    if isinstance(one.candidate, Effect) and not is_plausible(one.candidate, one.model.cart.wheel_set):
+    fitted = one.candidate if one.model is not None else None
+    if one.model is not None and isinstance(fitted, Effect) and not is_plausible(fitted, one.model.cart.wheel_set):
         return ODD
     if step.added is None:
         return TOO_LITTLE

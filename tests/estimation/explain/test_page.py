@@ -48,7 +48,7 @@ def diagnosis():
         name="rolling_resistance",
         label="",
         probability=0.95,
-        parameters={"coefficient": (0.0201, 0.0007, "")},
+        parameters={"coefficient": (0.0201, 0.0007, "-")},
         confusable_with=("directional_drag",),
         gap_share=0.97,
     )
@@ -151,8 +151,9 @@ def test_a_step_tells_gain_and_verdict_of_each(text):
     rows = table(text, "candidate")
     assert rows[0] == ["candidate", "score gain (nats)", "verdict"]
     assert rows[1] == ["rolling_resistance", "310.2", ADDED]
-    assert rows[2] == ["quadratic_drag", "20.5", TOO_LITTLE]
+    assert rows[2] == ["quadratic_drag", "20.5", BETTER]
     assert rows[3][0].startswith("law: speed")
+    assert rows[3][1:] == ["2.0", TOO_LITTLE]
 
 
 def test_the_log_is_told(text, diagnosis):
@@ -171,4 +172,5 @@ def test_a_verdict_is_what_the_numbers_say(diagnosis):
     assert [verdict(step, one) for one in step.attempts] == [ODD, SIMPLER, ADDED, BETTER]
     assert verdict(Step((less,), None), less) == TOO_LITTLE
     assert verdict(Step((odd,), None), odd) == ODD
-    assert verdict(step, replace(less, model=None)) == TOO_LITTLE
+    assert verdict(step, replace(less, model=None)) == BETTER
+    assert verdict(step, replace(less, gain=3.0)) == TOO_LITTLE

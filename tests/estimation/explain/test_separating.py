@@ -132,6 +132,7 @@ def test_what_to_record_next():
     (told,) = next_experiments(diagnosis(["floor_slope", "force_bias"]))
     assert told.startswith("to tell rolling_resistance from floor_slope or force_bias: ")
     assert int(told.split("by ")[1].split()[0]) > 5
+    assert next_experiments(diagnosis(["floor_slope", "floor_patch", "force_bias"])) == (told,)
     assert next_experiments(diagnosis(["payload_change"], hidden=6)) == (MORE_MOTION,)
     assert next_experiments(diagnosis(["floor_slope"], arms=())) == (MORE_MOTION,)
     assert next_experiments(diagnosis([])) == ()
