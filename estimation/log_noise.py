@@ -45,16 +45,16 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         remembers = _loudness(log, cart)
         linear, yaw = remembers * linear, remembers * yaw
     wrenches = [arm.wrench for arm in log.arms.values()]
-    force = max(*(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1)), LEAST_FORCE)
-    moment = max(*(noise_floor(w[:, 5], usual.moment) for w in wrenches), LEAST_MOMENT)
+    force = max((noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1)), default=usual.force)
+    moment = max((noise_floor(w[:, 5], usual.moment) for w in wrenches), default=usual.moment)
     size = _force_size(log, cart)
     return FilterNoise(
         position=position,
         heading=heading,
         linear_velocity=linear,
         yaw_rate=yaw,
-        force=force,
-        moment=moment,
+        force=max(force, LEAST_FORCE),
+        moment=max(moment, LEAST_MOMENT),
         disturbance=max(DISTURBANCE_SHARE * size, 0.01),
     )
 

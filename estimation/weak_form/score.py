@@ -122,4 +122,4 @@ def _scale(total: Array, rows: float, fit: Array, covariance: Array, scale: Arra
     left = np.einsum("i,cij,j->c", step, total, step)
     q = len(fit)
     used = np.einsum("ij,cji->c", covariance, total[:, :q, :q]) / scale**2
-    return np.asarray(np.maximum(np.sqrt(left / np.maximum(rows - used, 0.5 * rows)), LEAST_SCALE))
+    return np.asarray(np.maximum(np.sqrt(np.maximum(left, 0.0) / np.maximum(rows - used, 0.5 * rows)), LEAST_SCALE))
