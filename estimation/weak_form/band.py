@@ -1,14 +1,14 @@
-"""Up to which frequency a model foretells a log's motion: where its mass is known best.
+"""Up to which frequency a model foretells a log's motion: as far as its mass is the same as in narrower bands.
 
 Regressed force on acceleration, a mass comes out too small where the acceleration has a share that no wrench made (a
-rider leans, hands give); acceleration on force, too large. Between the two lies what can't be known. It shrinks with the
-band, while the scatter grows: the band is taken in which both together are least (a bias-variance trade-off; the two-way
-bracket is Frisch's, 1934).
+rider leans, hands give); acceleration on force, too large (Frisch, 1934): between the two lies what can't be known. The
+share is largest at high frequencies, so a mass that is wrong for it changes with the band, which is Hausman's test
+(1978) of a fit that uses more against one that assumes less.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,8 +21,8 @@ from .rows import wrench_noise
 
 ROW_STEPS = (0.1, 0.2, 0.4, 0.8, 1.6)
 """s, of the test functions that are tried; half of the inverse is the band's upper end (Hz)."""
-NEARLY = 1.2
-"""Times the least uncertainty: the widest band that comes so near is taken."""
+FAR = 3.0
+"""Standard deviations of a narrower band's mass, from which on it is another."""
 FEWEST = 12
 """Rows for each column."""
 LAGS = 8
@@ -41,29 +41,19 @@ class Band:
     std: float
     bracket: float
 
-    @property
-    def uncertainty(self) -> float:
-        return float(np.hypot(self.std, self.bracket))
-
 
 def bands(balances: Balances, cart: CartModel) -> list[Band]:
-    """Of a log whose wrenches say something about the mass; the finest first."""
-    found = (_band(balances.every(step), cart) for step in ROW_STEPS if step > 0.99 * balances.row_step)
-    known, scatter = [], 0.0
-    for band in found:
-        if band is not None:  # a narrower band knows no more
-            scatter = max(scatter, band.std)
-            known.append(replace(band, std=scatter))
-    return known
+    """Of a log whose wrenches say something about the mass, with a cart's structure; the widest first."""
+    found = (_band(balances.every(step), cart) for step in ROW_STEPS)
+    return [band for band in found if band is not None]
 
 
-def best_band(balances: Balances, cart: CartModel) -> Band | None:
-    """None where no wrench says anything."""
-    known = bands(balances, cart)
-    if not known:
-        return None
-    least = min(band.uncertainty for band in known)
-    return next(band for band in known if band.uncertainty <= NEARLY * least)
+def consistent(known: list[Band]) -> Band | None:
+    """The widest band in which the mass is that of all narrower ones; None of none."""
+    for i, band in enumerate(known):
+        if all(abs(band.mass - other.mass) < FAR * other.std for other in known[i + 1 :]):
+            return band
+    return None
 
 
 def _band(balances: Balances, cart: CartModel) -> Band | None:

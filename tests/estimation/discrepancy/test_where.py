@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimation.explain.changes import PENALTY, changes
-from estimation.explain.circumstances import Circumstances
-from estimation.explain.course import Course
-from estimation.explain.residual import LATERAL, LEAST_CREEP, Residual
-from estimation.explain.residual_map import residual_maps
-from estimation.explain.where import where
+from estimation.discrepancy.changes import PENALTY, changes
+from estimation.discrepancy.circumstances import Circumstances
+from estimation.discrepancy.course import Course
+from estimation.discrepancy.residual import LATERAL, LEAST_CREEP, Residual
+from estimation.discrepancy.residual_map import residual_maps
+from estimation.discrepancy.where import where
 
 STRETCHES, DURATION = 240, 0.5
 

@@ -11,18 +11,18 @@ import pytest
 from cartgrasp.effects import QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from estimation.explain.clock_offset import clock_offsets
-from estimation.explain.figures import figures
-from estimation.explain.isolability import isolability
-from estimation.explain.laws import smooth_laws
-from estimation.explain.log_check import checked, with_clock_offsets
-from estimation.explain.model import Model
-from estimation.explain.page import page
-from estimation.explain.residual import residuals
-from estimation.explain.residual_map import residual_maps
-from estimation.explain.search import Attempt, Step
-from estimation.explain.verdicts import ADDED, BETTER, ODD, SIMPLER, TOO_LITTLE, verdict
-from estimation.explain.where import where
+from estimation.discrepancy.clock_offset import clock_offsets
+from estimation.discrepancy.figures import figures
+from estimation.discrepancy.isolability import isolability
+from estimation.discrepancy.laws import smooth_laws
+from estimation.discrepancy.log_check import checked, with_clock_offsets
+from estimation.discrepancy.model import Model
+from estimation.discrepancy.page import page
+from estimation.discrepancy.residual import residuals
+from estimation.discrepancy.residual_map import residual_maps
+from estimation.discrepancy.search import Attempt, Step
+from estimation.discrepancy.verdicts import ADDED, BETTER, ODD, SIMPLER, TOO_LITTLE, verdict
+from estimation.discrepancy.where import where
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate

@@ -11,12 +11,12 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
-from estimation.explain.circumstances import Circumstances, arm_wrenches
-from estimation.explain.course import Course, since_reversal
-from estimation.explain.model import Model
-from estimation.explain.residual import LATERAL, residuals
-from estimation.explain.residual_map import residual_maps
-from estimation.explain.where import where
+from estimation.discrepancy.circumstances import Circumstances, arm_wrenches
+from estimation.discrepancy.course import Course, since_reversal
+from estimation.discrepancy.model import Model
+from estimation.discrepancy.residual import LATERAL, residuals
+from estimation.discrepancy.residual_map import residual_maps
+from estimation.discrepancy.where import where
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate

@@ -1,1 +1,0 @@
-"""Finds what a cart's model lacks (being rebuilt)."""
