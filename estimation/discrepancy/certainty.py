@@ -16,6 +16,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..prior import Prior, report_names, report_units
+from ..weak_form.fit import coordinates, with_coordinates
 from .model import Model, structure_prior
 from .refine import is_open, moves
 from .screening import Screen
@@ -36,9 +37,16 @@ class Certainty:
     model: Model
     bracket: float = 0.0
 
-    @property
+    @cached_property
     def cart(self) -> CartModel:
-        return self.model.cart
+        """The model's, with a mass in the middle of what its band leaves open, and all else as it goes with that."""
+        model = self.model
+        prior = structure_prior(model.cart, model.guess, model.wide)
+        free = np.flatnonzero(prior.free)
+        along = model.score.covariance[: len(free), 0] / model.score.covariance[0, 0]
+        z = coordinates(model.cart)
+        z[free] += along * np.log1p(self.bracket)
+        return with_coordinates(model.cart, z)
 
     @cached_property
     def covariance(self) -> Array:
@@ -60,7 +68,7 @@ class Certainty:
     @cached_property
     def parameters(self) -> dict[str, ParameterEstimate]:
         """By the names under which they are reported; at a bound, nothing is taught."""
-        model, cart = self.model, self.model.cart
+        model, cart = self.model, self.cart
         prior = structure_prior(cart, model.guess, model.wide)
         free = np.flatnonzero(prior.free)
         std = prior.std.copy()
@@ -77,8 +85,8 @@ class Certainty:
     @property
     def _at_bound(self) -> np.ndarray:
         found = np.zeros(len(self.model.cart.parameters), dtype=bool)
-        limits = [(p.lower, p.upper) for effect in self.model.cart.effects for p in effect.parameters]
-        values = self.model.cart.parameters[N_PHI:]
+        limits = [(p.lower, p.upper) for effect in self.cart.effects for p in effect.parameters]
+        values = self.cart.parameters[N_PHI:]
         found[N_PHI:] = [v <= low or v >= high for v, (low, high) in zip(values, limits, strict=True)]
         return found
 

@@ -59,13 +59,13 @@ class Diagnosis:
 
     @cached_property
     def certainty(self) -> Certainty:
-        known = [band.bracket / band.mass for band in self.bands if band is not None]
-        return Certainty(self.final, min(known, default=0.0))
+        shares = [band.bracket / band.mass for band in self.bands if band is not None]
+        return Certainty(self.final, min(shares, default=0.0))
 
     @cached_property
     def cart(self) -> CartModel:
         """The extended model."""
-        return self.nominal_cart if self.is_refused else self.final.cart
+        return self.nominal_cart if self.is_refused else self.certainty.cart
 
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:
@@ -229,20 +229,22 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
 def _searched(
     parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], None]
 ) -> tuple[Model, Model, list[Step], tuple[Band | None, ...]]:
-    """In the widest band, and once more where the mass that is found there is another in narrower ones."""
+    """In the band in which the mass is that of narrower ones; once more where what was found widens it."""
+    found = tuple(consistent(bands(balances, cart)) for balances in parts)
     for is_last in (False, True):
         tell("fitting the model as it is")
-        nominal = Model.started(parts, cart)
+        narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, found, strict=True)]
+        nominal = Model.started(narrowed, cart)
         final, steps = search(nominal, tell)
-        found = tuple(consistent(bands(balances, final.cart)) for balances in parts)
-        narrowed = [
-            balances if band is None or band.row_step <= balances.row_step else balances.every(band.row_step)
-            for balances, band in zip(parts, found, strict=True)
-        ]
-        if is_last or all(new is old for new, old in zip(narrowed, parts, strict=True)):
+        now = tuple(consistent(bands(balances, final.cart)) for balances in parts)
+        if is_last or not any(_is_wider(new, old) for new, old in zip(now, found, strict=True)):
             break
-        parts = narrowed
+        found = now
     return nominal, final, steps, found
+
+
+def _is_wider(new: Band | None, old: Band | None) -> bool:
+    return new is not None and old is not None and new.row_step < 0.99 * old.row_step
 
 
 def _shares(steps: Sequence[Step], nominal: Model, gap: Gap) -> tuple[float, ...]:

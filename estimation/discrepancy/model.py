@@ -18,6 +18,7 @@ from ..weak_form.balances import Balances
 from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
 from ..weak_form.rows import Whitening, excess_noise
 from ..weak_form.score import Folds, Score, scored
+from ..weak_form.sensor_noise import MAD_TO_STD
 from .candidates import amplitudes_of
 from .laws import Course, Law
 
@@ -32,6 +33,8 @@ FORM_LEVER = 0.05
 TIMING_STD = 0.3
 """Of a sample's step: some sensors hold a sample until the next, others average."""
 ROUNDS = 3
+LONG_MEAN, FEWEST_MEANS = 2.0, 8
+"""s, as long as a push; and how many tell their usual size."""
 
 
 def structure_prior(cart: CartModel, guess: CartModel, wide: frozenset[str] = frozenset()) -> ParameterPrior:
@@ -139,6 +142,20 @@ class Model:
         """What is left of the raw rows (k, c) at the best linear fit."""
         raw = np.concatenate(self._raw)
         return np.asarray(raw[..., -1] - raw[..., :-1] @ self.score.fit)
+
+    @cached_property
+    def colour(self) -> float:
+        """How many times larger the variance of long means of what is left is than if rows were independent, in most of
+        the log: what drifts looks like a push here and there."""
+        score, rows = self.score, self.rows
+        standard = (rows[..., -1] - rows[..., :-1] @ score.fit) / score.scale
+        size = max(round(LONG_MEAN / self.logs[0].row_step), 2)
+        count = len(standard) // size
+        if count < FEWEST_MEANS:
+            return 1.0
+        means = standard[: count * size].reshape(count, size, -1).mean(axis=1) * size**0.5
+        typical = MAD_TO_STD * np.median(np.abs(means), axis=0)
+        return float(max(1.0, *(typical[: self.cart.constraints.n_free] ** 2)))
 
     @cached_property
     def prior_std(self) -> Array:

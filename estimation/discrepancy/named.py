@@ -50,12 +50,13 @@ def named(
     """In order of addition."""
     order = [step.added.key for step in steps if step.added is not None]
     found = []
+    values = {effect.key: effect for effect in certainty.cart.effects}
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in order else len(order)):
         at = next((i for i, step in enumerate(steps) if step.added is not None and step.added.key == effect.key), None)
         probability, confusable = (OPEN_WORLD, ()) if at is None else _rivals(steps[at])
         share = 0.0 if at is None else shares[at]
         found.append(
-            NamedEffect(effect.name, effect.label, probability, _parameters(effect, certainty), confusable, share)
+            NamedEffect(effect.name, effect.label, probability, _parameters(values[effect.key], certainty), confusable, share)
         )
     return tuple(found)
 

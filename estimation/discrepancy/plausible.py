@@ -13,6 +13,7 @@ LEAST_SIZE = 0.1
 LEAST = {"time_delay.delay": 0.008, "load_slosh.damping": 0.003}
 """Settings below which it is none (s): sensors that hold or average samples at 100 Hz are as late."""
 MOST = {
+    "time_delay.delay": 0.15,  # s: what is later has another cause
     "load_slosh.damping": 0.3,  # nothing swings beyond
     "load_slosh.frequency": 4.0,  # Hz: what is faster is no load
     "external_push.duration": 6.0,  # s: what lasts longer has another cause

@@ -27,6 +27,8 @@ SIMPLER = 0.2
 """Of the best gain: by what less a simpler candidate is taken."""
 NEAR, MOST_REFITTED = 0.3, 5
 """Of the best gain, and how many: candidates that are refined and refitted."""
+RESIZED = 2.0
+"""Of the score: what another size of an effect of the file gains at least."""
 MOST_STEPS = 6
 ODDS = {"rolling_resistance": 4.0}
 """Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
@@ -88,7 +90,17 @@ def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[
         steps.append(Step(tuple(attempts), best))
         first = max(first, best.gain)
         model = dropped(searched_again(best.model.rewhitened()), WORTH)
-    return model, steps
+    return resized(model), steps
+
+
+def resized(model: Model) -> Model:
+    """With effects of the file at other sizes than it says, where the logs do: that names nothing."""
+    for effect in model.guess.effects:
+        if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
+            new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
+            if worth(model.score, new.score, None) > RESIZED:
+                model = new
+    return model
 
 
 def tried(model: Model) -> list[Attempt]:
@@ -103,10 +115,10 @@ def tried(model: Model) -> list[Attempt]:
         if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
             new = replace(model, wide=model.wide | {effect.key})
             new = new.refitted(model.cart)
-            found.append(Attempt(Refit(effect), worth(model.score, new.score, False), 1, new))
+            found.append(Attempt(Refit(effect), worth(model.score, new.score, None), 1, new))
     for law, count in screen.laws():
         score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
-        found.append(Attempt(law, worth(model.score, score, False) - np.log(count), count))
+        found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
     found.sort(key=lambda one: -one.gain)
     enough = max(NEAR * found[0].gain, WORTH / 2)
     near = [extended(model, screen, one) for one in found[:MOST_REFITTED] if one.gain > enough]
@@ -131,14 +143,16 @@ def _may_be(one: Attempt) -> bool:
     return is_plausible(one.candidate, one.model.cart.wheel_set)
 
 
-def worth(base: Score, score: Score, happens_once: bool) -> float:
-    """By how much a score is better: in pieces, and, of what acts everywhere, in stretches too."""
+def worth(base: Score, score: Score, colour: float | None) -> float:
+    """By how much a score is better: in pieces, and, of what acts everywhere, in stretches too. Of what happens once,
+    beside noise of a colour, as many times less."""
     pieces = float(score.pieces.sum() - base.pieces.sum())
-    return pieces if happens_once else min(pieces, float(score.stretches.sum() - base.stretches.sum()))
+    return pieces / colour if colour is not None else min(pieces, float(score.stretches.sum() - base.stretches.sum()))
 
 
-def happens_once(effect: Effect) -> bool:
-    return effect.gate is not Gate.ALWAYS
+def _colour(model: Model, effect: Effect) -> float | None:
+    """Beside which an effect is judged, where it happens once."""
+    return None if effect.gate is Gate.ALWAYS else model.colour
 
 
 def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
@@ -154,7 +168,7 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
         else:
             values[amplitudes_of(effect)] += own
             fitted = effect.with_values(values)
-    gain = worth(model.score, score, happens_once(effect)) - float(np.log(tried))
+    gain = worth(model.score, score, _colour(model, effect)) - float(np.log(tried))
     return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
 
 
@@ -170,7 +184,7 @@ def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
     effect = best_attempt.candidate
     assert not isinstance(effect, Law | Refit)
     new = model.refitted(model.cart.with_effect(effect))
-    gain = worth(model.score, new.score, happens_once(effect)) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
+    gain = worth(model.score, new.score, _colour(model, effect)) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
     fitted = next(e for e in new.cart.effects if e.key == effect.key)
     return Attempt(fitted, gain, one.tried, new)
 
@@ -210,10 +224,10 @@ def dropped(model: Model, least: float) -> Model:
         losses = []
         for effect in added(model):
             less = model.refitted(model.cart.without_effect(effect.key))
-            losses.append((worth(less.score, model.score, happens_once(effect)), less))
+            losses.append((worth(less.score, model.score, _colour(model, effect)), less))
         for law in model.laws:
             less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
-            losses.append((worth(less.score, model.score, False), less))
+            losses.append((worth(less.score, model.score, None), less))
         loss, less = min(losses, key=lambda one: one[0])
         if loss >= least:
             break

@@ -21,8 +21,8 @@ from .rows import wrench_noise
 
 ROW_STEPS = (0.1, 0.2, 0.4, 0.8, 1.6)
 """s, of the test functions that are tried; half of the inverse is the band's upper end (Hz)."""
-FAR = 3.0
-"""Standard deviations of a narrower band's mass, from which on it is another."""
+FAR, FAR_SHARE = 3.0, 0.05
+"""Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
 FEWEST = 12
 """Rows for each column."""
 LAGS = 8
@@ -51,7 +51,7 @@ def bands(balances: Balances, cart: CartModel) -> list[Band]:
 def consistent(known: list[Band]) -> Band | None:
     """The widest band in which the mass is that of all narrower ones; None of none."""
     for i, band in enumerate(known):
-        if all(abs(band.mass - other.mass) < FAR * other.std for other in known[i + 1 :]):
+        if all(abs(band.mass - o.mass) < max(FAR * o.std, FAR_SHARE * o.mass) for o in known[i + 1 :]):
             return band
     return None
 
