@@ -161,7 +161,9 @@ class Diagnosis:
         gap, names = self.gap, ", ".join(effect.name for effect in self.effects)
         shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
         floor = f"noise alone makes {1e3 * gap.noise_floor:.1f} mm"
-        kept = " The refit foretold unseen stretches worse than the file's values, which stay." if self.is_refused else ""
+        kept = (
+            " The refit foretold unseen stretches worse than the file's values, which stay." if self.is_refused else ""
+        )
         follows = f" What is left follows {' and '.join(law.name for law in self.laws)}." if self.laws else ""
         if self.verdict == "no_discrepancy":
             return f"Simulation and measurement agree: {1e3 * gap.refitted:.1f} mm after 1 s, and {floor}.{kept}"
@@ -213,7 +215,11 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         balances = Balances.of(without_stale(log), cart)
         checks.append(checked(log, cart, balances))
         parts.append(balances)
-    nominal, final, steps, bands = _searched(parts, cart, tell)
+    known = tuple(consistent(bands(balances, cart)) for balances in parts)
+    parts = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
+    tell("fitting the model as it is")
+    nominal = Model.started(parts, cart)
+    final, steps = search(nominal, tell)
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
     is_worse = gap.refitted > WORSE * gap.before
@@ -222,29 +228,8 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         gap = replace(gap, refitted=gap.before, after=gap.before if is_refused else gap.after)
     told = with_clock_offsets(checks, clock_offsets(final))
     return Diagnosis(
-        cart, tuple(told), bands, nominal, final, tuple(steps), _shares(steps, nominal, gap), gap, is_refused
+        cart, tuple(told), known, nominal, final, tuple(steps), _shares(steps, nominal, gap), gap, is_refused
     )
-
-
-def _searched(
-    parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], None]
-) -> tuple[Model, Model, list[Step], tuple[Band | None, ...]]:
-    """In the band in which the mass is that of narrower ones; once more where what was found widens it."""
-    found = tuple(consistent(bands(balances, cart)) for balances in parts)
-    for is_last in (False, True):
-        tell("fitting the model as it is")
-        narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, found, strict=True)]
-        nominal = Model.started(narrowed, cart)
-        final, steps = search(nominal, tell)
-        now = tuple(consistent(bands(balances, final.cart)) for balances in parts)
-        if is_last or not any(_is_wider(new, old) for new, old in zip(now, found, strict=True)):
-            break
-        found = now
-    return nominal, final, steps, found
-
-
-def _is_wider(new: Band | None, old: Band | None) -> bool:
-    return new is not None and old is not None and new.row_step < 0.99 * old.row_step
 
 
 def _shares(steps: Sequence[Step], nominal: Model, gap: Gap) -> tuple[float, ...]:
@@ -257,4 +242,3 @@ def _shares(steps: Sequence[Step], nominal: Model, gap: Gap) -> tuple[float, ...
         found.append(float(np.clip((before - after) / whole, 0.0, 1.0)))
         before = after
     return tuple(found)
-

@@ -120,7 +120,9 @@ def _without(model: Model, fold: int) -> CartModel:
     for i, effect in enumerate(model.cart.constraint_effects):
         at = next(k for k, e in enumerate(effects) if e.key == effect.key)
         effects[at] = effect.scaled(1.0 + float(step[len(free) + i]))
-    return CartModel(cart.inertia, cart.constraints, tuple(effects), cart.wheels, cart.com_height, cart.name, cart.source)
+    return CartModel(
+        cart.inertia, cart.constraints, tuple(effects), cart.wheels, cart.com_height, cart.name, cart.source
+    )
 
 
 def _fixed(model: Model) -> np.ndarray:
@@ -130,4 +132,3 @@ def _fixed(model: Model) -> np.ndarray:
         keep = effect.gate in (Gate.WHILE, Gate.FROM) and not isinstance(effect, ConstraintEffect)
         once += [keep] * len(effect.parameters)
     return np.array(once)
-

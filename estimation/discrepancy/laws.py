@@ -81,19 +81,47 @@ def smooth_laws(turns: bool) -> list[Law]:
     sign = lambda c: np.tanh(c.speed / ROLLING)  # noqa: E731
     found = [
         Law("speed", "cubic drag", False, lambda c: _columns(c.speed**3), 1),
-        Law("speed", "drag that sets in", False, lambda c: _columns(*(sign(c) * np.maximum(abs(c.speed) - q * abs(c.speed).max(), 0) for q in (0.25, 0.5, 0.75))), 3),
+        Law(
+            "speed",
+            "drag that sets in",
+            False,
+            lambda c: _columns(
+                *(sign(c) * np.maximum(abs(c.speed) - q * abs(c.speed).max(), 0) for q in (0.25, 0.5, 0.75))
+            ),
+            3,
+        ),
         Law("time", "drift", False, lambda c: _columns(c.time / 60), 1),
         Law("time", "drag that warms", False, lambda c: _columns(c.speed * c.time / 60, sign(c) * c.time / 60), 2),
     ]
     if turns:
         found += [
-            Law("heading", "force", False, lambda c: _columns(*(f(k * c.heading) for k in (1, 2) for f in (np.cos, np.sin))), 4),
-            Law("heading", "drag", False, lambda c: _columns(*(sign(c) * f(2 * c.heading) for f in (np.cos, np.sin))), 2),
+            Law(
+                "heading",
+                "force",
+                False,
+                lambda c: _columns(*(f(k * c.heading) for k in (1, 2) for f in (np.cos, np.sin))),
+                4,
+            ),
+            Law(
+                "heading", "drag", False, lambda c: _columns(*(sign(c) * f(2 * c.heading) for f in (np.cos, np.sin))), 2
+            ),
             Law("heading", "moment", True, lambda c: _columns(np.cos(c.heading), np.sin(c.heading)), 2),
             Law("yaw rate", "drag", False, lambda c: _columns(sign(c) * abs(c.yaw_rate)), 1),
             Law("yaw rate", "moment", True, lambda c: _columns(c.yaw_rate * abs(c.yaw_rate)), 1),
-            Law("time", "wind", False, lambda c: _columns(np.cos(c.heading) * c.time / 60, np.sin(c.heading) * c.time / 60), 2),
-            Law("place", "field", False, lambda c: _columns(*(a * b for a in (np.cos(c.heading), np.sin(c.heading)) for b in (c.x, c.y))), 4),
+            Law(
+                "time",
+                "wind",
+                False,
+                lambda c: _columns(np.cos(c.heading) * c.time / 60, np.sin(c.heading) * c.time / 60),
+                2,
+            ),
+            Law(
+                "place",
+                "field",
+                False,
+                lambda c: _columns(*(a * b for a in (np.cos(c.heading), np.sin(c.heading)) for b in (c.x, c.y))),
+                4,
+            ),
             Law("place", "drag", False, lambda c: _columns(sign(c) * c.x, sign(c) * c.y), 2),
         ]
     return found
@@ -118,7 +146,12 @@ def periodic(variable: str, unit: str, period: float, harmonics: int, is_moment:
     return Law(name, form, is_moment, shape, 2 * harmonics, period, unit, variable)
 
 
-def scanned(logs: Sequence[Balances], cart: CartModel, gain: Callable[[Array, Array], Array], whitened: Callable[[Sequence[Array]], Array]) -> list[tuple[float, Law]]:
+def scanned(
+    logs: Sequence[Balances],
+    cart: CartModel,
+    gain: Callable[[Array, Array], Array],
+    whitened: Callable[[Sequence[Array]], Array],
+) -> list[tuple[float, Law]]:
     """Periods of one harmonic, each with its gain."""
     found = []
     courses = [Course.of(balances) for balances in logs]
@@ -137,7 +170,13 @@ def scanned(logs: Sequence[Balances], cart: CartModel, gain: Callable[[Array, Ar
     return found
 
 
-def _together(logs: Sequence[Balances], cart: CartModel, courses: Sequence[Course], laws: Sequence[Law], whitened: Callable[[Sequence[Array]], Array]) -> Array:
+def _together(
+    logs: Sequence[Balances],
+    cart: CartModel,
+    courses: Sequence[Course],
+    laws: Sequence[Law],
+    whitened: Callable[[Sequence[Array]], Array],
+) -> Array:
     """Whitened columns (v, k, c, 2) of laws of one balance."""
     raw = []
     for balances, course in zip(logs, courses, strict=True):

@@ -45,7 +45,9 @@ def structure_prior(cart: CartModel, guess: CartModel, wide: frozenset[str] = fr
     mean[:N_PHI] = first[:N_PHI]
     std[:N_PHI] = GUESS_STD, COM_STD, COM_STD, GUESS_STD
     parameters = [(p, key) for effect in cart.effects for p, key in zip(effect.parameters, effect.keys, strict=True)]
-    known = {key: v for e in guess.effects if e.key not in wide for key, v in zip(e.keys, e.values.tolist(), strict=True)}
+    known = {
+        key: v for e in guess.effects if e.key not in wide for key, v in zip(e.keys, e.values.tolist(), strict=True)
+    }
     for i, (p, key) in enumerate(parameters, N_PHI):
         if key in known:
             mean[i], free[i] = known[key], p.estimated
@@ -219,7 +221,9 @@ class Model:
         prior = structure_prior(cart, self.guess, self.wide)
         found, beside = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
         changed = {e.key: e.scaled(1.0 + float(size)) for e, size in zip(cart.constraint_effects, beside, strict=False)}
-        return replace(model, cart=replace(found.cart, effects=tuple(changed.get(e.key, e) for e in found.cart.effects)))
+        return replace(
+            model, cart=replace(found.cart, effects=tuple(changed.get(e.key, e) for e in found.cart.effects))
+        )
 
 
 def lateness(cart: CartModel, logs: Sequence[Balances]) -> float:

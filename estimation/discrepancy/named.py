@@ -56,7 +56,9 @@ def named(
         probability, confusable = (OPEN_WORLD, ()) if at is None else _rivals(steps[at])
         share = 0.0 if at is None else shares[at]
         found.append(
-            NamedEffect(effect.name, effect.label, probability, _parameters(values[effect.key], certainty), confusable, share)
+            NamedEffect(
+                effect.name, effect.label, probability, _parameters(values[effect.key], certainty), confusable, share
+            )
         )
     return tuple(found)
 

@@ -52,7 +52,11 @@ def moves(effect: Effect) -> list[Move]:
     if effect.gate is Gate.INSIDE:
         return [Move(i, PLACE_STEP) for i in range(4)]
     own = set(amplitudes_of(effect).tolist())
-    found = [Move(i, 0.0) for i, p in enumerate(effect.parameters) if i not in own and not p.estimated and effect.values[i] > 0]
+    found = [
+        Move(i, 0.0)
+        for i, p in enumerate(effect.parameters)
+        if i not in own and not p.estimated and effect.values[i] > 0
+    ]
     lengths = [m.which for m in found if effect.parameters[m.which].unit == "m"]
     return found + [Move(one, 0.0, beside=other) for one, other in pairwise(lengths)]
 

@@ -53,9 +53,7 @@ def starts(balances: Balances) -> np.ndarray:
     return np.asarray(first[(unseen[first + last] == unseen[first]) & moves])
 
 
-def rolled_out(
-    balances: Balances, cart: CartModel, first: np.ndarray, off: tuple[Array, Array] | None = None
-) -> Array:
+def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tuple[Array, Array] | None = None) -> Array:
     """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. `off` are errors of
     poses and velocities at the start (starts, 3 + f), and of the reduced wrench along the grid (n, f)."""
     motion = balances.motion

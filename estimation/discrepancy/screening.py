@@ -61,7 +61,9 @@ class Screen:
         """Of variants' whitened columns (v, k, c, q)."""
         own = (columns / self._scale[:, None]).reshape(len(columns), -1, columns.shape[3])
         across = own.swapaxes(1, 2)
-        return self._factor(across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel(), std)
+        return self._factor(
+            across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel(), std
+        )
 
     def _factor(self, own: Array, to_base: Array, pull: Array, std: Array) -> Array:
         """From products with themselves (v, q, q), with the base (v, q, p), with the residual (v, q)."""
@@ -117,7 +119,9 @@ class Screen:
             gates = starts[:, None] if effect.gate is Gate.FROM else np.column_stack([starts, ends - starts])
             best = set(np.argsort(-gains)[:KEPT].tolist())
             for i, (gain, gate) in enumerate(zip(gains.tolist(), gates, strict=True)):
-                found.append((gain, effect.with_values(np.r_[gate, effect.values[len(gate) :]]) if i in best else effect))
+                found.append(
+                    (gain, effect.with_values(np.r_[gate, effect.values[len(gate) :]]) if i in best else effect)
+                )
         return found
 
     def _running(self, columns: Array, own: slice, shape: tuple[int, int]) -> list[Array]:
@@ -181,12 +185,19 @@ class Screen:
         for _, law in periods[:KEPT]:
             best = self._tuned(law)
             for harmonics in HARMONICS:
-                yield periodic(best.variable, best.unit, float(best.period or 1.0), harmonics, best.is_moment), len(periods)
+                yield (
+                    periodic(best.variable, best.unit, float(best.period or 1.0), harmonics, best.is_moment),
+                    len(periods),
+                )
 
     def _tuned(self, law: Law) -> Law:
         """At the period nearby where one harmonic gains most."""
-        near = [periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.is_moment) for share in NEARBY]
-        columns = np.stack([self.model.whitened([one.columns(b, self.model.cart) for b in self.model.logs]) for one in near])
+        near = [
+            periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.is_moment) for share in NEARBY
+        ]
+        columns = np.stack(
+            [self.model.whitened([one.columns(b, self.model.cart) for b in self.model.logs]) for one in near]
+        )
         return near[int(np.argmax(self.gains(columns, law.std)))]
 
 
@@ -196,4 +207,3 @@ def _spans(n: int, gate: Gate, side: int) -> np.ndarray:
         first = np.arange(side, n - side)
         return np.column_stack([first, np.full(len(first), n)])
     return np.array([(i, i + size) for size in LENGTHS for i in range(n - size + 1)]).reshape(-1, 2)
-

@@ -77,7 +77,9 @@ class Balances:
         n = len(self.motion.time)
         count = (n - 1 - SUPPORT * self.per_row) // self.per_row + 1
         inside = np.arange(SUPPORT * self.per_row + 1) / self.per_row
-        phi = np.nan_to_num(BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)(inside)) * self.motion.step
+        phi = (
+            np.nan_to_num(BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)(inside)) * self.motion.step
+        )
         first = self.per_row * np.arange(count)
         columns = (first[:, None] + np.arange(len(phi))).ravel()
         return csr_array((np.tile(phi, count), columns, len(phi) * np.arange(count + 1)), shape=(count, n))

@@ -23,6 +23,8 @@ ROW_STEPS = (0.1, 0.2, 0.4, 0.8, 1.6)
 """s, of the test functions that are tried; half of the inverse is the band's upper end (Hz)."""
 FAR, FAR_SHARE = 3.0, 0.05
 """Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
+MOST_OPEN = 0.08
+"""Of the mass: half of a bracket beyond which a model foretells too little of what moves the cart."""
 FEWEST = 12
 """Rows for each column."""
 LAGS = 8
@@ -41,6 +43,10 @@ class Band:
     std: float
     bracket: float
 
+    def agrees(self, narrower: Band) -> bool:
+        """Whether the mass is that of a narrower band."""
+        return abs(self.mass - narrower.mass) < max(FAR * narrower.std, FAR_SHARE * narrower.mass)
+
 
 def bands(balances: Balances, cart: CartModel) -> list[Band]:
     """Of a log whose wrenches say something about the mass, with a cart's structure; the widest first."""
@@ -49,11 +55,11 @@ def bands(balances: Balances, cart: CartModel) -> list[Band]:
 
 
 def consistent(known: list[Band]) -> Band | None:
-    """The widest band in which the mass is that of all narrower ones; None of none."""
-    for i, band in enumerate(known):
-        if all(abs(band.mass - o.mass) < max(FAR * o.std, FAR_SHARE * o.mass) for o in known[i + 1 :]):
-            return band
-    return None
+    """The widest band in which the model foretells the motion, with the mass of all narrower ones; where it foretells too
+    little in all of them, the widest with their mass. None of none."""
+    steady = [band for i, band in enumerate(known) if all(map(band.agrees, known[i + 1 :]))]
+    foretold = [band for band in steady if band.bracket < MOST_OPEN * band.mass]
+    return next(iter(foretold or steady), None)
 
 
 def _band(balances: Balances, cart: CartModel) -> Band | None:
@@ -82,7 +88,12 @@ def _band(balances: Balances, cart: CartModel) -> Band | None:
     scatter = float(moments @ moments)
     for lag in range(1, min(LAGS, len(moments) // 4) + 1):
         scatter += 2 * (1 - lag / (LAGS + 1)) * float(moments[lag:] @ moments[:-lag])
-    return Band(balances.row_step, mass, float(np.sqrt(max(scatter, float(moments @ moments) / 4))) / size, excess / (2 * mass * size))
+    return Band(
+        balances.row_step,
+        mass,
+        float(np.sqrt(max(scatter, float(moments @ moments) / 4))) / size,
+        excess / (2 * mass * size),
+    )
 
 
 def _orthogonal(columns: Array) -> Array:

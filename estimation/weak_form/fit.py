@@ -107,9 +107,7 @@ def fit(
     return Fit(cart, whole, prior.free, fixed), amplitudes
 
 
-def normal(
-    logs: Sequence[tuple[Balances, Whitening]], cart: CartModel, beside: Sequence[Array]
-) -> tuple[Array, Array]:
+def normal(logs: Sequence[tuple[Balances, Whitening]], cart: CartModel, beside: Sequence[Array]) -> tuple[Array, Array]:
     """Information (p + q, p + q) and pull (p + q,) of the coordinates and of whitened columns beside them."""
     by = jacobian(cart)
     size = len(by) + beside[0].shape[2]

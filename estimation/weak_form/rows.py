@@ -75,7 +75,9 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
     direction = np.sign(motion.velocity[:, 0])
     reversed_at = np.flatnonzero(np.diff(direction) != 0)
     last = np.searchsorted(reversed_at, np.arange(len(speed)) - 1, side="right") - 1
-    since = np.where(last >= 0, motion.way - motion.way[reversed_at[np.maximum(last, 0)]] if len(reversed_at) else np.inf, np.inf)
+    since = np.where(
+        last >= 0, motion.way - motion.way[reversed_at[np.maximum(last, 0)]] if len(reversed_at) else np.inf, np.inf
+    )
     swinging = np.exp(-((since / SWING_WAY) ** 2))
     weight = FRICTION * G * cart.inertia.mass
     total = balances.wrenches.planar(cart) @ cart.basis_b
