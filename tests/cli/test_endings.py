@@ -142,7 +142,7 @@ def test_json_is_ascii_where_stdout_is(tmp_path):
     log = tmp_path / "run.csv"
     arm = [f"left.{c}" for c in ("px", "py", "pz", "fx", "fy", "fz", "tx", "ty", "tz")]
     lines = [",".join(["t", "x", "y", "theta", *arm])]
-    lines += [",".join([str(0.01 * i), *["0"] * 12]) for i in range(20)]
+    lines += [",".join([str(0.01 * i), *["0"] * 6, *["1"] * 6]) for i in range(20)]
     log.write_text("\n".join(lines))
     problem_file(tmp_path)
     arguments = ["estimate", log, "--cart", tmp_path / "cart.yaml", "--json"]
