@@ -45,16 +45,16 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         remembers = _loudness(log, cart)
         linear, yaw = remembers * linear, remembers * yaw
     wrenches = [arm.wrench for arm in log.arms.values()]
-    force = max((noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1)), default=usual.force)
-    moment = max((noise_floor(w[:, 5], usual.moment) for w in wrenches), default=usual.moment)
+    force = max([LEAST_FORCE, *(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1))])
+    moment = max([LEAST_MOMENT, *(noise_floor(w[:, 5], usual.moment) for w in wrenches)])
     size = _force_size(log, cart)
     return FilterNoise(
         position=position,
         heading=heading,
         linear_velocity=linear,
         yaw_rate=yaw,
-        force=max(force, LEAST_FORCE),
-        moment=max(moment, LEAST_MOMENT),
+        force=force,
+        moment=moment,
         disturbance=max(DISTURBANCE_SHARE * size, 0.01),
     )
 
