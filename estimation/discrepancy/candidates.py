@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import count, product
 
 import numpy as np
@@ -14,6 +14,8 @@ from cartgrasp.effects.force_scale import ForceScale
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.model import CartModel
 
+INERTIAL = ("payload_change", "load_slosh")
+"""They change how much a cart is moved by a push: where nobody pushes, less inertia only looks like less of all."""
 EVER = 1e12
 """s, m: as long, and as far, as no log goes."""
 
@@ -34,6 +36,8 @@ def families(cart: CartModel, arms: Sequence[str]) -> list[Family]:
     """Every effect of the vocabulary that the cart may have beside those it has, gates open."""
     found = []
     for kind in KNOWN_EFFECTS.values():
+        if not kind.searched or (not arms and (issubclass(kind, SensorEffect) or kind.name in INERTIAL)):
+            continue
         for label in _labels(kind, cart, arms):
             variants = tuple(_variants(kind, label, cart))
             found.append(Family(variants[0].key, variants))

@@ -17,7 +17,7 @@ from cartgrasp.motion import ParameterEstimate
 
 from ..prior import Prior, report_names, report_units
 from ..weak_form.fit import coordinates, with_coordinates
-from .model import Model, structure_prior
+from .model import Model
 from .refine import is_open, moves
 from .screening import Screen
 
@@ -41,7 +41,9 @@ class Certainty:
     def cart(self) -> CartModel:
         """The model's, with a mass in the middle of what its band leaves open, and all else as it goes with that."""
         model = self.model
-        prior = structure_prior(model.cart, model.guess, model.wide)
+        prior = model.prior
+        if not prior.free[0] or self.bracket == 0.0:
+            return model.cart
         free = np.flatnonzero(prior.free)
         along = model.score.covariance[: len(free), 0] / model.score.covariance[0, 0]
         z = coordinates(model.cart)
@@ -62,6 +64,8 @@ class Certainty:
         scatter = score.covariance @ (clusters.T @ clusters) @ score.covariance * count / max(count - 1, 1)
         stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
         found = score.covariance * np.outer(stretch, stretch)
+        if not model.prior.free[0]:
+            return np.asarray(found)
         mass = found[0]
         return np.asarray(found + np.outer(mass, mass) / mass[0] ** 2 * self.bracket**2)
 
@@ -69,7 +73,7 @@ class Certainty:
     def parameters(self) -> dict[str, ParameterEstimate]:
         """By the names under which they are reported; at a bound, nothing is taught."""
         model, cart = self.model, self.cart
-        prior = structure_prior(cart, model.guess, model.wide)
+        prior = model.prior
         free = np.flatnonzero(prior.free)
         std = prior.std.copy()
         std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
@@ -95,7 +99,7 @@ class Certainty:
         """Standard deviations of what enters nonlinearly, by full name."""
         found: dict[str, float] = {}
         constraints = self.model.cart.constraint_effects
-        prior = structure_prior(self.model.cart, self.model.guess, self.model.wide)
+        prior = self.model.prior
         first = int(prior.free.sum())
         for i, effect in enumerate(constraints):
             share = float(np.sqrt(self.covariance[first + i, first + i]))

@@ -10,20 +10,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cartgrasp.errors import DataError, UsageError
-from cartgrasp.logs import RunLog
+from cartgrasp.logs import RunLog, coasts
 from cartgrasp.model import CartModel
 
+from ..end_stops import StopEstimate, end_stops
+from ..impacts import Impact, impacts
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, consistent
 from ..weak_form.rows import wrench_noise
 from .certainty import Certainty
 from .clock_offset import clock_offsets
+from .flights import flights
 from .gap import Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, with_clock_offsets
 from .model import Model
-from .named import NamedEffect, named
+from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
 from .residual import DIRECTIONS, Residual, residuals
 from .residual_map import ResidualMap, residual_maps
@@ -56,6 +59,12 @@ class Diagnosis:
     shares: tuple[float, ...]
     gap: Gap
     is_refused: bool
+    impacts: tuple[Impact, ...] = ()
+
+    @cached_property
+    def stops(self) -> tuple[StopEstimate, ...]:
+        """What the cart ran against several times."""
+        return end_stops(self.impacts)
 
     @cached_property
     def certainty(self) -> Certainty:
@@ -65,11 +74,14 @@ class Diagnosis:
     @cached_property
     def cart(self) -> CartModel:
         """The extended model."""
-        return self.nominal_cart if self.is_refused else self.certainty.cart
+        cart = self.nominal_cart if self.is_refused else self.certainty.cart
+        for i, stop in enumerate(self.stops):
+            cart = cart.with_effect(stop.effect(label=str(i + 1) if i else ""))
+        return cart
 
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:
-        return named(self.steps, self.final, self.certainty, self.shares)
+        return (*named(self.steps, self.final, self.certainty, self.shares), *named_stops(self.stops))
 
     @property
     def laws(self) -> tuple[Law, ...]:
@@ -208,15 +220,18 @@ def diagnose(
 
 
 def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None]) -> Diagnosis:
-    parts, checks = [], []
+    parts, checks, hits = list[Balances](), [], list[Impact]()
     for log in logs:
         tell(f"reading {log.name}")
         check_rows(log, cart)
-        balances = Balances.of(without_stale(log), cart)
-        checks.append(checked(log, cart, balances))
-        parts.append(balances)
-    known = tuple(consistent(bands(balances, cart)) for balances in parts)
-    parts = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
+        known = without_stale(replace(log, arms={}) if coasts(log) else log)
+        found = impacts(log, cart)
+        whole = Balances.of(known, cart)
+        checks.append(checked(log, cart, whole))
+        parts += flights(known, cart, found) if found else [whole]
+        hits += found
+    widest = tuple(consistent(bands(balances, cart)) for balances in parts)
+    parts = [b if band is None else b.every(band.row_step) for b, band in zip(parts, widest, strict=True)]
     tell("fitting the model as it is")
     nominal = Model.started(parts, cart)
     final, steps = search(nominal, tell)
@@ -226,9 +241,19 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     is_refused = is_worse and not (added(final) or final.laws)
     if is_worse:
         gap = replace(gap, refitted=gap.before, after=gap.before if is_refused else gap.after)
-    told = with_clock_offsets(checks, clock_offsets(final))
+    offsets = clock_offsets(final)
+    told = checks if hits else with_clock_offsets(checks, offsets)
     return Diagnosis(
-        cart, tuple(told), known, nominal, final, tuple(steps), _shares(steps, nominal, gap), gap, is_refused
+        cart,
+        tuple(told),
+        widest,
+        nominal,
+        final,
+        tuple(steps),
+        _shares(steps, nominal, gap),
+        gap,
+        is_refused,
+        tuple(hits),
     )
 
 

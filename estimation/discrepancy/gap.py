@@ -14,7 +14,7 @@ from cartgrasp.model import CartModel
 
 from ..weak_form.fit import coordinates, with_coordinates
 from ..weak_form.rows import wrench_noise
-from .model import Model, structure_prior
+from .model import Model
 from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
 
 FOLDS = 3
@@ -76,7 +76,9 @@ def floor_rollouts(model: Model) -> Rollouts:
 
 
 def measured_gap(guess: CartModel, nominal: Model, final: Model) -> Gap:
-    """Of the cart as it was believed, refitted and extended."""
+    """Of the cart as it was believed, refitted and extended. Where nothing moves, all is noise."""
+    if not any(len(starts(balances)) for balances in nominal.logs):
+        return _at_rest(nominal)
     rolled = {
         "before": cart_rollouts(nominal, guess),
         "refitted": held_out_rollouts(nominal),
@@ -97,9 +99,17 @@ def measured_gap(guess: CartModel, nominal: Model, final: Model) -> Gap:
     return Gap(**horizons["1 s"], per_coordinate=coordinates_, per_horizon=horizons)
 
 
+def _at_rest(model: Model) -> Gap:
+    std = np.max([balances.motion.noise.pose for balances in model.logs], axis=0)
+    names = ("before", "refitted", "after", "noise_floor")
+    alike = dict.fromkeys(names, float(np.hypot(std[0], std[1])))
+    by = {c: dict.fromkeys(names, float(s)) for c, s in zip(COORDINATES, std, strict=True)}
+    return Gap(**alike, per_coordinate=by, per_horizon={"1 s": alike})
+
+
 def _without(model: Model, fold: int) -> CartModel:
     """The model's cart as the stretches of other folds teach it; what happens once stays as it is."""
-    prior = structure_prior(model.cart, model.guess, model.wide)
+    prior = model.prior
     free = np.flatnonzero(prior.free)
     sums, scale = model.sums, model.score.scale
     kept = sums[:, model.folds.stretches % FOLDS != fold].sum(axis=1)

@@ -11,7 +11,6 @@ import numpy as np
 from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
-from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
@@ -37,9 +36,11 @@ LONG_MEAN, FEWEST_MEANS = 2.0, 8
 """s, as long as a push; and how many tell their usual size."""
 
 
-def structure_prior(cart: CartModel, guess: CartModel, wide: frozenset[str] = frozenset()) -> ParameterPrior:
+def structure_prior(
+    cart: CartModel, guess: CartModel, wide: frozenset[str] = frozenset(), is_pushed: bool = True
+) -> ParameterPrior:
     """Broad: of a cart like the guess, whose effects are as large as it says but for those that are `wide`, with added
-    effects of any size that they may have."""
+    effects of any size that they may have. The body of a cart that nobody pushes is taken as given."""
     mean, first = coordinates(cart), coordinates(guess)
     std, free = np.ones(len(mean)), np.ones(len(mean), dtype=bool)
     mean[:N_PHI] = first[:N_PHI]
@@ -59,6 +60,8 @@ def structure_prior(cart: CartModel, guess: CartModel, wide: frozenset[str] = fr
         free[i] = p.estimated
     if cart.constraints.no_rotation:
         free[1:N_PHI] = False
+    if not is_pushed:
+        free[:N_PHI] = False
     return ParameterPrior(mean, std, free)
 
 
@@ -85,6 +88,15 @@ class Model:
     whitenings: tuple[Whitening, ...]
     laws: tuple[Law, ...] = ()
     wide: frozenset[str] = frozenset()
+
+    @property
+    def is_pushed(self) -> bool:
+        """Whether any log has a wrench."""
+        return any(balances.wrenches.arms for balances in self.logs)
+
+    @cached_property
+    def prior(self) -> ParameterPrior:
+        return structure_prior(self.cart, self.guess, self.wide, self.is_pushed)
 
     @classmethod
     def started(cls, logs: Sequence[Balances], guess: CartModel) -> Model:
@@ -127,7 +139,7 @@ class Model:
 
     @cached_property
     def _raw(self) -> list[Array]:
-        prior = structure_prior(self.cart, self.guess, self.wide)
+        prior = self.prior
         by, found = jacobian(self.cart), []
         for balances, beside in zip(self.logs, self.nuisance.columns, strict=True):
             left, slopes = balances.residual(self.cart)
@@ -161,12 +173,12 @@ class Model:
 
     @cached_property
     def prior_std(self) -> Array:
-        prior = structure_prior(self.cart, self.guess, self.wide)
+        prior = self.prior
         return np.concatenate([prior.std[prior.free], self.nuisance.std])
 
     def law_size(self, law: Law) -> float:
         """Root mean square force (N) or moment (N·m) of a law at its fitted amplitudes."""
-        first = int(structure_prior(self.cart, self.guess, self.wide).free.sum()) + len(self.cart.constraint_effects)
+        first = int(self.prior.free.sum()) + len(self.cart.constraint_effects)
         for one in self.laws:
             if one is law:
                 break
@@ -218,7 +230,7 @@ class Model:
         delay = lateness(cart, self.logs)
         base = self.late(delay) if delay != self.lateness else self
         model = replace(base, cart=cart)
-        prior = structure_prior(cart, self.guess, self.wide)
+        prior = structure_prior(cart, self.guess, self.wide, self.is_pushed)
         found, beside = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
         changed = {e.key: e.scaled(1.0 + float(size)) for e, size in zip(cart.constraint_effects, beside, strict=False)}
         return replace(

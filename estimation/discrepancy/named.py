@@ -10,6 +10,7 @@ import numpy as np
 
 from cartgrasp.effects import Effect
 
+from ..end_stops import StopEstimate
 from .certainty import Certainty
 from .model import Model
 from .search import Attempt, Step, added
@@ -89,3 +90,16 @@ def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, 
         std = settings.get(key, known.std if parameter.estimated else 0.05 * abs(value))
         told[parameter.name] = (float(value), float(std), parameter.unit)
     return told
+
+
+def named_stops(stops: Sequence[StopEstimate]) -> tuple[NamedEffect, ...]:
+    """What a cart ran against several times."""
+    found = []
+    for i, stop in enumerate(stops):
+        parameters = {
+            "position": (stop.position, stop.position_std, "m"),
+            "side": (stop.side, 0.0, "-"),
+            "restitution": (stop.restitution, stop.restitution_std, "-"),
+        }
+        found.append(NamedEffect("end_stop", str(i + 1) if i else "", OPEN_WORLD, parameters, (), 0.0))
+    return tuple(found)

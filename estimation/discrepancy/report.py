@@ -38,6 +38,7 @@ class Report:
             "parameter_mismatch": found.parameter_mismatch,
             "unexplained": found.unexplained,
             "gap": found.gap.as_dict(),
+            "impacts": [one.as_dict() for one in found.impacts],
             "refit_refused": found.is_refused,
             "steps": steps,
             "logs": [asdict(check) for check in found.checks],

@@ -10,8 +10,7 @@ import numpy as np
 from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
-from ..weak_form.balances import Balances
-from ..weak_form.rows import STILL_SPEED
+from ..weak_form.balances import STILL_SPEED, Balances
 
 HORIZONS = (0.5, 1.0, 2.0)
 """s."""
@@ -35,17 +34,27 @@ class Rollouts:
 
     def gaps(self) -> Array:
         """Root mean square distance (horizons,), m."""
-        return np.asarray(np.sqrt(np.nanmean((self.error[..., :2] ** 2).sum(axis=2), axis=0)))
+        return _root_mean((self.error[..., :2] ** 2).sum(axis=2))
 
     def by_coordinate(self) -> Array:
         """Root mean square (horizons, 3)."""
-        return np.asarray(np.sqrt(np.nanmean(self.error**2, axis=0)))
+        return _root_mean(self.error**2)
+
+
+def _root_mean(squares: Array) -> Array:
+    """Over starts, of those that are known; NaN where none is."""
+    known = np.isfinite(squares)
+    total = np.where(known, squares, 0.0).sum(axis=0)
+    count = known.sum(axis=0)
+    return np.sqrt(np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0))
 
 
 def starts(balances: Balances) -> np.ndarray:
     """Points of the grid from which a rollout stays where everything was seen, on the move."""
     motion, seen = balances.motion, balances.wrenches.seen
     last = round(HORIZONS[1] / motion.step)
+    if len(seen) <= last:
+        return np.zeros(0, dtype=int)
     unseen = np.append(0, np.cumsum(~seen))
     first = np.arange(0, len(seen) - last, max(round(EVERY / motion.step), 1))
     stands = np.append(0, np.cumsum(balances.turning_speed < STILL_SPEED))

@@ -27,6 +27,10 @@ from cartgrasp.model import CartModel
 from .motion import KNOT_STEPS, Motion, motion_of
 from .wrenches import GridWrenches
 
+STILL_SPEED = 0.02
+"""m/s: below it a cart may stand, and brakes, chocks and friction hold any force."""
+STILL_DEVIATIONS = 2.0
+"""Of the smooth speed."""
 LEVER = 0.35
 """m: half of a usual track."""
 SUPPORT = 4
@@ -69,13 +73,18 @@ class Balances:
         turning = np.abs(velocity[:, -1]) if velocity.shape[1] > 1 else 0.0
         return np.asarray(self.motion.speed + LEVER * turning)
 
+    @property
+    def still_speed(self) -> float:
+        """m/s: a cart that seems to go slower may stand."""
+        return float(np.hypot(STILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
+
     # --- test functions ----------------------------------------------------------------------------------------
 
     @cached_property
     def _test(self) -> csr_array:
         """Test functions (all rows, n) times the grid's step."""
         n = len(self.motion.time)
-        count = (n - 1 - SUPPORT * self.per_row) // self.per_row + 1
+        count = max((n - 1 - SUPPORT * self.per_row) // self.per_row + 1, 0)
         inside = np.arange(SUPPORT * self.per_row + 1) / self.per_row
         phi = (
             np.nan_to_num(BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)(inside)) * self.motion.step
@@ -86,9 +95,13 @@ class Balances:
 
     @cached_property
     def used(self) -> np.ndarray:
-        """Of all test functions, those in whose support everything was seen."""
-        unseen = (self._test != 0).astype(float) @ (~self.wrenches.seen).astype(float)
-        return np.flatnonzero(unseen == 0)
+        """Of all test functions, those in whose support everything was seen and the cart moves: where it stands, anything
+        may hold it. Where it stands throughout, all that was seen."""
+        test = self._test
+        touches = csr_array((np.ones_like(test.data), test.indices, test.indptr), shape=test.shape)
+        seen = touches @ (~self.wrenches.seen).astype(float) == 0
+        moves = touches @ (self.turning_speed > self.still_speed).astype(float) > 0
+        return np.flatnonzero(seen & moves if (seen & moves).any() else seen)
 
     @cached_property
     def time(self) -> Array:
@@ -97,7 +110,7 @@ class Balances:
 
     @cached_property
     def _used_test(self) -> csr_array:
-        return self._test[self.used]
+        return csr_array(self._test[self.used])
 
     def overlap(self, order: int, lag: int) -> float:
         """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order - 1))."""

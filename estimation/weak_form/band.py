@@ -16,7 +16,7 @@ from cartgrasp.effects import DirectionalDrag, Effect, FloorSlope, ForceBias, Qu
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .balances import Balances
+from .balances import SUPPORT, Balances
 from .rows import wrench_noise
 
 ROW_STEPS = (0.1, 0.2, 0.4, 0.8, 1.6)
@@ -50,7 +50,9 @@ class Band:
 
 def bands(balances: Balances, cart: CartModel) -> list[Band]:
     """Of a log whose wrenches say something about the mass, with a cart's structure; the widest first."""
-    found = (_band(balances.every(step), cart) for step in ROW_STEPS)
+    span = float(balances.motion.time[-1] - balances.motion.time[0])
+    steps = [step for step in ROW_STEPS if step * (FEWEST + SUPPORT) < span and balances.wrenches.arms]
+    found = (_band(balances.every(step), cart) for step in steps)
     return [band for band in found if band is not None]
 
 

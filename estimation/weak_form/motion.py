@@ -12,8 +12,8 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
-from .splines import Samples, SplineBasis, SplineFit
 from .sensor_noise import MotionNoise
+from .splines import Samples, SplineBasis, SplineFit
 
 GRID_STEP = 0.01
 """s, of the grid, where samples come as often as that."""

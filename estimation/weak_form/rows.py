@@ -12,18 +12,19 @@ from scipy.linalg.lapack import dtbtrs
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .balances import LEVER, SUPPORT, Balances
+from .balances import LEVER, STILL_SPEED, SUPPORT, Balances
 from .sensor_noise import noise_density
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
 which neighbours share."""
 G = 9.81
+HELD = 0.1
+"""Of the weight: what a hand or a chock holds at least."""
 FRICTION = 0.01
 """Half of a usual coefficient of rolling resistance."""
-STILL_SPEED, REST_SPEED, SWING_WAY = 0.02, 0.05, 0.2
-"""m/s, below which brakes, chocks and friction may hold any force; m/s, below which the paper learns nothing either; m,
-some four usual trails."""
+REST_SPEED, SWING_WAY = 0.05, 0.2
+"""m/s, below which the paper learns nothing either; m, some four usual trails."""
 BISECTIONS = 16
 LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
 """N/√Hz (N·m/√Hz), m/√Hz: keeps logs without any noise solvable."""
@@ -82,7 +83,8 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
     weight = FRICTION * G * cart.inertia.mass
     total = balances.wrenches.planar(cart) @ cart.basis_b
     size = np.sqrt((total**2).mean(axis=0))
-    held = np.exp(-((speed / STILL_SPEED) ** 2))[:, None] * size
+    levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
+    held = np.exp(-((speed / STILL_SPEED) ** 2))[:, None] * np.hypot(size, HELD * G * cart.inertia.mass * levers)
     force, moment = weight * resting, weight * LEVER * np.maximum(resting, swinging)
     own = np.column_stack([force, force, moment][:: 1 if free == 3 else 2] if free > 1 else [force])
     effects = EFFECT_SHARE * np.abs(cart.effect_wrench(balances.state(cart), time=motion.time) @ cart.basis_b)
