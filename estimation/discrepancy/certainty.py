@@ -101,9 +101,9 @@ class Certainty:
         constraints = self.model.cart.constraint_effects
         prior = self.model.prior
         first = int(prior.free.sum())
-        for i, effect in enumerate(constraints):
+        for i, constraint in enumerate(constraints):
             share = float(np.sqrt(self.covariance[first + i, first + i]))
-            found[effect.keys[0]] = share * abs(float(effect.values[0]))
+            found[constraint.keys[0]] = share * abs(float(constraint.values[0]))
         known = {effect.key for effect in self.model.guess.effects}
         for effect in self.model.cart.effects:
             if effect.key not in known and not isinstance(effect, ConstraintEffect):

@@ -76,9 +76,12 @@ class Law:
         return balances.integrated(found)
 
 
+def _sign(course: Course) -> Array:
+    return np.asarray(np.tanh(course.speed / ROLLING))
+
+
 def smooth_laws(turns: bool) -> list[Law]:
     """Of what varies slowly with one variable."""
-    sign = lambda c: np.tanh(c.speed / ROLLING)  # noqa: E731
     found = [
         Law("speed", "cubic drag", False, lambda c: _columns(c.speed**3), 1),
         Law(
@@ -86,12 +89,12 @@ def smooth_laws(turns: bool) -> list[Law]:
             "drag that sets in",
             False,
             lambda c: _columns(
-                *(sign(c) * np.maximum(abs(c.speed) - q * abs(c.speed).max(), 0) for q in (0.25, 0.5, 0.75))
+                *(_sign(c) * np.maximum(abs(c.speed) - q * abs(c.speed).max(), 0) for q in (0.25, 0.5, 0.75))
             ),
             3,
         ),
         Law("time", "drift", False, lambda c: _columns(c.time / 60), 1),
-        Law("time", "drag that warms", False, lambda c: _columns(c.speed * c.time / 60, sign(c) * c.time / 60), 2),
+        Law("time", "drag that warms", False, lambda c: _columns(c.speed * c.time / 60, _sign(c) * c.time / 60), 2),
     ]
     if turns:
         found += [
@@ -103,10 +106,14 @@ def smooth_laws(turns: bool) -> list[Law]:
                 4,
             ),
             Law(
-                "heading", "drag", False, lambda c: _columns(*(sign(c) * f(2 * c.heading) for f in (np.cos, np.sin))), 2
+                "heading",
+                "drag",
+                False,
+                lambda c: _columns(*(_sign(c) * f(2 * c.heading) for f in (np.cos, np.sin))),
+                2,
             ),
             Law("heading", "moment", True, lambda c: _columns(np.cos(c.heading), np.sin(c.heading)), 2),
-            Law("yaw rate", "drag", False, lambda c: _columns(sign(c) * abs(c.yaw_rate)), 1),
+            Law("yaw rate", "drag", False, lambda c: _columns(_sign(c) * abs(c.yaw_rate)), 1),
             Law("yaw rate", "moment", True, lambda c: _columns(c.yaw_rate * abs(c.yaw_rate)), 1),
             Law(
                 "time",
@@ -122,7 +129,7 @@ def smooth_laws(turns: bool) -> list[Law]:
                 lambda c: _columns(*(a * b for a in (np.cos(c.heading), np.sin(c.heading)) for b in (c.x, c.y))),
                 4,
             ),
-            Law("place", "drag", False, lambda c: _columns(sign(c) * c.x, sign(c) * c.y), 2),
+            Law("place", "drag", False, lambda c: _columns(_sign(c) * c.x, _sign(c) * c.y), 2),
         ]
     return found
 

@@ -78,8 +78,8 @@ class RowNoise:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs follow
-    and no effect of the vocabulary makes."""
+    """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
+    follow and no effect of the vocabulary makes."""
 
     guess: CartModel
     cart: CartModel

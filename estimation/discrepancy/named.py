@@ -67,7 +67,8 @@ def named(
 def _rivals(step: Step) -> tuple[float, tuple[str, ...]]:
     """Of what was added: its probability, and the names of what explains about as much."""
     own = step.added
-    assert own is not None and isinstance(own.candidate, Effect)
+    assert own is not None
+    assert isinstance(own.candidate, Effect)
     weights: dict[str, float] = {}
     for one in step.attempts:
         if one.key == own.key or not isinstance(one.candidate, Effect):

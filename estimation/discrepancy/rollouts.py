@@ -46,7 +46,7 @@ def _root_mean(squares: Array) -> Array:
     known = np.isfinite(squares)
     total = np.where(known, squares, 0.0).sum(axis=0)
     count = known.sum(axis=0)
-    return np.sqrt(np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0))
+    return np.asarray(np.sqrt(np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)))
 
 
 def starts(balances: Balances) -> np.ndarray:

@@ -114,7 +114,8 @@ class Screen:
             spans = _spans(n, effect.gate, max(1, round(LEAST_SIDE / (size * balances.row_step))))
             if not len(spans):
                 continue
-            gains = self._factor(*(s[spans[:, 1]] - s[spans[:, 0]] for s in sums), std)
+            own_sums, base_sums, pulls = (s[spans[:, 1]] - s[spans[:, 0]] for s in sums)
+            gains = self._factor(own_sums, base_sums, pulls, std)
             starts, ends = edges[spans[:, 0]] - balances.row_step / 2, edges[spans[:, 1]] - balances.row_step / 2
             gates = starts[:, None] if effect.gate is Gate.FROM else np.column_stack([starts, ends - starts])
             best = set(np.argsort(-gains)[:KEPT].tolist())
@@ -149,9 +150,9 @@ class Screen:
         for k, ((left, right), (low, high)) in enumerate(boxes):
             chosen[k, left:right, low:high] = 1.0
         pick = chosen.reshape(len(boxes), -1)
-        own = np.einsum("vi,ij,vj->v", pick, each @ each.T, pick, optimize=True)[:, None, None]
-        base, left = each @ self._base.reshape(each.shape[1], -1), each @ self._left.ravel()
-        gains = self._factor(own, (pick @ base)[:, None], (pick @ left)[:, None], std)
+        within = np.einsum("vi,ij,vj->v", pick, each @ each.T, pick, optimize=True)[:, None, None]
+        base, pull = each @ self._base.reshape(each.shape[1], -1), each @ self._left.ravel()
+        gains = self._factor(within, (pick @ base)[:, None], (pick @ pull)[:, None], std)
         best = set(np.argsort(-gains)[:KEPT].tolist())
         found = []
         for k, (gain, ((a, b), (c, d))) in enumerate(zip(gains.tolist(), boxes, strict=True)):

@@ -158,7 +158,8 @@ def _colour(model: Model, effect: Effect) -> float | None:
 def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
     """Its score where the model's parameters move a little, if at all; the effect with its amplitudes."""
     if isinstance(effect, TimeDelay):
-        score, fitted = model.late(effect.delay).score, effect
+        score = model.late(effect.delay).score
+        fitted: Effect = effect
     else:
         columns, std = model.columns_of(effect)
         score = model.with_columns(columns, std)

@@ -4,10 +4,10 @@ Each balance is multiplied by a test function and integrated,
 
     ∫ φ (Sᵀ wrench_b - w(pose, nu, nu'; theta)) dt = noise,
 
-with w the reduced wrench that the motion takes (physics 4). Test functions are cubic B-splines, a tenth of a second
-apart. The motion's acceleration is the second derivative of a spline with twice their knots, so that the integral is
-that of the recorded motion against their slope, whatever its noise: nothing is differentiated. Where an axle must not go
-sideways, its speed across the wheels is one more balance.
+with w the reduced wrench that the motion takes (physics 4). Test functions are cubic B-splines, a tenth of a second or
+more apart. The motion's acceleration is the second derivative of a spline with twice their knots, so that the integral
+is that of the recorded motion against their slope, whatever its noise: nothing is differentiated. Where an axle must
+not go sideways, its speed across the wheels is one more balance.
 """
 
 from __future__ import annotations
@@ -95,8 +95,8 @@ class Balances:
 
     @cached_property
     def used(self) -> np.ndarray:
-        """Of all test functions, those in whose support everything was seen and the cart moves: where it stands, anything
-        may hold it. Where it stands throughout, all that was seen."""
+        """Of all test functions, those in whose support everything was seen and the cart moves: where it stands,
+        anything may hold it. Where it stands throughout, all that was seen."""
         test = self._test
         touches = csr_array((np.ones_like(test.data), test.indices, test.indptr), shape=test.shape)
         seen = touches @ (~self.wrenches.seen).astype(float) == 0
@@ -106,14 +106,15 @@ class Balances:
     @cached_property
     def time(self) -> Array:
         """Middles (k,) of the rows' test functions."""
-        return self.motion.time[self.per_row * self.used + SUPPORT * self.per_row // 2]
+        return np.asarray(self.motion.time[self.per_row * self.used + SUPPORT * self.per_row // 2])
 
     @cached_property
     def _used_test(self) -> csr_array:
         return csr_array(self._test[self.used])
 
     def overlap(self, order: int, lag: int) -> float:
-        """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order - 1))."""
+        """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order -
+        1))."""
         inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
         element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
         one = np.nan_to_num((element.derivative(order) if order else element)(inside))
@@ -139,8 +140,8 @@ class Balances:
         return -self.integrated(rate)
 
     def lever(self, cart: CartModel, effect: Effect) -> Array:
-        """What the residual (k, c, 1) lacks for each metre that a force effect of the cart acts to the left of where the
-        model says."""
+        """What the residual (k, c, 1) lacks for each metre that a force effect of the cart acts to the left of where
+        the model says."""
         other = cart.without_effect(effect.key)
         force = np.zeros(len(self.motion.time))
         for sign, each in ((1.0, cart), (-1.0, other)):

@@ -57,8 +57,8 @@ def bands(balances: Balances, cart: CartModel) -> list[Band]:
 
 
 def consistent(known: list[Band]) -> Band | None:
-    """The widest band in which the model foretells the motion, with the mass of all narrower ones; where it foretells too
-    little in all of them, the widest with their mass. None of none."""
+    """The widest band in which the model foretells the motion, with the mass of all narrower ones; where it foretells
+    too little in all of them, the widest with their mass. None of none."""
     steady = [band for i, band in enumerate(known) if all(map(band.agrees, known[i + 1 :]))]
     foretold = [band for band in steady if band.bracket < MOST_OPEN * band.mass]
     return next(iter(foretold or steady), None)

@@ -68,7 +68,7 @@ def motion_of(log: RunLog, cart: CartModel) -> Motion:
     first, last = float(time[0]), float(time[-1])
     if last - first < FEWEST_ROWS * KNOT_STEPS * step:
         raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
-    grid = first + step * np.arange(int((last - first) / step) + 1)
+    grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
     noise = MotionNoise.of(log)
     heading = np.unwrap(log.pose[seen, 2])
     poses = np.column_stack([log.pose[seen, :2], heading])

@@ -32,14 +32,15 @@ LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """Of a log's rows: the banded Cholesky factor of each balance's covariance, in LAPACK's lower form (c, SUPPORT, k)."""
+    """Of a log's rows: the banded Cholesky factor of each balance's covariance, in LAPACK's lower form (c, SUPPORT,
+    k)."""
 
     roots: tuple[Array, ...]
 
     @classmethod
     def of(cls, balances: Balances, cart: CartModel, excess: Array) -> Whitening:
-        """By white noise of wrenches and motion; `cart` tells how much of the motion's a balance takes in. `excess` (c,)
-        is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time."""
+        """By white noise of wrenches and motion; `cart` tells how much of the motion's a balance takes in. `excess`
+        (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time."""
         force, root_step = wrench_noise(balances, cart), balances.sample_step**0.5
         noise, free = balances.motion.noise, cart.constraints.n_free
         inertia = cart.inertia
@@ -68,8 +69,9 @@ class Whitening:
 
 
 def model_error(balances: Balances, cart: CartModel) -> Array:
-    """What a model may be off by (n, f), but for noise. Where the cart stands, anything may hold it. Near rest Coulomb friction takes whatever value holds things, and while casters
-    swing round after a reversal nobody knows where they drag."""
+    """What a model may be off by (n, f), but for noise. Where the cart stands, anything may hold it. Near rest Coulomb
+    friction takes whatever value holds things, and while casters swing round after a reversal nobody knows where they
+    drag."""
     motion, free = balances.motion, cart.constraints.n_free
     speed = balances.turning_speed
     resting = np.exp(-((speed / REST_SPEED) ** 2))
@@ -92,8 +94,8 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
 
 
 def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
-    """Of the covariance of white noise, each part (the root of its density) through as many derivatives of the test functions, and of model
-    errors (n,) that neighbours share."""
+    """Of the covariance of white noise, each part (the root of its density) through as many derivatives of the test
+    functions, and of model errors (n,) that neighbours share."""
     k = len(balances.used)
     covariance = np.zeros((SUPPORT, k))
     for density, order in parts:

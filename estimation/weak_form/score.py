@@ -1,8 +1,8 @@
 """One score: the expected log predictive density of rows that a model has not seen.
 
-Rows are whitened, so a Gaussian model's density of some rows given all others is a ratio of two evidences, and both are
-functions of sums of products over blocks of time. Folds are dealt twice: pieces in turn (fair to what happens once), and
-stretches one by one (fair to what must hold everywhere).
+Rows are whitened, so a Gaussian model's density of some rows given all others is a ratio of two evidences, and both
+are functions of sums of products over blocks of time. Folds are dealt twice: pieces in turn (fair to what happens
+once), and stretches one by one (fair to what must hold everywhere).
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def log_evidence(total: Array, prior: Array, scale: Array, rows: Array | float) 
 def _fit(total: Array, prior: Array, scale: Array) -> tuple[Array, Array]:
     joint = np.tensordot(scale**-2.0, total, (0, 0))
     q = len(prior)
-    covariance = np.linalg.inv(joint[:q, :q] + np.diag(prior**-2.0))
+    covariance = np.asarray(np.linalg.inv(joint[:q, :q] + np.diag(prior**-2.0)), dtype=float)
     return covariance @ joint[:q, q], covariance
 
 

@@ -48,8 +48,9 @@ def white_noise(channel: Array) -> float:
 
 
 def noise_density(time: Array, channel: Array) -> float:
-    """Root of the density (unit/√Hz) of noise as slow as a test function sees it: of means over longer and longer blocks,
-    the largest. Noise that is filtered, or held from sample to sample, looks quieter from row to row than it is."""
+    """Root of the density (unit/√Hz) of noise as slow as a test function sees it: of means over longer and longer
+    blocks, the largest. Noise that is filtered, or held from sample to sample, looks quieter from row to row than it
+    is."""
     known = np.isfinite(channel)
     present = channel[known]
     if len(present) < 2:
@@ -61,4 +62,4 @@ def noise_density(time: Array, channel: Array) -> float:
         count = len(present) // size
         means = present[: count * size].reshape(count, size).mean(axis=1)
         densities.append(white_noise(means) * (size * step) ** 0.5)
-    return max(densities)
+    return float(max(densities))

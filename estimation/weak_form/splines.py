@@ -55,7 +55,7 @@ class SplineBasis:
 
     @cached_property
     def knots(self) -> Array:
-        return self.start + self.step * np.arange(-DEGREE, self.count + 1)
+        return np.asarray(self.start + self.step * np.arange(-DEGREE, self.count + 1), dtype=float)
 
     def design(self, time: Array, derivative: int = 0) -> csr_array:
         """(n, count), of the derivative at times (n,) inside the knots."""
@@ -130,7 +130,8 @@ class SplineFit:
             explained = right @ cho_solve_banded((root, False), right)
             return float(2 * np.log(root[-1]).sum() - free * np.log(penalty) - explained)
 
-        return scale * 10.0 ** float(minimize_scalar(misfit, bounds=(LOOSE, STIFF), method="bounded").x)
+        decade = float(minimize_scalar(misfit, bounds=(LOOSE, STIFF), method="bounded").x)
+        return float(scale * 10.0**decade)
 
 
 def _banded(matrix: csr_array, width: int) -> Array:

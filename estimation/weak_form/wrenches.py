@@ -53,8 +53,8 @@ class GridWrenches:
         return value
 
     def recorded_share(self, cart: CartModel) -> Array | None:
-        """By how much (n, f, f) what is recorded changes for what acts, where sensors are not as they should be: what is
-        left is compared in recorded wrenches, whose noise it is. None where the two are the same."""
+        """By how much (n, f, f) what is recorded changes for what acts, where sensors are not as they should be: what
+        is left is compared in recorded wrenches, whose noise it is. None where the two are the same."""
         if not cart.sensor_effects:
             return None
         reduced = cart.basis_b.T @ self.grasps
@@ -68,9 +68,10 @@ class GridWrenches:
         return np.asarray(found @ np.linalg.inv(spread))
 
     def slopes(self, cart: CartModel, expected: Array) -> Array:
-        """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches nearest
-        to those recorded that add up to what a model expects (n, f). By a gain or an angle they are in proportion to
-        wrenches: to recorded ones, they would have their noise, and all that the model lacks, on both sides."""
+        """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches
+        nearest to those recorded that add up to what a model expects (n, f). By a gain or an angle they are in
+        proportion to wrenches: to recorded ones, they would have their noise, and all that the model lacks, on both
+        sides."""
         f = expected.shape[1]
         found = np.zeros((len(self.time), f, len(cart.parameters)))
         if not cart.sensor_effects:
