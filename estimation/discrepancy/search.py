@@ -151,8 +151,10 @@ def worth(base: Score, score: Score, colour: float | None) -> float:
 
 
 def _colour(model: Model, effect: Effect) -> float | None:
-    """Beside which an effect is judged, where it happens once."""
-    return None if effect.gate is Gate.ALWAYS else model.colour
+    """Beside which an effect is judged that does not act everywhere: a push is like anything that drifts."""
+    if effect.gate is Gate.ALWAYS:
+        return None
+    return model.colour if effect.gate.ends else 1.0
 
 
 def attempt(model: Model, effect: Effect, tried: int) -> Attempt:

@@ -13,7 +13,7 @@ not go sideways, its speed across the wheels is one more balance.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -25,6 +25,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from .motion import KNOT_STEPS, Motion, motion_of
+from .sensor_noise import noise_density
 from .wrenches import GridWrenches
 
 STILL_SPEED = 0.02
@@ -115,17 +116,18 @@ class Balances:
     def overlap(self, order: int, lag: int) -> float:
         """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order -
         1))."""
-        inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
-        element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
-        one = np.nan_to_num((element.derivative(order) if order else element)(inside))
-        other = np.zeros_like(one)
-        other[40 * lag :] = one[: len(one) - 40 * lag]
-        return float(np.trapezoid(one * other, inside)) * self.row_step ** (1 - 2 * order)
+        return _overlap(order, lag) * self.row_step ** (1 - 2 * order)
 
     def integrated(self, signals: Array) -> Array:
         """Signals (n, ...) against the test functions (k, ...)."""
         flat = signals.reshape(len(signals), -1)
         return np.asarray(self._used_test @ flat).reshape(-1, *signals.shape[1:])
+
+    @cached_property
+    def wrench_densities(self) -> Array:
+        """Roots of the noise densities of each arm's wrench (arms, 6), N/√Hz, N·m/√Hz."""
+        arms = [[noise_density(self.log.time, axis) for axis in arm.wrench.T] for arm in self.log.arms.values()]
+        return np.array(arms).reshape(-1, 6)
 
     @property
     def sample_step(self) -> float:
@@ -213,3 +215,14 @@ class Balances:
         found = np.zeros((len(aside), self.n_balances(cart), 1))
         found[:, -1, 0] = aside
         return self.integrated(found)
+
+
+@lru_cache
+def _overlap(order: int, lag: int) -> float:
+    """Of test functions one second apart."""
+    inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
+    element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
+    one = np.nan_to_num((element.derivative(order) if order else element)(inside))
+    other = np.zeros_like(one)
+    other[40 * lag :] = one[: len(one) - 40 * lag]
+    return float(np.trapezoid(one * other, inside))

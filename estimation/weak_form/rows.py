@@ -13,7 +13,6 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from .balances import LEVER, STILL_SPEED, SUPPORT, Balances
-from .sensor_noise import noise_density
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
@@ -115,10 +114,8 @@ def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | No
 def wrench_noise(balances: Balances, cart: CartModel) -> Array:
     """Root of the density of the reduced wrench's noise (f,), N/√Hz, N·m/√Hz."""
     variance = np.full(cart.constraints.n_free, LEAST_FORCE**2)
-    for grasp, arm in zip(balances.wrenches.grasps, balances.log.arms.values(), strict=True):
-        density = np.array([noise_density(balances.log.time, arm.wrench[:, i]) for i in range(6)])
-        reduced = np.abs(cart.basis_b.T @ grasp)
-        variance += ((reduced * density) ** 2).sum(axis=2).mean(axis=0)
+    for grasp, density in zip(balances.wrenches.grasps, balances.wrench_densities, strict=True):
+        variance += ((np.abs(cart.basis_b.T @ grasp) * density) ** 2).sum(axis=2).mean(axis=0)
     return np.asarray(np.sqrt(variance))
 
 
