@@ -1,5 +1,7 @@
 """A log is cut where the cart was hit."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -24,7 +26,7 @@ def test_parts_lie_between_impacts(times):
     """No part holds a touch; what lies between and is long enough is there, every row of it."""
     parts = flights(LOG, CART, [hit(t) for t in times])
     ends = np.sort([0.0, *times, 12.0])
-    long_ones = [(a, b) for a, b in zip(ends, ends[1:], strict=False) if b - a > SHORTEST + 2 * TOUCH + 0.03]
+    long_ones = [(a, b) for a, b in pairwise(ends) if b - a > SHORTEST + 2 * TOUCH + 0.03]
     assert len(parts) >= len(long_ones)
     for part in parts:
         time = part.log.time

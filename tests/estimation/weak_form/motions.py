@@ -78,7 +78,7 @@ RAIL = CartModel(
 
 
 def on_rail(duration=40.0, share=0.0, seed=0, mass=RAIL_MASS):
-    """A log with little noise of a cart on a rail. Beside what the wrench makes, its speed goes up and down by a `share`
+    """A log with little noise of a cart on a rail. Beside what the wrench makes, its speed goes up and down by `share`
     (m/s) in 1.5 to 4 Hz, which no force made."""
     random = np.random.default_rng(seed)
     time = np.arange(0.0, duration, STEP)
