@@ -30,6 +30,7 @@ from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
 from .residual import DIRECTIONS, Residual, residuals
 from .residual_map import ResidualMap, residual_maps
+from .rollouts import starts
 from .search import Step, added, search
 from .stale import without_stale
 from .where import Disagreement, where
@@ -152,8 +153,7 @@ class Diagnosis:
         f = self.nominal_cart.constraints.n_free
         sizes = {}
         for residual in self.after:
-            beyond = float(np.maximum((residual.value**2 - residual.std**2).mean(), 0.0)) ** 0.5
-            sizes[residual.coordinate] = beyond if self.verdict in ("unexplained", "partly_explained") else 0.0
+            sizes[residual.coordinate] = residual.size if self.verdict in ("unexplained", "partly_explained") else 0.0
         for law in self.laws:
             coordinate = DIRECTIONS[f][f - 1 if law.is_moment else 0]
             sizes[coordinate] = max(sizes[coordinate], self.size_of(law))
@@ -258,7 +258,9 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
 
 
 def _shares(steps: Sequence[Step], nominal: Model, gap: Gap) -> tuple[float, ...]:
-    """Of the gap above the noise floor, what each step closed."""
+    """Of the gap above the noise floor, what each step closed; of logs at rest, nothing."""
+    if not any(len(starts(balances)) for balances in nominal.logs):
+        return (0.0,) * len(steps)
     whole = max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
     found, before = [], gap.refitted**2
     for step in steps:

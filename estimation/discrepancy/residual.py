@@ -74,11 +74,16 @@ class Residual:
         return tuple(start[list(places)] for start, places in zip(own, self.changes, strict=True))
 
     @property
+    def size(self) -> float:
+        """Root mean square beyond noise, each stretch as much as it is known: of one in which the cart was held, nothing
+        is."""
+        return float(max(self.beyond.sum() / (self.std**-2.0).sum(), 0.0) ** 0.5)
+
+    @property
     def disagrees(self) -> bool:
         """Whether all stretches together are farther off than noise takes them, by an amount that counts."""
-        size = np.maximum((self.value**2 - self.std**2).mean(), 0.0) ** 0.5
         is_sure = self.beyond.sum() > SURE * (2 * len(self.beyond)) ** 0.5
-        return bool(is_sure and size > LEAST.get(self.coordinate, 0.0))
+        return bool(is_sure and self.size > LEAST.get(self.coordinate, 0.0))
 
 
 def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:

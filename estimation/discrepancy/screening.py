@@ -32,6 +32,8 @@ CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
 HARMONICS = (1, 2, 4)
 NEARBY = np.linspace(0.97, 1.03, 13)
 """Times the period of a scan."""
+LARGEST = 1e12
+"""Of whitened columns: an effect's memory beyond ran away in the integrator's steps, at settings that no cart has."""
 
 Found = tuple[float, Effect]
 
@@ -55,6 +57,8 @@ class Screen:
         if isinstance(effect, TimeDelay):
             return self._delayed(effect)
         columns, std = self.model.columns_of(effect)
+        if not (np.abs(columns) < LARGEST).all():
+            return -np.inf
         return float(self.gains(columns[None], std)[0])
 
     def gains(self, columns: Array, std: Array) -> Array:

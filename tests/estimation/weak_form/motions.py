@@ -32,11 +32,15 @@ def weaving(values, duration=16.0, slope=(0.0, 0.0)):
     heading = 0.5 / 0.7 * np.sin(0.7 * time) + 0.3 / 1.9 * (1 - np.cos(1.9 * time))
     velocity = np.column_stack([speed * np.cos(heading), speed * np.sin(heading), turn])
     way = cumulative_simpson(velocity[:, :2], x=time, axis=0, initial=0.0)
-    gravity = -9.81 * mass * np.column_stack(
-        [
-            slope[0] * np.cos(heading) + slope[1] * np.sin(heading),
-            slope[1] * np.cos(heading) - slope[0] * np.sin(heading),
-        ]
+    gravity = (
+        -9.81
+        * mass
+        * np.column_stack(
+            [
+                slope[0] * np.cos(heading) + slope[1] * np.sin(heading),
+                slope[1] * np.cos(heading) - slope[0] * np.sin(heading),
+            ]
+        )
     )
     about_b = inertia + mass * (dx**2 + dy**2)
     forward = mass * (rate - dy * bend - dx * turn**2) + linear * speed - gravity[:, 0]
@@ -74,7 +78,7 @@ RAIL = CartModel(
 
 
 def on_rail(duration=40.0, share=0.0, seed=0, mass=RAIL_MASS):
-    """A log with little noise of a cart on a rail. Beside what the wrench makes, its speed goes up and down by a `share`
+    """A log with little noise of a cart on a rail. Beside what the wrench makes, its speed goes up and down by `share`
     (m/s) in 1.5 to 4 Hz, which no force made."""
     random = np.random.default_rng(seed)
     time = np.arange(0.0, duration, STEP)

@@ -33,9 +33,7 @@ def test_slopes_of_the_basis_are_differences_of_it():
     inside = np.linspace(0.3, 9.7, 200)
     for order in (1, 2):
         lower = BASIS.design(inside + 1e-5, order - 1) - BASIS.design(inside - 1e-5, order - 1)
-        assert BASIS.design(inside, order).toarray() == pytest.approx(
-            lower.toarray() / 2e-5, abs=2e-4 / 0.05**order
-        )
+        assert BASIS.design(inside, order).toarray() == pytest.approx(lower.toarray() / 2e-5, abs=2e-4 / 0.05**order)
 
 
 def test_what_has_nothing_but_noise_is_smoothed_to_a_parabola():
