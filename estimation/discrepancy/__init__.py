@@ -1,4 +1,4 @@
-"""Finds where logs and a cart's model disagree, names the missing effect, adds it, and shows the gap shrink."""
+"""Where simulation and measurement disagree, which effect is missing, and the model with it."""
 
 from .diagnosis import Diagnosis, diagnose
 

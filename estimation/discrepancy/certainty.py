@@ -1,149 +1,214 @@
-"""How sure a model's numbers are: by the noise of its rows, by how whole stretches scatter, and by what the band leaves
-open."""
+"""How sure the values of a chosen structure are, where its forms are not quite those of the world.
+
+A form that is a little wrong leaves residuals that are no noise, in one direction more than in another, and alike
+within a manoeuvre. Each direction is weighed by what is left along it; and the pulls of whole manoeuvres, which cancel
+at the best fit, say by their scatter how far it may be off: White's (1980) sandwich `A⁻¹ (Σ g gᵀ) A⁻¹`, with stretches
+that belong together in one pull (Liang and Zeger, 1986). The larger deviation of the two counts.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
-from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
-from ..prior import Prior, report_names, report_units
-from ..weak_form.fit import coordinates, with_coordinates
-from .model import Model
-from .refine import is_open, moves
-from .screening import Screen
+from ..batch.wrench_regression import BLOCK
+from ..parameter_report import ParameterReport
+from ..prior import report_names
+from .dictionary import amplitudes_of
+from .fitted import Fitted
+from .forms import form_sizes
+from .manoeuvres import manoeuvres, settled
+from .settings import FORM_SHARE, settled_setting, swelling
 
-TAUGHT = 0.25
-"""Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
-DROP = 0.5
-"""Nats from the best to a standard deviation away."""
-DOUBLINGS, HALVINGS = 9, 4
-LEAST_TIME, LEAST_PLACE = 0.005, 0.02
-"""s, m: half a sample, and what an edge is."""
+OUTLYING = 4.0
+"""Times the usual scatter: what an accident counts at most."""
+MOST_LOST = 1.5
+"""Times the deviation: what fewer rows may cost."""
+LEAST_DEVIATIONS = 2.5
+"""By which an effect that is named differs from none."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Certainty:
-    """Of a model; `bracket` is the share of the mass that its band leaves open."""
+    """The structure with its directions in balance, and the cart; its parameters; standard deviations of settings by
+    key, and by how many deviations each effect's amplitudes differ from none, where a load lies beside."""
 
-    model: Model
-    bracket: float = 0.0
-
-    @cached_property
-    def cart(self) -> CartModel:
-        """The model's, with a mass in the middle of what its band leaves open, and all else as it goes with that."""
-        model = self.model
-        prior = model.prior
-        if not prior.free[0] or self.bracket == 0.0:
-            return model.cart
-        free = np.flatnonzero(prior.free)
-        along = model.score.covariance[: len(free), 0] / model.score.covariance[0, 0]
-        z = coordinates(model.cart)
-        z[free] += along * np.log1p(self.bracket)
-        return with_coordinates(model.cart, z)
-
-    @cached_property
-    def covariance(self) -> Array:
-        """Of the rows' columns (q, q): the larger of what noise makes of them, and what stretches scatter (a sandwich
-        estimator, White 1980, with clusters)."""
-        model, score = self.model, self.model.score
-        kept = np.tensordot(score.scale**-2.0, model.sums, (0, 0))
-        q = len(score.fit)
-        pulls = kept[:, :q, q] - kept[:, :q, :q] @ score.fit
-        groups = model.folds.stretches
-        clusters = np.array([pulls[groups == group].sum(axis=0) for group in np.unique(groups)])
-        count = len(clusters)
-        scatter = score.covariance @ (clusters.T @ clusters) @ score.covariance * count / max(count - 1, 1)
-        stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
-        found = score.covariance * np.outer(stretch, stretch)
-        if not model.prior.free[0]:
-            return np.asarray(found)
-        mass = found[0]
-        return np.asarray(found + np.outer(mass, mass) / mass[0] ** 2 * self.bracket**2)
-
-    @cached_property
-    def parameters(self) -> dict[str, ParameterEstimate]:
-        """By the names under which they are reported; at a bound, nothing is taught."""
-        model, cart = self.model, self.cart
-        prior = model.prior
-        free = np.flatnonzero(prior.free)
-        std = prior.std.copy()
-        std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
-        body = cart.inertia
-        values = np.concatenate([[body.mass, *body.com, body.about_com], cart.parameters[N_PHI:]])
-        scale = np.ones(len(values))
-        scale[[0, 3]] = body.mass, body.about_com
-        usual = np.minimum(Prior().deviations(cart), prior.std * scale)
-        taught = prior.free & (std * scale < TAUGHT * usual) & ~self._at_bound
-        rows = zip(report_names(cart), report_units(cart), values, std * scale, taught, strict=True)
-        return {n: ParameterEstimate(float(v), float(s), unit, bool(known)) for n, unit, v, s, known in rows}
-
-    @property
-    def _at_bound(self) -> np.ndarray:
-        found = np.zeros(len(self.model.cart.parameters), dtype=bool)
-        limits = [(p.lower, p.upper) for effect in self.cart.effects for p in effect.parameters]
-        values = self.cart.parameters[N_PHI:]
-        found[N_PHI:] = [v <= low or v >= high for v, (low, high) in zip(values, limits, strict=True)]
-        return found
-
-    @cached_property
-    def settings(self) -> Mapping[str, float]:
-        """Standard deviations of what enters nonlinearly, by full name."""
-        found: dict[str, float] = {}
-        constraints = self.model.cart.constraint_effects
-        prior = self.model.prior
-        first = int(prior.free.sum())
-        for i, constraint in enumerate(constraints):
-            share = float(np.sqrt(self.covariance[first + i, first + i]))
-            found[constraint.keys[0]] = share * abs(float(constraint.values[0]))
-        known = {effect.key for effect in self.model.guess.effects}
-        for effect in self.model.cart.effects:
-            if effect.key not in known and not isinstance(effect, ConstraintEffect):
-                found |= self._of(effect)
-        return found
-
-    def _of(self, effect: Effect) -> dict[str, float]:
-        from .search import absent
-
-        steps = moves(effect)
-        if not steps:
-            return {}
-        less = self.model.refitted(self.model.cart.without_effect(effect.key))
-        screen, none = Screen(less), absent(effect)
-        best, found = screen.gain(none), dict[str, float]()
-        for which in dict.fromkeys(move.which for move in steps):
-            unit = effect.parameters[which].unit
-            size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
-            sides = [_distance(screen, none, which, sign * size, best) for sign in (1.0, -1.0)]
-            least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
-            if effect.gate.n_parameters <= which:
-                least = min(least, 0.02 * abs(float(effect.values[which])))
-            found[effect.keys[which]] = float(np.hypot(np.mean(sides), least))
-        return found
+    fitted: Fitted
+    cart: CartModel
+    parameters: dict[str, ParameterEstimate]
+    settings: dict[str, float]
+    deviations: dict[str, float]
 
 
-def _distance(screen: Screen, effect: Effect, which: int, step: float, best: float) -> float:
-    """How far a setting may be from the best until the gain has dropped."""
+def proven(fitted: Fitted) -> tuple[Certainty, tuple[str, ...]]:
+    """Without the effects, whose keys are given too, that may as well not be there for all that other forms and the
+    scatter of manoeuvres leave sure; the least sure is left out first."""
+    removed: list[str] = []
+    while True:
+        found = certain(fitted)
+        key = min(found.deviations, key=lambda one: found.deviations[one], default=None)
+        if key is None or found.deviations[key] >= LEAST_DEVIATIONS:
+            return _told(fitted, found), tuple(removed)
+        fitted, removed = fitted.without(key), [*removed, key]
 
-    def is_worse(distance: float) -> bool:
-        values = effect.values.copy()
-        values[which] += distance
-        return not is_open(effect, values) or screen.gain(effect.with_values(values)) < best - DROP
 
-    inside, outside = 0.0, step
-    for _ in range(DOUBLINGS):
-        if is_worse(outside):
-            break
-        inside, outside = outside, 2 * outside
-    for _ in range(HALVINGS):
-        middle = (inside + outside) / 2
-        inside, outside = (inside, middle) if is_worse(middle) else (middle, outside)
-    return abs(inside + outside) / 2
+def certain(fitted: Fitted) -> Certainty:
+    settings: dict[str, float] = {}
+    for effect in fitted.added:
+        moved, found = settled_setting(fitted, effect)
+        fitted, settings = fitted.with_changed(effect, moved), settings | found
+    fitted = balanced(_rolling(fitted))
+    covariance, share = _covariance(fitted)
+    parameters = ParameterReport(fitted.structure, fitted.prior).of(fitted.cart.parameters, covariance, share)
+    return Certainty(fitted, fitted.cart, parameters, settings, _deviations(fitted, covariance))
+
+
+def _told(fitted: Fitted, known: Certainty) -> Certainty:
+    """With what effects take from the wheels written out, and pushes that rise and fall from where they begin to where
+    they end."""
+    parameters, settings = dict(known.parameters), dict(known.settings)
+    added, wheels = {effect.key for effect in fitted.added}, known.cart.wheel_set
+    effects = [effect.told(wheels) if effect.key in added else effect for effect in known.cart.effects]
+    for k, effect in enumerate(effects):
+        found = swelling(fitted, effect) if effect.gate is Gate.WHILE and effect.key in added else None
+        if found is not None:
+            effects[k], deviations = found
+            settings |= deviations
+            share = float(effect.values[1] / effects[k].values[1])
+            for i in _may_be_estimated(effect):
+                one = parameters[effect.keys[i]]
+                value = float(effects[k].values[i])
+                parameters[effect.keys[i]] = replace(one, value=value, std=share * one.std)
+    return replace(known, cart=replace(known.cart, effects=tuple(effects)), parameters=parameters, settings=settings)
+
+
+def _deviations(fitted: Fitted, covariance: Array) -> dict[str, float]:
+    places, found = {name: i for i, name in enumerate(report_names(fitted.cart))}, dict[str, float]()
+    for effect in fitted.added:
+        own = [i for i in amplitudes_of(effect) if covariance[places[effect.keys[i]], places[effect.keys[i]]] > 0]
+        if own and not isinstance(effect, ConstraintEffect):
+            at = [places[effect.keys[i]] for i in own]
+            size = fitted.cart.parameters[at] - [effect.parameters[i].absent for i in own]
+            found[effect.key] = float(np.sqrt(size @ np.linalg.solve(covariance[np.ix_(at, at)], size)))
+    return found
+
+
+def _may_be_estimated(effect: Effect) -> list[int]:
+    """Which of its parameters a linear fit gives."""
+    return [i for i, parameter in enumerate(effect.parameters) if parameter.estimated]
+
+
+def _rolling(fitted: Fitted) -> Fitted:
+    """On rows on which all wheels roll, and casters and bristles have settled, where these tell nearly as much."""
+    chosen = tuple(regression.within(settled(regression)) for regression in fitted.regressions)
+    fewer = fitted.on(chosen)
+    before, after = (
+        np.diagonal(f.identification.covariance)[f.free[:-1]]
+        / np.mean([log.noise_excess for log in f.identification.logs])
+        for f in (fitted, fewer)
+    )
+    return fewer if (after < MOST_LOST**2 * before).all() else fitted
+
+
+def balanced(fitted: Fitted) -> Fitted:
+    """With the noise along each free direction as large as what is left there."""
+    scatter, found = fitted.scatter, []
+    for k, regression in enumerate(fitted.regressions):
+        own = scatter.log == k
+        variance = np.diagonal(np.linalg.inv(scatter.information[own]), axis1=1, axis2=2)
+        chi = scatter.mean[own] ** 2 / variance
+        usual = np.median(chi, axis=0) / chi2.median(1)
+        found.append(
+            regression.louder(np.maximum(np.minimum(chi, OUTLYING * np.maximum(usual, 1.0)).mean(axis=0), 1.0))
+        )
+    return replace(fitted, regressions=tuple(found), start=fitted.cart.parameters)
+
+
+def _covariance(fitted: Fitted) -> tuple[Array, Array]:
+    """Of all parameters (p, p), and what share of what was believed their deviations are (p,)."""
+    own, known = fitted.free[:-1], fitted.identification
+    covariance = known.covariance[np.ix_(own, own)]
+    there, form = (((covariance @ each) ** 2).sum(axis=1) for each in _drawn(fitted))
+    there += np.diagonal(covariance @ fitted.base.information[:-1, :-1] @ covariance)
+    wider = np.sqrt(np.maximum(there, np.diagonal(covariance) + form) / np.diagonal(covariance))
+    whole = known.covariance.copy()
+    whole[np.ix_(own, own)] = wider[:, None] * covariance * wider
+    share = np.ones(len(whole))
+    share[own] = np.sqrt(np.diagonal(whole)[own] * np.diagonal(fitted.base.information)[:-1])
+    return whole + _form(fitted), share
+
+
+def _form(fitted: Fitted) -> Array:
+    """Covariance (p, p) of what added effects' values would be in another form."""
+    own, size = fitted.free[:-1], np.zeros(len(fitted.cart.parameters))
+    size[own] = FORM_SHARE * fitted.shares[:-1].sum(axis=1)
+    return np.diag(size**2)
+
+
+@dataclass(frozen=True)
+class Pulls:
+    """Of a log's manoeuvres on the free parameters and its delay: those at the best fit (p + 1, manoeuvres), those that
+    other forms of added effects would make (p + 1, ...), and the information about the delay in relation
+    to all (p + 1,)."""
+
+    there: Array
+    form: Array
+    late: Array
+
+    def on_parameters(self, background: float) -> tuple[Array, Array]:
+        """With the delay as it fits best: those that are there, as many as are free to differ, and those of forms."""
+        follows = (self.late[:-1] / (self.late[-1] + background))[:, None]
+        n = int(self.there.any(axis=0).sum())
+        there, form = (each[:-1] - follows * each[-1] for each in (self.there, self.form))
+        return there * np.sqrt(n / max(n - 1, 1)), form
+
+
+def pulls(fitted: Fitted) -> list[Pulls]:
+    """Of each log."""
+    found, sizes, at = [], _form_sizes(fitted), 0
+    logs = zip(fitted.linearised, fitted.identification.logs, fitted.other_forms, strict=True)
+    for (regression, line, delay), told, forms in logs:
+        whole = regression.evidence(fitted.cart.parameters, delay).part(fitted.free)
+        evidence, weights = whole.kept(fitted.base.information), whole.weights(fitted.base.information)
+        first = line.nodes[line.ends(BLOCK)[:-1]] // regression.size
+        number = manoeuvres(regression.motion, not regression.cart.constraints.no_rotation)[first]
+        m, k = number.max(initial=0) + 1, len(fitted.free)
+        there = np.zeros((m, k))
+        np.add.at(there, number, evidence.pulls / told.noise_excess)
+        late = evidence.blocks.sum(axis=0)[-1] / told.noise_excess
+        own = sizes[at : at + len(forms.family)]
+        weighed = np.repeat(weights, np.diff(line.ends(BLOCK)))[:, None, None] * line.by[..., fitted.free]
+        form = np.tensordot(weighed, line.whitened(forms.columns), ((0, 1), (0, 1))) / told.noise_excess
+        found.append(Pulls(there.T, np.asarray(own * form), late))
+        at += len(own)
+    return found
+
+
+def _form_sizes(fitted: Fitted) -> Array:
+    """Of the forms of all logs."""
+    p, excess = len(fitted.base.pull), fitted.excess
+    information, pull = fitted.loose.information.copy(), fitted.loose.pull.copy()
+    information[p:, p:] = 0.0
+    for (_, line, _), columns in zip(fitted.linearised, fitted.loose_columns, strict=True):
+        taught, drawn = line.taught(columns)
+        information, pull = information + taught / excess, pull + drawn / excess
+    through = information[p:, :p] @ np.linalg.inv(information[:p, :p])
+    family = [forms.family for forms in fitted.other_forms]
+    return form_sizes(
+        information[p:, p:] - through @ information[:p, p:], pull[p:] - through @ pull[:p], np.concatenate(family)
+    )
+
+
+def _drawn(fitted: Fitted) -> tuple[Array, Array]:
+    """Pulls (p, ...) of all logs."""
+    background = float(fitted.base.information[-1, -1])
+    there, form = zip(*(each.on_parameters(background) for each in pulls(fitted)), strict=True)
+    return np.concatenate(there, axis=1), np.concatenate(form, axis=1)

@@ -10,19 +10,19 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from ..weak_form.balances import Balances
-from .course import Course, rows_at
+from ..batch.wrench_regression import WrenchRegression
+from .generic import Course
+from .pushes import arm_wrenches
 
 SMOOTHED = 0.25
-"""s, on each side, over which wrenches are averaged."""
+"""s, on each side."""
 
 
 @dataclass(frozen=True)
 class Circumstances:
     """At some times (b,) of logs (b,), which have names: the course; of each arm the planar wrench (b, 3) in {b} and
-    the contact's place there (b, 2). Logs may have no arms."""
+    the contact's place there (b, 2)."""
 
-    time: Array
     log: np.ndarray
     names: tuple[str, ...]
     course: Course
@@ -30,57 +30,38 @@ class Circumstances:
     contacts: Mapping[str, Array]
 
     @classmethod
-    def of(cls, time: Array, log: np.ndarray, logs: Sequence[Balances], cart: CartModel) -> Circumstances:
-        """At times (b,) by the clock of the logs (b,) to which they belong; those of one log come after those of the
-        one before."""
-        arms = tuple(dict.fromkeys(arm for balances in logs for arm in balances.wrenches.arms))
+    def of(
+        cls, time: Array, log: np.ndarray, regressions: Sequence[WrenchRegression], cart: CartModel
+    ) -> Circumstances:
+        arms = tuple(dict.fromkeys(arm for regression in regressions for arm in regression.log.arms))
         wrenches = {arm: np.zeros((len(time), 3)) for arm in arms}
         contacts = {arm: np.full((len(time), 2), np.nan) for arm in arms}
-        for k, balances in enumerate(logs):
+        for k, regression in enumerate(regressions):
             own = log == k
-            rows = rows_at(balances.motion, time[own])
-            for arm, wrench in arm_wrenches(balances, cart, SMOOTHED).items():
+            rows = np.clip(np.searchsorted(regression.motion.time, time[own]), 0, len(regression.motion.time) - 1)
+            for arm, wrench in arm_wrenches(regression, cart, SMOOTHED).items():
                 wrenches[arm][own] = wrench[rows]
-                contacts[arm][own] = _held(balances, arm, time[own])
-        course = Course.of(time, log, [balances.motion for balances in logs])
-        return cls(time, log, tuple(balances.name for balances in logs), course, wrenches, contacts)
+                contacts[arm][own] = regression.rows.arms[arm].contact[rows, :2]
+        motions = [regression.motion for regression in regressions]
+        names = tuple(regression.name for regression in regressions)
+        return cls(log, names, Course.of(time, log, motions), wrenches, contacts)
 
     @property
     def total(self) -> Array:
         """Of all arms (b, 3), in {b}."""
-        return np.asarray(sum(self.wrenches.values(), np.zeros((len(self.time), 3))))
+        return np.asarray(sum(self.wrenches.values()))
+
+    @property
+    def way(self) -> Array:
+        """Travelled since the log's begin (b,), m, be it forward or backward."""
+        return self.course.rolled[:, -1]
+
+    @property
+    def elapsed(self) -> Array:
+        """Since the begin of each log (b,), s."""
+        begin = [float(self.course.time[self.log == k].min(initial=np.inf)) for k in range(len(self.names))]
+        return np.asarray(self.course.time - np.array(begin)[self.log])
 
     def strength(self, arm: str) -> Array:
         """Of an arm's force in the plane (b,), N."""
         return np.asarray(np.hypot(*self.wrenches[arm][:, :2].T))
-
-
-def arm_wrenches(balances: Balances, cart: CartModel, smoothed: float) -> dict[str, Array]:
-    """Of each arm, corrected by what a cart's sensors do and averaged over `smoothed` (s) on each side of the motion's
-    times, the planar wrench (n, 3) in {b}."""
-    record = balances.wrenches
-    reach = max(1, round(smoothed / balances.motion.step))
-    found = {}
-    for arm, grasp, recorded in zip(record.arms, record.grasps, record.recorded, strict=True):
-        planar = (grasp @ cart.corrected_wrench(arm, recorded)[0][..., None])[..., 0]
-        found[arm] = _means(planar, reach)
-    return found
-
-
-def _means(values: Array, reach: int) -> Array:
-    """Of values (n, k), over so many rows on each side; at the ends, of those that are there."""
-    n = len(values)
-    total = np.vstack([np.zeros(values.shape[1]), np.cumsum(values, axis=0)])
-    first, last = np.maximum(np.arange(n) - reach, 0), np.minimum(np.arange(n) + reach + 1, n)
-    return np.asarray((total[last] - total[first]) / (last - first)[:, None])
-
-
-def _held(balances: Balances, arm: str, time: Array) -> Array:
-    """The arm's contact point (b, 2) that was recorded last; unknown before there was one."""
-    log = balances.log
-    contact = log.arms[arm].contact[:, :2]
-    known = np.flatnonzero(np.isfinite(contact).all(axis=1))
-    last = np.searchsorted(log.time[known], time, side="right") - 1
-    if not len(known):
-        return np.full((len(time), 2), np.nan)
-    return np.where(last[:, None] >= 0, contact[known[np.maximum(last, 0)]], np.nan)

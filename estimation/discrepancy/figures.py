@@ -26,7 +26,7 @@ MOST_LOGS = 4
 def figures(diagnosis: Diagnosis) -> dict[str, str]:
     """SVG texts by name."""
     drawn = {"gap": _gap, "residuals": _residuals, "places": _places}
-    if len(diagnosis.isolability) > 1:
+    if len(diagnosis.selection.isolability) > 1:
         drawn["isolability"] = _isolability
     plain = mpl.rc_context({"svg.hashsalt": "cartgrasp", "svg.fonttype": "none", "text.parse_math": False})
     with plain, warnings.catch_warnings():  # names come from logs: what looks like a formula is none
@@ -111,8 +111,6 @@ def _maps(found: Diagnosis) -> Figure:
     """A row for each variable, a column for each coordinate."""
     maps = found.residual_maps
     variables = list(dict.fromkeys((one.variable, one.variable_unit) for one in maps))
-    if not variables:
-        return Figure(figsize=(8.4, 0.5))
     height = 1.6 * len(variables) + 0.5
     figure = Figure(figsize=(8.4, height))
     margins = {"left": 0.06, "right": 0.99, "top": 1 - 0.3 / height, "bottom": 0.45 / height}
@@ -135,7 +133,7 @@ def _maps(found: Diagnosis) -> Figure:
             if one is None:
                 continue
             for bins, colour in ((one.refitted, BEFORE), (one.extended, AFTER)):
-                ax.errorbar(one.at, bins.mean, bins.std, fmt=".-", lw=0.8, ms=4, color=colour)
+                ax.errorbar(one.at, bins.mean, 2 * bins.std, fmt=".-", lw=0.8, ms=4, color=colour)
     for ax, residual in zip(rows[0], found.before, strict=True):
         ax.set_title(_named(residual), fontsize=9)
     return figure
@@ -143,7 +141,7 @@ def _maps(found: Diagnosis) -> Figure:
 
 def _isolability(found: Diagnosis) -> Figure:
     """How much each effect looks like each other one; grey, where it does not show."""
-    shown = found.isolability
+    shown = found.selection.isolability
     keys, n = list(shown), len(shown)
     likeness = np.array([[1.0 if a == b else shown[a].likeness[b] for b in keys] for a in keys])
     hidden = np.array([not shown[key].is_shown for key in keys])

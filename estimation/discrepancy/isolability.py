@@ -1,26 +1,24 @@
 """Which effects a motion can show, and which of them it can tell apart, before anything is decided.
 
-With the model's own parameters taken out, an effect of usual size stands out of the noise by z deviations. Two effects
-look alike where their traces are parallel: where the largest canonical correlation of the two is near 1.
+With the base's parameters taken out, an effect of usual size stands out of the noise by z deviations. Two effects look
+alike where their traces are parallel: where the largest canonical correlation of the two is near 1.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, groupby
 from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
-from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 
-from .candidates import families
-from .model import Model
+from .dictionary import Dictionary
+from .evidence import Base
 
 ALIKE = 0.95
 """Canonical correlation."""
@@ -48,50 +46,20 @@ class Isolability:
         return {"z": self.z, "alike": list(self.alike), "likeness": dict(self.likeness)}
 
 
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """What an effect's amplitudes do to whitened rows, of noise 1, (n, q), and their usual sizes (q,)."""
-
-    key: str
-    columns: Array
-    usual: Array
-
-
-def isolability(model: Model) -> dict[str, Isolability]:
-    """Of the effects that act all the time, and that the model does not have, by key."""
-    scale = model.score.scale[:, None]
-    base = (model.rows[..., :-1] / scale).reshape(-1, len(model.prior_std))
-    return compared(base, model.prior_std**-2.0, [_trace(model, effect) for effect in _always(model)])
-
-
-def _always(model: Model) -> list[Effect]:
-    """But for what shifts time, which is no sum of columns."""
-    arms = tuple(dict.fromkeys(arm for balances in model.logs for arm in balances.wrenches.arms))
-    every = (effect for family in families(model.cart, arms) for effect in family.variants)
-    return [effect for effect in every if effect.gate is Gate.ALWAYS and not isinstance(effect, TimeDelay)]
-
-
-def _trace(model: Model, effect: Effect) -> Trace:
-    columns, std = model.columns_of(effect)
-    flat = (columns / model.score.scale[:, None]).reshape(-1, len(std))
-    return Trace(effect.key, flat, std / 2)
-
-
-def compared(base: Array, prior: Array, traces: Sequence[Trace]) -> dict[str, Isolability]:
-    """By key; of variants, which have one key, the one that shows most. `prior` (p,) is the information about the
-    amplitudes of the base's columns (n, p) beside the rows."""
-    whole = np.concatenate([base, *(trace.columns for trace in traces)], axis=1)
-    gram, p = whole.T @ whole, base.shape[1]
-    to_base = gram[:, :p]
-    reduced = gram - to_base @ np.linalg.solve(gram[:p, :p] + np.diag(prior), to_base.T)
+def isolability(dictionary: Dictionary, base: Base) -> dict[str, Isolability]:
+    """Of the effects that act all the time, by key."""
+    whole, own = dictionary.gram.sum(axis=0) / base.excess, dictionary.base
+    to_base = whole[:, own]
+    reduced = whole - to_base @ np.linalg.solve(whole[own, own] + base.information, to_base.T)
     chosen: dict[str, tuple[np.ndarray, float]] = {}
-    ends = p + np.cumsum([trace.columns.shape[1] for trace in traces], dtype=int)
-    for trace, end in zip(traces, ends, strict=True):
-        columns = np.arange(end - trace.columns.shape[1], end)
-        squares = trace.usual**2 * np.diagonal(reduced)[columns]
-        z = float(np.sqrt(max(squares.max(), 0.0)))
-        if trace.key not in chosen or z > chosen[trace.key][1]:
-            chosen[trace.key] = columns, z
+    always = (trial for trial in dictionary.trials if trial.effect.gate is Gate.ALWAYS)
+    for key, group in groupby(always, key=lambda trial: trial.effect.key):
+        sizes = []
+        for trial in group:
+            usual = trial.std / 2
+            part = reduced[np.ix_(trial.columns, trial.columns)]
+            sizes.append((trial.columns, float(np.sqrt(max((usual**2 * np.diagonal(part)).max(), 0.0)))))
+        chosen[key] = max(sizes, key=lambda one: one[1])
     pairs = combinations(chosen.items(), 2)
     alike = {frozenset((a, b)): _correlation(reduced, here, there) for (a, (here, _)), (b, (there, _)) in pairs}
     return {

@@ -8,18 +8,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
-from ..impacts import impacts
-from ..weak_form.balances import Balances
-from ..weak_form.band import bands, consistent
-from .flights import flights
-from .gap import held_out_rollouts
-from .model import Model
-from .search import resized, searched_again
-from .stale import without_stale
+from .bent_motion import bent, on_moving_rows, with_its_noise
+from .diagnosis import smoothed
+from .fitted import Fitted
+from .held_out import HeldOut
+from .refinement import searched_again
 
 
 @dataclass(frozen=True)
@@ -32,19 +29,16 @@ class KnownStructure:
 
 def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) -> KnownStructure:
     """Of the cart with effects near these values, at which the search for times, places and frequencies begins."""
-    model = Model.started([part for log in logs for part in _parts(log, cart)], cart)
-    if effects:
-        whole = model.cart
-        for effect in effects:
-            whole = whole.with_effect(effect)
-        model = searched_again(model.refitted(whole).rewhitened())
-    model = resized(model)
-    return KnownStructure(model.cart, float(held_out_rollouts(model).gaps()[1]))
-
-
-def _parts(log: RunLog, cart: CartModel) -> list[Balances]:
-    """Between impacts, each in the widest band in which the model foretells its motion."""
-    found, known = impacts(log, cart), without_stale(log)
-    parts = flights(known, cart, found) if found else [Balances.of(known, cart)]
-    widest = [consistent(bands(part, cart)) for part in parts]
-    return [part if band is None else part.every(band.row_step) for part, band in zip(parts, widest, strict=True)]
+    whole, added = tuple(smoothed(log, cart) for log in logs), tuple[Effect, ...]()
+    for effect in effects:
+        if isinstance(effect, ConstraintEffect):
+            whole, found = bent(whole, cart, added, effect)
+            added = (*added, found)
+    whole, fitted = with_its_noise(whole, on_moving_rows(whole, cart, added))
+    held_out = HeldOut(Fitted(fitted.regressions, cart) if added else fitted, whole)
+    for effect in effects:
+        if not isinstance(effect, ConstraintEffect):
+            fitted = fitted.with_added(effect).listening()
+    if fitted.added:
+        fitted = searched_again(fitted, fitted.added).settled()
+    return KnownStructure(fitted.cart, held_out.gap(fitted))

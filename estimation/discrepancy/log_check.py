@@ -1,30 +1,28 @@
-"""What a log can show at all: rates, gaps, noise, how much it moves; and a refusal where it can't be read."""
+"""What a log can show at all: rates, gaps, noise, how much it moves; and a refusal where it can show nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
-from cartgrasp.logs import RunLog, coasts
+from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..batch.wrench_regression import WrenchRegression
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
-from ..weak_form.balances import Balances
-from .clock_offset import ClockOffset
+from .clock_offset import ClockOffset, clock_offset
 from .stale import without_stale
 
-FEWEST_ROWS = 40
-"""A log of 40 s at 1 Hz: some times the parameters of a cart."""
+FEWEST_ROWS = 100
 SHORTEST = 4.0
 """s."""
-FEWEST_USED = 10
-"""Rows of balances in weak form that hold all."""
+LEAST_DISTANCE = 0.3
+"""m."""
 FASTEST, NOISES = 40.0, 10.0
 """m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 EIGHTHS, LEAST_HEADED = 8, 1.0
@@ -82,8 +80,9 @@ def check_rows(log: RunLog, cart: CartModel) -> None:
             _check_enough(
                 np.asarray(np.isfinite(columns).all(axis=1)), step, f"{log.name}: the {what} of arm {name} is whole"
             )
-    if log.arms:
-        _check_enough(_with_wrenches(log), step, f"{log.name}: all arms together have wrenches and contact points")
+    _check_enough(_with_wrenches(log), step, f"{log.name}: all arms together have wrenches and contact points")
+    if not any((np.nanmax(arm.wrench, axis=0) > np.nanmin(arm.wrench, axis=0)).any() for arm in log.arms.values()):
+        raise DataError(f"{log.name}: no wrench ever changes, as if no sensor were there; look at its connection")
 
 
 def _check_enough(whole: np.ndarray, step: float, what: str) -> None:
@@ -93,9 +92,9 @@ def _check_enough(whole: np.ndarray, step: float, what: str) -> None:
 
 
 def _with_wrenches(log: RunLog) -> np.ndarray:
-    """Rows (n,) in which every arm's wrench and contact are whole; none without arms."""
-    whole = [np.isfinite(np.hstack([arm.wrench, arm.contact])).all(axis=1) for arm in log.arms.values()]
-    return np.asarray(np.all(whole, axis=0)) if whole else np.zeros(len(log), dtype=bool)
+    """Rows (n,) in which every arm's wrench and contact are whole."""
+    whole = (np.isfinite(np.hstack([arm.wrench, arm.contact])).all(axis=1) for arm in log.arms.values())
+    return np.asarray(np.all(list(whole), axis=0))
 
 
 def _check_steps(log: RunLog, noise: float) -> None:
@@ -111,26 +110,25 @@ def _check_steps(log: RunLog, noise: float) -> None:
         )
 
 
-def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
-    """How late wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises DataError for poses that
-    jump, too few rows that hold all, and wrenches that never change although the cart moves."""
-    motion, steps, fresh = balances.motion, np.diff(log.time), without_stale(log)
-    _check_steps(log, float(motion.noise.pose[0]))
-    if len(balances.used) < FEWEST_USED:
+def checked(log: RunLog, cart: CartModel, regression: WrenchRegression) -> LogCheck:
+    """After the motion has been smoothed; refuses one that goes nowhere, or has no wrenches where it is seen."""
+    _check_steps(log, regression.noise.position)
+    step = float(np.median(np.diff(regression.motion.time)))
+    _check_enough(
+        np.repeat(regression.usable, regression.size), step / regression.size, f"{log.name}: wrenches come with poses"
+    )
+    motion, steps, fresh = regression.motion, np.diff(log.time), without_stale(log)
+    speed, h = motion.velocity[:, 0], np.where(motion.linked, np.diff(motion.time), 0.0)
+    distance = float((motion.speed[:-1] * h).sum())
+    turning = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
+    if distance < LEAST_DISTANCE and float((np.abs(turning[:-1]) * h).sum()) < LEAST_DISTANCE:
         raise DataError(
-            f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "
-            f"record at least {max(SHORTEST, FEWEST_USED * balances.row_step):.1f} s without gaps"
+            f"{log.name}: the cart moves {distance:.3f} m in all, too little to compare with a simulation; "
+            "record a push with starts, stops and turns"
         )
-    moves = moving(balances)
-    if moves.any() and not coasts(log) and not any(_changes(arm.wrench) for arm in log.arms.values()):
-        raise DataError(
-            f"{log.name}: the cart moves and no wrench ever changes, as if no sensor were there; look at its "
-            "connection, or leave the wrenches' columns out if nobody pushed"
-        )
-    noise, h, speed = noise_of_log(fresh, cart), motion.step, motion.speed
-    turned = np.abs(motion.velocity[:, -1]) if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
-    sign = np.sign(motion.velocity[np.abs(motion.velocity[:, 0]) > ROLLING, 0])
+    sign, moves = np.sign(speed[np.abs(speed) > ROLLING]), moving(regression)
     of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS
+    seconds = np.bincount(of_eighths, minlength=EIGHTHS) * float(np.median(np.diff(motion.time)))
     return LogCheck(
         name=log.name,
         rows=len(log),
@@ -139,31 +137,17 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
         longest_gap=float(steps.max()),
         rows_with_wrenches=int(_with_wrenches(log).sum()),
         stale_poses=int((np.isnan(fresh.pose) & ~np.isnan(log.pose)).any(axis=1).sum()),
-        noise=replace(
-            noise,
-            position=max(noise.position, float(motion.noise.pose[0])),
-            heading=max(noise.heading, float(motion.noise.pose[2])),
-        ),
-        clock_offset=None,
-        distance=float(speed[moves].sum() * h),
-        turned=float(turned[moves].sum() * h),
+        noise=noise_of_log(fresh, cart),
+        clock_offset=clock_offset(regression),
+        distance=distance,
+        turned=float((np.abs(turning[:-1]) * h).sum()),
         reversals=int((np.diff(sign) != 0).sum()),
-        fastest=float(speed.max()),
+        fastest=float(motion.speed.max()),
         moving=float(moves.mean()),
-        speeds=_percentiles(speed[moves], (10.0, 50.0, 90.0)),
-        headings=int((np.bincount(of_eighths, minlength=EIGHTHS) * h > LEAST_HEADED).sum()),
+        speeds=_percentiles(motion.speed[moves], (10.0, 50.0, 90.0)),
+        headings=int((seconds > LEAST_HEADED).sum()),
         accelerations=tuple(_percentiles(each, (95.0,))[0] for each in np.abs(motion.acceleration[moves].T)),
     )
-
-
-def with_clock_offsets(checks: Sequence[LogCheck], offsets: Sequence[ClockOffset | None]) -> tuple[LogCheck, ...]:
-    return tuple(replace(check, clock_offset=offset) for check, offset in zip(checks, offsets, strict=True))
-
-
-def _changes(values: Array) -> bool:
-    """Whether a column of values (n, k) ever does."""
-    known = values[np.isfinite(values).all(axis=1)]
-    return bool(len(known) and (np.ptp(known, axis=0) > 0).any())
 
 
 def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
@@ -171,10 +155,10 @@ def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(float(one) for one in np.percentile(values if len(values) else np.zeros(1), shares))
 
 
-def moving(balances: Balances) -> np.ndarray:
-    """Times (n,) of the motion at which the cart was seen and surely moves."""
-    motion = balances.motion
-    fast = motion.speed > ROLLING
-    if motion.velocity.shape[1] > 1:
-        fast |= np.abs(motion.velocity[:, -1]) > STILL_TURNING
-    return np.asarray(fast & motion.seen)
+def moving(regression: WrenchRegression) -> np.ndarray:
+    """Rows (n,) on which the cart surely moves."""
+    velocity = regression.motion.velocity
+    fast = regression.motion.speed > ROLLING
+    if velocity.shape[1] > 1:
+        fast |= np.abs(velocity[:, -1]) > STILL_TURNING
+    return np.asarray(fast)

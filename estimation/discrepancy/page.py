@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .log_check import EIGHTHS, LogCheck
-from .verdicts import verdict
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -28,9 +27,6 @@ th:first-child, td:first-child, .text { text-align: left; }
 svg { max-width: 100%; height: auto; }
 .wide { overflow-x: auto; }
 """
-
-
-ONE_STD = "(± one standard deviation)"
 
 
 def page(report: Report, drawn: dict[str, str]) -> str:
@@ -58,7 +54,7 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         drawn["places"],
         "<h2>What the residual depends on</h2>",
         drawn["maps"],
-        "<p>Means ± one standard deviation, in bins that hold as many stretches each.</p>",
+        "<p>Means and two standard deviations, in bins that hold as many stretches each.</p>",
         "<h2>What remains</h2>",
         _list(found.unexplained["depends_on"], "Nothing that stands out of the noise."),
         "<h2>Parameters</h2>",
@@ -94,38 +90,56 @@ _ORDER = ("before", "refitted", "after", "noise_floor")
 
 
 def _effects(found: Diagnosis) -> str:
+    lost = ", ".join(found.selection.nameless)
+    told = f"<p>Lost their names, as pictures of what nobody knows: {html.escape(lost)}.</p>" if lost else ""
     if not found.effects:
-        return "<p>Nothing.</p>"
+        return "<p>Nothing.</p>" + told
     rows = []
     for effect in found.effects:
         rest = ", ".join(effect.confusable_with) or "-"
-        head = [f"{effect.name} {effect.label}".strip(), f"{100 * effect.probability:.1f} %", rest]
-        share = f"{100 * effect.gap_share:.0f} %"
         for k, (parameter, (value, std, unit)) in enumerate(effect.parameters.items()):
-            known = f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -")
-            rows.append([*(head if k == 0 else ["", "", ""]), parameter, known, share if k == 0 else ""])
-    columns = ["effect", "probability", "not told apart from", "parameter", f"value {ONE_STD}", "gap closed"]
-    return _table(columns, rows)
+            first = [f"{effect.name} {effect.label}".strip(), f"{100 * effect.probability:.1f} %", rest]
+            interval = f"{value:.4g} ± {1.96 * std:.2g} {unit}"
+            rows.append(
+                [
+                    *(first if k == 0 else ["", "", ""]),
+                    parameter,
+                    interval,
+                    f"{100 * effect.gap_share:.0f} %" if k == 0 else "",
+                ]
+            )
+    columns = ["effect", "probability", "not told apart from", "parameter", "95 % interval", "gap closed"]
+    return _table(columns, rows) + told
 
 
 def _parameters(found: Diagnosis) -> str:
     rows = [
-        [name, f"{one['nominal']:.4g}", f"{one['refitted']:.4g} ± {one['std']:.2g}"]
+        [name, f"{one['nominal']:.4g}", f"{one['refitted']:.4g}", f"{1.96 * one['std']:.2g}"]
         for name, one in found.parameter_mismatch.items()
     ]
-    return _table(["parameter", "nominal", f"refitted {ONE_STD}"], rows)
+    return _table(["parameter", "nominal", "refitted", "±95 %"], rows)
 
 
 def _steps(found: Diagnosis) -> str:
     parts = []
-    for i, step in enumerate(found.steps):
-        rows = [[one.key, f"{one.gain:.1f}", verdict(step, one)] for one in step.attempts]
-        parts.append(f"<h3>Step {i + 1}</h3>" + _table(["candidate", "score gain (nats)", "verdict"], rows))
+    for i, step in enumerate(found.selection.steps):
+        rows = [
+            [
+                a.key,
+                f"{a.log_factor:.1f}",
+                "" if a.held_out_gain is None else f"{100 * a.held_out_gain:.1f} %",
+                a.verdict,
+            ]
+            for a in step.attempts
+        ]
+        parts.append(
+            f"<h3>Step {i + 1}</h3>" + _table(["candidate", "log of Bayes factor", "held-out gain", "verdict"], rows)
+        )
     return "".join(parts)
 
 
 def _isolability(found: Diagnosis) -> str:
-    rows = [[key, f"{one.z:.1f}", ", ".join(one.alike) or "-"] for key, one in found.isolability.items()]
+    rows = [[key, f"{one.z:.1f}", ", ".join(one.alike) or "-"] for key, one in found.selection.isolability.items()]
     return _table(["effect of usual size", "stands out by (deviations)", "looks like"], rows)
 
 
@@ -143,7 +157,7 @@ def _check_rows(check: LogCheck) -> list[list[str]]:
         ["duration", f"{check.duration:.1f} s at {check.rate:.0f} Hz, longest gap {check.longest_gap:.3f} s"],
         ["noise of position, heading", f"{1e3 * check.noise.position:.2g} mm, {1e3 * check.noise.heading:.2g} mrad"],
         ["noise of force, moment", f"{check.noise.force:.2g} N, {check.noise.moment:.2g} N·m"],
-        [f"wrenches late by {ONE_STD}", f"{1e3 * late.value:.1f} ± {1e3 * late.std:.1g} ms" if late else "not known"],
+        ["wrenches late by", f"{1e3 * late.value:.0f} ± {1.96e3 * late.std:.0f} ms" if late else "not known"],
         ["way, turning", f"{check.distance:.1f} m, {check.turned:.1f} rad, {check.reversals} reversals"],
         ["time on the move", f"{100 * check.moving:.0f} %"],
         ["speeds (a tenth, half, nine tenths slower)", f"{speeds}, at most {check.fastest:.2f} m/s"],

@@ -26,9 +26,18 @@ class Report:
         steps = [
             {
                 "added": step.added.key if step.added else None,
-                "candidates": [{"key": a.key, "score": float(a.gain), "tried": a.tried} for a in step.attempts],
+                "candidates": [
+                    {
+                        "name": a.name,
+                        "key": a.key,
+                        "score": a.log_factor,
+                        "held_out_gain": a.held_out_gain,
+                        "verdict": a.verdict,
+                    }
+                    for a in step.attempts
+                ],
             }
-            for step in found.steps
+            for step in found.selection.steps
         ]
         return {
             "verdict": found.verdict,
@@ -38,13 +47,12 @@ class Report:
             "parameter_mismatch": found.parameter_mismatch,
             "unexplained": found.unexplained,
             "gap": found.gap.as_dict(),
-            "impacts": [one.as_dict() for one in found.impacts],
-            "refit_refused": found.is_refused,
             "steps": steps,
             "logs": [asdict(check) for check in found.checks],
-            "bands": [None if band is None else asdict(band) for band in found.bands],
-            "isolability": {key: one.as_dict() for key, one in found.isolability.items()},
+            "isolability": {key: one.as_dict() for key, one in found.selection.isolability.items()},
             "residual_maps": [one.as_dict() for one in found.residual_maps],
+            "removed": list(found.selection.removed),
+            "stand_ins": list(found.selection.nameless),
             "next_experiment": list(found.next_experiments),
         }
 

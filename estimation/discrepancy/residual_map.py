@@ -11,9 +11,9 @@ import numpy as np
 from cartgrasp.frames import Array, wrap_angle
 
 from .circumstances import Circumstances
+from .generic import HEADING
 from .residual import Residual
 
-HEADING = "heading"
 BINS = 8
 HALF = np.pi / BINS
 """Of a heading's bin, rad: the floor's axes are in the middle of theirs."""
@@ -84,17 +84,14 @@ def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
     course = found.course
     known = {
         **_times(found),
-        ("way travelled", "m"): course.travelled,
+        ("way travelled", "m"): found.way,
         ("distance since a reversal", "m"): course.since_reversal,
         ("speed", "m/s"): course.speed,
-        ("yaw rate", "rad/s"): course.yaw_rate,
+        ("yaw rate", "rad/s"): course.turning,
         (HEADING, "rad"): wrap_angle(course.heading + HALF) - HALF,
+        ("forward force of the arms", "N"): found.total[:, 0],
+        ("moment of the arms", "N·m"): found.total[:, 2],
     }
-    if found.wrenches:
-        known |= {
-            ("forward force of the arms", "N"): found.total[:, 0],
-            ("moment of the arms", "N·m"): found.total[:, 2],
-        }
     if len(found.wrenches) > 1:
         known |= {(f"force of arm {arm}", "N"): found.strength(arm) for arm in found.wrenches}
     return known
@@ -103,7 +100,7 @@ def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
 def _times(found: Circumstances) -> dict[tuple[str, str], Array]:
     """Clocks of several logs have nothing in common."""
     several = len(found.names) > 1
-    return {("time since the log's begin", "s"): found.course.time} if several else {("time", "s"): found.time}
+    return {("time since the log's begin", "s"): found.elapsed} if several else {("time", "s"): found.course.time}
 
 
 def _edges(name: str, values: Array) -> Array:

@@ -6,29 +6,29 @@ other effect, at any size, nor other parameters of the cart could do.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.information import WrenchNoise, reduced_noise
 from cartgrasp.model import CartModel
 
+from ..batch.wrench_regression import lateness_slopes
 from ..teaching_motions import DURATION, PERIOD, SPEED, TeachingMotion, teaching_motions
-from .candidates import amplitudes_of, families
+from .dictionary import amplitudes_of
 from .isolability import SHOWN
+from .vocabulary import trials
 
 ENOUGH = 0.7
 """Of the best motion's deviations: a simpler one with so many is told."""
 FAST = np.array([0.2, 0.6, 1.2])
 """m/s."""
 RIDGE = 1e-12
-LATENESS_STEP = 1e-4
-"""Of a parameter of a sensor effect."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,9 @@ def separating(cart: CartModel, key: str, others: Sequence[str], hands: Hands) -
     them acts at a time, at a place, or on the wheels' angles."""
     added = next(effect for effect in cart.effects if effect.key == key)
     without = replace(cart, effects=tuple(effect for effect in cart.effects if effect.key != key))
-    rivals = [rivals_named(name, without, hands) for name in others]
-    if not rivals or not all(rivals) or added.gate is not Gate.ALWAYS or isinstance(added, ConstraintEffect):
+    may_be = trials(without, list(hands.contacts))
+    rivals = [[one for one in may_be if one.name == name and one.gate is Gate.ALWAYS] for name in others]
+    if not rivals or not all(rivals) or added.gate is not Gate.ALWAYS:
         return None
     every = [one for group in rivals for one in group]
     known = [(motion, _apart(motion, without, added, every, hands)) for motion in _motions(cart)]
@@ -68,14 +69,6 @@ def separating(cart: CartModel, key: str, others: Sequence[str], hands: Hands) -
         return None
     least = max(ENOUGH * most, SHOWN)
     return next(Manoeuvre(motion.says, deviations) for motion, deviations in known if deviations >= least)
-
-
-def rivals_named(name: str, cart: CartModel, hands: Hands) -> list[Effect]:
-    """All variants of an effect that acts all the time, and on forces."""
-    every = (effect for family in families(cart, list(hands.contacts)) for effect in family.variants)
-    return [
-        one for one in every if one.name == name and one.gate is Gate.ALWAYS and not isinstance(one, ConstraintEffect)
-    ]
 
 
 def _motions(cart: CartModel) -> list[TeachingMotion]:
@@ -149,14 +142,3 @@ def _slopes(motion: TeachingMotion, cart: CartModel, hands: Hands, rival: Effect
         return np.asarray(found)
     first = len(whole.parameters) - len(rival.parameters)
     return np.asarray(found[..., first + amplitudes_of(rival)])
-
-
-def lateness_slopes(cart: CartModel, arms: Collection[str]) -> Array:
-    """Of the mean lateness of arms by the parameters (p,)."""
-    slopes = np.zeros(len(cart.parameters))
-    for effect, where in cart.sensor_effects:
-        share = np.mean([effect.concerns(arm) for arm in arms])
-        for i, at in enumerate(range(where.start, where.stop)):
-            more = effect.values + LATENESS_STEP * (np.arange(len(effect.values)) == i)
-            slopes[at] = share * (effect.with_values(more).lateness - effect.lateness) / LATENESS_STEP
-    return slopes

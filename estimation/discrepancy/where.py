@@ -12,7 +12,6 @@ from scipy.special import rel_entr
 from cartgrasp.frames import Array
 
 from .circumstances import Circumstances
-from .course import ROLLING
 from .residual import UNITS, Residual
 from .residual_map import Profile, profiles
 
@@ -24,11 +23,8 @@ MOST = 8
 MOST_KNOWN, WIDER = 0.8, 1.25
 """Of a condition's disagreement, in another that was told and is no more than so many times as wide: it says nothing
 new."""
-SLOW, TURNING = 0.12, 0.08
-"""m/s, rad/s."""
-MOVES = "while it moves"
-ALL_MOTION = 0.95
-"""Of the stretches in which a cart moves: a condition that holds in so many says no more than that it moves."""
+ROLLING, SLOW, TURNING = 0.02, 0.12, 0.08
+"""m/s, m/s, rad/s."""
 FAST_SHARE, STRONG_SHARE, WEAK_SHARE = 0.75, 0.7, 0.2
 """Of the fastest speed, and of the largest force or moment."""
 LARGEST = 98.0
@@ -75,7 +71,7 @@ def where(residuals: Sequence[Residual]) -> list[Disagreement]:
 def _of_one(residual: Residual) -> list[tuple[float, Disagreement]]:
     """With what they tell (nats)."""
     total, told = float(residual.beyond.sum()), list[tuple[float, Condition, float, float]]()
-    for words, chosen in _telling(residual):
+    for words, chosen in _conditions(residual):
         share = float(np.clip(residual.beyond[chosen].sum() / total, 0.0, 1.0))
         time_share = float(chosen.mean())
         if 0 < time_share < 1 and share >= LEAST_SHARE and share >= LEAST_LIFT * time_share:
@@ -128,16 +124,6 @@ def _says(residual: Residual, told: np.ndarray, chosen: np.ndarray) -> bool:
     return bool(within and told.sum() <= WIDER * chosen.sum())
 
 
-def _telling(residual: Residual) -> Iterator[Condition]:
-    """Without what holds whenever the cart moves, such as that it rolls forward, if it never does otherwise."""
-    course = residual.circumstances.course
-    moves = (np.abs(course.speed) > ROLLING) | (np.abs(course.yaw_rate) > TURNING)
-    yield MOVES, moves
-    for words, chosen in _conditions(residual):
-        if (chosen & moves).sum() < ALL_MOTION * moves.sum() or not moves.any():
-            yield words, chosen
-
-
 def _conditions(residual: Residual) -> Iterator[Condition]:
     found = residual.circumstances
     yield from _in_motion(found)
@@ -151,7 +137,7 @@ def _conditions(residual: Residual) -> Iterator[Condition]:
 
 
 def _in_motion(found: Circumstances) -> Iterator[Condition]:
-    speed, turning = found.course.speed, found.course.yaw_rate
+    speed, turning = found.course.speed, found.course.turning
     moving = np.abs(speed) > ROLLING
     yield f"within {AFTER_REVERSAL} m after a reversal", moving & (found.course.since_reversal < AFTER_REVERSAL)
     yield "while it rolls forward", speed > ROLLING
@@ -174,13 +160,13 @@ def _in_time(residual: Residual) -> Iterator[Condition]:
             yield f"in {name}", found.log == k
         changes = residual.changes[k]
         for change in changes:
-            at, way = start[rows[change]], found.course.travelled[rows[change]]
+            at, way = start[rows[change]], found.way[rows[change]]
             yield f"after t = {at:.1f} s{own}, {way:.1f} m of its way", _among(rows[change:], start)
             yield f"before t = {at:.1f} s{own}, {way:.1f} m of its way", _among(rows[:change], start)
         for first, last in zip([0, *changes], [*changes, len(rows)], strict=True):
             ends = rows[first], rows[last - 1]
             begin, end = start[ends[0]], start[ends[1]] + residual.duration
-            way = f"{found.course.travelled[ends[0]]:.1f} to {found.course.travelled[ends[1]]:.1f} m of its way"
+            way = f"{found.way[ends[0]]:.1f} to {found.way[ends[1]]:.1f} m of its way"
             yield f"from t = {begin:.1f} s to {end:.1f} s{own}, {way}", _among(rows[first:last], start)
 
 
@@ -198,8 +184,6 @@ def _in_place(place: Array) -> Iterator[Condition]:
 
 def _in_force(found: Circumstances) -> Iterator[Condition]:
     """That all arms give together."""
-    if not found.wrenches:
-        return
     force, moment = found.total[:, 0], found.total[:, 2]
     for values, unit, words in (
         (force, "N", ("the arms push it forward", "the arms pull it backward", "the arms push or pull")),

@@ -40,7 +40,7 @@ def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
     diagnosis = found["floor_slope"]
     assert diagnosis.verdict in ("explained", "partly_explained")
     assert diagnosis.effects[0].name == "floor_slope"
-    assert diagnosis.gap.after < 0.5 * min(diagnosis.gap.refitted, diagnosis.gap.before)
+    assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted < diagnosis.gap.before
     assert any("goes with the heading" in one.condition for one in diagnosis.where)
     maps = {(one.coordinate, one.variable): one for one in diagnosis.residual_maps}
     by_heading = maps["forward_force", "heading"]
@@ -63,8 +63,7 @@ def test_casters_that_the_cart_does_not_list_are_found_with_their_place(tmp_path
     for name, listed_value in (("x", listed[0].x), ("trail", listed[0].trail)):
         value, std, _ = diagnosis.effects[0].parameters[name]
         assert value == getattr(found, name)
-        assert value == pytest.approx(listed_value, rel=0.15)
-        assert 0 < std < 0.25 * listed_value
+        assert abs(value - listed_value) < 2 * std < 0.5 * listed_value
     assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted
 
 
@@ -73,10 +72,9 @@ def test_where_nothing_is_hidden_nothing_is_named(found):
     assert diagnosis.verdict == "no_discrepancy"
     assert not diagnosis.where
     assert not diagnosis.effects
-    assert diagnosis.gap.refitted < 2.5 * diagnosis.gap.noise_floor
+    assert diagnosis.gap.refitted < 1.35 * diagnosis.gap.noise_floor
 
 
-@pytest.mark.xfail(strict=True, reason="two external pushes are named in its stead")
 def test_what_no_vocabulary_has_is_called_unexplained(found):
     diagnosis = found["flat_spot"]
     assert diagnosis.verdict == "unexplained"
@@ -98,7 +96,7 @@ def test_what_is_named_reaches_the_true_structure_refitted(found, sealed):
     assert refit_all(folder) == 2
     refits = {path.parent.name: json.loads(path.read_text()) for path in folder.glob("logs/*/refit.json")}
     assert sorted(refits) == sorted([names["nothing"], names["floor_slope"]])
-    assert refits[names["nothing"]]["gap"] == pytest.approx(found["nothing"].gap.after)
+    assert refits[names["nothing"]]["gap"] == pytest.approx(found["nothing"].gap.refitted)
     slope = refits[names["floor_slope"]]
     assert slope["gap"] == pytest.approx(found["floor_slope"].gap.after, rel=0.01)
     (true,) = json.loads((folder / "truth" / f"{names['floor_slope']}.json").read_text())["effects"]
@@ -131,11 +129,11 @@ def test_the_real_axis_lacks_two_frictions():
     diagnosis = diagnose(cg.read_log(EMPS), rail)
     assert [effect.name for effect in diagnosis.effects] == ["rolling_resistance", "directional_drag"]
     mass = diagnosis.cart.inertia.mass
-    assert mass == pytest.approx(95.1, abs=1.5)
+    assert mass == pytest.approx(95.1, abs=0.5)
     coulomb = diagnosis.effects[0].parameters["coefficient"][0] * mass * 9.81
     found = {late: least_squares_on_the_axis(late) for late in (0, 1, 2)}
     assert found[0][1] > 1.25 * found[1][1] < 0.8 * found[2][1]
-    assert coulomb == pytest.approx(found[1][0], rel=0.12)
-    assert diagnosis.gap.after < 0.006
+    assert coulomb == pytest.approx(found[1][0], abs=0.4)
+    assert diagnosis.gap.after < 0.0015
     assert diagnosis.verdict == "explained"
-    assert diagnosis.gap.per_horizon["0.5 s"]["after"] < 0.4 * diagnosis.gap.per_horizon["0.5 s"]["refitted"]
+    assert diagnosis.gap.per_horizon["0.5 s"]["after"] < 0.3 * diagnosis.gap.per_horizon["0.5 s"]["refitted"]
