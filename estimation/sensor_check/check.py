@@ -1,0 +1,59 @@
+"""`check_sensors`: what a log's sensors seem to do, one matter after the other, each with those before put right."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from .motion.heading import heading_check, pose_readings, poses_put_right
+from .motion.units import UnitCheck, unit_check, unit_suspicions, units_put_right
+from .motion.velocity_clock import late_or_scaled
+from .motion.velocity_frame import velocities_turned_right, velocity_readings
+from .prior import MASS_SPREAD
+from .recorder.gaps import holes
+from .recorder.jumps import jumps, without_jumps
+from .recorder.repeats import repeated, without_repeats
+from .recorder.steps import quantised
+from .suspicion import SURE, Suspicion
+from .wrench.arm_faults import arm_suspicions
+from .wrench.sensor_readings import mass_evidence
+from .wrench.wave import waves
+
+
+def check_sensors(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD) -> tuple[Suspicion, ...]:
+    """What is suspected of a log's sensors, those that stop a command first. `mass_spread` is how sure the cart file's
+    mass is: the standard deviation of its log, 0.5 where it is a guess and 0.05 where it was weighed."""
+    clean = without_jumps(without_repeats(log))
+    of_poses = pose_readings(clean, cart)
+    clean = poses_put_right(clean, cart)
+    of_velocities = velocity_readings(clean)
+    clean = velocities_turned_right(clean)
+    units = _units(clean, cart, mass_spread)
+    in_si = log
+    if units is not None:
+        clean, in_si = units_put_right(clean, units), units_put_right(log, units)
+    found = (
+        *of_poses,
+        *of_velocities,
+        *(() if units is None else unit_suspicions(units)),
+        *arm_suspicions(clean, cart, mass_spread),
+        *late_or_scaled(clean),
+        *waves(clean),
+        *repeated(in_si),
+        *quantised(in_si),
+        *jumps(in_si),
+        *holes(in_si),
+    )
+    return tuple(sorted(found, key=lambda one: not one.is_refused))
+
+
+def _units(log: RunLog, cart: CartModel, mass_spread: float) -> UnitCheck | None:
+    check = heading_check(log, cart)
+
+    def of_masses(units: Array) -> Array:
+        return mass_evidence(log, cart, units, mass_spread)
+
+    return unit_check(log, of_masses, check is not None and float(np.max(check.probability)) >= SURE)

@@ -1,0 +1,1 @@
+"""Poses and velocities: headings, frames, units, clocks and scales."""

@@ -1,0 +1,169 @@
+"""Waves of a wrench over the way that the cart has rolled: what a sensor that turns with a wheel adds, or a wheel that
+is not round.
+
+Each component is taken over short windows beside what motion and its directions make, and beside a few harmonics of
+time, as hands give them; then harmonics of the way rolled (back counts back) are tried on a grid of wave numbers. The
+evidence is how well stretches of the log foretell one another with the best of them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.errors import printable
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+
+from ..evidence import from_odds, independent_rows
+from ..motion.track import MEASURED, Track
+from ..prior import LONGEST_WAVE, ODDS, SHORTEST_WAVE
+from ..suspicion import TOLD, Suspicion
+from ..weak_form import Bumps, middles
+from .balance import STANDING
+
+WIDTH = 0.3
+"""s: of the bumps; waves of up to 3 Hz pass."""
+TURNS = 5.0
+"""Of a wheel, at least, over the way: fewer are a drift."""
+FINE = 4.0
+"""Wave numbers tried for each that the way can tell apart."""
+HANDS = 4
+"""Harmonics of time that are taken out first: slow leaning and strokes."""
+PIECES = 6
+"""Stretches that foretell one another."""
+AT_ONCE = 64
+"""Wave numbers worked out together."""
+FASTEST_STROKE = 2.0
+"""Hz: of hands and of leaning."""
+LONGEST_STRETCH = 120.0
+"""s of a log that are looked at: over more, what wheels creep puts a wave out of step."""
+COMPONENTS = (("fx", 0, "N"), ("fy", 1, "N"), ("tz", 5, "N·m"))
+
+
+@dataclass(frozen=True)
+class Wave:
+    """Of one component: amplitude, period (m), and the log odds that it is there and goes with the way."""
+
+    amplitude: float
+    period: float
+    log_odds: float
+
+
+def waves(log: RunLog) -> tuple[Suspicion, ...]:
+    """`offset` of each arm, for the surest of its components."""
+    track = Track.of(log)
+    if len(track.time) < 2 * MEASURED:
+        return ()
+    told = []
+    for name in log.arms:
+        found = [(wave_of(log, track, name, i), c, unit) for c, i, unit in COMPONENTS]
+        there = [(wave, c, unit) for wave, c, unit in found if wave is not None]
+        if not there:
+            continue
+        wave, component, unit = max(there, key=lambda one: one[0].log_odds)
+        probability = from_odds(wave.log_odds - math.log(len(there)) + math.log(ODDS["offset"]))
+        if probability >= TOLD:
+            words = (
+                f"{printable(name)}: {component} has a wave of {wave.amplitude:.2g} {unit} that repeats every "
+                f"{wave.period:.3g} m rolled (a wheel of radius {wave.period / (2 * math.pi):.3g} m): an offset of a "
+                "sensor that turns with the wheel, or a wheel that is not round; tare the sensor in its own axes"
+            )
+            told.append(Suspicion("offset", name, probability, wave.period, words))
+    return tuple(told)
+
+
+def wave_of(log: RunLog, track: Track, name: str, component: int) -> Wave | None:
+    """The likeliest wave of a component; None where too little is rolled or recorded."""
+    column = log.arms[name].wrench[:, component]
+    there = np.isfinite(column)
+    if there.sum() < 2 * MEASURED or np.ptp(column[there]) == 0:
+        return None
+    time = log.time[there]
+    bumps = Bumps.over(track.time, max(track.width(WIDTH), MEASURED * float(np.median(np.diff(time)))))
+    sums = bumps.on(time)
+    weight = sums.integral(np.ones_like(time))
+    kept = sums.covered & bumps.on(track.time).covered
+    kept &= np.abs(bumps.centres - bumps.centres.mean()) < LONGEST_STRETCH / 2
+    if kept.sum() < 50:
+        return None
+    force = (sums.integral(column[there]) / np.maximum(weight, 1e-12))[kept]
+    centre = bumps.centres[kept]
+    columns = _motion(track, centre, bumps.width)
+    speed = track.speeds(track.time)[:, 0]
+    rolled = np.concatenate([[0.0], np.cumsum(middles(speed) * np.diff(track.time))])
+    return _likeliest(force, columns, np.interp(centre, track.time, rolled), centre)
+
+
+def _motion(track: Track, centre: Array, width: float) -> Array:
+    """Columns (k, ·) of what motion makes: accelerations, speeds, directions, a drift."""
+    u, _, r = track.speeds(centre).T
+    du, dr = (np.gradient(one, centre) for one in (u, r))
+    t = (centre - centre[0]) / max(centre[-1] - centre[0], 1e-9)
+    return np.column_stack(
+        [np.ones_like(u), t, u, u * np.abs(u), np.tanh(u / STANDING), du, r, np.tanh(r / STANDING), dr, u * r, r**2]
+    )
+
+
+def _likeliest(force: Array, columns: Array, way: Array, time: Array) -> Wave | None:
+    rolled, span = float(np.ptp(way)), float(np.ptp(time))
+    longest = min(LONGEST_WAVE, rolled / TURNS)
+    if longest <= SHORTEST_WAVE:
+        return None
+    rates = np.arange(TURNS / 2 / span, FASTEST_STROKE, 1 / (FINE * span))
+    numbers = np.arange(1 / longest, 1 / SHORTEST_WAVE, 1 / (FINE * rolled))
+    axes = _axes(columns)
+    for _ in range(HANDS):
+        left = force - axes @ (axes.T @ force)
+        if not left @ left > 0:
+            return None
+        rate = float(rates[int(_harmonics(left, axes, time, rates)[0].argmax())])
+        axes = np.column_stack([axes, _axes(_pair(axes, 2 * math.pi * rate * time[None])[0].T)])
+    left = force - axes @ (axes.T @ force)
+    explained, amplitude = _harmonics(left, axes, way, numbers)
+    best = float(numbers[int(explained.argmax())])
+    pair = _pair(axes, 2 * math.pi * best * way[None])[0].T
+    kept = _kept(left, pair)
+    return Wave(float(amplitude[int(explained.argmax())]), 1 / best, kept - math.log(len(numbers)))
+
+
+def _kept(left: Array, pair: Array) -> float:
+    """Log evidence of a pair of columns (k, 2) for what is left (k,): what each of `PIECES` stretches gains in
+    likelihood by the amplitudes of all others. A wave of a wheel keeps step; strokes of hands don't."""
+    total = left - pair @ np.linalg.lstsq(pair, left, rcond=1e-9)[0]
+    foretold = left.copy()
+    for piece in np.array_split(np.arange(len(left)), PIECES):
+        others = np.setdiff1d(np.arange(len(left)), piece)
+        values = np.linalg.lstsq(pair[others], left[others], rcond=1e-9)[0]
+        foretold[piece] -= pair[piece] @ values
+    ratio = float(foretold @ foretold) / float(left @ left)
+    return -0.5 * independent_rows(total) * math.log(max(ratio, 1e-12))
+
+
+def _axes(columns: Array) -> Array:
+    """An orthonormal basis (k, ·) of columns."""
+    size = np.linalg.norm(columns, axis=0)
+    left, values, _ = np.linalg.svd(columns / np.where(size > 0, size, 1.0), full_matrices=False)
+    return np.asarray(left[:, values > 1e-8 * values[0]])
+
+
+def _pair(axes: Array, phase: Array) -> Array:
+    """Cosine and sine (m, 2, k) of phases (m, k) beside axes."""
+    pair = np.stack([np.cos(phase), np.sin(phase)], axis=1)
+    return np.asarray(pair - (pair @ axes) @ axes.T)
+
+
+def _harmonics(left: Array, axes: Array, along: Array, numbers: Array) -> tuple[Array, Array]:
+    """Shares (m,) of what is left (k,) that harmonics of a variable (k,) with wave numbers (m,) explain, and their
+    amplitudes (m,)."""
+    share, amplitude = np.empty(len(numbers)), np.empty(len(numbers))
+    for start in range(0, len(numbers), AT_ONCE):
+        some = slice(start, start + AT_ONCE)
+        pair = _pair(axes, 2 * math.pi * numbers[some, None] * along)
+        gram, seen = pair @ pair.transpose(0, 2, 1), pair @ left
+        values = np.linalg.solve(gram + 1e-9 * len(left) * np.eye(2), seen[..., None])[..., 0]
+        share[some] = (values * seen).sum(axis=1) / (left @ left)
+        amplitude[some] = np.hypot(values[:, 0], values[:, 1])
+    return share, amplitude
