@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
-from .motion.heading import heading_check, pose_readings, poses_put_right
+from .motion.heading import heading_check, pose_suspicions, poses_put_right
 from .motion.units import UnitCheck, unit_check, unit_suspicions, units_put_right
 from .motion.velocity_clock import late_or_scaled
-from .motion.velocity_frame import velocities_turned_right, velocity_readings
+from .motion.velocity_frame import reading_probabilities, velocities_turned_right, velocity_suspicions
 from .prior import MASS_SPREAD
 from .recorder.gaps import holes
 from .recorder.jumps import jumps, without_jumps
@@ -19,7 +21,7 @@ from .recorder.repeats import repeated, without_repeats
 from .recorder.steps import quantised
 from .suspicion import SURE, Suspicion
 from .wrench.arm_faults import arm_suspicions
-from .wrench.sensor_readings import mass_evidence
+from .wrench.sensor_readings import mass_evidence, sensor_check
 from .wrench.wave import waves
 
 
@@ -27,9 +29,10 @@ def check_sensors(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD
     """What is suspected of a log's sensors, those that stop a command first. `mass_spread` is how sure the cart file's
     mass is: the standard deviation of its log, 0.5 where it is a guess and 0.05 where it was weighed."""
     clean = without_jumps(without_repeats(log))
-    of_poses = pose_readings(clean, cart)
-    clean = poses_put_right(clean, cart)
-    of_velocities = velocity_readings(clean)
+    of_poses = pose_suspicions(clean, cart)
+    rivals = poses_put_right(clean, cart)
+    clean = max(rivals, key=lambda one: _soundness(one, cart)) if len(rivals) > 1 else rivals[0]
+    of_velocities = velocity_suspicions(clean)
     clean = velocities_turned_right(clean)
     units = _units(clean, cart, mass_spread)
     in_si = log
@@ -48,6 +51,14 @@ def check_sensors(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD
         *holes(in_si),
     )
     return tuple(sorted(found, key=lambda one: not one.is_refused))
+
+
+def _soundness(log: RunLog, cart: CartModel) -> float:
+    """Log probability that velocities and wrenches are sound beside these poses."""
+    checks = [reading_probabilities(log, "velocity"), reading_probabilities(log, "yaw_rate")]
+    arms = sensor_check(log, cart)
+    found = [*(one[0] for one in checks if one is not None), *([] if arms is None else [arms.probability[0]])]
+    return float(sum(math.log(max(float(one), 1e-300)) for one in found))
 
 
 def _units(log: RunLog, cart: CartModel, mass_spread: float) -> UnitCheck | None:

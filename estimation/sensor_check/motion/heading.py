@@ -51,7 +51,11 @@ def readings(rolling: float = 0.0) -> tuple[Reading, ...]:
         Reading("", 1.0, rolling, 1 - sum(faults.values()), ""),
         Reading("unit", DEGREE, rolling, faults["degrees"], "theta is in degrees; multiply it by 0.0174533"),
         Reading(
-            "sign", -1.0, rolling, faults["reversed"], "theta (or x, or y) has the opposite sign; multiply it by -1"
+            "sign",
+            -1.0,
+            rolling,
+            faults["reversed"],
+            "theta (or x, or y) has the opposite sign; multiply it by -1",
         ),
         Reading("axes", -1.0, right, faults["swapped"], "x and y are swapped; exchange them"),
         Reading("axes", 1.0, right, faults["quarter turn"], "theta is that of the cart's side; turn it by 90°"),
@@ -140,7 +144,7 @@ def _half_turn(angle: Array) -> Array:
     return wrap_angle(2 * angle) / 2
 
 
-def pose_readings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
+def pose_suspicions(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     """`unit`, `sign`, `axes` and `frame` of poses."""
     check = heading_check(log, cart)
     if check is None:
@@ -153,26 +157,31 @@ def pose_readings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
             continue
         most = max(which, key=lambda i: float(check.probability[i]))
         reading, degrees = readings()[most], check.offset[most] / DEGREE
-        cure = f" by {degrees:.1f}°; give its pose in the cart's frame" if kind == "frame" else ""
+        cure = f" by {degrees:.1f}° or so; give its pose in the cart's frame" if kind == "frame" else ""
         words = f"the cart goes sideways as its wheels can't, unless {reading.words}{cure}"
         factor = reading.factor if reading.factor != 1.0 else None
         told.append(Suspicion(kind, "pose", probability, factor, words))
     return tuple(told)
 
 
-def poses_put_right(log: RunLog, cart: CartModel) -> RunLog:
-    """The log with headings, or x and y, as the surest reading has them; as it is where none is sure."""
+def poses_put_right(log: RunLog, cart: CartModel) -> tuple[RunLog, ...]:
+    """What the log may be where a reading is sure, the log itself where none is. To and fro look alike, and so do a
+    reversed theta, x or y: velocities and wrenches must tell which."""
     check = heading_check(log, cart)
     if check is None or check.probability[1:].max() < SURE:
-        return log
-    reading = readings()[int(check.probability.argmax())]
-    pose = log.pose.copy()
-    if reading.kind == "axes" and reading.factor < 0:
-        pose[:, :2] = pose[:, 1::-1]
-    elif reading.kind == "frame":
-        pose[:, 2] += check.offset[int(check.probability.argmax())]
-    elif reading.kind == "axes":
-        pose[:, 2] += math.pi / 2
-    else:
-        pose[:, 2] *= reading.factor
-    return replace(log, pose=pose)
+        return (log,)
+    most = int(check.probability.argmax())
+    reading, offset = readings()[most], float(check.offset[most])
+    if reading.kind == "unit":
+        return (_with_poses(log, (1.0, 1.0, DEGREE)),)
+    if reading.kind == "sign":
+        return tuple(_with_poses(log, signs) for signs in ((1, 1, -1), (1, -1, 1), (-1, 1, 1)))
+    if reading.factor < 0:
+        swapped = replace(log, pose=log.pose[:, [1, 0, 2]])
+        return swapped, _with_poses(swapped, (-1, -1, 1))
+    turn = offset if reading.kind == "frame" else math.copysign(math.pi / 2, offset)
+    return _with_poses(log, (1, 1, 1), turn), _with_poses(log, (1, 1, 1), turn + math.pi)
+
+
+def _with_poses(log: RunLog, factors: tuple[float, float, float], turn: float = 0.0) -> RunLog:
+    return replace(log, pose=log.pose * np.array(factors) + np.array([0.0, 0.0, turn]))

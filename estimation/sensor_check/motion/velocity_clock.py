@@ -77,7 +77,8 @@ def best_lag(rows: VelocityRows) -> float | None:
         if found is not None:
             seen, columns, _ = found
             z = columns[:, 0]
-            costs[lag] = float(seen @ seen - (seen @ z) ** 2 / max(z @ z, 1e-300)) / len(seen)
+            along, size = float(seen @ z), float(z @ z)
+            costs[lag] = (float(seen @ seen) - along**2 / max(size, 1e-300)) / len(seen)
     return min(costs, key=lambda lag: costs[lag]) if costs else None
 
 

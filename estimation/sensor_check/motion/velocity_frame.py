@@ -124,7 +124,7 @@ def _left(seen: Array, velocity: Array) -> Array:
     return seen - velocity * max(float(seen @ velocity), 0.0) / max(float(velocity @ velocity), 1e-300)
 
 
-def velocity_readings(log: RunLog) -> tuple[Suspicion, ...]:
+def velocity_suspicions(log: RunLog) -> tuple[Suspicion, ...]:
     """`frame`, `axes` and `sign` of velocities and yaw rates."""
     told = []
     for where in ("velocity", "yaw_rate"):
