@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from .motion.heading import heading_check, pose_suspicions, poses_put_right
-from .motion.units import UnitCheck, unit_check, unit_suspicions, units_put_right
+from .motion.units import unit_check, unit_suspicions, units_put_right
 from .motion.velocity_clock import late_or_scaled
-from .motion.velocity_frame import reading_probabilities, velocities_turned_right, velocity_suspicions
+from .motion.velocity_frame import velocities_turned_right, velocity_check, velocity_suspicions
 from .prior import MASS_SPREAD
 from .recorder.gaps import holes
 from .recorder.jumps import jumps, without_jumps
@@ -29,18 +26,18 @@ def check_sensors(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD
     """What is suspected of a log's sensors, those that stop a command first. `mass_spread` is how sure the cart file's
     mass is: the standard deviation of its log, 0.5 where it is a guess and 0.05 where it was weighed."""
     clean = without_jumps(without_repeats(log))
-    of_poses = pose_suspicions(clean, cart)
-    rivals = poses_put_right(clean, cart)
+    headings = heading_check(clean, cart)
+    rivals = poses_put_right(clean, headings)
     clean = max(rivals, key=lambda one: _soundness(one, cart)) if len(rivals) > 1 else rivals[0]
-    of_velocities = velocity_suspicions(clean)
-    clean = velocities_turned_right(clean)
-    units = _units(clean, cart, mass_spread)
-    in_si = log
-    if units is not None:
-        clean, in_si = units_put_right(clean, units), units_put_right(log, units)
+    velocities = velocity_check(clean)
+    clean = velocities_turned_right(clean, velocities)
+    is_known = headings is not None and float(headings.probability.max()) >= SURE
+    units = unit_check(clean, mass_evidence(clean, cart, mass_spread), is_known)
+    in_si = log if units is None else units_put_right(log, units)
+    clean = clean if units is None else units_put_right(clean, units)
     found = (
-        *of_poses,
-        *of_velocities,
+        *pose_suspicions(headings),
+        *velocity_suspicions(velocities),
         *(() if units is None else unit_suspicions(units)),
         *arm_suspicions(clean, cart, mass_spread),
         *late_or_scaled(clean),
@@ -55,16 +52,6 @@ def check_sensors(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD
 
 def _soundness(log: RunLog, cart: CartModel) -> float:
     """Log probability that velocities and wrenches are sound beside these poses."""
-    checks = [reading_probabilities(log, "velocity"), reading_probabilities(log, "yaw_rate")]
     arms = sensor_check(log, cart)
-    found = [*(one[0] for one in checks if one is not None), *([] if arms is None else [arms.probability[0]])]
-    return float(sum(math.log(max(float(one), 1e-300)) for one in found))
-
-
-def _units(log: RunLog, cart: CartModel, mass_spread: float) -> UnitCheck | None:
-    check = heading_check(log, cart)
-
-    def of_masses(units: Array) -> Array:
-        return mass_evidence(log, cart, units, mass_spread)
-
-    return unit_check(log, of_masses, check is not None and float(np.max(check.probability)) >= SURE)
+    sound = [float(one[0]) for one in velocity_check(log).values()] + ([] if arms is None else [arms.probability[0]])
+    return sum(math.log(max(float(one), 1e-300)) for one in sound)

@@ -144,9 +144,8 @@ def _half_turn(angle: Array) -> Array:
     return wrap_angle(2 * angle) / 2
 
 
-def pose_suspicions(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
+def pose_suspicions(check: HeadingCheck | None) -> tuple[Suspicion, ...]:
     """`unit`, `sign`, `axes` and `frame` of poses."""
-    check = heading_check(log, cart)
     if check is None:
         return ()
     told = []
@@ -164,10 +163,9 @@ def pose_suspicions(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     return tuple(told)
 
 
-def poses_put_right(log: RunLog, cart: CartModel) -> tuple[RunLog, ...]:
+def poses_put_right(log: RunLog, check: HeadingCheck | None) -> tuple[RunLog, ...]:
     """What the log may be where a reading is sure, the log itself where none is. To and fro look alike, and so do a
     reversed theta, x or y: velocities and wrenches must tell which."""
-    check = heading_check(log, cart)
     if check is None or check.probability[1:].max() < SURE:
         return (log,)
     most = int(check.probability.argmax())

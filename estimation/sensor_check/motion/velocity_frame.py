@@ -124,13 +124,16 @@ def _left(seen: Array, velocity: Array) -> Array:
     return seen - velocity * max(float(seen @ velocity), 0.0) / max(float(velocity @ velocity), 1e-300)
 
 
-def velocity_suspicions(log: RunLog) -> tuple[Suspicion, ...]:
+def velocity_check(log: RunLog) -> dict[str, Array]:
+    """`reading_probabilities` by where, of what is there."""
+    found = {where: reading_probabilities(log, where) for where in ("velocity", "yaw_rate")}
+    return {where: probability for where, probability in found.items() if probability is not None}
+
+
+def velocity_suspicions(check: dict[str, Array]) -> tuple[Suspicion, ...]:
     """`frame`, `axes` and `sign` of velocities and yaw rates."""
     told = []
-    for where in ("velocity", "yaw_rate"):
-        probability = reading_probabilities(log, where)
-        if probability is None:
-            continue
+    for where, probability in check.items():
         known = readings(where)
         for kind in ("frame", "axes", "sign"):
             which = [i for i, one in enumerate(known) if one.kind == kind]
@@ -141,11 +144,10 @@ def velocity_suspicions(log: RunLog) -> tuple[Suspicion, ...]:
     return tuple(told)
 
 
-def velocities_turned_right(log: RunLog) -> RunLog:
+def velocities_turned_right(log: RunLog, check: dict[str, Array]) -> RunLog:
     """The log with velocities as the surest readings have them."""
-    for where in ("velocity", "yaw_rate"):
-        probability = reading_probabilities(log, where)
-        if log.velocity is not None and probability is not None and probability[1:].max() >= SURE:
+    for where, probability in check.items():
+        if log.velocity is not None and probability[1:].max() >= SURE:
             heading = Track.of(log).headed(log.time)
             log = replace(log, velocity=readings(where)[int(probability.argmax())].turn(log.velocity, heading))
     return log

@@ -8,6 +8,7 @@ with how sure the file is.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 
@@ -94,15 +95,21 @@ def sensor_check(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD)
     return SensorCheck(known, probability, mass, np.mean(explained, axis=0))
 
 
-def mass_evidence(log: RunLog, cart: CartModel, units: Array, mass_spread: float = MASS_SPREAD) -> Array:
-    """Log evidence (k,) of wrenches of the right sign and axes, in units (k,) of forces over accelerations."""
+def mass_evidence(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD) -> Callable[[Array], Array]:
+    """Takes units (k,) of forces over accelerations to log evidence (k,), for wrenches of the right sign and axes."""
     forward, _ = balances(log, cart)
     sound = None if forward is None else _sound(forward, tuple(forward.signals))
     if forward is None or sound is None or not np.any(sound) or not np.any(forward.motion):
-        return np.zeros(len(units))
-    one = np.ones(len(units))
-    products = one * (sound @ sound), one * (sound @ forward.motion), float(forward.motion @ forward.motion)
-    return _evidence(forward, products, np.log(units) - math.log(cart.inertia.mass), mass_spread)[0]
+        return lambda units: np.zeros(len(units))
+    motion, mass = forward.motion, cart.inertia.mass
+    products = float(sound @ sound), float(sound @ motion), float(motion @ motion)
+
+    def evidence(units: Array) -> Array:
+        zz, zy, yy = products
+        one = np.ones(len(units))
+        return _evidence(forward, (zz * one, zy * one, yy), np.log(units) - math.log(mass), mass_spread)[0]
+
+    return evidence
 
 
 def _evidence(

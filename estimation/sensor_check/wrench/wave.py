@@ -34,8 +34,6 @@ HANDS = 4
 """Harmonics of time that are taken out first: slow leaning and strokes."""
 PIECES = 6
 """Stretches that foretell one another."""
-AT_ONCE = 64
-"""Wave numbers worked out together."""
 FASTEST_STROKE = 2.0
 """Hz: of hands and of leaning."""
 LONGEST_STRETCH = 120.0
@@ -114,19 +112,18 @@ def _likeliest(force: Array, columns: Array, way: Array, time: Array) -> Wave | 
         return None
     rates = np.arange(TURNS / 2 / span, FASTEST_STROKE, 1 / (FINE * span))
     numbers = np.arange(1 / longest, 1 / SHORTEST_WAVE, 1 / (FINE * rolled))
-    axes = _axes(columns)
+    axes, over_time, over_way = _axes(columns), _pairs(time, rates), _pairs(way, numbers)
     for _ in range(HANDS):
         left = force - axes @ (axes.T @ force)
         if not left @ left > 0:
             return None
-        rate = float(rates[int(_harmonics(left, axes, time, rates)[0].argmax())])
-        axes = np.column_stack([axes, _axes(_pair(axes, 2 * math.pi * rate * time[None])[0].T)])
+        best = int(_explained(left, axes, over_time)[0].argmax())
+        axes = np.column_stack([axes, _axes(_beside(over_time[best], axes))])
     left = force - axes @ (axes.T @ force)
-    explained, amplitude = _harmonics(left, axes, way, numbers)
-    best = float(numbers[int(explained.argmax())])
-    pair = _pair(axes, 2 * math.pi * best * way[None])[0].T
-    kept = _kept(left, pair)
-    return Wave(float(amplitude[int(explained.argmax())]), 1 / best, kept - math.log(len(numbers)))
+    explained, amplitude = _explained(left, axes, over_way)
+    best = int(explained.argmax())
+    log_odds = _kept(left, _beside(over_way[best], axes)) - math.log(len(numbers))
+    return Wave(float(amplitude[best]), float(1 / numbers[best]), log_odds)
 
 
 def _kept(left: Array, pair: Array) -> float:
@@ -149,21 +146,20 @@ def _axes(columns: Array) -> Array:
     return np.asarray(left[:, values > 1e-8 * values[0]])
 
 
-def _pair(axes: Array, phase: Array) -> Array:
-    """Cosine and sine (m, 2, k) of phases (m, k) beside axes."""
-    pair = np.stack([np.cos(phase), np.sin(phase)], axis=1)
-    return np.asarray(pair - (pair @ axes) @ axes.T)
+def _pairs(along: Array, numbers: Array) -> Array:
+    """Cosines and sines (m, 2, k) of a variable (k,) with wave numbers (m,)."""
+    phase = 2 * math.pi * numbers[:, None] * along
+    return np.stack([np.cos(phase), np.sin(phase)], axis=1)
 
 
-def _harmonics(left: Array, axes: Array, along: Array, numbers: Array) -> tuple[Array, Array]:
-    """Shares (m,) of what is left (k,) that harmonics of a variable (k,) with wave numbers (m,) explain, and their
-    amplitudes (m,)."""
-    share, amplitude = np.empty(len(numbers)), np.empty(len(numbers))
-    for start in range(0, len(numbers), AT_ONCE):
-        some = slice(start, start + AT_ONCE)
-        pair = _pair(axes, 2 * math.pi * numbers[some, None] * along)
-        gram, seen = pair @ pair.transpose(0, 2, 1), pair @ left
-        values = np.linalg.solve(gram + 1e-9 * len(left) * np.eye(2), seen[..., None])[..., 0]
-        share[some] = (values * seen).sum(axis=1) / (left @ left)
-        amplitude[some] = np.hypot(values[:, 0], values[:, 1])
-    return share, amplitude
+def _beside(pair: Array, axes: Array) -> Array:
+    """A pair (2, k) as columns (k, 2) beside axes."""
+    return np.asarray(pair.T - axes @ (axes.T @ pair.T))
+
+
+def _explained(left: Array, axes: Array, pairs: Array) -> tuple[Array, Array]:
+    """Shares (m,) of what is left (k,) beside axes that pairs (m, 2, k) explain, and their amplitudes (m,)."""
+    shared, seen = pairs @ axes, pairs @ left
+    gram = np.einsum("mik,mjk->mij", pairs, pairs) - shared @ shared.transpose(0, 2, 1)
+    values = np.linalg.solve(gram + 1e-9 * len(left) * np.eye(2), seen[..., None])[..., 0]
+    return (values * seen).sum(axis=1) / (left @ left), np.hypot(values[:, 0], values[:, 1])
