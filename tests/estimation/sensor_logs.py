@@ -84,9 +84,7 @@ def sealed(case, seed, is_rough=False):
 
     velocity = of("vx", "vy", "omega") if "vx" in columns else None
     arms = {
-        name: ArmLog(
-            of(*(f"{name}.p{c}" for c in "xyz")), of(*(f"{name}.{k}{c}" for k in ("f", "t") for c in "xyz"))
-        )
+        name: ArmLog(of(*(f"{name}.p{c}" for c in "xyz")), of(*(f"{name}.{k}{c}" for k in ("f", "t") for c in "xyz")))
         for name in scene.arms
     }
     viscous = not any(t.name == "viscous_drag" for t in scene.truths)

@@ -15,6 +15,8 @@ LOCAL = 0.4
 """s: width of the bumps whose mean speeds tell drags and directions; carts change speed more slowly."""
 MEASURED = 12
 """Rows within a bump, at least."""
+WIDEST = 2.0
+"""Times the width that is wanted: over longer bumps what a check looks for is gone."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,10 @@ class Track:
     def step(self) -> float:
         """s between rows, usually."""
         return float(np.median(np.diff(self.time))) if len(self.time) > 1 else np.inf
+
+    def is_fast(self, wanted: float) -> bool:
+        """Whether rows come fast enough for bumps of about a width, s."""
+        return self.width(wanted) <= WIDEST * wanted
 
     def width(self, wanted: float) -> float:
         """Of bumps, s: what is wanted, or as many rows as a measurement takes."""

@@ -15,8 +15,8 @@ from cartgrasp.logs import RunLog
 from ..evidence import from_odds, log_normal_density
 from ..prior import GAIN_WRONG, LAG_WRONG, LEAST_LAG, ODDS, SOUND_GAIN
 from ..suspicion import SURE, TOLD, Suspicion
-from .track import Track
-from .velocity_rows import VelocityRows, linear_rows, yaw_rows
+from .track import WIDEST, Track
+from .velocity_rows import WIDTH, VelocityRows, linear_rows, yaw_rows
 
 LONGEST = 0.4
 """s: of lags that are looked for."""
@@ -110,12 +110,19 @@ def linear_clock(log: RunLog) -> ClockFit | None:
     """Of linear velocities."""
     if log.velocity is None:
         return None
-    return clock_fit(linear_rows(Track.of(log), log.time, log.velocity[:, :2]))
+    return clock_fit(_if_fast(linear_rows(Track.of(log), log.time, log.velocity[:, :2])))
 
 
 def yaw_clock(log: RunLog) -> ClockFit | None:
     """Of yaw rates."""
-    return None if log.velocity is None else clock_fit(yaw_rows(Track.of(log), log.time, log.velocity[:, 2]))
+    if log.velocity is None:
+        return None
+    return clock_fit(_if_fast(yaw_rows(Track.of(log), log.time, log.velocity[:, 2])))
+
+
+def _if_fast(rows: VelocityRows | None) -> VelocityRows | None:
+    """None where rows come too slowly for a clock to be told."""
+    return rows if rows is not None and rows.bumps.width <= WIDEST * WIDTH else None
 
 
 CLOCKS: tuple[tuple[str, str, slice, Callable[[RunLog], ClockFit | None]], ...] = (

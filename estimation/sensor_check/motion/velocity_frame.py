@@ -92,7 +92,7 @@ def reading_probabilities(log: RunLog, where: str) -> Array | None:
     heading = track.headed(log.time)
     seen = [_seen(track, log, one, heading) for one in readings(where)]
     whole = [one for one in seen if one is not None]
-    if len(whole) < len(seen):
+    if len(whole) < len(seen) or not all(np.any(y) for y, _ in whole):
         return None
     best = min((_left(*one) for one in whole), key=lambda left: float(left @ left) / len(left))
     rows = independent_rows(best)
@@ -100,7 +100,7 @@ def reading_probabilities(log: RunLog, where: str) -> Array | None:
         gain_evidence((np.array([z @ z]), np.array([y @ z]), float(y @ y)), rows, np.zeros(1), ANY_GAIN, TRUEST**2)[0][
             0
         ]
-        + 0.5 * rows * math.log(max(float(y @ y), 1e-300))
+        + 0.5 * rows * math.log(float(y @ y))
         for y, z in whole
     ]
     return probabilities(np.array(log_evidence), np.array([one.prior for one in readings(where)]))

@@ -19,9 +19,9 @@ FAR = 8.0
 exceeds once in 15 million rows."""
 FAR_SPEED = 16.0
 """The same for velocities: a push makes kinks in them, which straight lines across foretell badly."""
-ACROSS = (2, 3, 4, 5, 6)
-"""Rows to both sides, of which each pair foretells the middle; three rows that are off spoil few of the five."""
-LONGEST, EDGE = 3, 0.5
+ACROSS = (2, 3, 5, 6, 8)
+"""Rows to both sides, of which each pair foretells the middle; three rows that are off spoil two of the five."""
+LONGEST, EDGE = 3, 0.65
 """Rows that are off together, at most; share of the size that the rows at their edges make at once."""
 SIDE = 7
 """Rows before and after of which medians tell a lasting jump; three rows that are off don't move them."""
@@ -51,18 +51,19 @@ def jumps_of(column: Array, time: Array, far: float = FAR) -> Jumps:
     grid = COARSE * (step_of(values) or 0.0)
     shift[there] = _lasting(values, t, grid)
     beside = _beside(values - np.cumsum(shift[there]), t)
-    found = _far(beside, grid, far) & _sharp(beside)
+    found = _far(beside, grid, ACROSS[0] + ACROSS[-1], far) & _sharp(beside)
     off[there] = found
     return Jumps(off, float(np.abs(beside[found]).max(initial=0.0)), shift)
 
 
-def _far(beside: Array, grid: float, times: float = FAR) -> np.ndarray:
-    """Which of what is left (n,) are further than noise goes, and the furthest around."""
+def _far(beside: Array, grid: float, reach: int, times: float = FAR) -> np.ndarray:
+    """Which of what is left (n,) are further than noise goes, in all and for `reach` rows around, and the furthest
+    there."""
     size = np.abs(beside)
-    reach = ACROSS[0] + ACROSS[-1]
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(size, reach, mode="reflect"), 2 * reach + 1)
-    usual = np.maximum(float(np.median(size)), np.median(windows, axis=1))
-    far = (size > np.maximum(times * usual, max(grid, np.finfo(float).tiny))) & (size > 0.6 * windows.max(axis=1))
+    usual = float(np.median(size))
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(size, reach, constant_values=usual), 2 * reach + 1)
+    noise = np.maximum(usual, np.median(windows, axis=1))
+    far = (size > np.maximum(times * noise, max(grid, np.finfo(float).tiny))) & (size > 0.6 * windows.max(axis=1))
     return far if far.mean() < MOST else np.zeros_like(far)
 
 
@@ -102,7 +103,7 @@ def _lasting(values: Array, time: Array, grid: float) -> Array:
     before, after = slice(0, n - 2 * SIDE + 1), slice(SIDE, None)
     at = (time[SIDE - 1 : n - SIDE] + time[SIDE : n - SIDE + 1]) / 2
     change = level[after] + speed[after] * (at - middle[after]) - level[before] - speed[before] * (at - middle[before])
-    far = _far(change, grid)
+    far = _far(change, grid, 2 * SIDE)
     first = np.arange(SIDE, n - SIDE + 1)
     one_step = (
         values[first] - values[first - 1] - 0.5 * (speed[after] + speed[before]) * (time[first] - time[first - 1])

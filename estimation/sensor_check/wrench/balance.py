@@ -49,7 +49,7 @@ class Balance:
 def balances(log: RunLog, cart: CartModel) -> tuple[Balance | None, Balance | None]:
     """Forward and yaw; None where the log is too short, still or without wrenches, or the cart can't turn."""
     track = Track.of(log)
-    if len(track.time) < 2 * MEASURED or not log.arms:
+    if len(track.time) < 2 * MEASURED or not track.is_fast(WIDTH) or not log.arms:
         return None, None
     bumps = Bumps.over(track.time, track.width(WIDTH))
     on_track = bumps.on(track.time)

@@ -30,14 +30,20 @@ TURNS = 5.0
 """Of a wheel, at least, over the way: fewer are a drift."""
 FINE = 4.0
 """Wave numbers tried for each that the way can tell apart."""
-HANDS = 4
-"""Harmonics of time that are taken out first: slow leaning and strokes."""
+HANDS = 8
+"""Harmonics of time that are taken out, at most: slow leaning and strokes."""
+EMPTY = 1e-9
+"""Share of a signal that is rounding."""
 PIECES = 6
 """Stretches that foretell one another."""
 FASTEST_STROKE = 2.0
 """Hz: of hands and of leaning."""
-LONGEST_STRETCH = 120.0
-"""s of a log that are looked at: over more, what wheels creep puts a wave out of step."""
+LONGEST_STRETCH, FARTHEST = 120.0, 100.0
+"""s and m of a log that are looked at: over more, what wheels creep puts a wave out of step."""
+ANSWERS = (-0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45)
+"""s: within which loads and people answer an acceleration."""
+FEWEST = 50
+"""Windows."""
 COMPONENTS = (("fx", 0, "N"), ("fy", 1, "N"), ("tz", 5, "N·m"))
 
 
@@ -53,7 +59,7 @@ class Wave:
 def waves(log: RunLog) -> tuple[Suspicion, ...]:
     """`offset` of each arm, for the surest of its components."""
     track = Track.of(log)
-    if len(track.time) < 2 * MEASURED:
+    if len(track.time) < 2 * MEASURED or not track.is_fast(WIDTH):
         return ()
     told = []
     for name in log.arms:
@@ -81,31 +87,40 @@ def wave_of(log: RunLog, track: Track, name: str, component: int) -> Wave | None
         return None
     time = log.time[there]
     bumps = Bumps.over(track.time, max(track.width(WIDTH), MEASURED * float(np.median(np.diff(time)))))
+    if len(bumps.centres) < FEWEST:
+        return None
     sums = bumps.on(time)
     weight = sums.integral(np.ones_like(time))
     kept = sums.covered & bumps.on(track.time).covered
     kept &= np.abs(bumps.centres - bumps.centres.mean()) < LONGEST_STRETCH / 2
-    if kept.sum() < 50:
+    speed = track.speeds(track.time)[:, 0]
+    rolled = np.concatenate([[0.0], np.cumsum(middles(speed) * np.diff(track.time))])
+    way = np.interp(bumps.centres, track.time, rolled)
+    kept &= np.abs(way - np.median(way)) < FARTHEST / 2
+    if kept.sum() < FEWEST:
         return None
     force = (sums.integral(column[there]) / np.maximum(weight, 1e-12))[kept]
     centre = bumps.centres[kept]
-    columns = _motion(track, centre, bumps.width)
-    speed = track.speeds(track.time)[:, 0]
-    rolled = np.concatenate([[0.0], np.cumsum(middles(speed) * np.diff(track.time))])
-    return _likeliest(force, columns, np.interp(centre, track.time, rolled), centre)
+    return _likeliest(force, _motion(track, centre), way[kept], centre)
 
 
-def _motion(track: Track, centre: Array, width: float) -> Array:
-    """Columns (k, ·) of what motion makes: accelerations, speeds, directions, a drift."""
+def _motion(track: Track, centre: Array) -> Array:
+    """Columns (k, ·) of what motion makes: speeds, directions, a drift, and accelerations now and around, so that any
+    sluggish answer of loads and people is taken out, but not what no motion follows."""
     u, _, r = track.speeds(centre).T
-    du, dr = (np.gradient(one, centre) for one in (u, r))
     t = (centre - centre[0]) / max(centre[-1] - centre[0], 1e-9)
-    return np.column_stack(
-        [np.ones_like(u), t, u, u * np.abs(u), np.tanh(u / STANDING), du, r, np.tanh(r / STANDING), dr, u * r, r**2]
-    )
+    always = [np.ones_like(u), t, u, u * np.abs(u), np.tanh(u / STANDING), r, np.tanh(r / STANDING), u * r, r**2]
+    around = [one for late in ANSWERS for one in _accelerations(track, centre + late)]
+    return np.column_stack([*always, *around])
+
+
+def _accelerations(track: Track, time: Array) -> tuple[Array, Array]:
+    u, _, r = track.speeds(time).T
+    return np.gradient(u, time), np.gradient(r, time)
 
 
 def _likeliest(force: Array, columns: Array, way: Array, time: Array) -> Wave | None:
+    """Harmonics of time are taken out one by one, the largest first, until one of the way is larger, or none shows."""
     rolled, span = float(np.ptp(way)), float(np.ptp(time))
     longest = min(LONGEST_WAVE, rolled / TURNS)
     if longest <= SHORTEST_WAVE:
@@ -113,17 +128,19 @@ def _likeliest(force: Array, columns: Array, way: Array, time: Array) -> Wave | 
     rates = np.arange(TURNS / 2 / span, FASTEST_STROKE, 1 / (FINE * span))
     numbers = np.arange(1 / longest, 1 / SHORTEST_WAVE, 1 / (FINE * rolled))
     axes, over_time, over_way = _axes(columns), _pairs(time, rates), _pairs(way, numbers)
-    for _ in range(HANDS):
+    for _ in range(HANDS + 1):
         left = force - axes @ (axes.T @ force)
-        if not left @ left > 0:
+        if not left @ left > EMPTY * (force @ force):
             return None
-        best = int(_explained(left, axes, over_time)[0].argmax())
-        axes = np.column_stack([axes, _axes(_beside(over_time[best], axes))])
-    left = force - axes @ (axes.T @ force)
-    explained, amplitude = _explained(left, axes, over_way)
-    best = int(explained.argmax())
+        by_time, by_way = _explained(left, axes, over_time), _explained(left, axes, over_way)
+        best, stroke = int(by_way[0].argmax()), int(by_time[0].argmax())
+        rows = independent_rows(left)
+        shows = -0.5 * rows * math.log(1 - min(float(by_time[0][stroke]), 1 - EMPTY)) > math.log(rows * len(rates))
+        if by_way[0][best] > by_time[0][stroke] or not shows:
+            break
+        axes = np.column_stack([axes, _axes(_beside(over_time[stroke], axes))])
     log_odds = _kept(left, _beside(over_way[best], axes)) - math.log(len(numbers))
-    return Wave(float(amplitude[best]), float(1 / numbers[best]), log_odds)
+    return Wave(float(by_way[1][best]), float(1 / numbers[best]), log_odds)
 
 
 def _kept(left: Array, pair: Array) -> float:
