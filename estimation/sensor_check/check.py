@@ -18,6 +18,7 @@ from .recorder.repeats import repeated, without_repeats
 from .recorder.steps import quantised
 from .suspicion import SURE, Suspicion
 from .wrench.arm_faults import arm_suspicions
+from .wrench.contacts import contact_units, contacts_put_right
 from .wrench.sensor_readings import mass_evidence, sensor_check
 from .wrench.wave import waves
 
@@ -25,6 +26,8 @@ from .wrench.wave import waves
 def check_sensors(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD) -> tuple[Suspicion, ...]:
     """What is suspected of a log's sensors, those that stop a command first. `mass_spread` is how sure the cart file's
     mass is: the standard deviation of its log, 0.5 where it is a guess and 0.05 where it was weighed."""
+    of_contacts = contact_units(log)
+    log = contacts_put_right(log)
     clean = without_jumps(without_repeats(log))
     headings = heading_check(clean, cart)
     rivals = poses_put_right(clean, headings)
@@ -39,6 +42,7 @@ def check_sensors(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD
         *pose_suspicions(headings),
         *velocity_suspicions(velocities),
         *(() if units is None else unit_suspicions(units)),
+        *of_contacts,
         *arm_suspicions(clean, cart, mass_spread),
         *late_or_scaled(clean),
         *waves(clean),

@@ -120,3 +120,7 @@ ANGLES = (
 
 SHORTEST_WAVE, LONGEST_WAVE = 0.1, 4.0
 """m rolled: once round wheels of 16 mm to 64 cm."""
+CONTACT_UNITS = (("m", 1.0, 0.98), ("cm", 0.01, 0.01), ("mm", 0.001, 0.01))
+"""Of contact points: what recorded numbers are multiplied by, and the probability."""
+REACH, REACH_SPREAD = 1.0, 0.8
+"""m from {b}'s origin, on the floor, at which carts are held, and the spread of its log: from 20 cm to 5 m."""

@@ -8,7 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.cart_file import cart_from_text
-from cartgrasp.logs import ArmLog
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.sensor_check import check_sensors
 from estimation.sensor_check.prior import MOUNTINGS, UNITS
@@ -128,6 +131,66 @@ def test_the_words_tell_masses_and_the_cure():
     assert "multiply forces by 1000" in in_kilonewtons.words
 
 
+def on_casters(seed=0):
+    """A cart that goes any way, on paths in closed form: wrenches are what its accelerations and drags take."""
+    time = 0.01 * np.arange(4000)
+    random = np.random.default_rng(seed)
+    place = [np.sin(0.5 * time) + 0.4 * np.sin(1.3 * time + 1), 0.8 * np.cos(0.7 * time) + 0.3 * np.sin(1.1 * time)]
+    x, y, theta = [*place, 0.8 * np.sin(0.3 * time) + 0.3 * np.sin(0.9 * time)]
+    vx, vy, r = (np.gradient(one, time) for one in (x, y, theta))
+    ax, ay, dr = (np.gradient(one, time) for one in (vx, vy, r))
+    mass, (dx, dy), about = 30.0, (0.2, -0.1), 3.0
+    c, s = np.cos(theta), np.sin(theta)
+    u, w, du, dw = c * vx + s * vy, c * vy - s * vx, c * ax + s * ay, c * ay - s * ax
+    fx = mass * (du - dy * dr - dx * r**2) + 4.0 * u
+    fy = mass * (dw + dx * dr - dy * r**2) + 4.0 * w
+    inertia = about + mass * (dx**2 + dy**2)
+    tau = inertia * dr + mass * (dx * dw - dy * du) + 1.5 * r
+    point = np.array([-0.4, 0.2, 1.0])
+    wrench = np.zeros((len(time), 6))
+    wrench[:, 0], wrench[:, 1], wrench[:, 5] = fx, fy, tau - point[0] * fy + point[1] * fx
+    wrench += np.array([3, 3, 3, 0.15, 0.15, 0.15]) * random.standard_normal(wrench.shape)
+    pose = np.column_stack([x, y, theta]) + 5e-4 * random.standard_normal((len(time), 3))
+    return RunLog(time, pose, None, {"arm": ArmLog(np.tile(point, (len(time), 1)), wrench)})
+
+
+FREE = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), RollingConstraints(axle_x=None))
+
+
+def test_a_cart_on_casters_is_sound():
+    assert check_sensors(on_casters(), FREE) == ()
+    found_balances = balances(on_casters(), FREE)
+    for balance, how in ((found_balances.forward, "forward"), (found_balances.sideways, "sideways")):
+        signal = balance.signals["arm"] @ getattr(mountings()[0], how)(1.0)
+        assert np.linalg.lstsq(balance.motion[:, None], signal)[0][0] == pytest.approx(30.0, rel=0.02)
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_told_on_casters_too(name):
+    kind, change = FAULTS[name]
+    told = found(arm_suspicions(with_wrenches(on_casters(), change), FREE))
+    assert told.keys() == {(kind, "arm")}
+    assert told[kind, "arm"] > 0.9
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1000.0, "mm"), (100.0, "cm")])
+def test_contact_points_in_another_unit_are_told(factor, unit):
+    log = two_hands(0)
+    arms = {name: ArmLog(factor * arm.contact, arm.wrench) for name, arm in log.arms.items()}
+    told = check_sensors(replace(log, arms=arms), CART)
+    assert found(told).keys() == {("unit", "left"), ("unit", "right")}
+    assert min(one.probability for one in told) > 0.9
+    assert all(f"in {unit}," in one.words and one.factor == pytest.approx(1 / factor) for one in told)
+
+
+def test_components_that_nobody_measures_count_for_nothing():
+    """A sensor of fx alone, on a rail: blank columns are no missing rows."""
+    blank = with_wrenches(on_rail(), lambda w: w * np.array([1, *[np.nan] * 5]))
+    assert arm_suspicions(blank, RAIL) == ()
+    told = arm_suspicions(with_wrenches(blank, lambda w: -w), RAIL)
+    assert found(told)["sign", "hand"] > 0.9
+
+
 def test_two_arms_with_faults_of_their_own_are_both_told():
     log = with_wrenches(two_hands(0), times(-1, -1, -1, -1, -1, -1), ("left",))
     log = with_wrenches(log, times(*[1 / KGF] * 6), ("right",))
@@ -186,7 +249,8 @@ def test_the_table_of_mountings_is_whole():
 def test_balances_are_those_of_the_plant():
     """With no noise what is left of both sides is in proportion, by the mass and the yaw inertia about {b}'s origin."""
     log = two_hands(0, (0.0, 0.0, 0.0))
-    forward, turning = balances(log, CART)
+    found_balances = balances(log, CART)
+    forward, turning = found_balances.forward, found_balances.turning
     sound = mountings()[0]
     force = sum(forward.signals[a] @ sound.forward(1.0) for a in log.arms)
     assert np.linalg.lstsq(forward.motion[:, None], force)[0][0] == pytest.approx(24.0, rel=0.01)

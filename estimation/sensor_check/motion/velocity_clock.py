@@ -14,6 +14,8 @@ from cartgrasp.logs import RunLog
 
 from ..evidence import from_odds, log_normal_density
 from ..prior import GAIN_WRONG, LAG_WRONG, LEAST_LAG, ODDS, SOUND_GAIN
+from ..recorder.jumps import without_jumps
+from ..recorder.repeats import without_repeats
 from ..suspicion import SURE, TOLD, Suspicion
 from .track import WIDEST, Track
 from .velocity_rows import WIDTH, VelocityRows, linear_rows, yaw_rows
@@ -153,7 +155,7 @@ def late_or_scaled(log: RunLog) -> tuple[Suspicion, ...]:
     told = []
     for where, what, _, fitted in CLOCKS:
         fit = fitted(log)
-        if fit is None or abs(math.log(fit.gain)) > SAFE_GAIN:
+        if fit is None:
             continue
         lag, late = lag_probability(fit, _step(log)), "late" if fit.lag > 0 else "early"
         words = (
@@ -161,10 +163,9 @@ def late_or_scaled(log: RunLog) -> tuple[Suspicion, ...]:
             "shift them to the poses' clock, or give the sensor's latency"
         )
         told.append(Suspicion("lag", where, lag, fit.lag, words))
-        share, large = abs(fit.gain - 1) * 100, "large" if fit.gain > 1 else "small"
         words = (
-            f"{what} are {share:.2f} ± {fit.gain_std * 100:.2f} % too {large} against what the poses do; divide "
-            f"them by {fit.gain:.4f}, or calibrate the wheels' radius or the tracker"
+            f"{what} are {fit.gain:.4f} ± {fit.gain_std:.4f} times what the poses do; divide them by that, or "
+            "calibrate the wheels' radius or the tracker"
         )
         told.append(Suspicion("scale", where, scale_probability(fit), fit.gain, words))
     return tuple(one for one in told if one.probability >= TOLD)
@@ -175,9 +176,9 @@ def velocities_put_right(log: RunLog, sure: float = SURE) -> RunLog:
     lies before the first or after the last velocity is missing."""
     if log.velocity is None:
         return log
-    velocity = log.velocity.copy()
+    velocity, clean = log.velocity.copy(), without_jumps(without_repeats(log))
     for _, _, which, fitted in CLOCKS:
-        fit = fitted(log)
+        fit = fitted(clean)
         if fit is None or abs(math.log(fit.gain)) > SAFE_GAIN:
             continue
         lag = fit.lag if lag_probability(fit, _step(log)) >= sure else 0.0

@@ -2,8 +2,9 @@
 
 Divided by the mass and by the yaw inertia, the balances of physics 4 read
 
-    u' = Fx / m + [r', r², u, sgn u, 1, cos, sin, casters] · unknowns
-    r' = tau / J + [u', u r, r, sgn r, u, sgn u, 1, cos, sin, casters, contact points] · unknowns
+    u' - w r = Fx / m + [r', r², u, sgn u, 1, cos, sin, casters] · unknowns
+    w' + u r = Fy / m + [r', r², w, sgn w, 1, cos, sin] · unknowns                        (carts on casters alone)
+    r' = tau / J + [u' - w r, w' + u r, r, sgn r, u, sgn u, 1, cos, sin, casters, contact points] · unknowns
 
 where the bracketed columns (first moments, drags, offsets, slopes, offsets at levers) are taken out of both sides; what
 is left of each recorded component (and of it times its levers) is a row of `signals`. Wrenches are what explains and
@@ -31,7 +32,7 @@ FEWEST = 16
 STANDING = 0.02
 """m/s, rad/s: over which dry friction turns round."""
 FORWARD = ("fx", "fy", "fz", "fx of {s}")
-"""Signals of the forward balance: components along x that a reading may take."""
+"""Signals of the forward balance: components along x that a reading may take; of the sideways one likewise."""
 TURNING = ("px·fx", "px·fy", "px·fz", "py·fx", "py·fy", "py·fz", "tx", "ty", "tz", "moment of {s}")
 """Of the yaw balance."""
 
@@ -46,70 +47,102 @@ class Balance:
     taken: int
 
 
-def balances(log: RunLog, cart: CartModel) -> tuple[Balance | None, Balance | None]:
-    """Forward and yaw; None where the log is too short, still or without wrenches, or the cart can't turn."""
+@dataclass(frozen=True)
+class Balances:
+    """Forward, sideways (of carts that may go so) and yaw (of those that may turn)."""
+
+    forward: Balance
+    sideways: Balance | None
+    turning: Balance | None
+
+
+@dataclass(frozen=True)
+class _Signals:
+    """∫ phi of `FORWARD` (k, 4), of the same for y, and of `TURNING` (k, 10), of one arm; which windows are covered."""
+
+    forward: Array
+    sideways: Array
+    turning: Array
+    covered: np.ndarray
+
+
+def balances(log: RunLog, cart: CartModel) -> Balances | None:
+    """None where the log is too short, too slow or without wrenches."""
     track = Track.of(log)
     if len(track.time) < 2 * MEASURED or not track.is_fast(WIDTH) or not log.arms:
-        return None, None
+        return None
     bumps = Bumps.over(track.time, track.width(WIDTH))
     on_track = bumps.on(track.time)
-    kept = on_track.covered
-    signals = {}
-    for name in log.arms:
-        found = _signals(log, name, track, bumps)
-        if found is None:
-            return None, None
-        kept = kept & found[2]
-        signals[name] = found[:2]
-    if kept.sum() < FEWEST:
-        return None, None
-    forward, _, turning = track.accelerating(on_track)
-    of_forward, of_turning = _taken_out(cart, track, on_track, (forward, turning))
-    levers = [_levers(log, name, bumps) for name in log.arms]
-    ahead = _beside(forward, {name: pair[0] for name, pair in signals.items()}, of_forward, kept)
-    if cart.constraints.no_rotation:
-        return ahead, None
-    turned = _beside(
-        turning, {name: pair[1] for name, pair in signals.items()}, np.column_stack([of_turning, *levers]), kept
-    )
-    return ahead, turned
-
-
-def _signals(log: RunLog, name: str, track: Track, bumps: Bumps) -> tuple[Array, Array, np.ndarray] | None:
-    """∫ phi of `FORWARD` (k, 4) and `TURNING` (k, 10) of an arm, and which windows are covered."""
-    arm = log.arms[name]
-    there = np.isfinite(np.hstack([arm.wrench, arm.contact[:, :2]])).all(axis=1)
-    if there.sum() < 2 * MEASURED:
+    found = {name: _signals(log, name, track, bumps) for name in log.arms}
+    signals = {name: one for name, one in found.items() if one is not None}
+    kept = np.all([on_track.covered, *(one.covered for one in signals.values())], axis=0)
+    if len(signals) < len(found) or kept.sum() < FEWEST:
         return None
-    time, wrench, contact = log.time[there], arm.wrench[there], arm.contact[there]
+    speeds = track.speeds(track.time)
+    u, w, r = speeds.T
+    ahead, aside, turned = track.accelerating(on_track)
+    motions = ahead - on_track.integral(w * r), aside + on_track.integral(u * r), turned
+    casters = on_track.integral(caster_forces(cart, track.time, track.heading, speeds))
+    of_forward, of_sideways, of_turning = _taken_out(track, on_track, speeds, motions)
+    levers = [_levers(log, name, bumps) for name in log.arms]
+    forward = _beside(
+        *(motions[0], {name: one.forward for name, one in signals.items()}),
+        *(np.column_stack([of_forward, casters[:, 0]]), kept),
+    )
+    if forward is None:
+        return None
+    sideways = _beside(motions[1], {name: one.sideways for name, one in signals.items()}, of_sideways, kept)
+    turning = _beside(
+        *(motions[2], {name: one.turning for name, one in signals.items()}),
+        *(np.column_stack([of_turning, casters[:, 1], *levers]), kept),
+    )
+    is_free, may_turn = cart.constraints.axle_x is None, not cart.constraints.no_rotation
+    return Balances(forward, sideways if is_free else None, turning if may_turn else None)
+
+
+def _signals(log: RunLog, name: str, track: Track, bumps: Bumps) -> _Signals | None:
+    """None where too little is recorded; a component that is blank throughout counts for nothing."""
+    arm = log.arms[name]
+    table = np.hstack([arm.wrench, arm.contact[:, :2]])
+    table = np.where(np.isfinite(table).any(axis=0), table, 0.0)
+    there = np.isfinite(table).all(axis=1)
+    if there.sum() < 2 * MEASURED or not np.isfinite(arm.wrench).any():
+        return None
+    time, wrench, (px, py) = log.time[there], table[there, :6], table[there, 6:].T
     sums, heading = bumps.on(time), track.headed(time)
     c, s = np.cos(heading), np.sin(heading)
-    px, py = contact[:, 0], contact[:, 1]
-    of_cart = np.column_stack([c * wrench[:, 0] + s * wrench[:, 1], c * wrench[:, 1] - s * wrench[:, 0]])
-    ahead = np.column_stack([wrench[:, :3], of_cart[:, 0]])
+    along, across = c * wrench[:, 0] + s * wrench[:, 1], c * wrench[:, 1] - s * wrench[:, 0]
     levers = [px[:, None] * wrench[:, :3], py[:, None] * wrench[:, :3], wrench[:, 3:]]
-    turning = np.column_stack([*levers, px * of_cart[:, 1] - py * of_cart[:, 0]])
-    return sums.integral(ahead), sums.integral(turning), sums.covered
+    return _Signals(
+        sums.integral(np.column_stack([wrench[:, :3], along])),
+        sums.integral(np.column_stack([wrench[:, :3], across])),
+        sums.integral(np.column_stack([*levers, px * across - py * along])),
+        sums.covered,
+    )
 
 
 def _levers(log: RunLog, name: str, bumps: Bumps) -> Array:
     """∫ phi of contact points (k, 2): what offsets of forces turn with."""
-    arm = log.arms[name]
-    there = np.isfinite(arm.contact[:, :2]).all(axis=1)
-    return bumps.on(log.time[there]).integral(arm.contact[there, :2])
+    contact = log.arms[name].contact[:, :2]
+    contact = np.where(np.isfinite(contact).any(axis=0), contact, 0.0)
+    there = np.isfinite(contact).all(axis=1)
+    return bumps.on(log.time[there]).integral(contact[there])
 
 
-def _taken_out(cart: CartModel, track: Track, sums: Sums, accelerations: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Columns (k, ·) of the forward and of the yaw balance."""
-    speeds = track.speeds(track.time)
-    u, _, r = speeds.T
+def _taken_out(track: Track, sums: Sums, speeds: Array, motions: tuple[Array, ...]) -> tuple[Array, Array, Array]:
+    """Columns (k, ·) of the three balances."""
+    u, w, r = speeds.T
     c, s = np.cos(track.heading), np.sin(track.heading)
-    forward, turning = accelerations
-    always = [u, np.tanh(u / STANDING), np.ones_like(u), c, s]
-    of_forward = sums.integral(np.column_stack([*always, r**2]))
-    of_turning = sums.integral(np.column_stack([*always, u * r, r, np.tanh(r / STANDING)]))
-    casters = sums.integral(caster_forces(cart, track.time, track.heading, speeds))
-    return np.column_stack([of_forward, turning, casters[:, 0]]), np.column_stack([of_turning, forward, casters[:, 1]])
+    forward, sideways, turning = motions
+
+    def columns(speed: Array, *others: Array) -> Array:
+        return sums.integral(np.column_stack([speed, np.tanh(speed / STANDING), np.ones_like(u), c, s, *others]))
+
+    return (
+        np.column_stack([columns(u, r**2), turning]),
+        np.column_stack([columns(w, r**2), turning]),
+        np.column_stack([columns(u, r, np.tanh(r / STANDING)), forward, sideways]),
+    )
 
 
 def _beside(motion: Array, signals: dict[str, Array], columns: Array, kept: np.ndarray) -> Balance | None:

@@ -38,6 +38,15 @@ class Mounting:
             found[:3] = force_unit * self.force[0]
         return found
 
+    def sideways(self, force_unit: float) -> Array:
+        """Coefficients (4,) of `FORWARD`, for y."""
+        found = np.zeros(len(FORWARD))
+        if self.of_world:
+            found[3] = force_unit
+        else:
+            found[:3] = force_unit * self.force[1]
+        return found
+
     def turning(self, force_unit: float, moment_unit: float) -> Array:
         """Coefficients (10,) of `TURNING`."""
         found = np.zeros(len(TURNING))

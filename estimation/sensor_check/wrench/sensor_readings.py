@@ -19,8 +19,8 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..evidence import gain_evidence, independent_rows, probabilities
-from ..prior import EVERY_ARM, INERTIA_SPREAD, MASS_SPREAD, MODEL, UNITS, Units
-from .balance import FORWARD, Balance, balances
+from ..prior import EVERY_ARM, INERTIA_SPREAD, MASS_SPREAD, MODEL, SAME_GAIN, UNITS, Units
+from .balance import Balance, balances
 from .mountings import Mounting, mountings
 
 KINDS = ("sign", "axes", "frame", "unit")
@@ -78,17 +78,25 @@ def readings_of(arms: tuple[str, ...]) -> tuple[Reading, ...]:
 
 def sensor_check(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD) -> SensorCheck | None:
     """None where nothing can be told. `mass_spread` is the standard deviation of the log of the file's mass."""
-    forward, turning = balances(log, cart)
-    if forward is None or not np.any(_sound(forward, tuple(forward.signals))) or not np.any(forward.motion):
+    found = balances(log, cart)
+    if found is None or not _speaks(found.forward):
         return None
     known, phi = readings_of(tuple(log.arms)), cart.inertia.phi
-    ahead = _products(forward, known, np.array([one.mounting.forward(one.unit.factors[0]) for one in known]))
-    evidence, log_gain = _evidence(forward, ahead, np.full(len(known), -math.log(phi[0])), mass_spread)
+    how = np.array([one.mounting.forward(one.unit.factors[0]) for one in known])
+    ahead = _products(found.forward, known, how)
+    mean = np.full(len(known), -math.log(phi[0]))
+    evidence, log_gain = _evidence(ahead, _left(found.forward, how[0]), mean, mass_spread)
     explained = [_explained(ahead)]
-    if turning is not None and np.any(turning.motion):
-        about = _products(turning, known, np.array([one.mounting.turning(*one.unit.factors) for one in known]))
-        evidence = evidence + _evidence(turning, about, log_gain + math.log(phi[0] / phi[3]), INERTIA_SPREAD)[0]
-        explained.append(_explained(about))
+    others = (
+        (found.sideways, [one.mounting.sideways(one.unit.factors[0]) for one in known], 1.0, SAME_GAIN),
+        (found.turning, [one.mounting.turning(*one.unit.factors) for one in known], phi[0] / phi[3], INERTIA_SPREAD),
+    )
+    for balance, coefficients, ratio, spread in others:
+        if balance is not None and _speaks(balance):
+            how = np.array(coefficients)
+            products = _products(balance, known, how)
+            evidence = evidence + _evidence(products, _left(balance, how[0]), log_gain + math.log(ratio), spread)[0]
+            explained.append(_explained(products))
     probability = probabilities(evidence, np.array([one.prior for one in known]))
     zz, zy, _ = ahead
     mass = zz / np.where(np.abs(zy) > 1e-12 * zz, zy, np.inf)
@@ -97,26 +105,32 @@ def sensor_check(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD)
 
 def mass_evidence(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD) -> Callable[[Array], Array]:
     """Takes units (k,) of forces over accelerations to log evidence (k,), for wrenches of the right sign and axes."""
-    forward, _ = balances(log, cart)
-    sound = None if forward is None else _sound(forward, tuple(forward.signals))
-    if forward is None or sound is None or not np.any(sound) or not np.any(forward.motion):
+    found = balances(log, cart)
+    if found is None or not _speaks(found.forward):
         return lambda units: np.zeros(len(units))
-    motion, mass = forward.motion, cart.inertia.mass
+    forward, mass = found.forward, cart.inertia.mass
+    sound, motion = _recorded(forward, tuple(forward.signals), mountings()[0].forward(1.0)), forward.motion
     products = float(sound @ sound), float(sound @ motion), float(motion @ motion)
+    rows = _left(forward, mountings()[0].forward(1.0))
 
     def evidence(units: Array) -> Array:
         zz, zy, yy = products
         one = np.ones(len(units))
-        return _evidence(forward, (zz * one, zy * one, yy), np.log(units) - math.log(mass), mass_spread)[0]
+        return _evidence((zz * one, zy * one, yy), rows, np.log(units) - math.log(mass), mass_spread)[0]
 
     return evidence
 
 
+def _speaks(balance: Balance) -> bool:
+    """Whether anything moves, and anything is recorded that could have moved it."""
+    return bool(np.any(balance.motion)) and any(np.any(one) for one in balance.signals.values())
+
+
 def _evidence(
-    balance: Balance, products: tuple[Array, Array, float], mean: Array, spread: float
+    products: tuple[Array, Array, float], left: tuple[float, float], mean: Array, spread: float
 ) -> tuple[Array, Array]:
-    """Log evidence and log gains (k,) of products (k,)."""
-    rows, unexplained = _left(balance)
+    """Log evidence and log gains (k,) of products (k,), for rows that count and what is left unexplained."""
+    rows, unexplained = left
     log, log_gain, _ = gain_evidence(products, rows, mean, spread, max(unexplained, MODEL**2))
     return log, log_gain
 
@@ -127,7 +141,7 @@ def _products(balance: Balance, known: tuple[Reading, ...], coefficients: Array)
     zz, zy = np.zeros(len(known)), np.zeros(len(known))
     for group in {one.arms for one in known}:
         which = np.array([i for i, one in enumerate(known) if one.arms == group])
-        others = _sound(balance, tuple(a for a in balance.signals if a not in group))
+        others = _recorded(balance, tuple(a for a in balance.signals if a not in group), coefficients[0])
         own = sum((balance.signals[a] for a in group), start=np.zeros((len(balance.motion), coefficients.shape[1])))
         c = coefficients[which]
         zz[which] = others @ others + 2 * c @ (own.T @ others) + np.einsum("ks,st,kt->k", c, own.T @ own, c)
@@ -140,21 +154,19 @@ def _explained(products: tuple[Array, Array, float]) -> Array:
     return np.maximum(zy, 0.0) ** 2 / np.maximum(zz * yy, 1e-300)
 
 
-def _sound(balance: Balance, arms: tuple[str, ...]) -> Array:
-    """The signal (k,) of arms that are read as they are recorded."""
-    sound, total = mountings()[0], np.zeros(len(balance.motion))
-    for arm in arms:
-        signals = balance.signals[arm]
-        is_forward = signals.shape[1] == len(FORWARD)
-        total = total + signals @ (sound.forward(1.0) if is_forward else sound.turning(1.0, 1.0))
-    return total
+def _recorded(balance: Balance, arms: tuple[str, ...], coefficients: Array) -> Array:
+    """The signal (k,) of arms that are read as they are recorded, with those coefficients (s,)."""
+    return sum((balance.signals[arm] @ coefficients for arm in arms), start=np.zeros(len(balance.motion)))
 
 
-def _left(balance: Balance) -> tuple[float, float]:
+def _left(balance: Balance, sound: Array) -> tuple[float, float]:
     """Rows that count, and the share of the motion that no gains of the signals explain: the fewer rows of those that
-    the log leaves as it is and with any gains."""
+    the log leaves as it is, with `sound` coefficients (s,), and with any gains."""
     left = []
-    for columns in (_sound(balance, tuple(balance.signals))[:, None], np.hstack(list(balance.signals.values()))):
+    for columns in (
+        _recorded(balance, tuple(balance.signals), sound)[:, None],
+        np.hstack(list(balance.signals.values())),
+    ):
         size = np.linalg.norm(columns, axis=0)
         columns = columns / np.where(size > 0, size, 1.0)
         left.append(balance.motion - columns @ np.linalg.lstsq(columns, balance.motion, rcond=1e-8)[0])
