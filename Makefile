@@ -14,7 +14,7 @@ PYTHON := python3 python3.11 python3.12 python3.13
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test prove sealed floors lint format docs bench lock clean
+.PHONY: help setup demo test prove sealed floors measured lint format docs bench lock clean
 
 help:
 	@echo "make setup    make .venv from the lock and install cartgrasp into it, editable"
@@ -23,6 +23,7 @@ help:
 	@echo "make prove    run the long proofs that make test leaves out"
 	@echo "make sealed   name effects hidden in generated logs, and score what was named (SEEDS=0:4; hours)"
 	@echo "make floors   from which share of its usual size on an effect is named (SEEDS, SHARES; hours)"
+	@echo "make measured logs that nobody here made, and variants of them, beside what is known of them (DATA=...; an hour)"
 	@echo "make lint     ruff check, ruff format --check, mypy --strict"
 	@echo "make format   let ruff format and mend what it can"
 	@echo "make docs     build the documentation into out/docs"
@@ -75,11 +76,14 @@ prove: setup
 	$(ENV) $(BIN)/python -m pytest -m prove tests || [ $$? -eq 5 ]
 
 # Diagnoses that are there are kept, so what was interrupted goes on; after a change of the workflow, remove them first.
+# Logs that are rough on purpose, worse first guesses, proof: make sealed SEALED=out/rough OPTIONS="--cases rough"
+# (`python -m benchmarks.sealed --help` says what there is).
 SEEDS := 0:4
 SHARES := 1,0.5,0.25,0.125
 SEALED := out/sealed
+OPTIONS :=
 sealed: setup $(READY_FOR_BENCH)
-	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS)
+	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(SEALED) --seeds $(SEEDS) $(OPTIONS)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.true_structures $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED)
@@ -94,6 +98,12 @@ floors: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/python -m benchmarks.sealed generate --out $(FLOORS) --seeds $(SEEDS) --cases single --shares $(SHARES)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(FLOORS)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(FLOORS)
+
+# Answers are kept by code, log and cart, so what was interrupted goes on. The data are no part of the project.
+DATA := ../shared/data
+MEASURED := out/measured
+measured: setup
+	$(ENV) $(BIN)/python -m benchmarks.measured --data $(DATA) --kept $(MEASURED) --out $(MEASURED)/measured.md $(MEASUREDFLAGS)
 
 lint: setup
 	$(BIN)/ruff check .

@@ -45,8 +45,8 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         remembers = _loudness(log, cart)
         linear, yaw = remembers * linear, remembers * yaw
     wrenches = [arm.wrench for arm in log.arms.values()]
-    force = max(*(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1)), LEAST_FORCE)
-    moment = max(*(noise_floor(w[:, 5], usual.moment) for w in wrenches), LEAST_MOMENT)
+    force = max([LEAST_FORCE, *(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1))])
+    moment = max([LEAST_MOMENT, *(noise_floor(w[:, 5], usual.moment) for w in wrenches)])
     size = _force_size(log, cart)
     return FilterNoise(
         position=position,

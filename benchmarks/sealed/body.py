@@ -8,7 +8,7 @@ import numpy as np
 
 from .compiling import compiled
 from .wheels import wheel_forces
-from .world import BOB, BOB_RATE, GRAVITY, THETA, R, U, W, X, Y
+from .world import BOB, BOB_RATE, GRAVITY, LEAN, LEAN_RATE, THETA, R, U, W, X, Y
 
 
 @compiled
@@ -47,6 +47,24 @@ def add_bob(state, matrix, bias, world):
     matrix[2, 2] += m * x * x
     bias[1] += m * across
     bias[2] += m * x * across
+
+
+@compiled
+def lean_acceleration(force, state, world):
+    """Of the rider against the cart: a spring and a damper draw it to where the push `force` makes it lean."""
+    own = 2.0 * math.pi * world.lean_frequency
+    return own * own * (world.lean_per_force * force - state[LEAN]) - 2.0 * world.lean_damping * own * state[LEAN_RATE]
+
+
+@compiled
+def add_rider(leaning, state, matrix, bias, world):
+    """A mass that stands at the CoM, but for what it leans ahead, and is accelerated against the cart by `leaning`."""
+    m, x, y = world.lean_mass, world.com_x + state[LEAN], world.com_y
+    add_mass(m, x, y, state, matrix, bias)
+    across = 2.0 * m * state[R] * state[LEAN_RATE]
+    bias[0] += m * leaning
+    bias[1] += across
+    bias[2] += x * across - y * m * leaning
 
 
 @compiled
@@ -107,13 +125,13 @@ def find_rate(time, state, wrench, world, rate):
     rate[X] = cosine * state[U] - sine * state[W]
     rate[Y] = sine * state[U] + cosine * state[W]
     rate[THETA] = state[R]
-    load, bob = load_at(time, world), world.bob_mass
+    load, bob, rider = load_at(time, world), world.bob_mass, world.lean_mass
     mass = world.mass + load
     moment_x = world.mass * world.com_x + load * world.load_x
     moment_y = world.mass * world.com_y + load * world.load_y
     matrix, bias = np.zeros((3, 3)), np.zeros(3)
-    rigid = world.mass - bob
-    rigid_x, rigid_y = world.com_x, world.mass * world.com_y / rigid
+    rigid = world.mass - bob - rider
+    rigid_x, rigid_y = world.com_x, (world.mass - rider) * world.com_y / rigid
     add_mass(rigid, rigid_x, rigid_y, state, matrix, bias)
     spread = bob * world.com_y**2 + rigid * (rigid_y - world.com_y) ** 2
     matrix[2, 2] += world.inertia - spread
@@ -121,6 +139,11 @@ def find_rate(time, state, wrench, world, rate):
         add_mass(load, world.load_x, world.load_y, state, matrix, bias)
     if bob > 0.0:
         add_bob(state, matrix, bias, world)
+    if rider > 0.0:
+        leaning = lean_acceleration(wrench[0], state, world)
+        rate[LEAN], rate[LEAN_RATE] = state[LEAN_RATE], leaning
+        moment_x += rider * state[LEAN]
+        add_rider(leaning, state, matrix, bias, world)
     weight = mass * GRAVITY - wrench[3]
     x = (moment_x * GRAVITY + wrench[4]) / weight
     floor = wheel_forces(weight, x, moment_y * GRAVITY / weight, state, rate, world)
@@ -139,12 +162,14 @@ def find_rate(time, state, wrench, world, rate):
 
 @compiled
 def accelerate(matrix, force, world):
-    """(u', w', r'), along the rolling direction of wheels that don't slip."""
+    """(u', w', r'), along the rolling direction of wheels that don't slip, or along a rail."""
     if world.cornering > 0.0:
         p, q = matrix[0, 2] / matrix[0, 0], matrix[1, 2] / matrix[1, 1]
         turning = force[2] - p * force[0] - q * force[1]
         turn = turning / (matrix[2, 2] - p * matrix[0, 2] - q * matrix[1, 2])
         return force[0] / matrix[0, 0] - p * turn, force[1] / matrix[1, 1] - q * turn, turn
+    if world.rail > 0.0:
+        return force[0] / matrix[0, 0], 0.0, 0.0
     ex, ey = math.cos(world.toe), math.sin(world.toe)
     a = ex * ex * matrix[0, 0] + 2.0 * ex * ey * matrix[0, 1] + ey * ey * matrix[1, 1]
     b = ex * matrix[0, 2] + ey * matrix[1, 2]

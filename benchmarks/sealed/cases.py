@@ -1,5 +1,5 @@
 """What is generated: nothing, each effect of the vocabulary, what the vocabulary has no name for, pairs, and a few of
-these with a cart that MuJoCo simulates."""
+these with a cart that MuJoCo simulates; all of it rough on purpose, too."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from .effects import VOCABULARY, sign, size, with_effect
+from .rails import along_rail
+from .roughness import BARRED, ROUGHNESS, SETTINGS, parts
 from .scenes import Scene, Truth, draw_scene, random_of
 
 
@@ -55,13 +57,32 @@ MUJOCO_CASES = tuple(
 )
 
 
-def draw_case(case: str, seed: int, motion: str) -> Scene:
-    effects = case.removesuffix(AT_MUJOCO)
-    names = () if effects == "nothing" else tuple(effects.split("+"))
-    random = random_of(case, seed, motion)
-    scene = replace(draw_scene(names, motion, random), in_mujoco=case != effects)
+PROOF = "proof "
+"""Before a case's name, where its numbers are drawn from: another stream."""
+
+
+def draw_case(case: str, seed: int, motion: str, stream: str = "") -> Scene:
+    """`stream`: other numbers of the same seed."""
+    names, kinds = parts(case)
+    random = random_of(stream + case, seed, motion)
+    scene = replace(draw_scene((*names, *kinds), motion, random), in_mujoco="mujoco" in kinds)
+    for kind in (kind for kind in ROUGHNESS if kind in kinds):
+        scene = ROUGHNESS[kind](scene, random)
     if "floor_patch" in names:
         scene = replace(scene, path=scene.run()[0])
     for name in names:
         scene = {**VOCABULARY, **OUTSIDE}[name](scene, random)
-    return scene
+    return along_rail(scene)
+
+
+def objection(case: str) -> str:
+    """Why there is no such case; empty where there is."""
+    names, kinds = parts(case)
+    unknown = [n for n in names if n not in {**VOCABULARY, **OUTSIDE}]
+    unknown += [k for k in kinds if k not in (*ROUGHNESS, *SETTINGS)]
+    if unknown:
+        return (
+            f"no case {case!r}: {unknown[0]!r} is none of {', '.join((*VOCABULARY, *OUTSIDE, *ROUGHNESS, *SETTINGS))}"
+        )
+    beside = [(kind, other) for kind in kinds for other in (*names, *kinds) if other in BARRED.get(kind, ())]
+    return f"no case {case!r}: {beside[0][1]} makes no sense beside {beside[0][0]}" if beside else ""

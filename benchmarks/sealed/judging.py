@@ -73,8 +73,31 @@ class Judgement:
         return "single" if len(effects) == 1 else "pair"
 
     @property
+    def roughness(self) -> tuple[str, ...]:
+        """What makes the log rough on purpose."""
+        return tuple(one["name"] for one in self.truth.get("roughness", ()))
+
+    @property
+    def is_proof(self) -> bool:
+        """Kept for proof: only totals are looked at."""
+        return bool(self.truth.get("proof", False))
+
+    @property
+    def arms(self) -> tuple[str, ...]:
+        return tuple(self.truth.get("settings", {}).get("arms", ("arm",)))
+
+    @property
     def true_names(self) -> set[str]:
         return {e["name"] for e in self.truth["effects"] if not e["outside"]}
+
+    @property
+    def tolerated(self) -> set[str]:
+        """Names that say what is rough, where no effect is meant."""
+        return {name for one in self.truth.get("roughness", ()) for name in one["tolerates"]} - self.true_names
+
+    @property
+    def wrong_names(self) -> tuple[str, ...]:
+        return tuple(name for name in self.names if name not in self.true_names | self.tolerated)
 
     @cached_property
     def sets(self) -> tuple[frozenset[str], ...]:
@@ -103,7 +126,14 @@ class Judgement:
 
     @property
     def exact(self) -> bool:
-        return set(self.names) == self.true_names
+        return set(self.names) - self.tolerated == self.true_names
+
+    @property
+    def right(self) -> bool:
+        """What this log asks for: nothing, the names, or that something without a name is left."""
+        if self.kind == "nothing":
+            return self.called_nothing
+        return self.called_unexplained if self.kind == "outside" else self.exact
 
     @property
     def within(self) -> bool:
@@ -112,7 +142,9 @@ class Judgement:
 
     @property
     def called_nothing(self) -> bool:
-        return self.report is not None and not self._effects and self.report["verdict"] == "no_discrepancy"
+        if self.report is None or set(self.names) - self.tolerated:
+            return False
+        return bool(self.names) or self.report["verdict"] == "no_discrepancy"
 
     @property
     def called_unexplained(self) -> bool:
@@ -145,7 +177,8 @@ class Judgement:
     def probabilities(self) -> list[tuple[float, bool]]:
         """Of each name at its first mention: what is said, and whether it is true."""
         first = {bare(effect["name"]): effect for effect in reversed(self._effects)}
-        return [(e["probability"], name in self.true_names) for name, e in first.items() if "probability" in e]
+        right = self.true_names | self.tolerated
+        return [(e["probability"], name in right) for name, e in first.items() if "probability" in e]
 
     @property
     def gap(self) -> tuple[float, float] | None:
@@ -172,23 +205,35 @@ class Judgement:
         found = []
         for true in self.truth["effects"]:
             for effect in [e for e in self._effects if bare(e["name"]) == true["name"] and concerns(true, e)][:1]:
-                found += list(compared(true, effect))
+                found += list(compared(self._as_told(true), effect))
         return tuple(found)
 
     @cached_property
     def mismatches(self) -> tuple[Estimate, ...]:
-        """Of mass, CoM, inertia and drag."""
+        """Of mass, CoM, inertia and drag; of a cart that coasts all but the mass, and per mass."""
         entries, cart, found = (self.report or {}).get("parameter_mismatch", {}), self.truth["cart"], []
         for name in PARAMETERS:
-            if name in entries:
-                found.append(Estimate(name, cart[name], entries[name]["refitted"], entries[name]["std"] or np.nan))
+            if name in entries and (self.arms or name != "mass"):
+                truth = cart[name] * (self._given if name == "inertia" else 1.0)
+                found.append(Estimate(name, truth, entries[name]["refitted"], entries[name]["std"] or np.nan))
         drag = {name: entries.get(f"viscous_drag.{name}") for name in DRAG}
         drag["linear"] = drag["linear"] or entries.get("viscous_drag")
         for name, entry in drag.items():
             if entry and name in cart["viscous_drag"]:
-                truth = cart["viscous_drag"][name]
+                truth = cart["viscous_drag"][name] * self._given
                 found.append(Estimate(name, truth, entry["refitted"], entry["std"] or np.nan))
         return tuple(found)
+
+    @property
+    def _given(self) -> float:
+        """Times the true mass that a report on a cart that coasts has to take as given."""
+        return 1.0 if self.arms else self.truth["cart_file"]["mass"] / self.truth["cart"]["mass"]
+
+    def _as_told(self, true: Mapping[str, Any]) -> Mapping[str, Any]:
+        """A true effect, as it is told by who takes the cart file's mass for the mass."""
+        given = {name: self.truth["cart_file"]["mass"] * value for name, value in true.get("per_mass", {}).items()}
+        groups = {key: {n: given.get(n, v) for n, v in true[key].items()} for key in ("parameters", "roughly")}
+        return {**true, **groups}
 
     @property
     def _follows(self) -> tuple[str, str]:

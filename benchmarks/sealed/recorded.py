@@ -70,6 +70,11 @@ def read_cart(path: Path) -> Cart:
     return Cart(found["mass"], (x, y), found["inertia"], drag and (drag["linear"], drag["angular"]))
 
 
+def has_arms(path: Path) -> bool:
+    with path.open(encoding="utf-8") as stream:
+        return "." in stream.readline()
+
+
 def read_recorded(path: Path) -> Recorded:
     first, *lines = path.read_text(encoding="utf-8").splitlines()
     header, table = first.split(","), np.loadtxt(lines, delimiter=",")

@@ -12,10 +12,12 @@ from .driver import Belief, Drive, drive_cart
 from .references import DURATIONS, speeds
 from .sensors import Sensors, noise
 from .sizes import COLOUR, CONTACT, NOISE
-from .world import CASTER, SIZE, World
+from .world import CASTER, SIZE, THETA, R, U, W, World
 
 PERIOD = 0.01  # s
-TWO_ARMS_ALWAYS = ("force_scale",)
+TWO_ARMS_ALWAYS = ("force_scale", "two_arms")
+FIRMLY = 4.0, 3.0
+"""1/s and 1/s²: how arms hold a speed, and its integral."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +32,15 @@ class Truth:
     outside: bool = False
 
 
+@dataclass(frozen=True)
+class Roughness:
+    """What makes a log hard to read without being an effect, its size, and names that mean the same."""
+
+    name: str
+    parameters: dict[str, float] = field(default_factory=dict)
+    tolerates: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     world: World
@@ -39,33 +50,45 @@ class Scene:
     truths: tuple[Truth, ...] = ()
     path: np.ndarray | None = None  # (n, SIZE), states without any effect
     in_mujoco: bool = False
+    begins: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Heading (rad), speed (m/s) and yaw rate (rad/s) at first."""
+    firmness: tuple[float, float] = FIRMLY
+    roughness: tuple[Roughness, ...] = ()
 
     @property
     def arms(self) -> tuple[str, ...]:
-        return ("left", "right") if self.drive.shares.shape[1] > 1 else ("arm",)
+        return ((), ("arm",), ("left", "right"))[self.drive.shares.shape[1]]
+
+    @property
+    def first(self) -> np.ndarray:
+        state = first_state(*self.begins, toe=self.world.toe)
+        if self.world.rail:
+            state[CASTER : CASTER + 2] = 0.0
+        return state
 
     def run(self) -> tuple[np.ndarray, ...]:
         """What `driver.drive_cart` gives."""
         if self.in_mujoco:
             from .machine import drive_machine
 
-            return drive_machine(first_state(), self.drive, self.belief, self.world)
-        return drive_cart(first_state(), self.drive, self.belief, self.world)
+            return drive_machine(self.first, self.drive, self.belief, self.world)
+        return drive_cart(self.first, self.drive, self.belief, self.world)
 
     @property
     def belief(self) -> Belief:
         b = self.believed
         yaw_inertia = b.inertia + b.mass * (b.com_x**2 + b.com_y**2)
-        return Belief(b.mass, b.com_x, b.com_y, yaw_inertia, b.linear, b.angular)
+        return Belief(b.mass, b.com_x, b.com_y, yaw_inertia, b.linear, b.angular, *self.firmness)
 
 
 def random_of(case: str, seed: int, motion: str) -> np.random.Generator:
     return np.random.default_rng([seed, zlib.crc32(case.encode()), zlib.crc32(motion.encode())])
 
 
-def first_state() -> np.ndarray:
-    """At rest in {s}'s origin, casters trailing a little askew."""
+def first_state(heading: float = 0.0, speed: float = 0.0, yaw_rate: float = 0.0, toe: float = 0.0) -> np.ndarray:
+    """In {s}'s origin, casters trailing a little askew."""
     state = np.zeros(SIZE)
+    state[THETA], state[U], state[W], state[R] = heading, speed, speed * np.tan(toe), yaw_rate
     state[CASTER : CASTER + 2] = 0.3, -0.2
     return state
 

@@ -1,7 +1,8 @@
 """Reports of the workflow beside the truth: DIR/logs/NAME/out/report.json and DIR/truth/NAME.json.
 
 `out` may be another folder, of another method. A report that tells no probability, gap or standard deviation is not
-judged by it. DIR/logs/NAME/refit.json tells what the true structure would have reached.
+judged by it. DIR/logs/NAME/refit.json tells what the true structure would have reached. Logs that are rough on purpose
+have tables of their own; those that are kept for proof are only counted.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from .arms import by_arm
 from .calibration import coverage, duration, reliability
 from .judging import Estimate, Judgement
+from .soundness import by_roughness, soundness, totals, waits
 
 NONE = "(none)"
 MISSING = "(no report)"
@@ -30,6 +33,14 @@ CLOSE = 1.1
 
 def score(folder: Path, reports: str = "out") -> str:
     everyone = judged(folder, reports)
+    kept = [j for j in everyone if j.is_proof]
+    plain, rough = ([j for j in everyone if not j.is_proof and bool(j.roughness) == is_rough] for is_rough in (0, 1))
+    parts = [tables(plain)] if plain or not everyone else []
+    parts += ["Rough on purpose", tables(rough)] if rough else []
+    return "\n\n".join(part for part in (*parts, totals(kept)) if part)
+
+
+def tables(everyone: Sequence[Judgement]) -> str:
     known = [j for j in everyone if j.report is not None]
     everyone, there = ([j for j in group if j.share == 1.0] for group in (everyone, known))
     named = [e for j in there for e in j.estimates]
@@ -37,12 +48,16 @@ def score(folder: Path, reports: str = "out") -> str:
     parts = [
         f"{len(there)} reports of {len(everyone)} logs; {len(everyone) - len(there)} missing",
         rates(there),
+        soundness(there),
+        by_arm(there),
+        by_roughness(there),
         by_strength(there),
         gaps(there),
         beside_truth(there),
         coverage({"parameters of named effects": named, "cart, nothing beside": alone, "cart, effects beside": beside}),
         reliability(there),
         duration(there),
+        waits(there),
         estimates("Parameters of named effects", named),
         estimates("Refitted cart, nothing beside", alone),
         estimates("Refitted cart, effects beside", beside),
@@ -190,7 +205,7 @@ def confusion(judgements: Sequence[Judgement]) -> str:
 
 def strays(judgements: Sequence[Judgement]) -> str:
     """Names that were given where they are not true."""
-    wrong = Counter(name for j in judgements for name in j.names if name not in j.true_names)
+    wrong = Counter(name for j in judgements for name in j.wrong_names)
     return "Names given in vain: " + (", ".join(f"{name} {n}" for name, n in wrong.most_common()) or "none")
 
 

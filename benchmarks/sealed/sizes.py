@@ -51,3 +51,21 @@ EFFECTS: dict[str, dict[str, tuple[float, float]]] = {
 }
 BRISTLE = (8e-4, 2e-3)  # m
 TANH_WIDTH = (0.004, 0.012)  # m/s
+
+ROUGH: dict[str, dict[str, tuple[float, float]]] = {
+    "bursts": {"rhythm": (0.6, 1.2), "pushed": (0.35, 0.6), "uneven": (0.15, 0.35), "jitter": (0.05, 0.15)},
+    "leaning_load": {"rider": (0.35, 0.6), "frequency": (0.8, 1.5), "damping": (0.5, 0.9), "at_once": (0.4, 0.8)},
+    "force_lag": {"lag": (0.02, 0.08)},
+    "late_velocities": {"delay": (0.01, 0.05)},
+    "large_velocities": {"gain": (1.03, 1.05)},
+    "sensor_track": {"scale": (0.3, 1.0)},
+    "rail": {"stroke": (1.0, 3.0), "speed": (0.25, 0.9), "acceleration": (0.35, 0.9), "rest": (0.0, 1.2)},
+    "coasting": {"speed": (0.8, 2.0), "yaw_rate": (-0.4, 0.4), "duration": (10.0, 25.0)},
+}
+"""Hz, and shares of a stroke, of its strength and of its length; shares of the mass and of the push that accelerates
+the rider at once, Hz, share of critical; s; s; -; of the track as it is; m, m/s, m/s², s; m/s, rad/s, s."""
+POSE_STEPS = (5e-4, 2e-3, 1e-2)  # m
+BY_HAND = 1.5, 0.5
+"""1/s and 1/s²: how a person holds a speed, and its integral, who pushes in bursts or leans."""
+GUESS = {"factor": (1 / 3, 3.0), "com": 0.15}
+"""Of the true mass and inertia; m."""

@@ -26,7 +26,9 @@ def regressors(states: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 def strength(scene: Scene, states: np.ndarray, rates: np.ndarray, recorded: np.ndarray) -> dict[str, float]:
     """`force_share` and `moment_share`: rms left over rms; `z`: sqrt of the sum of squares over the noise's, with which
-    nobody sees the effect better who knows the motion, the noise and the effect's form."""
+    nobody sees the effect better who knows the motion, the noise and the effect's form; empty where nobody pushes."""
+    if not scene.arms:
+        return {}
     contacts, sensors = scene.drive.contacts, scene.sensors
     seen = planar(contacts, recorded)
     lever = (contacts[..., 0] ** 2 + contacts[..., 1] ** 2).sum(axis=1)
@@ -37,10 +39,13 @@ def strength(scene: Scene, states: np.ndarray, rates: np.ndarray, recorded: np.n
             np.sqrt(sensors.force_noise**2 * lever + k * sensors.moment_noise**2),
         ]
     )
-    rows = (regressors(states, rates) / noise[:, :, None]).reshape(-1, 6)
+    design = regressors(states, rates)
+    if scene.world.rail:  # it takes any moment, which tells nothing of the cart
+        seen[:, 1], design[:, 1] = 0.0, 0.0
+    rows = (design / noise[:, :, None]).reshape(-1, 6)
     found, *_ = np.linalg.lstsq(rows, (seen / noise).ravel(), rcond=1e-9)
     left = (seen / noise - (rows @ found).reshape(-1, 2)) * noise
-    share = np.sqrt((left**2).mean(axis=0) / (seen**2).mean(axis=0))
+    share = np.sqrt((left**2).mean(axis=0) / np.maximum((seen**2).mean(axis=0), 1e-12))
     new = _innovations(
         np.concatenate([rows.reshape(-1, 2, 6), (seen / noise)[..., None]], axis=2), scene.drive.time, sensors.colour
     )

@@ -91,7 +91,7 @@ def wheel_forces(weight, x, y, state, rate, world):
         px, py = world.caster_x, world.caster_y * (1 - 2 * k)
         hx, hy = math.cos(state[CASTER + k]), math.sin(state[CASTER + k])
         vx, vy = u - py * r, w + px * r
-        turning = (vy * hx - vx * hy) / world.trail - r
+        turning = 0.0 if world.rail > 0.0 else (vy * hx - vx * hy) / world.trail - r
         rate[CASTER + k] = turning
         qx, qy = px - world.trail * hx, py - world.trail * hy
         place = (state[X] + cosine * qx - sine * qy, state[Y] + sine * qx + cosine * qy)

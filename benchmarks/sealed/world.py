@@ -68,8 +68,14 @@ class World(NamedTuple):
     quake: float = 0.0  # m/s²
     quake_frequency: float = 0.5
     quake_heading: float = 0.0
+    rail: float = 0.0  # 1: wheels and casters are held straight, so there is no yaw either
+    lean_mass: float = 0.0  # a part of `mass`: a rider, whose CoM is the cart's while nobody pushes
+    lean_per_force: float = 0.0  # m/N, how far it leans ahead under a steady push
+    lean_frequency: float = 1.0  # Hz
+    lean_damping: float = 0.7  # of critical
 
 
-X, Y, THETA, U, W, R, CASTER, BOB, BOB_RATE, BRISTLE, SIDE, WAY, SIZE = 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 14, 15, 16
+X, Y, THETA, U, W, R, CASTER, BOB, BOB_RATE, BRISTLE, SIDE, WAY = 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 14, 15
+LEAN, LEAN_RATE, SIZE = 16, 17, 18
 """Places in a state: pose, velocity in {b}, two caster headings in {b}, the bob's angle and rate, four bristles,
-sideways deflection of the tyres, way rolled by wheel 0."""
+sideways deflection of the tyres, way rolled by wheel 0, how far ahead the rider leans and its rate."""

@@ -12,7 +12,7 @@ import typer
 from typer.exceptions import TyperException
 
 from ..errors import CartgraspError, DataError, PlantError, printable
-from .options import Course, Json, Method, Plant, Salvage, Seed, Topics
+from .options import Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics
 from .study_commands import study
 
 app = typer.Typer(
@@ -89,12 +89,13 @@ def estimate(
     method: Annotated[Method, typer.Option("--method", help="paper: its filter as printed.")] = "filter",
     out: Annotated[Path | None, typer.Option("--out", help="CSV file for the series over time.")] = None,
     topics: Topics = None,
+    coasting: Coasting = False,
     json: Json = False,
 ) -> None:
     """Learn mass, CoM, inertia and effects from a log, online, as the filter would while pushing."""
     from . import estimate as command
 
-    raise typer.Exit(command.run(log, cart, method, out, topics, json))
+    raise typer.Exit(command.run(log, cart, method, out, topics, json, coasting))
 
 
 @app.command()
@@ -122,12 +123,13 @@ def identify(
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: structure and first guess.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Folder for cart.yaml with the values put in.")] = None,
     topics: Topics = None,
+    coasting: Coasting = False,
     json: Json = False,
 ) -> None:
     """Learn mass, CoM, inertia and effects from whole logs jointly: a batch fit that a physical cart can have."""
     from . import identify as command
 
-    raise typer.Exit(command.run(logs, cart, out, topics, json))
+    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting))
 
 
 @app.command()
@@ -136,12 +138,13 @@ def discrepancy(
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: the model to be judged.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Folder for the report, figures and cart.yaml.")] = None,
     topics: Topics = None,
+    coasting: Coasting = False,
     json: Json = False,
 ) -> None:
     """Find where logs and the model disagree, name the missing effect, add it, and show the gap shrink."""
     from . import discrepancy as command
 
-    raise typer.Exit(command.run(logs, cart, out, topics, json))
+    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting))
 
 
 @app.command("topics")

@@ -39,12 +39,16 @@ def run(choice: Choice, as_json: bool) -> int:
     else:
         for step in log.notes.values():
             print(printable(step))
-        print(f"{choice.out}: {len(log)} rows over {log.duration:.2f} s, arms {', '.join(log.arms)}")
+        print(f"{choice.out}: {len(log)} rows over {log.duration:.2f} s, {_arms(log)}")
     for what in lost[:MOST_SAID]:
         say(printable(f"lost: {what}"))
     if len(lost) > MOST_SAID:
         say(f"lost: and {len(lost) - MOST_SAID} more; all are in {beside}")
     return 0
+
+
+def _arms(log: RunLog) -> str:
+    return f"arms {', '.join(log.arms)}" if log.arms else "no arm: the cart coasts"
 
 
 def _check(choice: Choice) -> None:

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from estimation import CartFilter, PaperFilter, RegressorEstimator, identifiability
+from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
+from estimation.coasting import body_as_given, with_known_wrench
 from estimation.log_noise import noise_of_log
 from estimation.replay import Replay, replay
 
 from ..cart_file import load_cart
 from ..errors import UsageError
-from ..logs import RunLog, read_log
+from ..logs import RunLog, coasts, read_log, said_to_coast
+from ..logs.coasting import check_pushed, check_said
 from ..logs.emps import rail_cart
 from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
-from .output import check_writable, print_json, print_table, progress
+from .output import check_writable, print_json, print_table, progress, say
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -26,11 +28,22 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
 }
 
 
-def run(path: Path, cart_path: Path | None, method: str, out: Path | None, topics: Path | None, as_json: bool) -> int:
+def run(
+    path: Path,
+    cart_path: Path | None,
+    method: str,
+    out: Path | None,
+    topics: Path | None,
+    as_json: bool,
+    coasting: bool = False,
+) -> int:
     cart = cart_of(path, cart_path)
     if out is not None:
         check_writable(out, path, cart_path, topics)
-    log = read_log(path, topics)
+    log = log_of(path, topics, coasting)
+    if method == "paper":
+        check_pushed(log, "and the paper's filter learns the body alone; --method filter takes it as given")
+    tell_given([log], cart)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
     if out is not None:
@@ -38,7 +51,7 @@ def run(path: Path, cart_path: Path | None, method: str, out: Path | None, topic
     if as_json:
         print_json(result.as_dict())
     else:
-        _print(result)
+        _print(result, body_as_given([log]))
     return 0
 
 
@@ -50,17 +63,34 @@ def cart_of(path: Path, cart_path: Path | None) -> CartModel:
     raise UsageError("--cart is missing: name the cart.yaml with the cart's structure and first guess")
 
 
+def log_of(path: Path, topics: Path | None, coasting: bool) -> RunLog:
+    """A log in which somebody pushes, or that is known to coast."""
+    log = read_log(path, topics)
+    if coasting:
+        return said_to_coast(log)
+    check_said(log)
+    return log
+
+
+def tell_given(logs: Sequence[RunLog], cart: CartModel) -> None:
+    """What can't be learned where nobody pushes."""
+    if all(coasts(log) for log in logs):
+        body = f"mass ({cart.inertia.mass:g} kg), CoM and inertia are taken as given"
+        say(f"{', '.join(log.name for log in logs)}: nobody pushes: {body}, and forces are told for them")
+
+
 def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
-    thinned = log.thinned()
-    estimator = METHODS[method](cart, list(log.arms), noise=noise_of_log(thinned, cart))
+    thinned = with_known_wrench(log.thinned())
+    noise, prior = noise_of_log(thinned, cart), body_as_given([log])
+    estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, tell, until=float(log.time[-1]))
 
 
-def _print(result: Replay) -> None:
+def _print(result: Replay, prior: Prior) -> None:
     title = f"After {result.last.time:.2f} s, health: {result.last.health}"
     print_parameters(title, result.last.parameters, "taught by this motion")
     if result.last.covariance is not None:
-        for one in identifiability(result.last).untaught:
+        for one in identifiability(result.last, prior).untaught:
             print(f"- {one}")
 
 

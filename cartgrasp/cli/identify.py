@@ -7,16 +7,25 @@ from pathlib import Path
 
 from estimation.batch import Identification
 from estimation.batch import identify as fit
+from estimation.coasting import body_as_given, with_known_wrench
 
-from .estimate import print_parameters
+from .estimate import print_parameters, tell_given
 from .log_inputs import cart_and_logs
 from .output import print_json, progress, say
 
 
-def run(paths: Sequence[Path], cart_path: Path | None, out: Path | None, topics: Path | None, as_json: bool) -> int:
-    cart, logs = cart_and_logs(paths, cart_path, out, topics)
+def run(
+    paths: Sequence[Path],
+    cart_path: Path | None,
+    out: Path | None,
+    topics: Path | None,
+    as_json: bool,
+    coasting: bool = False,
+) -> int:
+    cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
+    tell_given(logs, cart)
     with progress(f"identifying {cart.name}") as tell:
-        found = fit(logs, cart, progress=tell)
+        found = fit([with_known_wrench(log) for log in logs], cart, body_as_given(logs), progress=tell)
     if as_json:
         print_json(found.as_dict())
     else:

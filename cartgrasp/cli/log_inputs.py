@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import UsageError
-from ..logs import RunLog, read_log
+from ..logs import RunLog
 from ..model import CartModel
-from .estimate import cart_of
+from .estimate import cart_of, log_of
 from .output import check_writable, make_folder
 
 CART = "cart.yaml"
@@ -16,15 +16,20 @@ CART = "cart.yaml"
 
 
 def cart_and_logs(
-    paths: Sequence[Path], cart_path: Path | None, out: Path | None, topics: Path | None = None
+    paths: Sequence[Path],
+    cart_path: Path | None,
+    out: Path | None,
+    topics: Path | None = None,
+    coasting: bool = False,
 ) -> tuple[CartModel, list[RunLog]]:
-    """The folder `out` is made where it is wanted, before the work whose results go there; `topics` maps all bags."""
+    """The folder `out` is made where it is wanted, before the work whose results go there; `topics` maps all bags, and
+    `coasting` says of all logs without wrenches that nobody pushed."""
     cart = cart_of(paths[0], cart_path)
     _check_distinct(paths)
     if out is not None:
         make_folder(out)
         check_writable(out / CART, cart_path, topics, *paths)
-    return cart, [read_log(path, topics) for path in paths]
+    return cart, [log_of(path, topics, coasting) for path in paths]
 
 
 def _check_distinct(paths: Sequence[Path]) -> None:

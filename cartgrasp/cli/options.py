@@ -11,6 +11,9 @@ Json = Annotated[bool, typer.Option("--json", metavar="", help="Print the result
 Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
 Topics = Annotated[Path | None, typer.Option("--topics", help="Topic map of a bag, topics.yaml.")]
 Salvage = Annotated[bool, typer.Option("--salvage", metavar="", help="Read what can be read of a damaged bag.")]
+Coasting = Annotated[
+    bool, typer.Option("--coasting", metavar="", help="Nobody pushes: wrenches are zero, and no sensor is off.")
+]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all noise.")]
 Method = Literal["filter", "regressor", "paper"]
 Course = Literal["straight", "curves", "push-pull"]

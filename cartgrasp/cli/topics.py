@@ -39,7 +39,7 @@ def run(path: Path, out: Path | None, salvage: bool, as_json: bool) -> int:
     for lost in bag.lost:
         say(printable(f"lost: {lost}"))
     if proposal is None:
-        say("no map is proposed: a topic with poses (Odometry, PoseStamped, TF) and one with WrenchStamped are needed")
+        say("no map is proposed: a topic with poses (Odometry, PoseStamped, TF) is needed")
     elif out is None:
         say(f"a map is proposed with --out {path.name}.topics.yaml")
     else:

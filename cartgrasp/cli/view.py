@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from estimation import CartFilter
+from estimation.coasting import body_as_given, with_known_wrench
 from estimation.log_noise import noise_of_log
 from estimation.replay import replay
 
@@ -61,9 +62,10 @@ def run(path: Path, cart_path: Path | None, topics: Path | None, pictures: Pictu
 def _estimates(log: RunLog, cart: CartModel | None) -> tuple[Estimate, ...]:
     if cart is None:
         return ()
-    cart_filter = CartFilter(cart, list(log.arms), noise=noise_of_log(log, cart))
+    told = with_known_wrench(log)
+    cart_filter = CartFilter(cart, list(told.arms), noise=noise_of_log(told, cart), prior=body_as_given([log]))
     with progress(f"estimating from {log.name}") as tell:
-        return replay(log, cart_filter, tell).estimates
+        return replay(told, cart_filter, tell).estimates
 
 
 def _write(shown: ShownRun, wanted: dict[str, Path], title: str) -> None:

@@ -4,6 +4,7 @@ both, one line here, and its branch in `kernels/vocabulary.py`."""
 from .caster_realignment import CasterRealignment
 from .directional_drag import DirectionalDrag
 from .effect import ConstraintEffect, Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
+from .end_stop import EndStop
 from .external_push import ExternalPush
 from .floor_patch import FloorPatch
 from .floor_slope import FloorSlope
@@ -42,6 +43,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         ForceMisalignment,
         TimeDelay,
         ExternalPush,
+        EndStop,
     )
 }
 
@@ -51,6 +53,7 @@ __all__ = [
     "ConstraintEffect",
     "DirectionalDrag",
     "Effect",
+    "EndStop",
     "ExternalPush",
     "FloorPatch",
     "FloorSlope",

@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -72,6 +72,15 @@ class Gate(Enum):
         return self is Gate.WHILE
 
 
+class Wall(NamedTuple):
+    """Where a cart bounces at once: {b}'s origin gets no further than `position` (m, along x of {s}), coming from
+    smaller x (`side` 1) or from larger x (`side` -1), and goes back with a share `restitution` of its speed there."""
+
+    position: float
+    side: float
+    restitution: float
+
+
 @dataclass(frozen=True)
 class Situation:
     """What an effect may look at; arrays broadcast over leading axes. Velocity is (u, w, r) in {b}."""
@@ -109,6 +118,8 @@ class Effect(ABC):
     gate: ClassVar[Gate] = Gate.ALWAYS
     is_bounded: ClassVar[bool] = True
     """Whether a search stays at values at which it is plausible; else it is none of its name where it fits best."""
+    searched: ClassVar[bool] = True
+    """Whether a search in balances of forces offers it; else it is found by other means."""
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:
@@ -202,6 +213,16 @@ class ForceEffect(Effect):
     @abstractmethod
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         """The wrench (..., 3) it applies to the cart, with partials."""
+
+    @property
+    def wall(self) -> Wall | None:
+        """Where the cart bounces at once; None where it does nowhere."""
+        return None
+
+    def quickness(self, mass: float) -> float:
+        """How fast (1/s) it may change the motion of a cart of this mass (kg) where it sets in; 0 where nothing sets in
+        that was not to be seen before."""
+        return 0.0
 
     stuck_for: ClassVar[float] = 0.1
     """s: how long a force of `stiction` keeps its value."""

@@ -7,6 +7,7 @@ from cartgrasp.frames import Array
 from . import (
     caster_realignment,
     directional_drag,
+    end_stop,
     external_push,
     floor_patch,
     floor_slope,
@@ -33,6 +34,7 @@ WHEEL_DRAG_IMBALANCE = 8
 EXTERNAL_PUSH = 9
 PAYLOAD_CHANGE = 10
 LOAD_SLOSH = 11
+END_STOP = 12
 
 KINDS = {
     "viscous_drag": VISCOUS_DRAG,
@@ -47,6 +49,7 @@ KINDS = {
     "external_push": EXTERNAL_PUSH,
     "payload_change": PAYLOAD_CHANGE,
     "load_slosh": LOAD_SLOSH,
+    "end_stop": END_STOP,
 }
 
 
@@ -80,6 +83,8 @@ def add_wrench(kind: int, at: Situation, own: Own, out: Parts) -> None:
         external_push.wrench(at, own, out)
     elif kind == LOAD_SLOSH:
         load_slosh.wrench(at, own, out)
+    elif kind == END_STOP:
+        end_stop.wrench(at, own, out)
 
 
 @compiled

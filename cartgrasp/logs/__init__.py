@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import LogError, Place, UsageError
+from .coasting import coasts, said_to_coast
 from .csv_log import read_csv, write_csv
 from .emps import read_emps
 from .parquet_log import read_parquet, write_parquet
@@ -68,4 +69,4 @@ def write_log(log: RunLog, path: str | Path) -> Path:
     return writer(log, path)
 
 
-__all__ = ["ArmLog", "RunLog", "is_bag_name", "read_log", "write_log"]
+__all__ = ["ArmLog", "RunLog", "coasts", "is_bag_name", "read_log", "said_to_coast", "write_log"]

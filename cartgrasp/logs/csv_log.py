@@ -72,8 +72,6 @@ def check_columns(header: Sequence[str], name: str) -> None:
         lost = VELOCITY_COLUMNS[has_velocity.index(False)]
         raise LogError(Place(name, 1), lost, "this column is missing; vx, vy and omega come together or not at all")
     arms = arm_names(header)
-    if not arms:
-        raise LogError(Place(name, 1), "", "no arm: columns ARM.px … ARM.tz are needed for one arm or more")
     for arm in arms:
         for part in ARM_COLUMNS:
             if f"{arm}.{part}" not in header:

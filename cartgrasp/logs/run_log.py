@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,12 +24,19 @@ class ArmLog:
     contact: Array
     wrench: Array
 
+    @property
+    def pushes(self) -> bool:
+        """Whether any number of its wrench is there and not zero."""
+        return bool((np.nan_to_num(self.wrench) != 0.0).any())
+
 
 @dataclass(frozen=True)
 class RunLog:
-    """Time (n,), pose (n, 3) of {b} in {s}, velocity (n, 3) in {s} or None, and the arms by name.
+    """Time (n,), pose (n, 3) of {b} in {s}, velocity (n, 3) in {s} or None, and the arms by name: none where nobody
+    touches the cart.
 
-    A missing sample is NaN. `name` says where the log is from.
+    A missing sample is NaN. `name` says where the log is from; `coasting` says of one whose wrenches are zero
+    throughout that nobody pushed (`coasting.py`).
     """
 
     time: Array
@@ -38,15 +45,20 @@ class RunLog:
     arms: Mapping[str, ArmLog]
     name: str = "run"
     notes: Mapping[str, str] = field(default_factory=dict)
+    coasting: bool = False
 
     def __post_init__(self) -> None:
         n = len(self.time)
         if n == 0:
             raise DataError(f"{self.name}: the log has no rows")
-        if not self.arms:
-            raise DataError(f"{self.name}: the log has no arm (columns ARM.px … ARM.tz)")
         if not (np.isfinite(self.time).all() and (self.time[1:] > self.time[:-1]).all()):
             raise DataError(f"{self.name}: t must be finite and strictly increasing")
+        pushing = [name for name, arm in self.arms.items() if arm.pushes] if self.coasting else []
+        if pushing:
+            raise DataError(
+                f"{self.name}: is said to coast, but the wrench of arm {pushing[0]} is not zero throughout; leave "
+                "--coasting out, or the arm's columns if nobody's hand was at its sensor"
+            )
 
     def __len__(self) -> int:
         return len(self.time)
@@ -82,7 +94,7 @@ class RunLog:
 
         arms = {name: ArmLog(arm.contact[:n:size], mean(arm.wrench)) for name, arm in self.arms.items()}
         velocity = None if self.velocity is None else self.velocity[:n:size]
-        return RunLog(self.time[:n:size], self.pose[:n:size], velocity, arms, self.name, self.notes)
+        return replace(self, time=self.time[:n:size], pose=self.pose[:n:size], velocity=velocity, arms=arms)
 
     def paired(self) -> RunLog:
         """Means of two rows each, with the contacts of the first."""
@@ -95,7 +107,7 @@ class RunLog:
 
         arms = {name: ArmLog(arm.contact[:n:2], mean(arm.wrench)) for name, arm in self.arms.items()}
         velocity = None if self.velocity is None else mean(self.velocity)
-        return RunLog(mean(self.time), self.pose[:n:2] + between / 2, velocity, arms, self.name, self.notes)
+        return replace(self, time=mean(self.time), pose=self.pose[:n:2] + between / 2, velocity=velocity, arms=arms)
 
     def measurements(self) -> Iterator[Measurement]:
         """The rows one after another; a part that is missing whole is left out."""

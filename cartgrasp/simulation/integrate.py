@@ -6,12 +6,24 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..bounce import bounced, walls_of
 from ..frames import Array
 from ..model import CartModel
 
 
 def held(cart: CartModel, state: Array, wrench_b: Array, time: float, steps: tuple[float, int]) -> Array:
-    """The state (n,) after steps of a length (s) and number, each a classical fourth-order one."""
+    """The state (n,) after steps of a length (s) and number, each a classical fourth-order one; walls throw it back."""
+    step, n_steps = steps
+    if not walls_of(cart):
+        return _free(cart, state, wrench_b, time, steps)
+    for i in range(n_steps):
+        after = _free(cart, state, wrench_b, time + i * step, (step, 1))
+        state = bounced(cart, state, after, time + (i + 1) * step, step)
+    return state
+
+
+def _free(cart: CartModel, state: Array, wrench_b: Array, time: float, steps: tuple[float, int]) -> Array:
+    """Where nothing stands in the way."""
     step, n_steps = steps
     if cart.is_compiled and not cart.slip_compliance:
         push = wrench_b, np.ones(cart.constraints.n_free)

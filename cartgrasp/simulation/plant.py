@@ -14,10 +14,13 @@ from ..motion import Motion
 from .integrate import held
 
 MAX_STEP = 0.005
+RESOLVED = 0.2
+"""Of a step times how quick a force is that sets in: the energy of a touch is kept to a thousandth."""
 
 
 class ModelPlant:
-    """A cart that moves as its `CartModel` says; wrenches are held over a control step, in {b}."""
+    """A cart that moves as its `CartModel` says, and bounces off its walls; wrenches are held over a control step, in
+    {b}."""
 
     def __init__(
         self,
@@ -30,6 +33,8 @@ class ModelPlant:
         self.cart, self.timestep = cart, timestep
         self._state = cart.state(pose_sb, velocity)
         self._time = 0.0
+        mass = float(cart.inertia.mass)
+        self._quickness = max((effect.quickness(mass) for effect, _, _ in cart.force_effects), default=0.0)
         self._headings = [i for i, name in enumerate(cart.state_names) if "heading" in name]
         if caster_headings is not None and self._headings:
             self._state[self._headings] = caster_headings
@@ -60,7 +65,8 @@ class ModelPlant:
 
     def _stable_steps(self, wrench_b: Array, duration: float) -> int:
         """As many as keep smoothed Coulomb friction, which is stiff near standstill, inside the region where the
-        integrator is stable."""
+        integrator is stable, and what may set in within a step."""
         if not self.cart.effects:
             return 1
-        return int(np.ceil(duration * self.cart.stiffness(self._state, wrench_b, self._time) / STABLE))
+        stiffness = self.cart.stiffness(self._state, wrench_b, self._time) / STABLE
+        return int(np.ceil(duration * max(stiffness, self._quickness / RESOLVED)))

@@ -38,25 +38,26 @@ UNDATED: Mapping[str, dict[str, Any]] = {
 
 
 def figure_overview(run: ShownRun) -> Figure:
-    """One page: path, how the cart moved, mass and CoM, and what the arms did."""
+    """One page: path, how the cart moved, mass and CoM, and what the arms did, if there are any."""
     estimated = [name for name in ("mass", "com_x", "com_y") if name in run.parameters]
     motion = ["speed", "yaw"] if run.reference_pose is None else ["error"]
-    panels = [*motion, *estimated, "contacts", "forces", "moments"]
+    panels = [*motion, *estimated, *(("contacts", "forces", "moments") if run.wrenches else ())]
     n_rows = (len(panels) + 3) // 2
     n_path = 2 * n_rows - len(panels)
     with house_style():
         figure = Figure(figsize=(7.2, 1.5 * n_rows))
         left, right = figure.subfigures(1, 2, squeeze=False)[0]
         below = len(panels) - n_rows
-        path, *others = left.subplots(1 + below, 1, height_ratios=[n_path, *[1] * below])
-        axes = dict(zip(panels, [*right.subplots(n_rows, 1), *others], strict=True))
+        path, *others = left.subplots(1 + below, 1, height_ratios=[n_path, *[1] * below], squeeze=False)[:, 0]
+        axes = dict(zip(panels, [*right.subplots(n_rows, 1, squeeze=False)[:, 0], *others], strict=True))
         draw_path(path, run.pose, run.reference_pose)
         for instant in SNAPSHOTS:
             draw_top_view(path, run, round(instant * (len(run.time) - 1)), mark_size=2.0)
         _draw_motion(run, axes)
         for name in estimated:
             draw_parameter(axes[name], run.time, run.parameters[name], name, legend=name == estimated[0])
-        _draw_what_arms_did(run, axes["forces"], axes["moments"], axes["contacts"])
+        if run.wrenches:
+            _draw_what_arms_did(run, axes["forces"], axes["moments"], axes["contacts"])
         for side, column in ((right, panels[:n_rows]), (left, panels[n_rows:])):
             _stack([axes[name] for name in column])
             side.align_ylabels()
@@ -95,6 +96,8 @@ def figure_parameters(run: ShownRun) -> Figure:
 
 def figure_arms(run: ShownRun) -> Figure:
     """Forces, moments and contacts of the arms over time."""
+    if not run.wrenches:
+        raise UsageError(f"{run.name}: nobody touches the cart, so there is no arm to draw")
     with house_style():
         figure = Figure(figsize=(5.4, 5.4))
         axes = figure.subplots(3, 1)

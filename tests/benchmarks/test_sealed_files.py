@@ -31,6 +31,7 @@ ALLOWED = {
         "json",
         "math",
         "pathlib",
+        "sys",
         "time",
         "typing",
         "zlib",

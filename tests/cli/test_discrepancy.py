@@ -188,7 +188,7 @@ def test_a_standing_cart(diagnose, tmp_path, sealed, noise):
     [
         (slice(None), POSE, "nan", "pose"),
         (slice(None), WRENCH, "", "wrench of arm arm"),
-        (slice(None), WRENCH, "0", "no wrench ever changes"),
+        (slice(None), WRENCH, "0", "all its wrenches are zero"),
         (slice(None, None, 2), WRENCH, "", "a wrench in each row"),
         (slice(600, None), WRENCH, "1e300", ""),
         (slice(600, None), POSE, "1e100", "SI units"),

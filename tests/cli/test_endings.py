@@ -6,10 +6,12 @@ import json
 from types import SimpleNamespace
 from typing import ClassVar
 
+import numpy as np
 import pytest
 
 from cartgrasp.cli import demo, estimate, main, output, plan, simulate, table1
 from cartgrasp.errors import CartgraspError, DataError, PlantError, UsageError
+from cartgrasp.logs import ArmLog, RunLog
 
 from .commands import CART, PROBLEM, RAIL, problem_file, run, run_apart
 
@@ -112,8 +114,9 @@ def test_interrupted_within_the_progress_bar(capsys, monkeypatch, tmp_path):
     def stop(*arguments):
         raise KeyboardInterrupt
 
+    pushed = RunLog(np.arange(3.0), np.zeros((3, 3)), None, {"hand": ArmLog(np.ones((3, 3)), np.ones((3, 6)))})
     monkeypatch.setattr(estimate, "load_cart", lambda path: None)
-    monkeypatch.setattr(estimate, "read_log", lambda path, topics: SimpleNamespace(thinned=lambda: None))
+    monkeypatch.setattr(estimate, "read_log", lambda path, topics: pushed)
     monkeypatch.setattr(estimate, "_replay", stop)
     answer = run(capsys, "estimate", "run.csv", "--cart", "cart.yaml", "--json")
     assert answer.status == 130
@@ -139,7 +142,7 @@ def test_json_is_ascii_where_stdout_is(tmp_path):
     log = tmp_path / "run.csv"
     arm = [f"left.{c}" for c in ("px", "py", "pz", "fx", "fy", "fz", "tx", "ty", "tz")]
     lines = [",".join(["t", "x", "y", "theta", *arm])]
-    lines += [",".join([str(0.01 * i), *["0"] * 12]) for i in range(20)]
+    lines += [",".join([str(0.01 * i), *["0"] * 6, *["1"] * 6]) for i in range(20)]
     log.write_text("\n".join(lines))
     problem_file(tmp_path)
     arguments = ["estimate", log, "--cart", tmp_path / "cart.yaml", "--json"]

@@ -55,6 +55,8 @@ def effects(draw: st.DrawFn, kind: type[Effect], at_least: float = -np.inf) -> E
         values["trail"] = draw(st.one_of(st.just(0.0), numbers(0.02, 0.2)))
     if kind.name == "lateral_slip":  # none is a billion N/rad
         values["cornering_stiffness"] = draw(numbers(100.0, 20000.0))
+    if kind.name == "end_stop":  # no bumper has a softer spring; one of 0 would have a corner there
+        values["stiffness"] = draw(numbers(1000.0, 50_000.0))
     return kind(**values, label=draw(st.sampled_from(["", "left"])))
 
 
@@ -66,6 +68,8 @@ def trials(draw: st.DrawFn, kind: type[ForceEffect], at_least: float = -np.inf) 
     assume(no_wheel_just_lifts(phi, wheels))
     if kind.name == "floor_patch" and draw(st.booleans()):
         pose = _at_an_edge(draw, effect, pose, wheels)
+    if kind.name == "end_stop" and draw(st.booleans()):
+        pose = np.array([effect.position + draw(numbers(-0.01, 0.01)), *pose[1:]])
     time = draw(_times(effect))
     n = len(effect.memory_names(wheels))
     memory = draw(vectors(n, -4.0, 4.0)) if n else np.zeros(0)

@@ -34,6 +34,7 @@ GIVES_ENERGY = {
     "wheel_drag_imbalance": True,  # a moment whose wheel's place is not known
     "external_push": True,
     "load_slosh": True,  # gives back what it took
+    "end_stop": True,  # so does its spring
 }
 CONTRACT = {
     "viscous_drag": {"linear": "N·s/m", "angular": "N·m·s/rad"},
@@ -54,8 +55,9 @@ CONTRACT = {
     "load_slosh": {"mass": "kg", "frequency": "Hz", "damping": "-"},
     "time_delay": {"delay": "s"},
     "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
+    "end_stop": {"position": "m", "restitution": "-", "stiffness": "N/m", "damping": "N·s/m"},
 }
-BEYOND_CONTRACT = {"stribeck_friction": {"by_wheels": "-"}, "caster_realignment": {"x": "m"}}
+BEYOND_CONTRACT = {"stribeck_friction": {"by_wheels": "-"}, "caster_realignment": {"x": "m"}, "end_stop": {"side": "-"}}
 COULOMB = {
     *("rolling_resistance", "stribeck_friction", "floor_patch", "caster_realignment", "wheel_drag_imbalance"),
 }
@@ -65,6 +67,7 @@ NOT_ESTIMATED_ONLINE = {
     *("external_push.start", "external_push.duration", "time_delay.delay"),
     *("wheel_misalignment.angle", "lateral_slip.cornering_stiffness"),
     *("load_slosh.frequency", "load_slosh.damping"),
+    *(f"end_stop.{name}" for name in ("position", "side", "restitution", "stiffness", "damping")),
     *(f"floor_patch.{edge}" for edge in ("x_min", "x_max", "y_min", "y_max")),
 }
 PARTIALS = {

@@ -25,7 +25,7 @@ def logs(draw):
     n = draw(st.integers(1, 6))
     clock = draw(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=n, max_size=n, unique=True))
     words = st.text(st.characters(codec="utf-8", exclude_characters="."), min_size=1).filter(lambda w: w == w.strip())
-    arms = draw(st.lists(words, min_size=1, unique=True))
+    arms = draw(st.lists(words, unique=True))
 
     def table(width):
         return draw(arrays(np.float64, (n, width), elements=NUMBERS))
@@ -119,7 +119,6 @@ MISTAKES = {
     "missing clock": (without("t"), "1: t", "this column is missing"),
     "missing part of an arm": (without("left.tz"), "1: left.tz", "this column is missing"),
     "missing part of the velocity": (without("vy"), "1: vy", "together or not at all"),
-    "no arm": (without(*HEADER[7:]), "1", "no arm"),
     "unknown column": (text(header=["tt" if c == "omega" else c for c in HEADER]), "1: omega", "is missing"),
     "misspelt column": (text([[*r, "1"] for r in rows()], [*HEADER, "thta"]), "1: thta", "did you mean theta"),
     "column of no name": (text([[*r, "1"] for r in rows()], [*HEADER, ""]), "1: (empty)", "unknown column"),

@@ -37,7 +37,7 @@ def logs(draw):
         draw(st.integers(-(10**6), 10**6)) + np.cumsum(steps) / 1e9,
         pose,
         table(3, st.floats(-1e3, 1e3)) if draw(st.booleans()) else None,
-        {arm: ArmLog(table(3), table(6)) for arm in ["left", *arms][:3]},
+        {arm: ArmLog(table(3), table(6)) for arm in arms[:3]},
     )
 
 

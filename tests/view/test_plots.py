@@ -175,3 +175,13 @@ def test_only_figures_import_matplotlib():
         "assert 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_where_nobody_touches_the_cart_no_arm_is_drawn(record, shown: ShownRun):
+    bare = ShownRun.of_log(replace(record.log, arms={}))
+    figure = figures.figure_overview(bare)
+    assert_units_everywhere(figure)
+    with_arms = figures.figure_overview(ShownRun.of_log(record.log))
+    assert len(with_arms.axes) - len(figure.axes) == 3  # forces, moments, contacts
+    with pytest.raises(UsageError, match="nobody touches the cart"):
+        figures.figure_arms(bare)

@@ -85,14 +85,14 @@ def contents_of(bag: Bag) -> list[TopicContent]:
 
 
 def proposed_map(contents: Sequence[TopicContent], name: str) -> str | None:
-    """A `topics.yaml`, or None where no topic holds a pose or none a wrench."""
+    """A `topics.yaml`, or None where no topic holds a pose."""
     full = [c for c in contents if c.count]
     wrenches = [c for c in full if c.kind == WRENCH]
     poses = [c for c in full if c.kind == ODOMETRY] or [c for c in full if c.kind == POSE]
     transforms = {(c.topic, c.frames): c for c in full if c.frames is not None}
     path = [] if poses else likely_path({key: c.count for key, c in transforms.items()})
     poses = poses or [transforms[link.key] for link in path if not link.is_static]
-    if not wrenches or not poses:
+    if not poses:
         return None
     pose = max(poses, key=lambda c: c.count)
     slowest = min([pose, *wrenches], key=lambda c: c.rate or 0.0)
@@ -108,7 +108,7 @@ def proposed_map(contents: Sequence[TopicContent], name: str) -> str | None:
         f"clock: {clock}             # the topic whose stamps are the log's: the slowest; or a rate in Hz",
         f"max_gap: {gap:.3g}             # s; longer gaps are left out, never bridged",
         *_pose_lines(pose, frames_on(path)),
-        "arms:",
+        "arms:" if wrenches else "arms: {}               # no topic holds a wrench: nobody touches the cart",
     ]
     for content in wrenches:
         lines += [

@@ -77,10 +77,11 @@ class ArmEntry(StrictModel):
 
 
 class TopicMap(StrictModel):
-    """All of it; `clock` is `pose` or an arm, whose stamps are the log's, or a rate in Hz; `epoch` its zero in ns."""
+    """All of it; `clock` is `pose` or an arm, whose stamps are the log's, or a rate in Hz; `epoch` its zero in ns. The
+    arms are stated, be there none (`{}`: nobody touches the cart)."""
 
     pose: PoseEntry
-    arms: dict[str, ArmEntry] = Field(min_length=1)
+    arms: dict[str, ArmEntry]
     stamps: Literal["header", "receive"] = "header"
     clock: str | Annotated[float, Field(gt=0, le=10_000)] = "pose"
     max_gap: Positive = 0.1

@@ -10,6 +10,7 @@ from typing import Any
 
 from estimation import CartFilter, PaperFilter, RegressorEstimator
 from estimation.batch import identify
+from estimation.coasting import body_as_given, with_known_wrench
 from estimation.discrepancy import diagnose
 from estimation.log_noise import noise_of_log
 from estimation.replay import replay
@@ -65,13 +66,15 @@ class LogJob(Job):
         if self.study.do == ESTIMATE:
             return {"log": self.path.name, **_estimated(log, cart, self.study.method)}
         if self.study.do == IDENTIFY:
-            return {"log": self.path.name, **identify([log], cart).as_dict()}
+            found = identify([with_known_wrench(log)], cart, body_as_given([log]))
+            return {"log": self.path.name, **found.as_dict()}
         return {"log": self.path.name, **diagnose([log], cart).report.as_dict()}
 
 
 def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
-    thinned = log.thinned()
-    estimator = METHODS[method](cart, list(log.arms), noise=noise_of_log(thinned, cart))
+    thinned = with_known_wrench(log.thinned())
+    noise, prior = noise_of_log(thinned, cart), body_as_given([log])
+    estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, until=float(log.time[-1])).as_dict()
 
 

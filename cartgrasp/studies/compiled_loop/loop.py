@@ -15,6 +15,7 @@ from planning.allocation_template import AllocationTemplate
 from planning.compiled_allocation import CompiledAllocation
 from planning.planner import WrenchPlanner
 
+from ...bounce import walls_of
 from ...compiled_dynamics import STABLE
 from ...errors import PlantError
 from ...frames import Array, body_to_world
@@ -36,9 +37,12 @@ ROOM = 8
 
 
 def covers(scenario: Scenario) -> bool:
-    """Whether `compiled_run` does what `Scenario.run` does: our plant, a cart that is steered, effects with kernels,
-    none of sensors, a filter that learns from noisy wrenches, contacts that are fixed or go round, linear limits."""
+    """Whether `compiled_run` does what `Scenario.run` does: our plant, a cart that is steered and meets no stop,
+    effects with kernels, none of sensors, a filter that learns from noisy wrenches, contacts that are fixed or go
+    round, linear limits."""
     truth, guess = scenario.truth, scenario.guess
+    if walls_of(truth) or any(effect.quickness(1.0) for effect, _, _ in truth.force_effects):
+        return False
     if scenario.estimation != LEARNING or scenario.plant != MODEL_PLANT or scenario.least_effort:
         return False
     plain = all(cart.is_compiled and not cart.slip_compliance and not cart.sensor_effects for cart in (truth, guess))

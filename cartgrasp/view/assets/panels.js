@@ -74,6 +74,7 @@ function fillOverview(panel, seek) {
   if (run.error) addFigure(panel, ["Tracking error", "cm"], error(), seek);
   else addFigure(panel, ["Velocity", "m/s, in the cart's frame"], velocity(), seek);
   panel.append(element("chart-parameter"));
+  if (!run.arms.length) return;
   const lines = run.arms.flatMap(({ force, colour, mark }) =>
     force.slice(0, 2).map((values, i) => ({ values, colour, mark, dash: DASHES[i], thin: i > 0 })),
   );
@@ -126,6 +127,7 @@ function fillPanels(seek) {
     fill(element("panel-" + name), seek);
     if (charts.length > before) charts[charts.length - 1].labelsTime = true;
   }
+  element("tab-wrenches").hidden = !run.arms.length;
   element("tab-parameters").hidden = !run.parameters.length;
 }
 

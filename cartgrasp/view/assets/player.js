@@ -111,7 +111,7 @@ function showParameter() {
 
 function describe() {
   const length = run.stop - run.start;
-  const arms = run.arms.length === 1 ? "1 arm" : run.arms.length + " arms";
+  const arms = ["no arm", "1 arm"][run.arms.length] || run.arms.length + " arms";
   const cart = raw.cart.com ? raw.cart.name : "cart unknown, outline drawn round the contacts";
   const parts = [cart, raw.run === raw.title ? "" : raw.run, fixed(length, 1) + " s", arms];
   element("about").textContent = parts.filter(Boolean).join(" · ");

@@ -1,0 +1,90 @@
+"""What may be missing: effects of the vocabulary at settings of a grid, as columns of a log's rows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import count, product
+
+import numpy as np
+
+from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.effects.force_scale import ForceScale
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.model import CartModel
+
+INERTIAL = ("payload_change", "load_slosh")
+"""They change how much a cart is moved by a push: where nobody pushes, less inertia only looks like less of all."""
+EVER = 1e12
+"""s, m: as long, and as far, as no log goes."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """Variants of one effect, of which a search takes the best."""
+
+    key: str
+    variants: tuple[Effect, ...]
+
+    @property
+    def gate(self) -> Gate:
+        return self.variants[0].gate
+
+
+def families(cart: CartModel, arms: Sequence[str]) -> list[Family]:
+    """Every effect of the vocabulary that the cart may have beside those it has, gates open."""
+    found = []
+    for kind in KNOWN_EFFECTS.values():
+        if not kind.searched or (not arms and (issubclass(kind, SensorEffect) or kind.name in INERTIAL)):
+            continue
+        for label in _labels(kind, cart, arms):
+            variants = tuple(_variants(kind, label, cart))
+            found.append(Family(variants[0].key, variants))
+    return found
+
+
+def amplitudes_of(effect: Effect) -> np.ndarray:
+    """Indices of the parameters in which it is linear near absence."""
+    gated = effect.gate.n_parameters
+    return np.array([i for i, p in enumerate(effect.parameters) if i >= gated and not p.grid], dtype=int)
+
+
+def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> Iterator[str]:
+    taken = {effect.label for effect in cart.effects if isinstance(effect, kind)}
+    if issubclass(kind, ConstraintEffect):
+        if not taken and cart.constraints.n_rows == 1:
+            yield ""
+    elif issubclass(kind, SensorEffect):
+        by_arm = kind.by_arm and len(arms) > 1
+        if "" not in taken:
+            left = [arm for arm in arms if arm not in taken] if by_arm else ([] if taken else [""])
+            if kind is not ForceScale or len(left) > 1:  # were all wrong, the cart would be another
+                yield from left
+    elif not taken or kind.gate.n_parameters:
+        yield next(label for label in _numbered() if label not in taken)
+
+
+def _numbered() -> Iterator[str]:
+    yield ""
+    yield from map(str, count(2))
+
+
+def _variants(kind: type[Effect], label: str, cart: CartModel) -> Iterator[Effect]:
+    if issubclass(kind, ConstraintEffect):
+        yield kind.usual(label)
+        return
+    absent = [p.absent for p in kind.parameters]
+    if kind.gate is Gate.FROM:
+        absent[0] = -EVER
+    elif kind.gate is Gate.WHILE:
+        absent[:2] = -EVER, 2 * EVER
+    elif kind.gate is Gate.INSIDE:
+        absent[:4] = -EVER, EVER, -EVER, EVER
+    if kind is TimeDelay:
+        for delay in (0.01, 0.02, 0.03, 0.045, 0.065, 0.09, 0.13, 0.2):
+            yield TimeDelay(delay, label=label)
+        return
+    grids = [grid or (value,) for grid, value in zip(kind.grids(cart.wheel_set), absent, strict=True)]
+    for values in product(*grids):
+        yield kind(**dict(zip((p.name for p in kind.parameters), values, strict=True)), label=label)

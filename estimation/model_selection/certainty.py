@@ -1,0 +1,149 @@
+"""How sure a model's numbers are: by the noise of its rows, by how whole stretches scatter, and by what the band leaves
+open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from ..prior import Prior, report_names, report_units
+from ..weak_form.fit import coordinates, with_coordinates
+from .model import Model
+from .refine import is_open, moves
+from .screening import Screen
+
+TAUGHT = 0.25
+"""Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
+DROP = 0.5
+"""Nats from the best to a standard deviation away."""
+DOUBLINGS, HALVINGS = 9, 4
+LEAST_TIME, LEAST_PLACE = 0.005, 0.02
+"""s, m: half a sample, and what an edge is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Certainty:
+    """Of a model; `bracket` is the share of the mass that its band leaves open."""
+
+    model: Model
+    bracket: float = 0.0
+
+    @cached_property
+    def cart(self) -> CartModel:
+        """The model's, with a mass in the middle of what its band leaves open, and all else as it goes with that."""
+        model = self.model
+        prior = model.prior
+        if not prior.free[0] or self.bracket == 0.0:
+            return model.cart
+        free = np.flatnonzero(prior.free)
+        along = model.score.covariance[: len(free), 0] / model.score.covariance[0, 0]
+        z = coordinates(model.cart)
+        z[free] += along * np.log1p(self.bracket)
+        return with_coordinates(model.cart, z)
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Of the rows' columns (q, q): the larger of what noise makes of them, and what stretches scatter (a sandwich
+        estimator, White 1980, with clusters)."""
+        model, score = self.model, self.model.score
+        kept = np.tensordot(score.scale**-2.0, model.sums, (0, 0))
+        q = len(score.fit)
+        pulls = kept[:, :q, q] - kept[:, :q, :q] @ score.fit
+        groups = model.folds.stretches
+        clusters = np.array([pulls[groups == group].sum(axis=0) for group in np.unique(groups)])
+        count = len(clusters)
+        scatter = score.covariance @ (clusters.T @ clusters) @ score.covariance * count / max(count - 1, 1)
+        stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
+        found = score.covariance * np.outer(stretch, stretch)
+        if not model.prior.free[0]:
+            return np.asarray(found)
+        mass = found[0]
+        return np.asarray(found + np.outer(mass, mass) / mass[0] ** 2 * self.bracket**2)
+
+    @cached_property
+    def parameters(self) -> dict[str, ParameterEstimate]:
+        """By the names under which they are reported; at a bound, nothing is taught."""
+        model, cart = self.model, self.cart
+        prior = model.prior
+        free = np.flatnonzero(prior.free)
+        std = prior.std.copy()
+        std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
+        body = cart.inertia
+        values = np.concatenate([[body.mass, *body.com, body.about_com], cart.parameters[N_PHI:]])
+        scale = np.ones(len(values))
+        scale[[0, 3]] = body.mass, body.about_com
+        usual = np.minimum(Prior().deviations(cart), prior.std * scale)
+        taught = prior.free & (std * scale < TAUGHT * usual) & ~self._at_bound
+        rows = zip(report_names(cart), report_units(cart), values, std * scale, taught, strict=True)
+        return {n: ParameterEstimate(float(v), float(s), unit, bool(known)) for n, unit, v, s, known in rows}
+
+    @property
+    def _at_bound(self) -> np.ndarray:
+        found = np.zeros(len(self.model.cart.parameters), dtype=bool)
+        limits = [(p.lower, p.upper) for effect in self.cart.effects for p in effect.parameters]
+        values = self.cart.parameters[N_PHI:]
+        found[N_PHI:] = [v <= low or v >= high for v, (low, high) in zip(values, limits, strict=True)]
+        return found
+
+    @cached_property
+    def settings(self) -> Mapping[str, float]:
+        """Standard deviations of what enters nonlinearly, by full name."""
+        found: dict[str, float] = {}
+        constraints = self.model.cart.constraint_effects
+        prior = self.model.prior
+        first = int(prior.free.sum())
+        for i, constraint in enumerate(constraints):
+            share = float(np.sqrt(self.covariance[first + i, first + i]))
+            found[constraint.keys[0]] = share * abs(float(constraint.values[0]))
+        known = {effect.key for effect in self.model.guess.effects}
+        for effect in self.model.cart.effects:
+            if effect.key not in known and not isinstance(effect, ConstraintEffect):
+                found |= self._of(effect)
+        return found
+
+    def _of(self, effect: Effect) -> dict[str, float]:
+        from .search import absent
+
+        steps = moves(effect)
+        if not steps:
+            return {}
+        less = self.model.refitted(self.model.cart.without_effect(effect.key))
+        screen, none = Screen(less), absent(effect)
+        best, found = screen.gain(none), dict[str, float]()
+        for which in dict.fromkeys(move.which for move in steps):
+            unit = effect.parameters[which].unit
+            size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
+            sides = [_distance(screen, none, which, sign * size, best) for sign in (1.0, -1.0)]
+            least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
+            if effect.gate.n_parameters <= which:
+                least = min(least, 0.02 * abs(float(effect.values[which])))
+            found[effect.keys[which]] = float(np.hypot(np.mean(sides), least))
+        return found
+
+
+def _distance(screen: Screen, effect: Effect, which: int, step: float, best: float) -> float:
+    """How far a setting may be from the best until the gain has dropped."""
+
+    def is_worse(distance: float) -> bool:
+        values = effect.values.copy()
+        values[which] += distance
+        return not is_open(effect, values) or screen.gain(effect.with_values(values)) < best - DROP
+
+    inside, outside = 0.0, step
+    for _ in range(DOUBLINGS):
+        if is_worse(outside):
+            break
+        inside, outside = outside, 2 * outside
+    for _ in range(HALVINGS):
+        middle = (inside + outside) / 2
+        inside, outside = (inside, middle) if is_worse(middle) else (middle, outside)
+    return abs(inside + outside) / 2

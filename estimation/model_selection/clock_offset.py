@@ -1,0 +1,38 @@
+"""By how much a log's wrenches are later than its motion, as the rows of a fitted model say.
+
+A model's rows have a column of what a lateness does to them. How late wrenches are is beforehand known to a share of a
+sample's step; what is told here is what the rows alone say, with that taken out again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .model import Model
+
+UNKNOWN = 0.05
+"""s: whoever does not know it better knows nothing."""
+
+
+@dataclass(frozen=True)
+class ClockOffset:
+    """By how much later wrenches are than the motion (s), and its standard deviation."""
+
+    value: float
+    std: float
+
+
+def clock_offsets(model: Model) -> tuple[ClockOffset | None, ...]:
+    """Of each log; None without arms, or where nothing tells."""
+    first = len(model.prior_std) - len(model.logs)
+    return tuple(_of_rows_alone(model, first + i) for i in range(len(model.logs)))
+
+
+def _of_rows_alone(model: Model, column: int) -> ClockOffset | None:
+    """The posterior's mean and variance are those of rows and prior, weighed by information."""
+    prior = float(model.prior_std[column]) ** -2
+    variance, value = float(model.score.covariance[column, column]), float(model.score.fit[column])
+    information = 1 / variance - prior
+    if information < UNKNOWN**-2:
+        return None
+    return ClockOffset(model.lateness + value / (variance * information), information**-0.5)

@@ -1,0 +1,271 @@
+"""The discrepancy workflow: logs and a cart in; what the cart's model lacks, with its proof, out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cartgrasp.errors import DataError, UsageError
+from cartgrasp.logs import RunLog, coasts
+from cartgrasp.model import CartModel
+
+from ..end_stops import StopEstimate, end_stops
+from ..impacts import Impact, impacts
+from ..weak_form.balances import Balances
+from ..weak_form.band import Band, bands, consistent
+from ..weak_form.rows import wrench_noise
+from .certainty import Certainty
+from .clock_offset import clock_offsets
+from .flights import flights
+from .gap import Gap, held_out_rollouts, measured_gap
+from .isolability import Isolability, isolability
+from .laws import Law
+from .log_check import LogCheck, check_rows, checked, with_clock_offsets
+from .model import Model
+from .named import NamedEffect, named, named_stops
+from .next_experiments import next_experiments
+from .residual import DIRECTIONS, Residual, residuals
+from .residual_map import ResidualMap, residual_maps
+from .rollouts import starts
+from .search import Step, added, search
+from .stale import without_stale
+from .where import Disagreement, where
+
+if TYPE_CHECKING:
+    from .report import Report
+
+BEYOND_NOISE = 2.0
+"""Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
+CLOSED = 0.25
+"""Of the squared gap above the noise floor: what may be left where the effects explain it."""
+WORSE = 1.05
+"""Times the file's gap: a refit that foretells unseen stretches worse than that is refused."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What came out. `nominal` is the cart refitted, `final` extended; `is_refused` says that the refit foretold unseen
+    stretches worse than the file's values, which stay."""
+
+    nominal_cart: CartModel
+    checks: tuple[LogCheck, ...]
+    bands: tuple[Band | None, ...]
+    nominal: Model
+    final: Model
+    steps: tuple[Step, ...]
+    shares: tuple[float, ...]
+    gap: Gap
+    is_refused: bool
+    impacts: tuple[Impact, ...] = ()
+
+    @cached_property
+    def stops(self) -> tuple[StopEstimate, ...]:
+        """What the cart ran against several times."""
+        return end_stops(self.impacts)
+
+    @cached_property
+    def certainty(self) -> Certainty:
+        shares = [band.bracket / band.mass for band in self.bands if band is not None]
+        return Certainty(self.final, min(shares, default=0.0))
+
+    @cached_property
+    def cart(self) -> CartModel:
+        """The extended model."""
+        cart = self.nominal_cart if self.is_refused else self.certainty.cart
+        for i, stop in enumerate(self.stops):
+            cart = cart.with_effect(stop.effect(label=str(i + 1) if i else ""))
+        return cart
+
+    @cached_property
+    def effects(self) -> tuple[NamedEffect, ...]:
+        return (*named(self.steps, self.final, self.certainty, self.shares), *named_stops(self.stops))
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        return self.final.laws
+
+    @cached_property
+    def before(self) -> tuple[Residual, ...]:
+        return residuals(self.nominal, self.final)
+
+    @cached_property
+    def after(self) -> tuple[Residual, ...]:
+        return residuals(self.final, self.final)
+
+    @cached_property
+    def where(self) -> tuple[Disagreement, ...]:
+        """Of what the refitted nominal model leaves; nowhere, where it agrees with the logs."""
+        return tuple(where(self.before)) if self.disagrees else ()
+
+    @cached_property
+    def residual_maps(self) -> tuple[ResidualMap, ...]:
+        """The residual against all that it may depend on, refitted and extended."""
+        return residual_maps(self.before, self.after)
+
+    @cached_property
+    def isolability(self) -> dict[str, Isolability]:
+        return isolability(self.nominal)
+
+    @cached_property
+    def disagrees(self) -> bool:
+        """Whether the refitted nominal model is farther from the logs than noise, or follows something."""
+        beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor and self._is_noisy
+        return bool(self.effects or self.laws or beyond)
+
+    @property
+    def _is_noisy(self) -> bool:
+        """Whether rows scatter more than the sensors' noise makes them."""
+        f = self.final.cart.constraints.n_free
+        sensors = np.max([wrench_noise(balances, self.final.cart) for balances in self.final.logs], axis=0)
+        return bool((self.final.noise.excess[:f] > BEYOND_NOISE * sensors).any())
+
+    @cached_property
+    def verdict(self) -> str:
+        if not self.disagrees:
+            return "no_discrepancy"
+        if not self.effects:
+            return "unexplained"
+        floor = (BEYOND_NOISE * self.gap.noise_floor) ** 2
+        left, whole = self.gap.after**2 - floor, max(self.gap.refitted**2 - self.gap.noise_floor**2, 1e-12)
+        return "partly_explained" if self.laws or left > CLOSED * whole else "explained"
+
+    @cached_property
+    def parameter_mismatch(self) -> dict[str, dict[str, float]]:
+        found = self.certainty.parameters
+        body, told = self.nominal_cart.inertia, {}
+        nominal = {"mass": body.mass, "com_x": body.com[0], "com_y": body.com[1], "inertia": body.about_com}
+        for effect in self.nominal_cart.effects:
+            nominal |= dict(zip(effect.keys, effect.values.tolist(), strict=True))
+        for name, value in nominal.items():
+            if name in found:
+                told[name] = {"nominal": float(value), "refitted": found[name].value, "std": found[name].std}
+        if "viscous_drag.linear" in told:
+            told["viscous_drag"] = told["viscous_drag.linear"]
+        return told
+
+    @cached_property
+    def unexplained(self) -> dict[str, Any]:
+        """What the final model leaves: root mean square size by coordinate, and what it depends on."""
+        f = self.nominal_cart.constraints.n_free
+        sizes = {}
+        for residual in self.after:
+            sizes[residual.coordinate] = residual.size if self.verdict in ("unexplained", "partly_explained") else 0.0
+        for law in self.laws:
+            coordinate = DIRECTIONS[f][f - 1 if law.is_moment else 0]
+            sizes[coordinate] = max(sizes[coordinate], self.size_of(law))
+        told: dict[str, Any] = {"size": sizes, "depends_on": [law.words for law in self.laws]}
+        periods = [(law.period, law.unit) for law in self.laws if law.period is not None]
+        if periods:
+            told["period"], told["period_unit"] = periods[0]
+        return told
+
+    def size_of(self, law: Law) -> float:
+        """Root mean square force (N) or moment (N·m) of a law of the final model."""
+        return self.final.law_size(law)
+
+    @property
+    def sentence(self) -> str:
+        """The verdict, for people."""
+        gap, names = self.gap, ", ".join(effect.name for effect in self.effects)
+        shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
+        floor = f"noise alone makes {1e3 * gap.noise_floor:.1f} mm"
+        kept = (
+            " The refit foretold unseen stretches worse than the file's values, which stay." if self.is_refused else ""
+        )
+        follows = f" What is left follows {' and '.join(law.name for law in self.laws)}." if self.laws else ""
+        if self.verdict == "no_discrepancy":
+            return f"Simulation and measurement agree: {1e3 * gap.refitted:.1f} mm after 1 s, and {floor}.{kept}"
+        if self.verdict == "unexplained":
+            return (
+                f"They disagree, and no known effect explains it: {1e3 * gap.refitted:.1f} mm after 1 s, while {floor}."
+                f"{follows}{kept}"
+            )
+        if self.verdict == "explained":
+            return f"The model lacks {names}: with it {shrinks}; {floor}.{kept}"
+        return f"The model lacks {names}, which explains a part: with it {shrinks}; {floor}.{follows}{kept}"
+
+    @cached_property
+    def next_experiments(self) -> tuple[str, ...]:
+        """What to record next."""
+        return next_experiments(self)
+
+    @property
+    def report(self) -> Report:
+        from .report import Report
+
+        return Report(self)
+
+
+def diagnose(
+    logs: RunLog | Sequence[RunLog], cart: CartModel, progress: Callable[[str], None] | None = None
+) -> Diagnosis:
+    """Finds where logs and the cart's model disagree, names what is missing, and adds it.
+
+    Raises DataError for a log that can't be used.
+    """
+    logs = [logs] if isinstance(logs, RunLog) else list(logs)
+    if not logs:
+        raise UsageError("diagnose: no log is given; at least one is needed")
+    try:
+        return _diagnosed(logs, cart, progress or (lambda _: None))
+    except np.linalg.LinAlgError as error:
+        raise DataError(
+            f"{', '.join(log.name for log in logs)}: the equations of a fit have no solution; look for long stretches "
+            "without motion or wrenches, and for numbers that are not in SI units"
+        ) from error
+
+
+def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None]) -> Diagnosis:
+    parts, checks, hits = list[Balances](), [], list[Impact]()
+    for log in logs:
+        tell(f"reading {log.name}")
+        check_rows(log, cart)
+        known = without_stale(replace(log, arms={}) if coasts(log) else log)
+        found = impacts(log, cart)
+        whole = Balances.of(known, cart)
+        checks.append(checked(log, cart, whole))
+        parts += flights(known, cart, found) if found else [whole]
+        hits += found
+    widest = tuple(consistent(bands(balances, cart)) for balances in parts)
+    parts = [b if band is None else b.every(band.row_step) for b, band in zip(parts, widest, strict=True)]
+    tell("fitting the model as it is")
+    nominal = Model.started(parts, cart)
+    final, steps = search(nominal, tell)
+    tell("measuring the gap")
+    gap = measured_gap(cart, nominal, final)
+    is_worse = gap.refitted > WORSE * gap.before
+    is_refused = is_worse and not (added(final) or final.laws)
+    if is_worse:
+        gap = replace(gap, refitted=gap.before, after=gap.before if is_refused else gap.after)
+    offsets = clock_offsets(final)
+    told = checks if hits else with_clock_offsets(checks, offsets)
+    return Diagnosis(
+        cart,
+        tuple(told),
+        widest,
+        nominal,
+        final,
+        tuple(steps),
+        _shares(steps, nominal, gap),
+        gap,
+        is_refused,
+        tuple(hits),
+    )
+
+
+def _shares(steps: Sequence[Step], nominal: Model, gap: Gap) -> tuple[float, ...]:
+    """Of the gap above the noise floor, what each step closed; of logs at rest, nothing."""
+    if not any(len(starts(balances)) for balances in nominal.logs):
+        return (0.0,) * len(steps)
+    whole = max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
+    found, before = [], gap.refitted**2
+    for step in steps:
+        model = step.added.model if step.added is not None else None
+        after = before if model is None else float(held_out_rollouts(model).gaps()[1]) ** 2
+        found.append(float(np.clip((before - after) / whole, 0.0, 1.0)))
+        before = after
+    return tuple(found)

@@ -1,0 +1,49 @@
+"""A log that is cut where the cart was hit: each part is a motion of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.model import CartModel
+
+from ..end_stops import end_stops
+from ..impacts import Impact
+from ..weak_form.balances import Balances
+
+TOUCH = 0.05
+"""s on each side of an impact: a touch, and how well it is timed."""
+NEAR = 0.03
+"""m from a stop, where a cart leans on it, or hits it too softly to be seen."""
+SHORTEST = 1.0
+"""s, of a part that says anything."""
+
+
+def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Balances]:
+    """The parts between impacts, and away from stops, that are long enough."""
+    away = np.ones(len(log), dtype=bool)
+    for impact in impacts:
+        away &= np.abs(log.time - impact.time) > TOUCH
+    for stop in end_stops(impacts):
+        away &= ~(np.abs(log.pose[:, 0] - stop.position) < NEAR)
+    edges = np.flatnonzero(np.diff(np.r_[False, away, False].astype(int)))
+    parts = [
+        _rows(log, np.arange(first, last))
+        for first, last in edges.reshape(-1, 2)
+        if log.time[last - 1] - log.time[first] > SHORTEST
+    ]
+    if not parts:
+        raise DataError(
+            f"{log.name}: it is hit so often that no {SHORTEST:g} s of it are left; record it between stops"
+        )
+    return [Balances.of(part, cart) for part in parts]
+
+
+def _rows(log: RunLog, own: np.ndarray) -> RunLog:
+    arms = {name: ArmLog(arm.contact[own], arm.wrench[own]) for name, arm in log.arms.items()}
+    velocity = None if log.velocity is None else log.velocity[own]
+    return replace(log, time=log.time[own], pose=log.pose[own], velocity=velocity, arms=arms)

@@ -1,0 +1,50 @@
+"""The gap that is left when somebody tells which effects act: a measure of what a search for them could reach.
+
+The structure is fitted as the search fits its own, on the same rows, and judged on the same rollouts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cartgrasp.effects import Effect
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from ..impacts import impacts
+from ..weak_form.balances import Balances
+from ..weak_form.band import bands, consistent
+from .flights import flights
+from .gap import held_out_rollouts
+from .model import Model
+from .search import resized, searched_again
+from .stale import without_stale
+
+
+@dataclass(frozen=True)
+class KnownStructure:
+    """The cart with its effects, all values fitted to all rows, and the `gap` of its report: m, after 1 s."""
+
+    cart: CartModel
+    gap: float
+
+
+def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) -> KnownStructure:
+    """Of the cart with effects near these values, at which the search for times, places and frequencies begins."""
+    model = Model.started([part for log in logs for part in _parts(log, cart)], cart)
+    if effects:
+        whole = model.cart
+        for effect in effects:
+            whole = whole.with_effect(effect)
+        model = searched_again(model.refitted(whole).rewhitened())
+    model = resized(model)
+    return KnownStructure(model.cart, float(held_out_rollouts(model).gaps()[1]))
+
+
+def _parts(log: RunLog, cart: CartModel) -> list[Balances]:
+    """Between impacts, each in the widest band in which the model foretells its motion."""
+    found, known = impacts(log, cart), without_stale(log)
+    parts = flights(known, cart, found) if found else [Balances.of(known, cart)]
+    widest = [consistent(bands(part, cart)) for part in parts]
+    return [part if band is None else part.every(band.row_step) for part, band in zip(parts, widest, strict=True)]

@@ -1,0 +1,197 @@
+"""What a log may follow that no effect of the vocabulary makes: forces, drags and moments as linear functions of a few
+columns over one variable. They are rivals of the effects in the same comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from ..weak_form.balances import Balances
+
+FORCE_STD, MOMENT_STD = 10.0, 3.0
+"""N, N·m: what pushes carts about."""
+ROLLING = 0.02
+"""m/s: from here on a drag has a direction."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """What a motion may be described by (n,): s, m, rad, m/s, rad/s; `way` is signed, as a wheel turns."""
+
+    time: Array
+    way: Array
+    x: Array
+    y: Array
+    heading: Array
+    speed: Array
+    yaw_rate: Array
+
+    @classmethod
+    def of(cls, balances: Balances) -> Course:
+        motion = balances.motion
+        velocity = motion.velocity
+        turn = velocity[:, -1] if velocity.shape[1] > 1 else np.zeros(len(velocity))
+        way = np.append(0.0, np.cumsum(velocity[:-1, 0] * np.diff(motion.time)))
+        x, y, heading = motion.pose.T
+        return cls(motion.time - motion.time[0], way, x, y, heading, velocity[:, 0], turn)
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """`shape` gives columns (n, q) of `balance` (0: forward force, last: yaw moment) over a course."""
+
+    name: str
+    form: str
+    is_moment: bool
+    shape: Callable[[Course], Array]
+    size: int
+    period: float | None = None
+    unit: str = ""
+    variable: str = ""
+
+    @property
+    def key(self) -> str:
+        return f"law: {self.name}, {self.form}" + (f", {self.period:.3g} {self.unit}" if self.period else "")
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        period = f" with a period of {self.period:.3g} {self.unit}" if self.period else ""
+        return f"{'yaw moment' if self.is_moment else 'forward force'}: {self.name}{period} ({self.form})"
+
+    @property
+    def std(self) -> Array:
+        return np.full(self.size, MOMENT_STD if self.is_moment else FORCE_STD)
+
+    def columns(self, balances: Balances, cart: CartModel) -> Array:
+        """Raw (k, c, q)."""
+        signal = self.shape(Course.of(balances))
+        found = np.zeros((len(signal), balances.n_balances(cart), self.size))
+        found[:, cart.constraints.n_free - 1 if self.is_moment else 0] = signal
+        return balances.integrated(found)
+
+
+def _sign(course: Course) -> Array:
+    return np.asarray(np.tanh(course.speed / ROLLING))
+
+
+def smooth_laws(turns: bool) -> list[Law]:
+    """Of what varies slowly with one variable."""
+    found = [
+        Law("speed", "cubic drag", False, lambda c: _columns(c.speed**3), 1),
+        Law(
+            "speed",
+            "drag that sets in",
+            False,
+            lambda c: _columns(
+                *(_sign(c) * np.maximum(abs(c.speed) - q * abs(c.speed).max(), 0) for q in (0.25, 0.5, 0.75))
+            ),
+            3,
+        ),
+        Law("time", "drift", False, lambda c: _columns(c.time / 60), 1),
+        Law("time", "drag that warms", False, lambda c: _columns(c.speed * c.time / 60, _sign(c) * c.time / 60), 2),
+    ]
+    if turns:
+        found += [
+            Law(
+                "heading",
+                "force",
+                False,
+                lambda c: _columns(*(f(k * c.heading) for k in (1, 2) for f in (np.cos, np.sin))),
+                4,
+            ),
+            Law(
+                "heading",
+                "drag",
+                False,
+                lambda c: _columns(*(_sign(c) * f(2 * c.heading) for f in (np.cos, np.sin))),
+                2,
+            ),
+            Law("heading", "moment", True, lambda c: _columns(np.cos(c.heading), np.sin(c.heading)), 2),
+            Law("yaw rate", "drag", False, lambda c: _columns(_sign(c) * abs(c.yaw_rate)), 1),
+            Law("yaw rate", "moment", True, lambda c: _columns(c.yaw_rate * abs(c.yaw_rate)), 1),
+            Law(
+                "time",
+                "wind",
+                False,
+                lambda c: _columns(np.cos(c.heading) * c.time / 60, np.sin(c.heading) * c.time / 60),
+                2,
+            ),
+            Law(
+                "place",
+                "field",
+                False,
+                lambda c: _columns(*(a * b for a in (np.cos(c.heading), np.sin(c.heading)) for b in (c.x, c.y))),
+                4,
+            ),
+            Law("place", "drag", False, lambda c: _columns(_sign(c) * c.x, _sign(c) * c.y), 2),
+        ]
+    return found
+
+
+def _columns(*signals: Array) -> Array:
+    return np.column_stack(signals)
+
+
+PERIODS = (("time", "s", 0.25, 4.0), ("way", "m", 0.25, 2.5), ("x", "m", 0.3, 2.0), ("y", "m", 0.3, 2.0))
+"""Variables, and between which periods a law is looked for."""
+
+
+def periodic(variable: str, unit: str, period: float, harmonics: int, is_moment: bool) -> Law:
+    def shape(course: Course) -> Array:
+        phase = 2 * np.pi * getattr(course, variable) / period
+        along = {"x": np.cos(course.heading), "y": np.sin(course.heading)}.get(variable, np.ones_like(phase))
+        return np.column_stack([along * f(k * phase) for k in range(1, harmonics + 1) for f in (np.cos, np.sin)])
+
+    name = "place" if variable in "xy" else {"way": "travelled distance"}.get(variable, variable)
+    form = ("moment" if is_moment else "force") + (f" of {harmonics} harmonics" if harmonics > 1 else "")
+    return Law(name, form, is_moment, shape, 2 * harmonics, period, unit, variable)
+
+
+def scanned(
+    logs: Sequence[Balances],
+    cart: CartModel,
+    gain: Callable[[Array, Array], Array],
+    whitened: Callable[[Sequence[Array]], Array],
+) -> list[tuple[float, Law]]:
+    """Periods of one harmonic, each with its gain."""
+    found = []
+    courses = [Course.of(balances) for balances in logs]
+    for variable, unit, least, most in PERIODS:
+        if variable in "xy" and cart.constraints.n_free == 1:
+            continue
+        span = max(float(np.ptp(getattr(c, variable))) for c in courses)
+        if span < 2 * least:
+            continue
+        frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
+        for is_moment in (False, True) if cart.constraints.n_free > 1 else (False,):
+            laws = [periodic(variable, unit, float(1 / f), 1, is_moment) for f in frequencies]
+            columns = _together(logs, cart, courses, laws, whitened)
+            gains = gain(columns, laws[0].std)
+            found += [(float(g), law) for g, law in zip(gains, laws, strict=True)]
+    return found
+
+
+def _together(
+    logs: Sequence[Balances],
+    cart: CartModel,
+    courses: Sequence[Course],
+    laws: Sequence[Law],
+    whitened: Callable[[Sequence[Array]], Array],
+) -> Array:
+    """Whitened columns (v, k, c, 2) of laws of one balance."""
+    raw = []
+    for balances, course in zip(logs, courses, strict=True):
+        signal = np.concatenate([law.shape(course) for law in laws], axis=1)
+        own = balances.integrated(signal)
+        found = np.zeros((len(own), balances.n_balances(cart), own.shape[1]))
+        found[:, cart.constraints.n_free - 1 if laws[0].is_moment else 0] = own
+        raw.append(found)
+    white = whitened(raw)
+    k, c, _ = white.shape
+    return np.asarray(np.moveaxis(white.reshape(k, c, len(laws), 2), 2, 0))

@@ -1,0 +1,180 @@
+"""What a log can show at all: rates, gaps, noise, how much it moves; and a refusal where it can't be read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog, coasts
+from cartgrasp.model import CartModel
+
+from ..log_noise import noise_of_log
+from ..noise import FilterNoise
+from ..weak_form.balances import Balances
+from .clock_offset import ClockOffset
+from .stale import without_stale
+
+FEWEST_ROWS = 40
+"""A log of 40 s at 1 Hz: some times the parameters of a cart."""
+SHORTEST = 4.0
+"""s."""
+FEWEST_USED = 10
+"""Rows of balances in weak form that hold all."""
+FASTEST, NOISES = 40.0, 10.0
+"""m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
+EIGHTHS, LEAST_HEADED = 8, 1.0
+"""Of the circle; s that a cart heads into one."""
+ROLLING, STILL_TURNING = 0.015, 0.015
+"""m/s, rad/s: below both a cart may stand still, and friction takes whatever value holds it."""
+
+
+@dataclass(frozen=True)
+class LogCheck:
+    """Rows, duration (s), rate (Hz), longest gap (s), rows with every wrench, poses that repeat the last one; noise
+    floors; by how much wrenches are later than the motion; motion: distance (m), turning (rad), reversals, the fastest
+    speed (m/s), the share of the time that it moves; of that time, speeds (m/s) that nine, five and one tenth exceed,
+    how many eighths of the circle it heads into, and accelerations along the free directions (m/s², rad/s²) that a
+    twentieth exceeds.
+    """
+
+    name: str
+    rows: int
+    duration: float
+    rate: float
+    longest_gap: float
+    rows_with_wrenches: int
+    stale_poses: int
+    noise: FilterNoise
+    clock_offset: ClockOffset | None
+    distance: float
+    turned: float
+    reversals: int
+    fastest: float
+    moving: float
+    speeds: tuple[float, ...]
+    headings: int
+    accelerations: tuple[float, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def check_rows(log: RunLog, cart: CartModel) -> None:
+    """Refuses a log that is too short, or misses what is needed."""
+    if len(log) < FEWEST_ROWS or log.duration < SHORTEST:
+        raise DataError(
+            f"{log.name}: {len(log)} rows over {log.duration:.2f} s are too few to compare with a simulation; "
+            f"record at least {FEWEST_ROWS} rows and {SHORTEST:g} s"
+        )
+    seen = np.isfinite(log.pose).all(axis=1)
+    if seen.sum() < FEWEST_ROWS:
+        raise DataError(
+            f"{log.name}: only {int(seen.sum())} rows have a whole pose (x, y, theta); {FEWEST_ROWS} are needed"
+        )
+    step = float(np.median(np.diff(log.time)))
+    for name, arm in log.arms.items():
+        for what, columns in (("wrench", arm.wrench), ("contact point", arm.contact)):
+            _check_enough(
+                np.asarray(np.isfinite(columns).all(axis=1)), step, f"{log.name}: the {what} of arm {name} is whole"
+            )
+    if log.arms:
+        _check_enough(_with_wrenches(log), step, f"{log.name}: all arms together have wrenches and contact points")
+
+
+def _check_enough(whole: np.ndarray, step: float, what: str) -> None:
+    count = int(whole.sum())
+    if count < FEWEST_ROWS or count * step < SHORTEST:
+        raise DataError(f"{what} in {count} rows only, {count * step:.1f} s; record at least {SHORTEST:g} s of them")
+
+
+def _with_wrenches(log: RunLog) -> np.ndarray:
+    """Rows (n,) in which every arm's wrench and contact are whole; none without arms."""
+    whole = [np.isfinite(np.hstack([arm.wrench, arm.contact])).all(axis=1) for arm in log.arms.values()]
+    return np.asarray(np.all(whole, axis=0)) if whole else np.zeros(len(log), dtype=bool)
+
+
+def _check_steps(log: RunLog, noise: float) -> None:
+    """Refuses poses that jump beyond their noise (m)."""
+    seen = np.flatnonzero(np.isfinite(log.pose[:, :2]).all(axis=1))
+    step = np.hypot(*np.diff(log.pose[seen, :2], axis=0).T)
+    speed = np.maximum(step - NOISES * noise, 0.0) / np.diff(log.time[seen])
+    if speed.max() > FASTEST:
+        at = int(np.argmax(speed))
+        raise DataError(
+            f"{log.name}: the cart jumps by {step[at]:.2f} m at t = {log.time[seen][at]:g} s; cut the log there, and "
+            "look for numbers that are not in SI units"
+        )
+
+
+def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
+    """How late wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises DataError for poses that
+    jump, too few rows that hold all, and wrenches that never change although the cart moves."""
+    motion, steps, fresh = balances.motion, np.diff(log.time), without_stale(log)
+    _check_steps(log, float(motion.noise.pose[0]))
+    if len(balances.used) < FEWEST_USED:
+        raise DataError(
+            f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "
+            f"record at least {max(SHORTEST, FEWEST_USED * balances.row_step):.1f} s without gaps"
+        )
+    moves = moving(balances)
+    if moves.any() and not coasts(log) and not any(_changes(arm.wrench) for arm in log.arms.values()):
+        raise DataError(
+            f"{log.name}: the cart moves and no wrench ever changes, as if no sensor were there; look at its "
+            "connection, or leave the wrenches' columns out if nobody pushed"
+        )
+    noise, h, speed = noise_of_log(fresh, cart), motion.step, motion.speed
+    turned = np.abs(motion.velocity[:, -1]) if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
+    sign = np.sign(motion.velocity[np.abs(motion.velocity[:, 0]) > ROLLING, 0])
+    of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS
+    return LogCheck(
+        name=log.name,
+        rows=len(log),
+        duration=log.duration,
+        rate=float(1 / np.median(steps)),
+        longest_gap=float(steps.max()),
+        rows_with_wrenches=int(_with_wrenches(log).sum()),
+        stale_poses=int((np.isnan(fresh.pose) & ~np.isnan(log.pose)).any(axis=1).sum()),
+        noise=replace(
+            noise,
+            position=max(noise.position, float(motion.noise.pose[0])),
+            heading=max(noise.heading, float(motion.noise.pose[2])),
+        ),
+        clock_offset=None,
+        distance=float(speed[moves].sum() * h),
+        turned=float(turned[moves].sum() * h),
+        reversals=int((np.diff(sign) != 0).sum()),
+        fastest=float(speed.max()),
+        moving=float(moves.mean()),
+        speeds=_percentiles(speed[moves], (10.0, 50.0, 90.0)),
+        headings=int((np.bincount(of_eighths, minlength=EIGHTHS) * h > LEAST_HEADED).sum()),
+        accelerations=tuple(_percentiles(each, (95.0,))[0] for each in np.abs(motion.acceleration[moves].T)),
+    )
+
+
+def with_clock_offsets(checks: Sequence[LogCheck], offsets: Sequence[ClockOffset | None]) -> tuple[LogCheck, ...]:
+    return tuple(replace(check, clock_offset=offset) for check, offset in zip(checks, offsets, strict=True))
+
+
+def _changes(values: Array) -> bool:
+    """Whether a column of values (n, k) ever does."""
+    known = values[np.isfinite(values).all(axis=1)]
+    return bool(len(known) and (np.ptp(known, axis=0) > 0).any())
+
+
+def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
+    """0 where there are no values."""
+    return tuple(float(one) for one in np.percentile(values if len(values) else np.zeros(1), shares))
+
+
+def moving(balances: Balances) -> np.ndarray:
+    """Times (n,) of the motion at which the cart was seen and surely moves."""
+    motion = balances.motion
+    fast = motion.speed > ROLLING
+    if motion.velocity.shape[1] > 1:
+        fast |= np.abs(motion.velocity[:, -1]) > STILL_TURNING
+    return np.asarray(fast & motion.seen)

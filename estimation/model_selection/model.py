@@ -1,0 +1,243 @@
+"""A structure fitted to logs: whitened rows of all of them, and their score."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
+
+from ..weak_form.balances import Balances
+from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
+from ..weak_form.rows import Whitening, excess_noise
+from ..weak_form.score import Folds, Score, scored
+from ..weak_form.sensor_noise import MAD_TO_STD
+from .candidates import amplitudes_of
+from .laws import Course, Law
+
+GUESS_STD, COM_STD = 1.5, 0.5
+"""Of the logarithms of mass and inertia; m."""
+SIZE_STD = 10.0
+"""Of an effect's usual size: the standard deviation of what is fitted."""
+FILE_SHARE, FILE_LEAST = 0.25, 0.05
+"""Of an effect's value in the cart file, and of its usual size: how far it may be off."""
+FORM_LEVER = 0.05
+"""m: how far from where the model says an effect's force may act."""
+TIMING_STD = 0.3
+"""Of a sample's step: some sensors hold a sample until the next, others average."""
+ROUNDS = 3
+LONG_MEAN, FEWEST_MEANS = 2.0, 8
+"""s, as long as a push; and how many tell their usual size."""
+
+
+def structure_prior(
+    cart: CartModel, guess: CartModel, wide: frozenset[str] = frozenset(), is_pushed: bool = True
+) -> ParameterPrior:
+    """Broad: of a cart like the guess, whose effects are as large as it says but for those that are `wide`, with added
+    effects of any size that they may have. The body of a cart that nobody pushes is taken as given."""
+    mean, first = coordinates(cart), coordinates(guess)
+    std, free = np.ones(len(mean)), np.ones(len(mean), dtype=bool)
+    mean[:N_PHI] = first[:N_PHI]
+    std[:N_PHI] = GUESS_STD, COM_STD, COM_STD, GUESS_STD
+    parameters = [(p, key) for effect in cart.effects for p, key in zip(effect.parameters, effect.keys, strict=True)]
+    known = {
+        key: v for e in guess.effects if e.key not in wide for key, v in zip(e.keys, e.values.tolist(), strict=True)
+    }
+    for i, (p, key) in enumerate(parameters, N_PHI):
+        if key in known:
+            mean[i], free[i] = known[key], p.estimated
+            std[i] = max(FILE_SHARE * abs(known[key]), FILE_LEAST * p.typical)
+            continue
+        is_place = p.name in ("x", "y", "trail")
+        mean[i] = mean[i] if is_place else p.absent
+        std[i] = 2 * p.typical if is_place else SIZE_STD * p.typical
+        free[i] = p.estimated
+    if cart.constraints.no_rotation:
+        free[1:N_PHI] = False
+    if not is_pushed:
+        free[:N_PHI] = False
+    return ParameterPrior(mean, std, free)
+
+
+@dataclass(frozen=True, eq=False)
+class RowNoise:
+    """What rows are whitened by: of the sensors, of a cart's inertia and friction, and white noise (c,) beside them."""
+
+    cart: CartModel
+    excess: Array
+
+    def whitenings(self, logs: Sequence[Balances]) -> tuple[Whitening, ...]:
+        return tuple(Whitening.of(balances, self.cart, self.excess) for balances in logs)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
+    follow and no effect of the vocabulary makes."""
+
+    guess: CartModel
+    cart: CartModel
+    logs: tuple[Balances, ...]
+    noise: RowNoise
+    whitenings: tuple[Whitening, ...]
+    laws: tuple[Law, ...] = ()
+    wide: frozenset[str] = frozenset()
+
+    @property
+    def is_pushed(self) -> bool:
+        """Whether any log has a wrench."""
+        return any(balances.wrenches.arms for balances in self.logs)
+
+    @cached_property
+    def prior(self) -> ParameterPrior:
+        return structure_prior(self.cart, self.guess, self.wide, self.is_pushed)
+
+    @classmethod
+    def started(cls, logs: Sequence[Balances], guess: CartModel) -> Model:
+        """The guess refitted; the noise is what it leaves."""
+        noise = RowNoise(guess, np.full(logs[0].n_balances(guess), 1.0))
+        model = cls(guess, guess, tuple(logs), noise, noise.whitenings(logs))
+        for _ in range(ROUNDS):
+            model = model.refitted(model.cart).rewhitened()
+        return model
+
+    def rewhitened(self) -> Model:
+        """On rows whose noise is what this model leaves."""
+        left, parts, at = self.left, [], 0
+        for balances in self.logs:
+            parts.append((balances, self.cart, left[at : at + len(balances.used)]))
+            at += len(balances.used)
+        noise = RowNoise(self.cart, excess_noise(parts, float(self.rows.shape[2] - 1)))
+        return replace(self, noise=noise, whitenings=noise.whitenings(self.logs))
+
+    def whitened(self, columns: Sequence[Array]) -> Array:
+        """Of each log's raw columns (k, c, q), all together."""
+        return np.concatenate([whiten(own) for whiten, own in zip(self.whitenings, columns, strict=True)])
+
+    @cached_property
+    def nuisance(self) -> Nuisance:
+        """Sizes of constraint effects, laws, levers of effects' forces, and how late each log's wrenches are."""
+        cart, found = self.cart, []
+        constraints = cart.constraint_effects
+        forces = [e for e, _, _ in cart.force_effects] if cart.constraints.n_free > 1 else []
+        for i, balances in enumerate(self.logs):
+            parts = [balances.columns(cart.without_effect(e.key), e) for e in constraints]
+            parts += [law.columns(balances, cart) for law in self.laws]
+            parts += [balances.lever(cart, e) for e in forces]
+            timing = np.zeros((len(balances.used), balances.n_balances(cart), len(self.logs)))
+            timing[..., i] = balances.timing(cart)
+            found.append(np.concatenate([*parts, timing], axis=2))
+        laws, timing_std = [law.std for law in self.laws], [TIMING_STD * b.sample_step for b in self.logs]
+        std = np.concatenate([np.ones(len(constraints)), *laws, np.full(len(forces), FORM_LEVER), timing_std])
+        return Nuisance(tuple(found), std)
+
+    @cached_property
+    def _raw(self) -> list[Array]:
+        prior = self.prior
+        by, found = jacobian(self.cart), []
+        for balances, beside in zip(self.logs, self.nuisance.columns, strict=True):
+            left, slopes = balances.residual(self.cart)
+            found.append(np.concatenate([(slopes @ by)[..., prior.free], beside, left[..., None]], axis=2))
+        return found
+
+    @cached_property
+    def rows(self) -> Array:
+        """(k, c, q + 1), the residual last."""
+        return self.whitened(self._raw)
+
+    @cached_property
+    def left(self) -> Array:
+        """What is left of the raw rows (k, c) at the best linear fit."""
+        raw = np.concatenate(self._raw)
+        return np.asarray(raw[..., -1] - raw[..., :-1] @ self.score.fit)
+
+    @cached_property
+    def colour(self) -> float:
+        """How many times larger the variance of long means of what is left is than if rows were independent, in most of
+        the log: what drifts looks like a push here and there."""
+        score, rows = self.score, self.rows
+        standard = (rows[..., -1] - rows[..., :-1] @ score.fit) / score.scale
+        size = max(round(LONG_MEAN / self.logs[0].row_step), 2)
+        count = len(standard) // size
+        if count < FEWEST_MEANS:
+            return 1.0
+        means = standard[: count * size].reshape(count, size, -1).mean(axis=1) * size**0.5
+        typical = MAD_TO_STD * np.median(np.abs(means), axis=0)
+        return float(max(1.0, *(typical[: self.cart.constraints.n_free] ** 2)))
+
+    @cached_property
+    def prior_std(self) -> Array:
+        prior = self.prior
+        return np.concatenate([prior.std[prior.free], self.nuisance.std])
+
+    def law_size(self, law: Law) -> float:
+        """Root mean square force (N) or moment (N·m) of a law at its fitted amplitudes."""
+        first = int(self.prior.free.sum()) + len(self.cart.constraint_effects)
+        for one in self.laws:
+            if one is law:
+                break
+            first += one.size
+        amplitudes = self.score.fit[first : first + law.size]
+        signals = [law.shape(Course.of(balances)) @ amplitudes for balances in self.logs]
+        return float(np.sqrt(np.mean(np.concatenate(signals) ** 2)))
+
+    @cached_property
+    def folds(self) -> Folds:
+        return Folds.joined([Folds.of(balances.time, balances.row_step) for balances in self.logs])
+
+    @cached_property
+    def sums(self) -> Array:
+        """Products of the rows' columns, by balance and block."""
+        return self.folds.sums(self.rows)
+
+    @cached_property
+    def score(self) -> Score:
+        start = np.ones(self.rows.shape[1])
+        return scored(self.sums, self.folds.rows, self.prior_std, self.folds, start)
+
+    def with_columns(self, columns: Array, std: Array) -> Score:
+        """The score with whitened columns (k, c, q) more."""
+        whole = np.concatenate([self.rows[..., :-1], columns, self.rows[..., -1:]], axis=2)
+        start, prior = self.score.scale, np.concatenate([self.prior_std, std])
+        return scored(self.folds.sums(whole), self.folds.rows, prior, self.folds, start)
+
+    def columns_of(self, effect: Effect) -> tuple[Array, Array]:
+        """Whitened columns (k, c, q) of an effect's amplitudes, and their prior standard deviations (q,)."""
+        raw = [balances.columns(self.cart, effect) for balances in self.logs]
+        if isinstance(effect, ConstraintEffect):
+            return self.whitened(raw), np.array([3.0])
+        own = amplitudes_of(effect)
+        std = np.array([2 * effect.parameters[i].typical for i in own])
+        return self.whitened([each[..., own] for each in raw]), std
+
+    def late(self, delay: float) -> Model:
+        """With wrenches that were felt so much (s) before they were recorded."""
+        logs = tuple(balances.late(delay) for balances in self.logs)
+        return replace(self, logs=logs, whitenings=self.noise.whitenings(logs))
+
+    @property
+    def lateness(self) -> float:
+        return lateness(self.cart, self.logs)
+
+    def refitted(self, cart: CartModel) -> Model:
+        """Another structure, fitted on rows that are whitened alike."""
+        delay = lateness(cart, self.logs)
+        base = self.late(delay) if delay != self.lateness else self
+        model = replace(base, cart=cart)
+        prior = structure_prior(cart, self.guess, self.wide, self.is_pushed)
+        found, beside = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
+        changed = {e.key: e.scaled(1.0 + float(size)) for e, size in zip(cart.constraint_effects, beside, strict=False)}
+        return replace(
+            model, cart=replace(found.cart, effects=tuple(changed.get(e.key, e) for e in found.cart.effects))
+        )
+
+
+def lateness(cart: CartModel, logs: Sequence[Balances]) -> float:
+    """s, of the arms together."""
+    return max((cart.lateness(arm) for balances in logs for arm in balances.wrenches.arms), default=0.0)

@@ -1,0 +1,106 @@
+"""Effects that were added, as a report tells them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.effects import Effect
+
+from ..end_stops import StopEstimate
+from .certainty import Certainty
+from .model import Model
+from .search import Attempt, Step, added
+
+CONFUSABLE = np.log(100.0)
+"""Nats: by which less a rival may explain."""
+OPEN_WORLD = 0.95
+"""How probable it is that something of the vocabulary is behind what an effect of it explains."""
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """An effect that was added: how sure that it is this one; parameters' values, standard deviations and units; what
+    the log can't tell it apart from; the share of the held-out gap above the noise floor that it closed."""
+
+    name: str
+    label: str
+    probability: float
+    parameters: dict[str, tuple[float, float, str]]
+    confusable_with: tuple[str, ...]
+    gap_share: float
+
+    def as_dict(self) -> dict[str, Any]:
+        parameters = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
+        return {
+            "name": self.name,
+            "label": self.label,
+            "probability": self.probability,
+            "parameters": parameters,
+            "confusable_with": list(self.confusable_with),
+            "gap_share": self.gap_share,
+        }
+
+
+def named(
+    steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
+) -> tuple[NamedEffect, ...]:
+    """In order of addition."""
+    order = [step.added.key for step in steps if step.added is not None]
+    found = []
+    values = {effect.key: effect for effect in certainty.cart.effects}
+    for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in order else len(order)):
+        at = next((i for i, step in enumerate(steps) if step.added is not None and step.added.key == effect.key), None)
+        probability, confusable = (OPEN_WORLD, ()) if at is None else _rivals(steps[at])
+        share = 0.0 if at is None else shares[at]
+        found.append(
+            NamedEffect(
+                effect.name, effect.label, probability, _parameters(values[effect.key], certainty), confusable, share
+            )
+        )
+    return tuple(found)
+
+
+def _rivals(step: Step) -> tuple[float, tuple[str, ...]]:
+    """Of what was added: its probability, and the names of what explains about as much."""
+    own = step.added
+    assert own is not None
+    assert isinstance(own.candidate, Effect)
+    weights: dict[str, float] = {}
+    for one in step.attempts:
+        if one.key == own.key or not isinstance(one.candidate, Effect):
+            continue
+        ahead = one.gain - own.gain - 2.0 * max(one.numbers - own.numbers, 0) * (one.gain > own.gain)
+        if one.gain > own.gain - CONFUSABLE and _is_told(one):
+            name = one.candidate.name
+            weights[name] = weights.get(name, 0.0) + float(np.exp(min(ahead, 0.0)))
+    return OPEN_WORLD / (1.0 + sum(weights.values())), tuple(weights)
+
+
+def _is_told(one: Attempt) -> bool:
+    return one.gain > 0
+
+
+def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
+    told = {}
+    for parameter, key, value in zip(effect.parameters, effect.keys, effect.values.tolist(), strict=True):
+        known, settings = certainty.parameters[key], certainty.settings
+        std = settings.get(key, known.std if parameter.estimated else 0.05 * abs(value))
+        told[parameter.name] = (float(value), float(std), parameter.unit)
+    return told
+
+
+def named_stops(stops: Sequence[StopEstimate]) -> tuple[NamedEffect, ...]:
+    """What a cart ran against several times."""
+    found = []
+    for i, stop in enumerate(stops):
+        parameters = {
+            "position": (stop.position, stop.position_std, "m"),
+            "side": (stop.side, 0.0, "-"),
+            "restitution": (stop.restitution, stop.restitution_std, "-"),
+        }
+        found.append(NamedEffect("end_stop", str(i + 1) if i else "", OPEN_WORLD, parameters, (), 0.0))
+    return tuple(found)

@@ -1,0 +1,164 @@
+"""report.html: one page that opens from disk and loads nothing.
+
+Names come from logs and cart files, so every text is escaped; the page has no script, and its policy lets none run.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from .log_check import EIGHTHS, LogCheck
+from .verdicts import verdict
+
+if TYPE_CHECKING:
+    from .diagnosis import Diagnosis
+    from .report import Report
+
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #1c2430; }
+h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin-top: 2rem; }
+.verdict { font-size: 1.15rem; padding: .8rem 1rem; border-left: .3rem solid #0072b2; background: #f1f5f9; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { text-align: right; padding: .2rem .8rem; border-bottom: 1px solid #dde3ea; }
+th:first-child, td:first-child, .text { text-align: left; }
+svg { max-width: 100%; height: auto; }
+.wide { overflow-x: auto; }
+"""
+
+
+ONE_STD = "(± one standard deviation)"
+
+
+def page(report: Report, drawn: dict[str, str]) -> str:
+    found = report.diagnosis
+    name = html.escape(found.nominal_cart.name)
+    logs = html.escape(", ".join(check.name for check in found.checks))
+    parts = [
+        "<!doctype html>",
+        '<html lang="en"><head><meta charset="utf-8">',
+        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{name}: simulation against measurement</title><style>{STYLE}</style></head><body>",
+        f"<h1>{name}: simulation against measurement</h1><p>{logs}</p>",
+        f'<p class="verdict">{html.escape(found.sentence)}</p>',
+        "<h2>How far simulation goes astray</h2>",
+        drawn["gap"],
+        _gap_table(found),
+        "<h2>What was added</h2>",
+        _effects(found),
+        "<h2>Where they disagree</h2>",
+        _list([one.sentence for one in found.where], "Nowhere in particular."),
+        drawn["residuals"],
+        "<p>Means over half a second, of the refitted nominal model and of the extended one; dotted where the size of "
+        "the former changes.</p>",
+        drawn["places"],
+        "<h2>What the residual depends on</h2>",
+        drawn["maps"],
+        "<p>Means ± one standard deviation, in bins that hold as many stretches each.</p>",
+        "<h2>What remains</h2>",
+        _list(found.unexplained["depends_on"], "Nothing that stands out of the noise."),
+        "<h2>Parameters</h2>",
+        _parameters(found),
+        "<h2>What was tried</h2>",
+        _steps(found),
+        "<h2>What to measure next</h2>",
+        _list(found.next_experiments, "Nothing: the model fits these logs."),
+        "<h2>What this motion can show</h2>",
+        drawn.get("isolability", ""),
+        "<p>How much effects of usual size look like one another on this motion (dark: alike), beside the deviations "
+        "by which each stands out; grey ones do not show. Of two that are marked (=) the log can't tell which.</p>",
+        _isolability(found),
+        "<h2>The logs</h2>",
+        _checks(found),
+        "</body></html>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _gap_table(found: Diagnosis) -> str:
+    rows = [
+        [f"distance after {horizon}, mm", *(f"{1e3 * values[k]:.1f}" for k in _ORDER)]
+        for horizon, values in found.gap.per_horizon.items()
+    ]
+    for coordinate, values in found.gap.per_coordinate.items():
+        unit = "mrad" if coordinate == "heading" else "mm"
+        rows.append([f"{coordinate} after 1 s, {unit}", *(f"{1e3 * values[k]:.1f}" for k in _ORDER)])
+    return _table(["", "nominal", "refitted", "extended", "noise alone"], rows)
+
+
+_ORDER = ("before", "refitted", "after", "noise_floor")
+
+
+def _effects(found: Diagnosis) -> str:
+    if not found.effects:
+        return "<p>Nothing.</p>"
+    rows = []
+    for effect in found.effects:
+        rest = ", ".join(effect.confusable_with) or "-"
+        head = [f"{effect.name} {effect.label}".strip(), f"{100 * effect.probability:.1f} %", rest]
+        share = f"{100 * effect.gap_share:.0f} %"
+        for k, (parameter, (value, std, unit)) in enumerate(effect.parameters.items()):
+            known = f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -")
+            rows.append([*(head if k == 0 else ["", "", ""]), parameter, known, share if k == 0 else ""])
+    columns = ["effect", "probability", "not told apart from", "parameter", f"value {ONE_STD}", "gap closed"]
+    return _table(columns, rows)
+
+
+def _parameters(found: Diagnosis) -> str:
+    rows = [
+        [name, f"{one['nominal']:.4g}", f"{one['refitted']:.4g} ± {one['std']:.2g}"]
+        for name, one in found.parameter_mismatch.items()
+    ]
+    return _table(["parameter", "nominal", f"refitted {ONE_STD}"], rows)
+
+
+def _steps(found: Diagnosis) -> str:
+    parts = []
+    for i, step in enumerate(found.steps):
+        rows = [[one.key, f"{one.gain:.1f}", verdict(step, one)] for one in step.attempts]
+        parts.append(f"<h3>Step {i + 1}</h3>" + _table(["candidate", "score gain (nats)", "verdict"], rows))
+    return "".join(parts)
+
+
+def _isolability(found: Diagnosis) -> str:
+    rows = [[key, f"{one.z:.1f}", ", ".join(one.alike) or "-"] for key, one in found.isolability.items()]
+    return _table(["effect of usual size", "stands out by (deviations)", "looks like"], rows)
+
+
+def _checks(found: Diagnosis) -> str:
+    return "".join(_table(["", check.name], _check_rows(check)) for check in found.checks)
+
+
+def _check_rows(check: LogCheck) -> list[list[str]]:
+    late, speeds = check.clock_offset, ", ".join(f"{speed:.2f}" for speed in check.speeds)
+    units = ("m/s²", "rad/s²") if len(check.accelerations) < 3 else ("m/s²", "m/s²", "rad/s²")
+    hard = ", ".join(f"{a:.2g} {unit}" for a, unit in zip(check.accelerations, units, strict=False))
+    return [
+        ["rows, with every wrench", f"{check.rows}, {check.rows_with_wrenches}"],
+        ["poses written twice, left out", f"{check.stale_poses}"],
+        ["duration", f"{check.duration:.1f} s at {check.rate:.0f} Hz, longest gap {check.longest_gap:.3f} s"],
+        ["noise of position, heading", f"{1e3 * check.noise.position:.2g} mm, {1e3 * check.noise.heading:.2g} mrad"],
+        ["noise of force, moment", f"{check.noise.force:.2g} N, {check.noise.moment:.2g} N·m"],
+        [f"wrenches late by {ONE_STD}", f"{1e3 * late.value:.1f} ± {1e3 * late.std:.1g} ms" if late else "not known"],
+        ["way, turning", f"{check.distance:.1f} m, {check.turned:.1f} rad, {check.reversals} reversals"],
+        ["time on the move", f"{100 * check.moving:.0f} %"],
+        ["speeds (a tenth, half, nine tenths slower)", f"{speeds}, at most {check.fastest:.2f} m/s"],
+        ["headings", f"{check.headings} of {EIGHTHS} directions"],
+        ["accelerations (nineteen of twenty less)", hard],
+    ]
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    head = "".join(f"<th>{html.escape(c)}</th>" for c in columns)
+    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def _list(lines: Sequence[str], none: str) -> str:
+    if not lines:
+        return f"<p>{html.escape(none)}</p>"
+    return "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in lines) + "</ul>"

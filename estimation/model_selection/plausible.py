@@ -1,0 +1,49 @@
+"""What an effect may be to be called by its name: one table of sizes and bounds."""
+
+from __future__ import annotations
+
+from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.wheels import WheelSet
+
+from .candidates import amplitudes_of
+
+LEAST_SIZE = 0.1
+"""Of an effect's usual size: nobody calls less by its name."""
+LEAST = {"time_delay.delay": 0.008, "load_slosh.damping": 0.003}
+"""Settings below which it is none (s): sensors that hold or average samples at 100 Hz are as late."""
+MOST = {
+    "time_delay.delay": 0.15,  # s: what is later has another cause
+    "load_slosh.damping": 0.3,  # nothing swings beyond
+    "load_slosh.frequency": 4.0,  # Hz: what is faster is no load
+    "external_push.duration": 6.0,  # s: what lasts longer has another cause
+    "stribeck_friction.speed": 0.5,  # m/s: beyond, it is Coulomb's drag at all speeds that a cart has
+    "caster_realignment.trail": 0.15,  # m
+}
+LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
+"""A force that acts at a wheel has a moment of half a track at most."""
+HALF_TRACK, SPARE = 0.4, 1.5
+
+
+def is_plausible(effect: Effect, wheels: WheelSet) -> bool:
+    """Whether somebody who knows carts would call it so at its values."""
+    if isinstance(effect, ConstraintEffect):
+        usual = type(effect).usual("")
+        if effect.slip_compliance:
+            return effect.slip_compliance > LEAST_SIZE * usual.slip_compliance
+        return bool(abs(effect.values[0]) > LEAST_SIZE * abs(usual.values[0]))
+    values = dict(zip((f"{effect.name}.{p.name}" for p in effect.parameters), effect.values.tolist(), strict=True))
+    if any(values[key] < least for key, least in LEAST.items() if key in values):
+        return False
+    if any(values[key] > most for key, most in MOST.items() if key in values):
+        return False
+    if effect.name in LEVERS:
+        moment, force = (abs(values[f"{effect.name}.{name}"]) for name in LEVERS[effect.name])
+        tracks = [abs(wheel.y) for wheel in wheels.wheels if wheel.y]
+        if moment > SPARE * max(tracks, default=HALF_TRACK) * force:
+            return False
+    if isinstance(effect, TimeDelay):
+        return True
+    own = amplitudes_of(effect)
+    sizes = [abs(effect.values[i] - effect.parameters[i].absent) / effect.parameters[i].typical for i in own]
+    return max(sizes, default=0.0) > LEAST_SIZE

@@ -1,0 +1,214 @@
+"""Every variant of a candidate at once, by what its columns take away of a model's residual: gates by sums over blocks
+of time, places by sums over cells of the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import combinations, product
+
+import numpy as np
+
+from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.frames import Array, rotation_planar
+
+from ..weak_form.score import log_evidence
+from .candidates import Family
+from .laws import Law, periodic, scanned, smooth_laws
+from .model import Model
+
+KEPT = 3
+"""Variants of a candidate whose score is worked out."""
+BLOCK = 0.2
+"""s, in which onsets and ends are tried."""
+LENGTHS = (1, 2, 3, 5, 8, 12, 18, 28)
+"""Blocks that something may last."""
+LEAST_SIDE = 1.0
+"""s before and after a lasting change."""
+CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
+"""m, cells along an axis, and m around all wheels' tracks."""
+HARMONICS = (1, 2, 4)
+NEARBY = np.linspace(0.97, 1.03, 13)
+"""Times the period of a scan."""
+LARGEST = 1e12
+"""Of whitened columns: an effect's memory beyond ran away in the integrator's steps, at settings that no cart has."""
+
+Found = tuple[float, Effect]
+
+
+class Screen:
+    """Around one model."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self._scale = model.score.scale
+        rows = model.rows / self._scale[:, None]
+        self._base, self._left = rows[..., :-1], rows[..., -1]
+        flat = self._base.reshape(-1, self._base.shape[2])
+        self._covariance = np.linalg.inv(flat.T @ flat + np.diag(model.prior_std**-2.0))
+        self._fit = self._covariance @ (flat.T @ self._left.ravel())
+
+    # --- gains ---------------------------------------------------------------------------------------------------
+
+    def gain(self, effect: Effect) -> float:
+        """Log of the Bayes factor of one setting, about, with all amplitudes free."""
+        if isinstance(effect, TimeDelay):
+            return self._delayed(effect)
+        columns, std = self.model.columns_of(effect)
+        if not (np.abs(columns) < LARGEST).all():
+            return -np.inf
+        return float(self.gains(columns[None], std)[0])
+
+    def gains(self, columns: Array, std: Array) -> Array:
+        """Of variants' whitened columns (v, k, c, q)."""
+        own = (columns / self._scale[:, None]).reshape(len(columns), -1, columns.shape[3])
+        across = own.swapaxes(1, 2)
+        return self._factor(
+            across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel(), std
+        )
+
+    def _factor(self, own: Array, to_base: Array, pull: Array, std: Array) -> Array:
+        """From products with themselves (v, q, q), with the base (v, q, p), with the residual (v, q)."""
+        information = own - to_base @ self._covariance @ to_base.swapaxes(-1, -2) + np.diag(std**-2.0)
+        pull = pull - to_base @ self._fit
+        best = np.linalg.solve(information, pull[..., None])[..., 0]
+        size = np.linalg.slogdet(information)[1] / 2 + np.log(std).sum()
+        return np.asarray(0.5 * (pull * best).sum(axis=-1) - size)
+
+    def _delayed(self, effect: TimeDelay) -> float:
+        """Of a log whose wrenches were felt earlier."""
+        late = self.model.late(effect.delay)
+        evidence = [
+            log_evidence(m.folds.sums(m.rows).sum(axis=1), m.prior_std, self._scale, 0.0) for m in (late, self.model)
+        ]
+        return float(evidence[0] * len(self.model.rows) / len(late.rows) - evidence[1])
+
+    # --- variants ------------------------------------------------------------------------------------------------
+
+    def best(self, family: Family) -> tuple[list[Effect], int]:
+        """The best few variants, and of how many."""
+        found: list[Found] = []
+        for effect in family.variants:
+            if effect.gate is Gate.INSIDE:
+                found += self._placed(effect)
+            elif effect.gate.passes:
+                found += self._timed(effect)
+            else:
+                found.append((self.gain(effect), effect))
+        found = [one for one in found if np.isfinite(one[0])]
+        found.sort(key=lambda one: -one[0])
+        return [effect for _, effect in found[:KEPT]], len(found)
+
+    def _timed(self, effect: Effect) -> list[Found]:
+        """From or between blocks of time."""
+        columns, std = self.model.columns_of(effect)
+        found, at = [], 0
+        for balances in self.model.logs:
+            k = len(balances.used)
+            own = slice(at, at + k)
+            at += k
+            size = max(1, round(BLOCK / balances.row_step))
+            n = k // size
+            if n < 2:
+                continue
+            edges = np.append(balances.time[: n * size : size], balances.time[n * size - 1] + balances.row_step)
+            sums = self._running(columns[own][: n * size] / self._scale[:, None], own, (n, size))
+            spans = _spans(n, effect.gate, max(1, round(LEAST_SIDE / (size * balances.row_step))))
+            if not len(spans):
+                continue
+            own_sums, base_sums, pulls = (s[spans[:, 1]] - s[spans[:, 0]] for s in sums)
+            gains = self._factor(own_sums, base_sums, pulls, std)
+            starts, ends = edges[spans[:, 0]] - balances.row_step / 2, edges[spans[:, 1]] - balances.row_step / 2
+            gates = starts[:, None] if effect.gate is Gate.FROM else np.column_stack([starts, ends - starts])
+            best = set(np.argsort(-gains)[:KEPT].tolist())
+            for i, (gain, gate) in enumerate(zip(gains.tolist(), gates, strict=True)):
+                found.append(
+                    (gain, effect.with_values(np.r_[gate, effect.values[len(gate) :]]) if i in best else effect)
+                )
+        return found
+
+    def _running(self, columns: Array, own: slice, shape: tuple[int, int]) -> list[Array]:
+        n, size = shape
+        grouped = columns.reshape(n, -1, columns.shape[2])
+        base = self._base[own][: n * size].reshape(n, -1, self._base.shape[2])
+        left = self._left[own][: n * size].reshape(n, -1, 1)
+        across = grouped.swapaxes(1, 2)
+        parts = across @ grouped, across @ base, (across @ left)[..., 0]
+        return [np.concatenate([np.zeros((1, *part.shape[1:])), np.cumsum(part, axis=0)]) for part in parts]
+
+    def _placed(self, effect: Effect) -> list[Found]:
+        """In boxes of cells."""
+        x, y = self._cells
+        cells = list(product(range(len(x) - 1), range(len(y) - 1)))
+        columns = []
+        for i, j in cells:
+            inside = effect.with_values(np.r_[x[i], x[i + 1], y[j], y[j + 1], effect.values[4:]])
+            own, std = self.model.columns_of(inside)
+            columns.append((own[..., 0] / self._scale).ravel())
+        each = np.array(columns)
+        spans = [list(combinations(range(len(edges)), 2)) for edges in (x, y)]
+        boxes = list(product(*spans))
+        chosen = np.zeros((len(boxes), len(x) - 1, len(y) - 1))
+        for k, ((left, right), (low, high)) in enumerate(boxes):
+            chosen[k, left:right, low:high] = 1.0
+        pick = chosen.reshape(len(boxes), -1)
+        within = np.einsum("vi,ij,vj->v", pick, each @ each.T, pick, optimize=True)[:, None, None]
+        base, pull = each @ self._base.reshape(each.shape[1], -1), each @ self._left.ravel()
+        gains = self._factor(within, (pick @ base)[:, None], (pick @ pull)[:, None], std)
+        best = set(np.argsort(-gains)[:KEPT].tolist())
+        found = []
+        for k, (gain, ((a, b), (c, d))) in enumerate(zip(gains.tolist(), boxes, strict=True)):
+            box = effect.with_values(np.r_[x[a], x[b], y[c], y[d], effect.values[4:]]) if k in best else effect
+            found.append((gain, box))
+        return found
+
+    @cached_property
+    def _cells(self) -> tuple[Array, Array]:
+        """Edges over all wheels' tracks."""
+        wheels, tracks = self.model.cart.wheel_set.wheels, []
+        for balances in self.model.logs:
+            pose = balances.motion.pose
+            tracks += [pose[:, :2] + rotation_planar(pose[:, 2]) @ [wheel.x, wheel.y] for wheel in wheels]
+        points = np.concatenate(tracks)
+        low, high = points.min(axis=0) - RIM, points.max(axis=0) + RIM
+        counts = np.clip(np.ceil((high - low) / CELL), 1, MOST_CELLS).astype(int)
+        return np.linspace(low[0], high[0], counts[0] + 1), np.linspace(low[1], high[1], counts[1] + 1)
+
+    # --- laws ----------------------------------------------------------------------------------------------------
+
+    def laws(self) -> Iterator[tuple[Law, int]]:
+        """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
+        model = self.model
+        taken = {law.key for law in model.laws}
+        for law in smooth_laws(model.cart.constraints.n_free > 1):
+            if law.key not in taken:
+                yield law, 1
+        periods = scanned(model.logs, model.cart, self.gains, model.whitened)
+        periods.sort(key=lambda one: -one[0])
+        for _, law in periods[:KEPT]:
+            best = self._tuned(law)
+            for harmonics in HARMONICS:
+                yield (
+                    periodic(best.variable, best.unit, float(best.period or 1.0), harmonics, best.is_moment),
+                    len(periods),
+                )
+
+    def _tuned(self, law: Law) -> Law:
+        """At the period nearby where one harmonic gains most."""
+        near = [
+            periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.is_moment) for share in NEARBY
+        ]
+        columns = np.stack(
+            [self.model.whitened([one.columns(b, self.model.cart) for b in self.model.logs]) for one in near]
+        )
+        return near[int(np.argmax(self.gains(columns, law.std)))]
+
+
+def _spans(n: int, gate: Gate, side: int) -> np.ndarray:
+    """Of blocks (v, 2), first and one past the last."""
+    if gate is Gate.FROM:
+        first = np.arange(side, n - side)
+        return np.column_stack([first, np.full(len(first), n)])
+    return np.array([(i, i + size) for size in LENGTHS for i in range(n - size + 1)]).reshape(-1, 2)

@@ -1,0 +1,238 @@
+"""Which effects logs' model lacks: by one score, added one at a time, and dropped where they are worth nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.effects.time_delay import TimeDelay
+
+from ..weak_form.score import Score
+from .candidates import amplitudes_of, families
+from .laws import Law
+from .model import Model
+from .plausible import is_plausible
+from .refine import refined
+from .screening import Screen
+
+WORTH = 10.0
+"""Of the score: what is added gains so much at least, and a simpler one is taken unless another gains so much more."""
+SHARE = 0.12
+"""Of the largest gain so far: what is smaller may be what the form of the first leaves."""
+SIMPLER = 0.2
+"""Of the best gain: by what less a simpler candidate is taken."""
+NEAR, MOST_REFITTED = 0.3, 5
+"""Of the best gain, and how many: candidates that are refined and refitted."""
+RESIZED = 2.0
+"""Of the score: what another size of an effect of the file gains at least."""
+MOST_STEPS = 6
+ODDS = {"rolling_resistance": 4.0}
+"""Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
+
+
+@dataclass(frozen=True)
+class Refit:
+    """An effect of the cart file has another size than it says."""
+
+    effect: Effect
+
+    @property
+    def key(self) -> str:
+        return f"{self.effect.key} refitted"
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A candidate with its gain, and the model with it where it was refitted."""
+
+    candidate: Effect | Law | Refit
+    gain: float
+    tried: int
+    model: Model | None = None
+
+    @property
+    def key(self) -> str:
+        return self.candidate.key
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers it takes."""
+        if isinstance(self.candidate, Law):
+            return self.candidate.size + 2
+        if isinstance(self.candidate, Refit):
+            return len(self.candidate.effect.parameters)
+        return len(self.candidate.parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What was tried, best first; the one that was added (None: none was worth it)."""
+
+    attempts: tuple[Attempt, ...]
+    added: Attempt | None
+
+
+def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[Model, list[Step]]:
+    """The model with all that is worth it, and what was tried on the way."""
+    steps: list[Step] = []
+    first = 0.0
+    for number in range(MOST_STEPS):
+        tell(f"looking for what is missing, step {number + 1}")
+        attempts = tried(model)
+        best = chosen(attempts)
+        if best is None or best.model is None or best.gain < max(WORTH, SHARE * first):
+            steps.append(Step(tuple(attempts), None))
+            break
+        steps.append(Step(tuple(attempts), best))
+        first = max(first, best.gain)
+        model = dropped(searched_again(best.model.rewhitened()), WORTH)
+    return resized(model), steps
+
+
+def resized(model: Model) -> Model:
+    """With effects of the file at other sizes than it says, where the logs do: that names nothing."""
+    for effect in model.guess.effects:
+        if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
+            new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
+            if worth(model.score, new.score, None) > RESIZED:
+                model = new
+    return model
+
+
+def tried(model: Model) -> list[Attempt]:
+    """All candidates, the most worth first; the best few refitted."""
+    screen, found = Screen(model), []
+    for family in families(model.cart, model.logs[0].wrenches.arms):
+        best, count = screen.best(family)
+        own = [attempt(model, effect, count) for effect in best]
+        if own:
+            found.append(max(own, key=lambda one: one.gain))
+    for effect in model.guess.effects:
+        if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
+            new = replace(model, wide=model.wide | {effect.key})
+            new = new.refitted(model.cart)
+            found.append(Attempt(Refit(effect), worth(model.score, new.score, None), 1, new))
+    for law, count in screen.laws():
+        score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
+        found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
+    found.sort(key=lambda one: -one.gain)
+    enough = max(NEAR * found[0].gain, WORTH / 2)
+    near = [extended(model, screen, one) for one in found[:MOST_REFITTED] if one.gain > enough]
+    rest = [one for one in found if one.key not in {n.key for n in near}]
+    return sorted(near, key=lambda one: -one.gain) + rest
+
+
+def chosen(attempts: list[Attempt]) -> Attempt | None:
+    """The simplest of those that are worth about as much as the best."""
+    known = [one for one in attempts if one.model is not None and _may_be(one)]
+    if not known:
+        return None
+    most = max(one.gain for one in known)
+    enough = most - max(WORTH, SIMPLER * most)
+    return min((one for one in known if one.gain >= enough), key=lambda one: (one.numbers, -one.gain))
+
+
+def _may_be(one: Attempt) -> bool:
+    if isinstance(one.candidate, Law | Refit):
+        return True
+    assert one.model is not None
+    return is_plausible(one.candidate, one.model.cart.wheel_set)
+
+
+def worth(base: Score, score: Score, colour: float | None) -> float:
+    """By how much a score is better: in pieces, and, of what acts everywhere, in stretches too. Of what happens once,
+    beside noise of a colour, as many times less."""
+    pieces = float(score.pieces.sum() - base.pieces.sum())
+    return pieces / colour if colour is not None else min(pieces, float(score.stretches.sum() - base.stretches.sum()))
+
+
+def _colour(model: Model, effect: Effect) -> float | None:
+    """Beside which an effect is judged that does not act everywhere: a push is like anything that drifts."""
+    if effect.gate is Gate.ALWAYS:
+        return None
+    return model.colour if effect.gate.ends else 1.0
+
+
+def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
+    """Its score where the model's parameters move a little, if at all; the effect with its amplitudes."""
+    if isinstance(effect, TimeDelay):
+        score = model.late(effect.delay).score
+        fitted: Effect = effect
+    else:
+        columns, std = model.columns_of(effect)
+        score = model.with_columns(columns, std)
+        own, values = score.fit[-columns.shape[2] :], effect.values.copy()
+        if isinstance(effect, ConstraintEffect):
+            fitted = effect.scaled(float(own[0]))
+        else:
+            values[amplitudes_of(effect)] += own
+            fitted = effect.with_values(values)
+    gain = worth(model.score, score, _colour(model, effect)) - float(np.log(tried))
+    return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
+
+
+def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
+    """With its settings where they are best, and fitted with all else."""
+    if isinstance(one.candidate, Refit):
+        return one
+    if isinstance(one.candidate, Law):
+        new = replace(model, laws=(*model.laws, one.candidate))
+        return replace(one, model=new.refitted(model.cart))
+    best = refined(absent(one.candidate), screen.gain)
+    best_attempt = attempt(model, best, one.tried)
+    effect = best_attempt.candidate
+    assert not isinstance(effect, Law | Refit)
+    new = model.refitted(model.cart.with_effect(effect))
+    gain = worth(model.score, new.score, _colour(model, effect)) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
+    fitted = next(e for e in new.cart.effects if e.key == effect.key)
+    return Attempt(fitted, gain, one.tried, new)
+
+
+def absent(effect: Effect) -> Effect:
+    """At the same settings, without amplitudes."""
+    if isinstance(effect, ConstraintEffect):
+        return type(effect).usual(effect.label)
+    values = effect.values.copy()
+    own = amplitudes_of(effect)
+    values[own] = [effect.parameters[i].absent for i in own]
+    return effect.with_values(values)
+
+
+def added(model: Model) -> list[Effect]:
+    known = {effect.key for effect in model.guess.effects}
+    return [effect for effect in model.cart.effects if effect.key not in known]
+
+
+def searched_again(model: Model) -> Model:
+    """With the settings of what was added where they are best beside all else."""
+    for effect in added(model):
+        if isinstance(effect, ConstraintEffect):
+            continue
+        less = model.refitted(model.cart.without_effect(effect.key))
+        best = refined(absent(effect), Screen(less).gain)
+        if not np.allclose(best.values, absent(effect).values):
+            fitted = attempt(less, best, 1).candidate
+            assert not isinstance(fitted, Law | Refit)
+            model = less.refitted(less.cart.with_effect(fitted))
+    return model
+
+
+def dropped(model: Model, least: float) -> Model:
+    """Without what later ones have made superfluous."""
+    while len(added(model)) + len(model.laws) > 1:
+        losses = []
+        for effect in added(model):
+            less = model.refitted(model.cart.without_effect(effect.key))
+            losses.append((worth(less.score, model.score, _colour(model, effect)), less))
+        for law in model.laws:
+            less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
+            losses.append((worth(less.score, model.score, None), less))
+        loss, less = min(losses, key=lambda one: one[0])
+        if loss >= least:
+            break
+        model = less.rewhitened()
+    return model

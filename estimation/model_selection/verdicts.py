@@ -1,0 +1,28 @@
+"""Why each candidate of a step of the search was added, or was not, in words."""
+
+from __future__ import annotations
+
+from cartgrasp.effects import Effect
+
+from .plausible import is_plausible
+from .search import WORTH, Attempt, Step
+
+ADDED = "added"
+TOO_LITTLE = "less than needed"
+SIMPLER = "a simpler one does as well"
+BETTER = "another one explains more"
+ODD = "nobody would call it so at these values"
+
+
+def verdict(step: Step, one: Attempt) -> str:
+    """Of one of a step's attempts."""
+    if one is step.added:
+        return ADDED
+    if one.gain < WORTH:
+        return TOO_LITTLE
+    fitted = one.candidate if one.model is not None else None
+    if one.model is not None and isinstance(fitted, Effect) and not is_plausible(fitted, one.model.cart.wheel_set):
+        return ODD
+    if step.added is None:
+        return TOO_LITTLE
+    return SIMPLER if one.gain >= step.added.gain else BETTER

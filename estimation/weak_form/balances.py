@@ -1,0 +1,228 @@
+"""Balances of momentum in weak form: of a log, linear in a cart's parameters.
+
+Each balance is multiplied by a test function and integrated,
+
+    ∫ φ (Sᵀ wrench_b - w(pose, nu, nu'; theta)) dt = noise,
+
+with w the reduced wrench that the motion takes (physics 4). Test functions are cubic B-splines, a tenth of a second or
+more apart. The motion's acceleration is the second derivative of a spline with twice their knots, so that the integral
+is that of the recorded motion against their slope, whatever its noise: nothing is differentiated. Where an axle must
+not go sideways, its speed across the wheels is one more balance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.sparse import csr_array
+
+from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from .motion import KNOT_STEPS, Motion, motion_of
+from .sensor_noise import noise_density
+from .wrenches import GridWrenches
+
+STILL_SPEED = 0.02
+"""m/s: below it a cart may stand, and brakes, chocks and friction hold any force."""
+STILL_DEVIATIONS = 2.0
+"""Of the smooth speed."""
+LEVER = 0.35
+"""m: half of a usual track."""
+SUPPORT = 4
+"""Row steps over which a cubic B-spline is not zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Balances:
+    """Of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed across."""
+
+    name: str
+    motion: Motion
+    wrenches: GridWrenches
+    log: RunLog
+    per_row: int
+
+    @classmethod
+    def of(cls, log: RunLog, cart: CartModel, row_step: float = 0.1) -> Balances:
+        """`row_step` (s) from one test function to the next: what is faster than half of its inverse is left out."""
+        motion = motion_of(log, cart)
+        late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
+        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1).every(row_step)
+
+    def every(self, row_step: float) -> Balances:
+        """With test functions about `row_step` (s) apart."""
+        return replace(self, per_row=max(round(row_step / self.motion.step), KNOT_STEPS * 2))
+
+    @property
+    def row_step(self) -> float:
+        return self.per_row * self.motion.step
+
+    def late(self, lateness: float) -> Balances:
+        """With wrenches that were felt `lateness` (s) before they were recorded."""
+        return replace(self, wrenches=GridWrenches.on(self.log, self.motion, lateness))
+
+    @property
+    def turning_speed(self) -> Array:
+        """How fast the cart and its wheels go (n,), m/s."""
+        velocity = self.motion.velocity
+        turning = np.abs(velocity[:, -1]) if velocity.shape[1] > 1 else 0.0
+        return np.asarray(self.motion.speed + LEVER * turning)
+
+    @property
+    def still_speed(self) -> float:
+        """m/s: a cart that seems to go slower may stand."""
+        return float(np.hypot(STILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
+
+    # --- test functions ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def _test(self) -> csr_array:
+        """Test functions (all rows, n) times the grid's step."""
+        n = len(self.motion.time)
+        count = max((n - 1 - SUPPORT * self.per_row) // self.per_row + 1, 0)
+        inside = np.arange(SUPPORT * self.per_row + 1) / self.per_row
+        phi = (
+            np.nan_to_num(BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)(inside)) * self.motion.step
+        )
+        first = self.per_row * np.arange(count)
+        columns = (first[:, None] + np.arange(len(phi))).ravel()
+        return csr_array((np.tile(phi, count), columns, len(phi) * np.arange(count + 1)), shape=(count, n))
+
+    @cached_property
+    def used(self) -> np.ndarray:
+        """Of all test functions, those in whose support everything was seen and the cart moves: where it stands,
+        anything may hold it. Where it stands throughout, all that was seen."""
+        test = self._test
+        touches = csr_array((np.ones_like(test.data), test.indices, test.indptr), shape=test.shape)
+        seen = touches @ (~self.wrenches.seen).astype(float) == 0
+        moves = touches @ (self.turning_speed > self.still_speed).astype(float) > 0
+        return np.flatnonzero(seen & moves if (seen & moves).any() else seen)
+
+    @cached_property
+    def time(self) -> Array:
+        """Middles (k,) of the rows' test functions."""
+        return np.asarray(self.motion.time[self.per_row * self.used + SUPPORT * self.per_row // 2])
+
+    @cached_property
+    def _used_test(self) -> csr_array:
+        return csr_array(self._test[self.used])
+
+    def overlap(self, order: int, lag: int) -> float:
+        """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order -
+        1))."""
+        return _overlap(order, lag) * self.row_step ** (1 - 2 * order)
+
+    def integrated(self, signals: Array) -> Array:
+        """Signals (n, ...) against the test functions (k, ...)."""
+        flat = signals.reshape(len(signals), -1)
+        return np.asarray(self._used_test @ flat).reshape(-1, *signals.shape[1:])
+
+    @cached_property
+    def wrench_densities(self) -> Array:
+        """Roots of the noise densities of each arm's wrench (arms, 6), N/√Hz, N·m/√Hz."""
+        arms = [[noise_density(self.log.time, axis) for axis in arm.wrench.T] for arm in self.log.arms.values()]
+        return np.array(arms).reshape(-1, 6)
+
+    @property
+    def sample_step(self) -> float:
+        """Usual step (s) of the log's samples."""
+        return float(np.median(np.diff(self.log.time)))
+
+    def timing(self, cart: CartModel) -> Array:
+        """What the residual (k, c) lacks for each second that wrenches are late."""
+        rate = np.gradient(self.wrenches.planar(cart) @ cart.basis_b, self.motion.step, axis=0)
+        if self.motion.across is not None:
+            rate = np.column_stack([rate, np.zeros(len(rate))])
+        return -self.integrated(rate)
+
+    def lever(self, cart: CartModel, effect: Effect) -> Array:
+        """What the residual (k, c, 1) lacks for each metre that a force effect of the cart acts to the left of where
+        the model says."""
+        other = cart.without_effect(effect.key)
+        force = np.zeros(len(self.motion.time))
+        for sign, each in ((1.0, cart), (-1.0, other)):
+            force += sign * each.effect_wrench(self.state(each), time=self.motion.time)[:, 0]
+        found = np.zeros((len(force), self.n_balances(cart), 1))
+        found[:, cart.constraints.n_free - 1, 0] = force
+        return self.integrated(found)
+
+    # --- balances ----------------------------------------------------------------------------------------------
+
+    def n_balances(self, cart: CartModel) -> int:
+        return cart.constraints.n_free + (cart.constraints.n_rows == 1)
+
+    def state(self, cart: CartModel) -> Array:
+        """Of the cart along the motion (n, s)."""
+        motion = self.motion
+        memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
+        return np.hstack([motion.pose, motion.velocity, memory])
+
+    def residual(self, cart: CartModel) -> tuple[Array, Array]:
+        """What is left (k, c), and how much of it a unit of each parameter takes away (k, c, p)."""
+        state = self.state(cart)
+        inverse = cart.inverse(state, self.motion.acceleration, time=self.motion.time)
+        planar = self.wrenches.planar(cart)
+        left = planar @ cart.basis_b - inverse.wrench
+        slopes = inverse.by_parameters - self.wrenches.slopes(cart, inverse.wrench)
+        share = self.wrenches.recorded_share(cart)
+        if share is not None:
+            left, slopes = (share @ left[..., None])[..., 0], share @ slopes
+        if self.motion.across is not None:
+            aside = self.motion.across - self.creep(cart, state, planar)
+            left = np.column_stack([left, aside])
+            slopes = np.concatenate([slopes, np.zeros((len(left), 1, slopes.shape[2]))], axis=1)
+        return self.integrated(left), self.integrated(slopes)
+
+    def creep(self, cart: CartModel, state: Array, planar: Array) -> Array:
+        """Speed (n,) of the axle to {b}'s left that the cart's constraint effects make of the motion."""
+        if not cart.constraint_effects:
+            return np.zeros(len(state))
+        rate = cart.state_rate(state, planar, time=self.motion.time)
+        heading = state[:, 2]
+        axle = float(cart.constraints.axle_x or 0.0)
+        return np.asarray(-np.sin(heading) * rate[:, 0] + np.cos(heading) * rate[:, 1] + axle * rate[:, 2])
+
+    def columns(self, cart: CartModel, effect: Effect) -> Array:
+        """How much of the residual a unit of each parameter of one more effect takes away (k, c, q); of a constraint
+        effect, its usual size (q = 1)."""
+        if isinstance(effect, ConstraintEffect):
+            return self._sideways(cart, effect)
+        whole = replace(cart, effects=(*cart.effects, effect))
+        own = slice(len(cart.parameters), None)
+        if isinstance(effect, SensorEffect):
+            slopes = -self.wrenches.slopes(whole, self._expected(cart))[..., own]
+        else:
+            inverse = whole.inverse(self.state(whole), self.motion.acceleration, time=self.motion.time)
+            slopes = inverse.by_parameters[..., own]
+        if self.motion.across is not None:
+            slopes = np.concatenate([slopes, np.zeros((len(slopes), 1, slopes.shape[2]))], axis=1)
+        return self.integrated(slopes)
+
+    def _expected(self, cart: CartModel) -> Array:
+        """The reduced wrench (n, f) that a cart's motion takes."""
+        return cart.required_wrench(self.state(cart), self.motion.acceleration, time=self.motion.time)
+
+    def _sideways(self, cart: CartModel, effect: ConstraintEffect) -> Array:
+        planar, state = self.wrenches.planar(cart), self.state(cart)
+        whole = cart.with_effect(effect)
+        aside = self.creep(whole, state, planar) - self.creep(cart, state, planar)
+        found = np.zeros((len(aside), self.n_balances(cart), 1))
+        found[:, -1, 0] = aside
+        return self.integrated(found)
+
+
+@lru_cache
+def _overlap(order: int, lag: int) -> float:
+    """Of test functions one second apart."""
+    inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
+    element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
+    one = np.nan_to_num((element.derivative(order) if order else element)(inside))
+    other = np.zeros_like(one)
+    other[40 * lag :] = one[: len(one) - 40 * lag]
+    return float(np.trapezoid(one * other, inside))

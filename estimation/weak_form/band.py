@@ -1,0 +1,105 @@
+"""Up to which frequency a model foretells a log's motion: as far as its mass is the same as in narrower bands.
+
+Regressed force on acceleration, a mass comes out too small where the acceleration has a share that no wrench made (a
+rider leans, hands give); acceleration on force, too large (Frisch, 1934): between the two lies what can't be known. The
+share is largest at high frequencies, so a mass that is wrong for it changes with the band, which is Hausman's test
+(1978) of a fit that uses more against one that assumes less.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.effects import DirectionalDrag, Effect, FloorSlope, ForceBias, QuadraticDrag, RollingResistance
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from .balances import SUPPORT, Balances
+from .rows import wrench_noise
+
+ROW_STEPS = (0.1, 0.2, 0.4, 0.8, 1.6)
+"""s, of the test functions that are tried; half of the inverse is the band's upper end (Hz)."""
+FAR, FAR_SHARE = 3.0, 0.05
+"""Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
+MOST_OPEN = 0.08
+"""Of the mass: half of a bracket beyond which a model foretells too little of what moves the cart."""
+FEWEST = 12
+"""Rows for each column."""
+LAGS = 8
+"""Rows over which residuals may be correlated (Newey and West, 1987)."""
+RICH: tuple[Effect, ...] = (RollingResistance(), QuadraticDrag(), DirectionalDrag(), ForceBias(), FloorSlope())
+"""What a residual is made of that says nothing about the mass."""
+TRACE = 1e-6
+
+
+@dataclass(frozen=True)
+class Band:
+    """Step (s) of a log's test functions; the mass there (kg), its scatter, and half of its two-way bracket."""
+
+    row_step: float
+    mass: float
+    std: float
+    bracket: float
+
+    def agrees(self, narrower: Band) -> bool:
+        """Whether the mass is that of a narrower band."""
+        return abs(self.mass - narrower.mass) < max(FAR * narrower.std, FAR_SHARE * narrower.mass)
+
+
+def bands(balances: Balances, cart: CartModel) -> list[Band]:
+    """Of a log whose wrenches say something about the mass, with a cart's structure; the widest first."""
+    span = float(balances.motion.time[-1] - balances.motion.time[0])
+    steps = [step for step in ROW_STEPS if step * (FEWEST + SUPPORT) < span and balances.wrenches.arms]
+    found = (_band(balances.every(step), cart) for step in steps)
+    return [band for band in found if band is not None]
+
+
+def consistent(known: list[Band]) -> Band | None:
+    """The widest band in which the model foretells the motion, with the mass of all narrower ones; where it foretells
+    too little in all of them, the widest with their mass. None of none."""
+    steady = [band for i, band in enumerate(known) if all(map(band.agrees, known[i + 1 :]))]
+    foretold = [band for band in steady if band.bracket < MOST_OPEN * band.mass]
+    return next(iter(foretold or steady), None)
+
+
+def _band(balances: Balances, cart: CartModel) -> Band | None:
+    left, slopes = balances.residual(cart)
+    taken = {effect.name for effect in cart.effects}
+    rich = [balances.columns(cart, e)[:, 0] for e in RICH if e.name not in taken]
+    own = slopes[:, 0]
+    others = np.column_stack([own[:, 1:], *rich])
+    acceleration, force = own[:, 0], left[:, 0] + cart.inertia.mass * own[:, 0]
+    sizes = np.linalg.norm(others, axis=0)
+    others = others[:, sizes > TRACE * sizes.max(initial=0.0)]
+    if len(force) < FEWEST or not (np.abs(force) > 0).any() or not (np.abs(acceleration) > 0).any():
+        return None
+    basis = _orthogonal(others)
+    if len(force) < FEWEST + basis.shape[1]:
+        return None
+    x, y = (signal - basis @ (basis.T @ signal) for signal in (acceleration, force))
+    size = float(x @ x)
+    mass = float(x @ y) / size
+    rest = y - mass * x
+    known = wrench_noise(balances, cart)[0] ** 2 * balances.overlap(0, 0)
+    excess = max(float(rest @ rest) / (len(rest) - basis.shape[1] - 1) - known, 0.0) * len(rest)
+    if mass <= 0:
+        return None
+    moments = x * rest
+    scatter = float(moments @ moments)
+    for lag in range(1, min(LAGS, len(moments) // 4) + 1):
+        scatter += 2 * (1 - lag / (LAGS + 1)) * float(moments[lag:] @ moments[:-lag])
+    return Band(
+        balances.row_step,
+        mass,
+        float(np.sqrt(max(scatter, float(moments @ moments) / 4))) / size,
+        excess / (2 * mass * size),
+    )
+
+
+def _orthogonal(columns: Array) -> Array:
+    """A basis (k, r) of the columns' span."""
+    unit = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    left, values, _ = np.linalg.svd(unit, full_matrices=False)
+    return np.asarray(left[:, values > 1e-4 * values.max(initial=1.0)])

@@ -1,0 +1,115 @@
+"""The motion of a log on a uniform grid: smooth where it enters a model nonlinearly, unbiased where it is a rate of
+momentum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from .sensor_noise import MotionNoise
+from .splines import Samples, SplineBasis, SplineFit
+
+GRID_STEP = 0.01
+"""s, of the grid, where samples come as often as that."""
+KNOT_STEPS = 5
+"""Steps of the grid from knot to knot of the motion's splines."""
+SAMPLES_PER_KNOT = 2.0
+"""At least: so many samples stand behind each coefficient of a spline."""
+LONGEST_GAP = 3.0
+"""Times the usual step of the samples: over a longer one nobody knows what happened."""
+FEWEST_ROWS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """At times (n,): smooth pose (n, 3) and free velocity (n, f), unbiased free acceleration (n, f) and speed across
+    the wheels at {b}'s axle (n,; from poses alone; None without one). `seen` (n,) where sensors saw it. Standard
+    deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log."""
+
+    time: Array
+    pose: Array
+    velocity: Array
+    acceleration: Array
+    across: Array | None
+    seen: np.ndarray
+    noise: MotionNoise
+    pose_std: Array
+    rate_std: Array
+
+    @property
+    def step(self) -> float:
+        return float(self.time[1] - self.time[0])
+
+    @property
+    def speed(self) -> Array:
+        """Of {b}'s origin (n,), m/s."""
+        return np.abs(self.velocity[:, 0]) if self.velocity.shape[1] < 3 else np.hypot(*self.velocity[:, :2].T)
+
+    @property
+    def way(self) -> Array:
+        """Travelled distance (n,), m."""
+        return np.append(0.0, np.cumsum(self.speed[:-1] * np.diff(self.time)))
+
+
+def motion_of(log: RunLog, cart: CartModel) -> Motion:
+    """Raises DataError for a log that is too short."""
+    seen = np.isfinite(log.pose).all(axis=1)
+    if seen.sum() < FEWEST_ROWS:
+        raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {FEWEST_ROWS} are needed")
+    time = log.time[seen]
+    native = float(np.median(np.diff(time)))
+    step = max(GRID_STEP, SAMPLES_PER_KNOT * native / KNOT_STEPS)
+    first, last = float(time[0]), float(time[-1])
+    if last - first < FEWEST_ROWS * KNOT_STEPS * step:
+        raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
+    grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
+    noise = MotionNoise.of(log)
+    heading = np.unwrap(log.pose[seen, 2])
+    poses = np.column_stack([log.pose[seen, :2], heading])
+    basis = SplineBasis.over(first, last, KNOT_STEPS * step)
+    fits, from_poses = [], []
+    for i in range(3):
+        samples = [Samples(time, poses[:, i], noise.pose[i], 0)]
+        from_poses.append(samples[0])
+        if log.velocity is not None and noise.velocity is not None:
+            known = np.isfinite(log.velocity[:, i]) & (log.time >= first) & (log.time <= last)
+            samples.append(Samples(log.time[known], log.velocity[known, i], noise.velocity[i], 1))
+        fits.append(SplineFit(basis, samples))
+    at, rate, bend = (basis.design(grid, k) for k in range(3))
+    pose = np.column_stack([at @ fit.smooth for fit in fits])
+    smooth_rate = np.column_stack([rate @ fit.smooth for fit in fits])
+    raw_bend = np.column_stack([bend @ fit.unbiased for fit in fits])
+    velocity_b = _turned(pose[:, 2], smooth_rate)
+    acceleration_b = _turned(pose[:, 2], raw_bend)
+    acceleration_b[:, 0] += velocity_b[:, 2] * velocity_b[:, 1]
+    acceleration_b[:, 1] -= velocity_b[:, 2] * velocity_b[:, 0]
+    free = cart.rolling.free_velocity
+    across = _across(log, cart, basis, from_poses, grid, pose) if cart.constraints.n_rows == 1 else None
+    gap = LONGEST_GAP * max(native, step)
+    near = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
+    is_seen = time[near] - time[near - 1] <= gap
+    middle = float(np.median(time))
+    std = [np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1)]
+    return Motion(grid, pose, free(velocity_b), free(acceleration_b), across, is_seen, noise, *std)
+
+
+def _turned(heading: Array, vectors_s: Array) -> Array:
+    """Of {s} into {b}, (n, 3)."""
+    cosine, sine = np.cos(heading), np.sin(heading)
+    x, y, yaw = vectors_s.T
+    return np.column_stack([cosine * x + sine * y, cosine * y - sine * x, yaw])
+
+
+def _across(
+    log: RunLog, cart: CartModel, basis: SplineBasis, samples: list[Samples], grid: Array, pose: Array
+) -> Array:
+    """Speed of the axle to its left (n,), of poses alone: recorded velocities may leave out what wheels creep."""
+    x, y, yaw = (basis.design(grid, 1) @ SplineFit(basis, [one]).unbiased for one in samples)
+    axle = float(cart.constraints.axle_x or 0.0)
+    return np.asarray(-np.sin(pose[:, 2]) * x + np.cos(pose[:, 2]) * y + axle * yaw)

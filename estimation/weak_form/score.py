@@ -1,0 +1,125 @@
+"""One score: the expected log predictive density of rows that a model has not seen.
+
+Rows are whitened, so a Gaussian model's density of some rows given all others is a ratio of two evidences, and both
+are functions of sums of products over blocks of time. Folds are dealt twice: pieces in turn (fair to what happens
+once), and stretches one by one (fair to what must hold everywhere).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+FOLDS = 5
+PIECE, STRETCH = 0.6, 3.0
+"""s."""
+MOST_STRETCHES = 20
+LEAST_SCALE = 1e-3
+"""Of the noise by which rows are whitened: keeps logs without noise finite."""
+
+
+@dataclass(frozen=True, eq=False)
+class Folds:
+    """Of rows' blocks (b,): the fold of pieces in turn, and of stretches, to which each belongs."""
+
+    block: np.ndarray
+    pieces: np.ndarray
+    stretches: np.ndarray
+
+    @classmethod
+    def of(cls, time: Array, row_step: float) -> Folds:
+        """Of rows at times (k,)."""
+        piece = max(PIECE, 2 * row_step)
+        block = ((time - time[0]) // piece).astype(int)
+        kinds, block = np.unique(block, return_inverse=True)
+        duration = float(time[-1] - time[0])
+        long = max(STRETCH, piece, duration / MOST_STRETCHES)
+        return cls(block, kinds % FOLDS, (kinds * piece // long).astype(int))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Folds]) -> Folds:
+        """Of several logs: pieces in turn are dealt in each, stretches are each log's own."""
+        first = np.cumsum([0, *(len(one.pieces) for one in parts)])
+        stretch = np.cumsum([0, *(int(one.stretches.max()) + 1 for one in parts)])
+        return cls(
+            np.concatenate([one.block + at for one, at in zip(parts, first, strict=False)]),
+            np.concatenate([one.pieces for one in parts]),
+            np.concatenate([one.stretches + at for one, at in zip(parts, stretch, strict=False)]),
+        )
+
+    def sums(self, columns: Array) -> Array:
+        """Products of whitened columns (k, c, q), by balance and block (c, b, q, q)."""
+        count = len(self.pieces)
+        ends = np.searchsorted(self.block, np.arange(count + 1))
+        found = np.empty((columns.shape[1], count, columns.shape[2], columns.shape[2]))
+        for b in range(count):
+            own = columns[ends[b] : ends[b + 1]].swapaxes(0, 1)
+            found[:, b] = own.swapaxes(1, 2) @ own
+        return found
+
+    @property
+    def rows(self) -> Array:
+        return np.bincount(self.block).astype(float)
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """Log predictive densities of pieces and stretches, left out one by one, their scales, and the fit."""
+
+    pieces: Array
+    stretches: Array
+    scale: Array
+    fit: Array
+    covariance: Array
+
+    @property
+    def total(self) -> float:
+        return float(min(self.pieces.sum(), self.stretches.sum()))
+
+
+def scored(sums: Array, rows: Array, prior: Array, folds: Folds, scale: Array) -> Score:
+    """Of columns whose sums (c, b, q + 1, q + 1) have the residual last; `prior` standard deviations (q,); from scales
+    (c,) near the model's."""
+    total = sums.sum(axis=1)
+    for _ in range(3):
+        fit, covariance = _fit(total, prior, scale)
+        scale = _scale(total, rows.sum(), fit, covariance, scale)
+    fit, covariance = _fit(total, prior, scale)
+    found = []
+    for fold in (folds.pieces, folds.stretches):
+        left = np.stack([sums[:, fold == f].sum(axis=1) for f in np.unique(fold)], axis=1)
+        n = np.array([rows[fold == f].sum() for f in np.unique(fold)])
+        whole = log_evidence(total[:, None], prior, scale, rows.sum())
+        without = log_evidence(total[:, None] - left, prior, scale, rows.sum() - n)
+        found.append(whole - without)
+    return Score(found[0], found[1], scale, fit, covariance)
+
+
+def log_evidence(total: Array, prior: Array, scale: Array, rows: Array | float) -> Array:
+    """Of sums (c, ..., q + 1, q + 1)."""
+    joint = np.tensordot(scale**-2.0, total, (0, 0))
+    q = len(prior)
+    information = joint[..., :q, :q] + np.diag(prior**-2.0)
+    pull = joint[..., :q, q]
+    explained = (pull * np.linalg.solve(information, pull[..., None])[..., 0]).sum(axis=-1)
+    size = np.linalg.slogdet(information)[1] + 2 * np.log(prior).sum()
+    return np.asarray(-0.5 * (joint[..., q, q] - explained + size) - rows * np.log(scale).sum())
+
+
+def _fit(total: Array, prior: Array, scale: Array) -> tuple[Array, Array]:
+    joint = np.tensordot(scale**-2.0, total, (0, 0))
+    q = len(prior)
+    covariance = np.asarray(np.linalg.inv(joint[:q, :q] + np.diag(prior**-2.0)), dtype=float)
+    return covariance @ joint[:q, q], covariance
+
+
+def _scale(total: Array, rows: float, fit: Array, covariance: Array, scale: Array) -> Array:
+    step = np.append(-fit, 1.0)
+    left = np.einsum("i,cij,j->c", step, total, step)
+    q = len(fit)
+    used = np.einsum("ij,cji->c", covariance, total[:, :q, :q]) / scale**2
+    return np.asarray(np.maximum(np.sqrt(np.maximum(left, 0.0) / np.maximum(rows - used, 0.5 * rows)), LEAST_SCALE))

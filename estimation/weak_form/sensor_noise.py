@@ -1,0 +1,65 @@
+"""White noise of a log's sensors, read off third differences and the steps in which values come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+
+NOISE_OF_DIFFERENCES, MAD_TO_STD = 20**0.5, 1.4826
+"""Third differences of white noise have 20 times its variance; the median of a normal deviate's size."""
+AVERAGED = (0.0, 0.02, 0.05)
+"""s: blocks over which samples are averaged; over longer ones, motion shows."""
+LEAST_POSITION, LEAST_VELOCITY = 2e-6, 1e-4
+"""m (rad), m/s (rad/s): of the best motion capture."""
+
+
+@dataclass(frozen=True)
+class MotionNoise:
+    """Standard deviations of one sample: of poses (3,) in m, m, rad, and of velocities (3,) where there are any."""
+
+    pose: Array
+    velocity: Array | None
+
+    @classmethod
+    def of(cls, log: RunLog) -> MotionNoise:
+        heading = log.pose[:, 2].copy()
+        heading[np.isfinite(heading)] = np.unwrap(heading[np.isfinite(heading)])
+        position = max(white_noise(log.pose[:, 0]), white_noise(log.pose[:, 1]), LEAST_POSITION)
+        pose = np.array([position, position, max(white_noise(heading), LEAST_POSITION)])
+        if log.velocity is None or not np.isfinite(log.velocity).any():
+            return cls(pose, None)
+        linear = max(white_noise(log.velocity[:, 0]), white_noise(log.velocity[:, 1]), LEAST_VELOCITY)
+        return cls(pose, np.array([linear, linear, max(white_noise(log.velocity[:, 2]), LEAST_VELOCITY)]))
+
+
+def white_noise(channel: Array) -> float:
+    """Standard deviation of what neither goes on nor bends; of values in steps, at least that of rounding."""
+    present = channel[np.isfinite(channel)]
+    if len(present) < 8:
+        return 0.0
+    jumps = np.abs(np.diff(present))
+    rounding = float(jumps[jumps > 0].min(initial=np.inf)) if (jumps > 0).any() else 0.0
+    from_differences = MAD_TO_STD * float(np.median(np.abs(np.diff(present, 3)))) / NOISE_OF_DIFFERENCES
+    return max(from_differences, rounding / 12**0.5)
+
+
+def noise_density(time: Array, channel: Array) -> float:
+    """Root of the density (unit/√Hz) of noise as slow as a test function sees it: of means over longer and longer
+    blocks, the largest. Noise that is filtered, or held from sample to sample, looks quieter from row to row than it
+    is."""
+    known = np.isfinite(channel)
+    present = channel[known]
+    if len(present) < 2:
+        return 0.0
+    step = float(np.median(np.diff(time[known])))
+    densities = []
+    for length in AVERAGED:
+        size = max(1, round(length / step))
+        count = len(present) // size
+        means = present[: count * size].reshape(count, size).mean(axis=1)
+        densities.append(white_noise(means) * (size * step) ** 0.5)
+    return float(max(densities))

@@ -1,0 +1,143 @@
+"""Least-squares splines through samples of a signal and of its rate: banded, in time proportional to their number.
+
+A fit is either `unbiased` (knots alone limit its band, so that accelerations are those that acted, with the sensors'
+noise) or `smooth`: a penalty on third differences of the coefficients, as large as restricted maximum likelihood says
+(Wood, Generalized Additive Models, 2nd ed., 6.2), takes out what is more likely noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.optimize import minimize_scalar
+from scipy.sparse import csr_array, diags_array
+
+from cartgrasp.frames import Array
+
+DEGREE = 4
+ORDER = 3
+"""Of the differences that are penalised: what is left free is a constant acceleration."""
+LEAST_PENALTY = 1e-9
+"""Times the data's weight: it bridges gaps."""
+LOOSE, STIFF = -9.0, 12.0
+"""Decades of penalty over the data's weight between which the likelihood is searched."""
+OUTLYING = 4.0
+"""Standard deviations from which on a sample counts for less (Huber's weight would be 1.345; noise here is known)."""
+ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Values (n,) of a signal (`derivative` 0) or of its rate (1) at times (n,), with their standard deviation."""
+
+    time: Array
+    value: Array
+    std: float
+    derivative: int
+
+
+@dataclass(frozen=True, eq=False)
+class SplineBasis:
+    """B-splines of degree 4 on knots `step` (s) apart from `start` on, `count` of them."""
+
+    start: float
+    step: float
+    count: int
+
+    @classmethod
+    def over(cls, first: float, last: float, step: float) -> SplineBasis:
+        return cls(first, step, max(int(np.ceil((last - first) / step)), 1) + DEGREE)
+
+    @cached_property
+    def knots(self) -> Array:
+        return np.asarray(self.start + self.step * np.arange(-DEGREE, self.count + 1), dtype=float)
+
+    def design(self, time: Array, derivative: int = 0) -> csr_array:
+        """(n, count), of the derivative at times (n,) inside the knots."""
+        if derivative == 0:
+            return csr_array(BSpline.design_matrix(time, self.knots, DEGREE))
+        lower = BSpline.design_matrix(time, self.knots[derivative:-derivative], DEGREE - derivative)
+        return csr_array(lower @ self.differences(derivative) / self.step**derivative)
+
+    def differences(self, order: int) -> csr_array:
+        """(count - order, count)."""
+        found = diags_array(np.ones(self.count), format="csr")
+        for _ in range(order):
+            found = found[1:] - found[:-1]
+        return csr_array(found)
+
+
+class SplineFit:
+    """Of one signal on a basis."""
+
+    def __init__(self, basis: SplineBasis, samples: Sequence[Samples]) -> None:
+        self.basis = basis
+        self._designs = [basis.design(one.time, one.derivative) for one in samples]
+        self._samples = tuple(samples)
+        self._weights = [np.full(len(one.time), one.std**-2.0) for one in samples]
+        self._roughness = _banded((basis.differences(ORDER).T @ basis.differences(ORDER)).tocsr(), DEGREE)
+        self.smooth = self._robust()
+        self.unbiased = self._solved(self._scale * LEAST_PENALTY)
+
+    @cached_property
+    def _scale(self) -> float:
+        """The data's weight on one coefficient."""
+        return float(np.mean(self._normal[0][-1]))
+
+    def smooth_std(self, time: float, derivative: int = 0) -> float:
+        """Of the smooth fit at a time, if its penalty is that of the truth (a Bayesian credible one)."""
+        matrix = self._normal[0] + self._penalty * self._roughness
+        point = self.basis.design(np.array([time]), derivative).toarray()[0]
+        return float(np.sqrt(point @ cho_solve_banded((cholesky_banded(matrix), False), point)))
+
+    @property
+    def _normal(self) -> tuple[Array, Array]:
+        matrix = np.zeros((DEGREE + 1, self.basis.count))
+        right = np.zeros(self.basis.count)
+        for design, one, weight in zip(self._designs, self._samples, self._weights, strict=True):
+            weighted = diags_array(weight) @ design
+            matrix += _banded((design.T @ weighted).tocsr(), DEGREE)
+            right += weighted.T @ one.value
+        return matrix, right
+
+    def _robust(self) -> Array:
+        """The smooth fit, with samples far from it weighed less, round by round."""
+        coefficients = np.zeros(self.basis.count)
+        for _ in range(ROUNDS):
+            self._penalty = self._likely_penalty()
+            coefficients = self._solved(self._penalty)
+            for i, (design, one) in enumerate(zip(self._designs, self._samples, strict=True)):
+                off = np.abs(one.value - design @ coefficients) / one.std
+                self._weights[i] = one.std**-2.0 / np.maximum(off / OUTLYING, 1.0) ** 2
+        return coefficients
+
+    def _solved(self, penalty: float) -> Array:
+        matrix, right = self._normal
+        return np.asarray(cho_solve_banded((cholesky_banded(matrix + penalty * self._roughness), False), right))
+
+    def _likely_penalty(self) -> float:
+        matrix, right = self._normal
+        scale, free = float(np.mean(matrix[-1])), self.basis.count - ORDER
+
+        def misfit(decade: float) -> float:
+            penalty = scale * 10.0**decade
+            root = cholesky_banded(matrix + penalty * self._roughness)
+            explained = right @ cho_solve_banded((root, False), right)
+            return float(2 * np.log(root[-1]).sum() - free * np.log(penalty) - explained)
+
+        decade = float(minimize_scalar(misfit, bounds=(LOOSE, STIFF), method="bounded").x)
+        return float(scale * 10.0**decade)
+
+
+def _banded(matrix: csr_array, width: int) -> Array:
+    """Upper banded form (width + 1, n) of a symmetric matrix, as scipy's banded solvers take it."""
+    n = matrix.shape[0]
+    found = np.zeros((width + 1, n))
+    for k in range(min(width + 1, n)):
+        found[width - k, k:] = matrix.diagonal(k)
+    return found

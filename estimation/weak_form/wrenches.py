@@ -1,0 +1,115 @@
+"""The recorded wrenches of a log on a motion's grid: each point has the mean of what was recorded around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from .motion import LONGEST_GAP, Motion
+
+
+@dataclass(frozen=True, eq=False)
+class GridWrenches:
+    """Planar grasp maps (arms, n, 3, 6) and wrenches in {a} (arms, n, 6) at times (n,); `seen` (n,) where all are."""
+
+    arms: tuple[str, ...]
+    time: Array
+    grasps: Array
+    recorded: Array
+    seen: np.ndarray
+
+    @classmethod
+    def on(cls, log: RunLog, motion: Motion, lateness: float = 0.0) -> GridWrenches:
+        """Of sensors that tell what they felt `lateness` (s) ago."""
+        grasps, recorded, seen = [], [], motion.seen.copy()
+        for arm in log.arms.values():
+            known = np.isfinite(arm.wrench).all(axis=1)
+            mean, near = _means(log.time[known] - lateness, arm.wrench[known], motion.time, motion.step)
+            contact, held = _held(log.time, arm.contact, motion.time)
+            grasps.append(grasp_map_planar(contact))
+            recorded.append(mean)
+            seen &= near & held
+        shape = len(log.arms), len(motion.time)
+        return cls(
+            tuple(log.arms),
+            motion.time,
+            np.array(grasps).reshape(*shape, 3, 6),
+            np.array(recorded).reshape(*shape, 6),
+            seen,
+        )
+
+    def planar(self, cart: CartModel) -> Array:
+        """The true planar wrench on the cart (n, 3) in {b} behind what is recorded."""
+        value = np.zeros((len(self.time), 3))
+        for arm, grasp, recorded in zip(self.arms, self.grasps, self.recorded, strict=True):
+            true = cart.corrected_wrench(arm, recorded)[0] if cart.sensor_effects else recorded
+            value += (grasp @ true[..., None])[..., 0]
+        return value
+
+    def recorded_share(self, cart: CartModel) -> Array | None:
+        """By how much (n, f, f) what is recorded changes for what acts, where sensors are not as they should be: what
+        is left is compared in recorded wrenches, whose noise it is. None where the two are the same."""
+        if not cart.sensor_effects:
+            return None
+        reduced = cart.basis_b.T @ self.grasps
+        f = reduced.shape[2]
+        found = np.zeros((len(self.time), f, f))
+        spread = np.einsum("anfi,angi->nfg", reduced, reduced) + 1e-9 * np.eye(f)
+        for arm, grasp in zip(self.arms, reduced, strict=True):
+            unit = np.eye(6)
+            true = cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, np.zeros((6, 6)))[0]
+            found += grasp @ np.linalg.inv(true).T @ np.swapaxes(grasp, 1, 2)
+        return np.asarray(found @ np.linalg.inv(spread))
+
+    def slopes(self, cart: CartModel, expected: Array) -> Array:
+        """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches
+        nearest to those recorded that add up to what a model expects (n, f). By a gain or an angle they are in
+        proportion to wrenches: to recorded ones, they would have their noise, and all that the model lacks, on both
+        sides."""
+        f = expected.shape[1]
+        found = np.zeros((len(self.time), f, len(cart.parameters)))
+        if not cart.sensor_effects:
+            return found
+        reduced = cart.basis_b.T @ self.grasps
+        spread = np.einsum("anfi,angi->nfg", reduced, reduced) + 1e-9 * np.eye(f)
+        missing = expected - self.planar(cart) @ cart.basis_b
+        share = np.linalg.solve(spread, missing[..., None])
+        for arm, grasp, recorded in zip(self.arms, reduced, self.recorded, strict=True):
+            nearest = recorded + (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
+            found += grasp @ cart.corrected_wrench(arm, nearest)[1]
+        return found
+
+
+def _means(time: Array, values: Array, grid: Array, step: float) -> tuple[Array, np.ndarray]:
+    """Means (n, k) over `step` around points of a grid of what goes straight from sample to sample; and where samples
+    are near (n,)."""
+    if len(time) < 2:
+        return np.zeros((len(grid), values.shape[1])), np.zeros(len(grid), dtype=bool)
+    native = float(np.median(np.diff(time)))
+    edges = np.append(grid - step / 2, grid[-1] + step / 2)
+    areas = np.diff(time)[:, None] * (values[1:] + values[:-1]) / 2
+    total = np.vstack([np.zeros(values.shape[1]), np.cumsum(areas, axis=0)])
+    at = np.clip(np.searchsorted(time, edges) - 1, 0, len(time) - 2)
+    into = np.clip(edges - time[at], 0.0, np.diff(time)[at])[:, None]
+    slope = (values[at + 1] - values[at]) / np.diff(time)[at][:, None]
+    integral = total[at] + into * (values[at] + slope * into / 2)
+    covered = np.diff(np.clip(edges, time[0], time[-1]))
+    mean = np.diff(integral, axis=0) / np.maximum(covered, 1e-12)[:, None]
+    after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
+    near = (time[after] - time[after - 1] <= LONGEST_GAP * max(native, step)) & (covered > 0.4 * step)
+    return np.where(near[:, None], mean, 0.0), np.asarray(near)
+
+
+def _held(time: Array, contact: Array, grid: Array) -> tuple[Array, np.ndarray]:
+    """Contact points (n, 3): the last that was seen holds; and where there was one."""
+    known = np.flatnonzero(np.isfinite(contact).all(axis=1))
+    if not len(known):
+        return np.zeros((len(grid), 3)), np.zeros(len(grid), dtype=bool)
+    last = np.searchsorted(time[known], grid + 1e-9) - 1
+    return contact[known[np.maximum(last, 0)]], last >= 0

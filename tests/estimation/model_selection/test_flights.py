@@ -1,0 +1,62 @@
+"""A log is cut where the cart was hit."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cartgrasp.errors import DataError
+from estimation.impacts import Impact
+from estimation.model_selection.flights import NEAR, SHORTEST, TOUCH, flights
+
+from ..weak_form.motions import TRUE, cart_of, weaving
+
+CART, LOG = cart_of(TRUE), weaving(TRUE, 12.0)
+
+
+def hit(time, x=0.0, before=0.5, after=-0.3):
+    return Impact(time, np.array([x, 0.0, 0.0]), before, after)
+
+
+@settings(max_examples=15, deadline=None)
+@given(times=st.lists(st.floats(0.0, 12.0), min_size=1, max_size=2))
+def test_parts_lie_between_impacts(times):
+    """No part holds a touch; what lies between and is long enough is there, every row of it."""
+    parts = flights(LOG, CART, [hit(t) for t in times])
+    ends = np.sort([0.0, *times, 12.0])
+    long_ones = [(a, b) for a, b in pairwise(ends) if b - a > SHORTEST + 2 * TOUCH + 0.03]
+    assert len(parts) >= len(long_ones)
+    for part in parts:
+        time = part.log.time
+        assert time[-1] - time[0] > SHORTEST
+        assert all(np.abs(time - t).min() > TOUCH for t in times)
+        assert np.diff(time).max() < 0.011
+    kept = np.concatenate([part.log.time for part in parts])
+    for a, b in long_ones:
+        inside = LOG.time[(LOG.time > a + TOUCH + 1e-9) & (LOG.time < b - TOUCH - 1e-9)]
+        assert np.isin(inside, kept).all()
+
+
+def test_rows_keep_their_wrenches():
+    early, late = flights(LOG, CART, [hit(5.0)])
+    own = LOG.time < 5.0 - TOUCH
+    assert early.log.arms["arm"].wrench == pytest.approx(LOG.arms["arm"].wrench[own])
+    assert early.log.pose == pytest.approx(LOG.pose[own])
+    assert late.log.velocity == pytest.approx(LOG.velocity[LOG.time > 5.0 + TOUCH + 1e-9])
+    assert early.log.name == LOG.name
+
+
+def test_near_a_stop_nothing_is_believed():
+    """Hit three times at one place, a cart may lean there unseen: only what is away from it is kept."""
+    place = float(LOG.pose[900, 0])
+    parts = flights(LOG, CART, [hit(t, place) for t in (0.05, 0.1, 0.15)])
+    kept = np.concatenate([part.log.pose[:, 0] for part in parts])
+    assert np.abs(kept - place).min() >= NEAR
+    assert len(parts) == 2
+
+
+def test_a_log_that_is_hit_all_the_time_is_refused():
+    with pytest.raises(DataError, match="weaving: it is hit so often"):
+        flights(LOG, CART, [hit(t) for t in np.arange(0.0, 12.1, 0.8)])

@@ -1,0 +1,176 @@
+"""The page and its figures, of a diagnosis whose numbers are made here: all are told, escaped and labelled."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from html.parser import HTMLParser
+from types import SimpleNamespace
+
+import pytest
+
+from cartgrasp.effects import QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from estimation.model_selection.clock_offset import clock_offsets
+from estimation.model_selection.figures import figures
+from estimation.model_selection.isolability import isolability
+from estimation.model_selection.laws import smooth_laws
+from estimation.model_selection.log_check import checked, with_clock_offsets
+from estimation.model_selection.model import Model
+from estimation.model_selection.page import page
+from estimation.model_selection.residual import residuals
+from estimation.model_selection.residual_map import residual_maps
+from estimation.model_selection.search import Attempt, Step
+from estimation.model_selection.verdicts import ADDED, BETTER, ODD, SIMPLER, TOO_LITTLE, verdict
+from estimation.model_selection.where import where
+from estimation.weak_form.balances import Balances
+
+from ..runs import simulate
+
+SCRIPT = "<script>alert(1)</script> & $x_1$"
+CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),), name=SCRIPT)
+ADDED_EFFECT = RollingResistance(coefficient=0.02)
+
+
+@pytest.fixture(scope="module")
+def diagnosis():
+    """Of a cart that rolls with a resistance of 2 %."""
+    log, _ = simulate((24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02), 5, 18.0, noise=(0.0004, 0.004, 1.0))
+    log = replace(log, name=SCRIPT)
+    balances = Balances.of(log, CART)
+    nominal = Model.started([balances], CART)
+    final = nominal.refitted(nominal.cart.with_effect(ADDED_EFFECT)).rewhitened()
+    before, after = residuals(nominal, final), residuals(final, final)
+    best = Attempt(ADDED_EFFECT, 310.25, 1, final)
+    attempts = (best, Attempt(QuadraticDrag(3.0), 20.5, 1), Attempt(smooth_laws(False)[0], 2.0, 7))
+    numbers = {"before": 0.031, "refitted": 0.021, "after": 0.0021, "noise_floor": 0.002}
+    effect = SimpleNamespace(
+        name="rolling_resistance",
+        label="",
+        probability=0.95,
+        parameters={"coefficient": (0.0201, 0.0007, "-")},
+        confusable_with=("directional_drag",),
+        gap_share=0.97,
+    )
+    return SimpleNamespace(
+        nominal_cart=CART,
+        cart=final.cart,
+        final=final,
+        effects=(effect,),
+        where=tuple(where(before)),
+        residual_maps=residual_maps(before, after),
+        before=before,
+        after=after,
+        checks=with_clock_offsets([checked(log, CART, balances)], clock_offsets(final)),
+        unexplained={"size": {}, "depends_on": ["forward force: <b>"]},
+        parameter_mismatch={"mass": {"nominal": 24.0, "refitted": 23.9, "std": 0.12}},
+        sentence=f"The model lacks rolling_resistance. {SCRIPT}",
+        verdict="explained",
+        gap=SimpleNamespace(**numbers, per_horizon={"1 s": numbers}, per_coordinate={"x": numbers, "heading": numbers}),
+        next_experiments=("push it",),
+        isolability=isolability(nominal),
+        steps=(Step(attempts, best), Step(attempts[1:], None)),
+    )
+
+
+@pytest.fixture(scope="module")
+def drawn(diagnosis):
+    return figures(diagnosis)
+
+
+@pytest.fixture(scope="module")
+def text(diagnosis, drawn):
+    return page(SimpleNamespace(diagnosis=diagnosis), drawn)
+
+
+class Tables(HTMLParser):
+    """Rows of all tables, as lists of their cells' texts."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tables, self.cell = [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "table":
+            self.tables.append([])
+        elif tag == "tr":
+            self.tables[-1].append([])
+        elif tag in ("td", "th"):
+            self.tables[-1][-1].append("")
+            self.cell = True
+
+    def handle_endtag(self, tag):
+        self.cell = self.cell and tag not in ("td", "th")
+
+    def handle_data(self, data):
+        if self.cell:
+            self.tables[-1][-1][-1] += data
+
+
+def table(text, first):
+    return next(one for one in Tables(text).tables if one[0][0] == first)
+
+
+def test_figures_are_drawn_of_all_and_hold_no_images(drawn, diagnosis):
+    assert set(drawn) == {"gap", "residuals", "places", "maps", "isolability"}
+    for svg in drawn.values():
+        tags = {element.tag.partition("}")[2] for element in ElementTree.fromstring(svg).iter()}
+        assert "image" not in tags
+        assert "path" in tags
+    for one in diagnosis.residual_maps:
+        assert one.variable in drawn["maps"]
+    assert figures(diagnosis) == drawn  # no times, no chance
+
+
+def test_names_are_texts(text):
+    assert "<script" not in text
+    assert "&lt;script&gt;alert(1)" in text
+    assert "&lt;b&gt;" in text
+    links = re.findall(r'https?:[^"]*', text)
+    assert all(link.startswith("http://www.w3.org/") for link in links)  # names of what SVG is, not addresses
+
+
+def test_every_interval_is_one_standard_deviation_and_says_so(text):
+    head, row = table(text, "effect")
+    assert row == ["rolling_resistance", "95.0 %", "directional_drag", "coefficient", "0.0201 ± 0.0007", "97 %"]
+    assert head[4] == "value (± one standard deviation)"
+    head, row = table(text, "parameter")
+    assert row == ["mass", "24", "23.9 ± 0.12"]
+    assert head[2] == "refitted (± one standard deviation)"
+    for rows in Tables(text).tables:
+        for row in rows[1:]:
+            for column, cell in enumerate(row):
+                if "±" in cell:
+                    assert "one standard deviation" in rows[0][column] or "one standard deviation" in row[0]
+    assert "two standard" not in text
+    assert "95 %" not in text.replace("95.0 %", "")
+
+
+def test_a_step_tells_gain_and_verdict_of_each(text):
+    rows = table(text, "candidate")
+    assert rows[0] == ["candidate", "score gain (nats)", "verdict"]
+    assert rows[1] == ["rolling_resistance", "310.2", ADDED]
+    assert rows[2] == ["quadratic_drag", "20.5", BETTER]
+    assert rows[3][0].startswith("law: speed")
+    assert rows[3][1:] == ["2.0", TOO_LITTLE]
+
+
+def test_the_log_is_told(text, diagnosis):
+    rows = dict(Tables(text).tables[-1])
+    assert set(rows) >= {"rows, with every wrench", "wrenches late by (± one standard deviation)"}
+    late = diagnosis.checks[0].clock_offset
+    assert rows["wrenches late by (± one standard deviation)"].startswith(f"{1e3 * late.value:.1f} ± ")
+
+
+def test_a_verdict_is_what_the_numbers_say(diagnosis):
+    final = diagnosis.final
+    added = Attempt(ADDED_EFFECT, 100.0, 1, final)
+    more, less = Attempt(QuadraticDrag(3.0), 104.0, 1, final), Attempt(QuadraticDrag(3.0), 60.0, 1, final)
+    odd = Attempt(TimeDelay(0.002), 200.0, 1, final)
+    step = Step((odd, more, added, less), added)
+    assert [verdict(step, one) for one in step.attempts] == [ODD, SIMPLER, ADDED, BETTER]
+    assert verdict(Step((less,), None), less) == TOO_LITTLE
+    assert verdict(Step((odd,), None), odd) == ODD
+    assert verdict(step, replace(less, model=None)) == BETTER
+    assert verdict(step, replace(less, gain=3.0)) == TOO_LITTLE

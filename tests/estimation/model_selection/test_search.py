@@ -1,0 +1,120 @@
+"""The search, on logs whose equations share nothing with the library's, and on motions that are written down."""
+
+import numpy as np
+import pytest
+
+import cartgrasp as cg
+from benchmarks.sealed.generate import generate
+from cartgrasp.effects import RollingResistance, TimeDelay, ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.model import CartModel
+from estimation.model_selection import diagnose
+from estimation.model_selection.candidates import amplitudes_of, families
+from estimation.model_selection.search import absent
+
+from ..weak_form.motions import RAIL, STEP, TRUE, cart_of, noisy, weaving
+
+
+def first_seconds(log, seconds):
+    own = log.time < log.time[0] + seconds
+    arms = {name: ArmLog(arm.contact[own], arm.wrench[own]) for name, arm in log.arms.items()}
+    velocity = None if log.velocity is None else log.velocity[own]
+    return RunLog(log.time[own], log.pose[own], velocity, arms, name=log.name)
+
+
+@pytest.mark.parametrize(("case", "seed", "motion"), [("nothing", 3, "rich"), ("rolling_resistance", 0, "straight")])
+def test_sealed_logs_are_named_exactly(case, seed, motion, tmp_path):
+    (name,) = generate(tmp_path, [case], [seed], motion)
+    log = first_seconds(cg.read_log(tmp_path / "logs" / name / "run.csv"), 20.0)
+    found = diagnose(log, cg.load_cart(tmp_path / "logs" / name / "cart.yaml"))
+    assert [effect.name for effect in found.effects] == [n for n in [case] if n != "nothing"]
+    assert not found.laws
+
+
+def test_a_slope_that_is_written_down():
+    """Its grades, within three standard deviations; what was added is worth more than all that was tried beside it."""
+    found = diagnose(noisy(weaving(TRUE, 24.0, slope=(0.015, -0.01)), 2), cart_of((20.0, 0.2, 0.0, 2.0, 2.7, 1.1)))
+    (effect,) = found.effects
+    assert effect.name == "floor_slope"
+    for name, true in (("grade_x", 0.015), ("grade_y", -0.01)):
+        value, std, _ = effect.parameters[name]
+        assert abs(value - true) < 3 * std < 0.003
+    step = found.steps[0]
+    assert step.added.key == "floor_slope"
+    assert step.added.gain >= max(a.gain for a in step.attempts if a.key != "floor_slope")
+    assert found.steps[-1].added is None
+
+
+def still(force, seconds=8.0):
+    time = np.arange(0.0, seconds, STEP)
+    zero = np.zeros((len(time), 3))
+    wrench = np.zeros((len(time), 6))
+    wrench[:, 0] = force
+    return noisy(RunLog(time, zero, zero, {"arm": ArmLog(zero, wrench)}, name="still"), 1)
+
+
+@pytest.mark.parametrize("force", [0.0, 8.0])
+def test_a_cart_that_stands_is_no_error(force, tmp_path):
+    """Whatever holds it; a gap is as large as its poses' noise, and what was added closed none of it."""
+    found = diagnose(still(force), cart_of(TRUE))
+    assert found.gap.before == found.gap.refitted == found.gap.after == found.gap.noise_floor
+    assert found.gap.before == pytest.approx(2**0.5 * 5e-4, rel=0.2)
+    assert all(effect.gap_share == 0.0 for effect in found.effects)
+    found.report.save(tmp_path / "out")
+
+
+def coasting(grade, drag=4.0, seconds=12.0):
+    """On a rail, x'' = -9.81 g - (c / m) x', solved."""
+    time, rate = np.arange(0.0, seconds, STEP), drag / RAIL.inertia.mass
+    end, start = -9.81 * grade / rate, 1.6
+    speed = end + (start - end) * np.exp(-rate * time)
+    x = end * time + (start - end) * (1 - np.exp(-rate * time)) / rate
+    zero = np.zeros_like(time)
+    poses, rates = np.column_stack([x, zero, zero]), np.column_stack([speed, zero, zero])
+    return noisy(RunLog(time, poses, rates, {}, name="coasting"), 3, 2e-4, 2e-3)
+
+
+def test_a_cart_that_coasts_up_and_down_a_slope():
+    """It turns round, and goes faster downhill than its drag lets it; the mass is as it was given."""
+    cart = CartModel(RAIL.inertia, RAIL.constraints, (ViscousDrag(linear=4.0),))
+    found = diagnose(coasting(0.02), cart)
+    assert [effect.name for effect in found.effects] == ["floor_slope"]
+    value, std, _ = found.effects[0].parameters["grade_x"]
+    assert abs(value - 0.02) < 3 * std < 0.003
+    assert found.cart.inertia.mass == pytest.approx(RAIL.inertia.mass, rel=1e-12)
+    assert diagnose(coasting(0.0), cart).verdict == "no_discrepancy"
+
+
+def test_a_single_sensor_is_not_said_to_be_scaled():
+    """Were all wrenches wrong by a factor, the cart would be another; of two, one may be."""
+    cart = cart_of(TRUE)
+    keys = {family.key for family in families(cart, ["hand"])}
+    assert not any(key.startswith("force_scale") for key in keys)
+    both = {family.key for family in families(cart, ["left", "right"])}
+    assert {"force_scale.left", "force_scale.right"} <= both
+    assert not any(key.startswith(("force_", "time_delay", "payload")) for key in (f.key for f in families(cart, [])))
+
+
+def test_what_a_cart_has_is_no_candidate():
+    cart = CartModel(Inertia(20.0, (0.0, 0.0), 2.0), effects=(ViscousDrag(1.0, 1.0), RollingResistance(0.01)))
+    names = [family.key for family in families(cart, ["hand"])]
+    assert "viscous_drag" not in names
+    assert "rolling_resistance" not in names
+    assert len(names) == len(set(names))
+
+
+def test_a_variant_without_amplitudes_does_nothing():
+    cart = cart_of(TRUE)
+    for family in families(cart, ["left", "right"]):
+        effect = family.variants[0]
+        if isinstance(effect, TimeDelay) or effect.gate.n_parameters == 4 or not len(amplitudes_of(effect)):
+            continue
+        none = absent(effect)
+        state = np.array([0.3, 0.2, 0.4, 0.5, 0.1])
+        if hasattr(none, "slip_compliance"):
+            continue
+        whole = cart.with_effect(none)
+        state = np.append(state, np.zeros(len(whole.memory_names)))
+        found = whole.required_wrench(state, np.array([0.3, -0.2]))
+        assert found == pytest.approx(cart.required_wrench(state[:5], np.array([0.3, -0.2])), abs=1e-9)

@@ -1,0 +1,128 @@
+"""Balances of motions that are written down: the true cart leaves nothing, and parameters come back."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cartgrasp.effects import FloorSlope
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.model import CartModel
+from estimation.weak_form.balances import Balances
+
+from ..discrepancy.logs import circles, straight
+from .motions import TRUE, cart_of, noisy, weaving
+
+CARTS = st.tuples(
+    st.floats(8.0, 80.0),
+    st.floats(-0.2, 0.5),
+    st.floats(-0.1, 0.1),
+    st.floats(0.5, 8.0),
+    st.floats(0.0, 10.0),
+    st.floats(0.0, 5.0),
+)
+
+
+def size_of(balances, cart):
+    """Root mean square of the wrench against the test functions (c,)."""
+    return np.sqrt(np.mean(balances.integrated(balances.wrenches.planar(cart) @ cart.basis_b) ** 2, axis=0))
+
+
+@settings(max_examples=10, deadline=None)
+@given(mass=st.floats(5.0, 80.0), told=st.floats(5.0, 80.0), force=st.floats(2.0, 30.0))
+def test_a_constant_force_on_a_mass(mass, told, force):
+    """A cubic B-spline's integral is the step from one to the next, so F - m a is left that often, and a unit of mass
+    takes a of it."""
+    log = straight(acceleration=force / mass, mass=mass)
+    cart = CartModel(Inertia(told, (0.0, 0.0), 1.0))
+    balances = Balances.of(log, cart)
+    left, slopes = balances.residual(cart)
+    assert left[:, 0] == pytest.approx((force - told * force / mass) * balances.row_step, abs=1e-6 * force)
+    assert slopes[:, 0, 0] == pytest.approx(force / mass * balances.row_step, rel=1e-6)
+    assert np.abs(left[:, 1:]).max() < 1e-6 * force
+
+
+@settings(max_examples=10, deadline=None)
+@given(values=CARTS)
+def test_the_true_cart_leaves_nothing(values):
+    """A spline of degree 4 with knots h = 0.05 s apart follows sines of w rad/s up to about (w h)^4 of their
+    acceleration: 1e-4 for 1.9 rad/s."""
+    log, cart = weaving(values), cart_of(values)
+    balances = Balances.of(log, cart)
+    left, _ = balances.residual(cart)
+    assert (np.sqrt(np.mean(left[:, :2] ** 2, axis=0)) < 1e-3 * size_of(balances, cart)).all()
+    assert np.abs(left[:, 2]).max() < 1e-4 * balances.row_step
+
+
+@settings(max_examples=8, deadline=None)
+@given(values=CARTS)
+def test_parameters_come_back(values):
+    """Balances are linear in phi and drags: one step of least squares from another cart."""
+    guess = cart_of((20.0, 0.1, 0.0, 2.0, 1.0, 1.0))
+    left, slopes = Balances.of(weaving(values), guess).residual(guess)
+    step = np.linalg.lstsq(slopes.reshape(-1, slopes.shape[2]), left.ravel(), rcond=None)[0]
+    found, true = guess.parameters + step, cart_of(values).parameters
+    usual = np.array([values[0], values[0] * 0.3, values[0] * 0.3, values[3] + values[0] * 0.1, 3.0, 2.0])
+    assert (np.abs(found - true) < 1e-3 * usual).all()
+
+
+def test_slopes_are_what_differences_are():
+    """By parameters of a cart, the residual is linear."""
+    cart, balances = cart_of(TRUE), Balances.of(noisy(weaving(TRUE), 0), cart_of(TRUE))
+    left, slopes = balances.residual(cart)
+    for i in range(len(cart.parameters)):
+        off = np.zeros(len(cart.parameters))
+        off[i] = 0.1
+        moved, _ = balances.residual(cart.with_parameters(cart.parameters + off))
+        assert left - moved == pytest.approx(0.1 * slopes[..., i], abs=1e-9)
+
+
+def test_a_column_is_what_its_effect_takes_away():
+    """Of a slope of 2 %: the residual without it is the column times its grades."""
+    grade = np.array([0.02, -0.01])
+    cart, slope = cart_of(TRUE), FloorSlope()
+    balances = Balances.of(weaving(TRUE, slope=tuple(grade)), cart)
+    left, _ = balances.residual(cart)
+    columns = balances.columns(cart, slope)
+    assert (left - columns @ grade)[:, :2] == pytest.approx(0.0, abs=1e-3 * np.abs(left).max())
+    assert np.abs(left[:, 0]).max() > 0.9 * 9.81 * TRUE[0] * 0.01 * balances.row_step
+
+
+@pytest.mark.parametrize("row_step", [0.1, 0.4])
+def test_white_noise_of_wrenches_is_what_overlaps_say(row_step):
+    """Of densities s: neighbours' covariance is s² times the integral of their test functions' product."""
+    random, force = np.random.default_rng(1), 2.0
+    still = straight(acceleration=1e-3, duration=300.0)
+    arm = still.arms["arm"]
+    wrench = arm.wrench + force * random.standard_normal(arm.wrench.shape)
+    log = RunLog(still.time, still.pose, still.velocity, {"arm": ArmLog(arm.contact, wrench)})
+    cart = CartModel(Inertia(20.0, (0.0, 0.0), 1.0))
+    balances = Balances.of(log, cart).every(row_step)
+    left, _ = balances.residual(cart)
+    row = left[:, 0]
+    for lag in (0, 1, 2):
+        expected = force**2 * 0.01 * balances.overlap(0, lag)
+        found = np.mean(row[: len(row) - lag] * row[lag:])
+        assert found == pytest.approx(expected, abs=5 * force**2 * 0.01 * balances.overlap(0, 0) / len(row) ** 0.5)
+
+
+def test_where_the_cart_stands_no_row_is_used():
+    log = weaving(TRUE, 12.0)
+    pose, velocity = log.pose.copy(), log.velocity.copy()
+    pose[600:] = pose[600]
+    velocity[600:] = 0.0
+    halted = RunLog(log.time, pose, velocity, log.arms)
+    balances = Balances.of(halted, cart_of(TRUE))
+    assert balances.time.max() < 6.0 + 2 * balances.row_step + 0.1
+    assert len(balances.time) > 50
+
+
+def test_the_axle_goes_aside_as_its_wheels_are_mounted():
+    """At an angle of 0.02 rad it goes aside at 2 % of its speed."""
+    cart = CartModel(Inertia(24.0, (0.28, 0.0), 2.2))
+    balances = Balances.of(circles(angle=0.02), cart)
+    left, _ = balances.residual(cart)
+    speed = balances.integrated(balances.motion.velocity[:, 0])
+    share = float(speed @ left[:, -1] / (speed @ speed))
+    assert share == pytest.approx(np.sin(0.02), abs=2e-4)
