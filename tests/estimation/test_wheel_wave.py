@@ -63,6 +63,17 @@ def test_strokes_in_time_are_no_wave_of_the_way(amplitude, rate):
     assert waves(replace(log, arms={**log.arms, "left": ArmLog(arm.contact, wrench)})) == ()
 
 
+def test_levels_at_rest_are_no_wave():
+    """A sensor whose zero steps while the cart stands, here and there, and no wheel turns."""
+    log = two_hands(0)
+    arm, still = log.arms["left"], np.arange(len(log)) // 800 % 2 == 0
+    pose = np.where(still[:, None], 0.3 * (np.arange(len(log)) // 800)[:, None] * [1.0, 0.0, 0.0], log.pose * [1, 0, 0])
+    steps = 60.0 * np.cos(2 * np.pi * pose[:, 0] / 0.4) * still
+    wrench = arm.wrench + steps[:, None] * np.array([1, 0, 0, 0, 0, 0])
+    rest = replace(log, pose=pose, velocity=None, arms={"left": ArmLog(arm.contact, wrench)})
+    assert all(one.probability < 0.5 for one in waves(rest))
+
+
 @pytest.mark.skipif(not TRACK.exists(), reason="the measured sensor track is not here")
 def test_a_measured_track_of_a_turning_sensor_is_told():
     """What an instrumented wheel of 0.3086 m says while it turns by itself, put on a cart that rolls with it."""

@@ -23,6 +23,8 @@ from ..prior import EVERY_ARM, INERTIA_SPREAD, MASS_SPREAD, MODEL, SAME_GAIN, UN
 from .balance import Balance, balances
 from .mountings import Mounting, mountings
 
+NOTHING = 1e-20
+"""Of the largest sum of squares: a component that nobody records can't be the one that pushed."""
 KINDS = ("sign", "axes", "frame", "unit")
 
 
@@ -97,8 +99,9 @@ def sensor_check(log: RunLog, cart: CartModel, mass_spread: float = MASS_SPREAD)
             products = _products(balance, known, how)
             evidence = evidence + _evidence(products, _left(balance, how[0]), log_gain + math.log(ratio), spread)[0]
             explained.append(_explained(products))
-    probability = probabilities(evidence, np.array([one.prior for one in known]))
     zz, zy, _ = ahead
+    evidence = np.where(zz > NOTHING * zz.max(), evidence, -np.inf)
+    probability = probabilities(evidence, np.array([one.prior for one in known]))
     mass = zz / np.where(np.abs(zy) > 1e-12 * zz, zy, np.inf)
     return SensorCheck(known, probability, mass, np.mean(explained, axis=0))
 

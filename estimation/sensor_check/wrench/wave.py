@@ -1,9 +1,9 @@
 """Waves of a wrench over the way that the cart has rolled: what a sensor that turns with a wheel adds, or a wheel that
 is not round.
 
-Each component is taken over short windows beside what motion and its directions make, and beside a few harmonics of
-time, as hands give them; then harmonics of the way rolled (back counts back) are tried on a grid of wave numbers. The
-evidence is how well stretches of the log foretell one another with the best of them.
+While the cart rolls, each component is taken over short windows beside what motion and its directions make, and beside
+a few harmonics of time, as hands give them; then harmonics of the way rolled (back counts back) are tried on a grid of
+wave numbers. The evidence is how well stretches of the log foretell one another with the best of them.
 """
 
 from __future__ import annotations
@@ -97,6 +97,7 @@ def wave_of(log: RunLog, track: Track, name: str, component: int) -> Wave | None
     rolled = np.concatenate([[0.0], np.cumsum(middles(speed) * np.diff(track.time))])
     way = np.interp(bumps.centres, track.time, rolled)
     kept &= np.abs(way - np.median(way)) < FARTHEST / 2
+    kept &= np.abs(np.interp(bumps.centres, track.time, speed)) > STANDING
     if kept.sum() < FEWEST:
         return None
     force = (sums.integral(column[there]) / np.maximum(weight, 1e-12))[kept]
