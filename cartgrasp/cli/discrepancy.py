@@ -7,17 +7,11 @@ from pathlib import Path
 
 from estimation.discrepancy import Diagnosis, diagnose
 
-from ..logs.coasting import check_pushed
+from ..logs.coasting import check_said
 from .log_inputs import cart_and_logs
 from .output import print_json, print_table, say, stages
 
 MOST_TOLD = 5
-
-
-NO_WRENCH = (
-    "and what a model lacks is looked for in wrenches; give a log with them, or put the effects that may act into the "
-    "cart file, and `cartgrasp identify` tells their sizes"
-)
 
 
 def run(
@@ -30,7 +24,7 @@ def run(
 ) -> int:
     cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
     for log in logs:
-        check_pushed(log, NO_WRENCH)
+        check_said(log)
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell)
     if out is not None:

@@ -1,5 +1,4 @@
-"""Finds where logs and a cart's model disagree by a regression in weak form and one score: built beside `discrepancy`,
-which it replaces once it passes every exam that `discrepancy` passes."""
+"""Finds where logs and a cart's model disagree, names the missing effect, adds it, and shows the gap shrink."""
 
 from .diagnosis import Diagnosis, diagnose
 

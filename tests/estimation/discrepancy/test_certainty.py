@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from estimation.model_selection.certainty import Certainty
-from estimation.model_selection.model import Model
+from estimation.discrepancy.certainty import Certainty
+from estimation.discrepancy.model import Model
 from estimation.weak_form.balances import Balances
 
 from ..weak_form.motions import RAIL, RAIL_MASS, TRUE, cart_of, noisy, on_rail, weaving

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.errors import DataError
+from estimation.discrepancy.flights import NEAR, SHORTEST, TOUCH, flights
 from estimation.impacts import Impact
-from estimation.model_selection.flights import NEAR, SHORTEST, TOUCH, flights
 
 from ..weak_form.motions import TRUE, cart_of, weaving
 

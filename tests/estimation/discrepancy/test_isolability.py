@@ -6,8 +6,8 @@ import pytest
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from estimation.model_selection.isolability import Trace, compared, isolability
-from estimation.model_selection.model import Model
+from estimation.discrepancy.isolability import Trace, compared, isolability
+from estimation.discrepancy.model import Model
 from estimation.weak_form.balances import Balances
 
 from ..runs import integrate, push, record, weave

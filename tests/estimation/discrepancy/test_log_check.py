@@ -11,9 +11,9 @@ from cartgrasp.errors import DataError
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
-from estimation.model_selection.clock_offset import clock_offsets
-from estimation.model_selection.log_check import check_rows, checked, moving, with_clock_offsets
-from estimation.model_selection.model import Model
+from estimation.discrepancy.clock_offset import clock_offsets
+from estimation.discrepancy.log_check import check_rows, checked, moving, with_clock_offsets
+from estimation.discrepancy.model import Model
 from estimation.weak_form.balances import Balances
 
 from ..runs import STEP, simulate

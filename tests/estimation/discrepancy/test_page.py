@@ -11,18 +11,18 @@ import pytest
 from cartgrasp.effects import QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from estimation.model_selection.clock_offset import clock_offsets
-from estimation.model_selection.figures import figures
-from estimation.model_selection.isolability import isolability
-from estimation.model_selection.laws import smooth_laws
-from estimation.model_selection.log_check import checked, with_clock_offsets
-from estimation.model_selection.model import Model
-from estimation.model_selection.page import page
-from estimation.model_selection.residual import residuals
-from estimation.model_selection.residual_map import residual_maps
-from estimation.model_selection.search import Attempt, Step
-from estimation.model_selection.verdicts import ADDED, BETTER, ODD, SIMPLER, TOO_LITTLE, verdict
-from estimation.model_selection.where import where
+from estimation.discrepancy.clock_offset import clock_offsets
+from estimation.discrepancy.figures import figures
+from estimation.discrepancy.isolability import isolability
+from estimation.discrepancy.laws import smooth_laws
+from estimation.discrepancy.log_check import checked, with_clock_offsets
+from estimation.discrepancy.model import Model
+from estimation.discrepancy.page import page
+from estimation.discrepancy.residual import residuals
+from estimation.discrepancy.residual_map import residual_maps
+from estimation.discrepancy.search import Attempt, Step
+from estimation.discrepancy.verdicts import ADDED, BETTER, ODD, SIMPLER, TOO_LITTLE, verdict
+from estimation.discrepancy.where import where
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate

@@ -11,12 +11,12 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
-from estimation.model_selection.circumstances import Circumstances, arm_wrenches
-from estimation.model_selection.course import Course, since_reversal
-from estimation.model_selection.model import Model
-from estimation.model_selection.residual import LATERAL, residuals
-from estimation.model_selection.residual_map import residual_maps
-from estimation.model_selection.where import where
+from estimation.discrepancy.circumstances import Circumstances, arm_wrenches
+from estimation.discrepancy.course import Course, since_reversal
+from estimation.discrepancy.model import Model
+from estimation.discrepancy.residual import LATERAL, residuals
+from estimation.discrepancy.residual_map import residual_maps
+from estimation.discrepancy.where import where
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate

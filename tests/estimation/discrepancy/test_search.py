@@ -9,9 +9,9 @@ from cartgrasp.effects import RollingResistance, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
-from estimation.model_selection import diagnose
-from estimation.model_selection.candidates import amplitudes_of, families
-from estimation.model_selection.search import absent
+from estimation.discrepancy import diagnose
+from estimation.discrepancy.candidates import amplitudes_of, families
+from estimation.discrepancy.search import absent
 
 from ..weak_form.motions import RAIL, STEP, TRUE, cart_of, noisy, weaving
 

@@ -20,8 +20,8 @@ from cartgrasp.effects import (
 from cartgrasp.inertia import Inertia
 from cartgrasp.information import WrenchNoise
 from cartgrasp.model import CartModel
-from estimation.model_selection.next_experiments import MORE_MOTION, next_experiments
-from estimation.model_selection.separating import ENOUGH, Hands, _apart, _motions, rivals_named, separating
+from estimation.discrepancy.next_experiments import MORE_MOTION, next_experiments
+from estimation.discrepancy.separating import ENOUGH, Hands, _apart, _motions, rivals_named, separating
 from estimation.teaching_motions import PERIOD
 
 MASS, G = 24.0, 9.81

@@ -12,8 +12,8 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs.run_log import ArmLog, RunLog
 from cartgrasp.model import CartModel
-from estimation.model_selection.log_check import checked
-from estimation.model_selection.stale import without_stale
+from estimation.discrepancy.log_check import checked
+from estimation.discrepancy.stale import without_stale
 from estimation.weak_form.balances import Balances
 from tests.core.drawn import numbers
 

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimation.model_selection.changes import PENALTY, changes
-from estimation.model_selection.circumstances import Circumstances
-from estimation.model_selection.course import Course
-from estimation.model_selection.residual import LATERAL, LEAST_CREEP, Residual
-from estimation.model_selection.residual_map import residual_maps
-from estimation.model_selection.where import where
+from estimation.discrepancy.changes import PENALTY, changes
+from estimation.discrepancy.circumstances import Circumstances
+from estimation.discrepancy.course import Course
+from estimation.discrepancy.residual import LATERAL, LEAST_CREEP, Residual
+from estimation.discrepancy.residual_map import residual_maps
+from estimation.discrepancy.where import where
 
 STRETCHES, DURATION = 240, 0.5
 

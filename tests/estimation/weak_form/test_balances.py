@@ -11,7 +11,7 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.weak_form.balances import Balances
 
-from ..model_selection.logs import circles, straight
+from ..discrepancy.logs import circles, straight
 from .motions import TRUE, cart_of, noisy, weaving
 
 CARTS = st.tuples(
