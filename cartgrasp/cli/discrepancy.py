@@ -7,7 +7,7 @@ from pathlib import Path
 
 from estimation.discrepancy import Diagnosis, diagnose
 
-from ..logs.coasting import check_said
+from .estimate import tell_given
 from .log_inputs import cart_and_logs
 from .output import print_json, print_table, say, stages
 
@@ -23,8 +23,7 @@ def run(
     coasting: bool = False,
 ) -> int:
     cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
-    for log in logs:
-        check_said(log)
+    tell_given(logs, cart)
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell)
     if out is not None:
@@ -41,6 +40,9 @@ def _print(found: Diagnosis) -> None:
     print(found.sentence)
     for one in found.where[:MOST_TOLD]:
         print(f"  {one.sentence}")
+    for follows in found.unexplained["depends_on"]:
+        print(f"  what is left follows {follows}")
+    _print_impacts(found)
     rows = [
         [f"after {horizon}", *(f"{1e3 * values[k]:.1f}" for k in ("before", "refitted", "after", "noise_floor"))]
         for horizon, values in found.gap.per_horizon.items()
@@ -53,3 +55,14 @@ def _print(found: Diagnosis) -> None:
     ]
     if rows:
         print_table("Added", ["effect", "parameter", "value", "sd", "unit", "not told apart from"], rows, left=2)
+
+
+def _print_impacts(found: Diagnosis) -> None:
+    rows = [
+        [f"{one.time:.2f}", *(f"{v:.3f}" for v in (*one.pose[:2], one.speed_before, one.speed_after))]
+        for one in found.impacts[:MOST_TOLD]
+    ]
+    if rows:
+        more = f", the first {MOST_TOLD} of {len(found.impacts)}" if len(found.impacts) > MOST_TOLD else ""
+        title = f"Sudden changes of motion that no wrench explains, left out of the fits{more}"
+        print_table(title, ["t, s", "x, m", "y, m", "speed before, m/s", "after, m/s"], rows, left=0)

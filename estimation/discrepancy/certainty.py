@@ -77,6 +77,8 @@ class Certainty:
         free = np.flatnonzero(prior.free)
         std = prior.std.copy()
         std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
+        if not model.is_pushed:
+            std[:N_PHI] = 0.0  # as given
         body = cart.inertia
         values = np.concatenate([[body.mass, *body.com, body.about_com], cart.parameters[N_PHI:]])
         scale = np.ones(len(values))

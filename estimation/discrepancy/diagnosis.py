@@ -22,6 +22,7 @@ from .certainty import Certainty
 from .clock_offset import clock_offsets
 from .flights import flights
 from .gap import Gap, held_out_rollouts, measured_gap
+from .glitches import without_glitches
 from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, with_clock_offsets
@@ -176,6 +177,9 @@ class Diagnosis:
         kept = (
             " The refit foretold unseen stretches worse than the file's values, which stay." if self.is_refused else ""
         )
+        if not self.nominal.is_pushed:
+            mass = self.nominal_cart.inertia.mass
+            kept += f" Nobody pushes: the mass ({mass:g} kg) can't be learned and is as given; forces are told for it."
         follows = f" What is left follows {' and '.join(law.name for law in self.laws)}." if self.laws else ""
         if self.verdict == "no_discrepancy":
             return f"Simulation and measurement agree: {1e3 * gap.refitted:.1f} mm after 1 s, and {floor}.{kept}"
@@ -224,7 +228,7 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     for log in logs:
         tell(f"reading {log.name}")
         check_rows(log, cart)
-        known = without_stale(replace(log, arms={}) if coasts(log) else log)
+        known = without_glitches(without_stale(replace(log, arms={}) if coasts(log) else log))
         found = impacts(log, cart)
         whole = Balances.of(known, cart)
         checks.append(checked(log, cart, whole))

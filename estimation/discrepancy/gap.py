@@ -13,7 +13,7 @@ from cartgrasp.errors import DataError
 from cartgrasp.model import CartModel
 
 from ..weak_form.fit import coordinates, with_coordinates
-from ..weak_form.rows import wrench_noise
+from .fast_noise import fast_noise
 from .model import Model
 from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
 
@@ -70,8 +70,8 @@ def floor_rollouts(model: Model) -> Rollouts:
     """What noise alone would do to a right model."""
     generator, found = np.random.default_rng(0), []
     for balances in model.logs:
-        sensors = wrench_noise(balances, model.cart)
-        found += [noise_rollouts(balances, model.cart, sensors, generator) for _ in range(DRAWS)]
+        noise = fast_noise(balances, model.cart)
+        found += [noise_rollouts(balances, model.cart, noise, generator) for _ in range(DRAWS)]
     return joined(found)
 
 

@@ -17,6 +17,7 @@ from ..weak_form.balances import Balances
 from ..weak_form.band import bands, consistent
 from .flights import flights
 from .gap import held_out_rollouts
+from .glitches import without_glitches
 from .model import Model
 from .search import resized, searched_again
 from .stale import without_stale
@@ -44,7 +45,7 @@ def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) ->
 
 def _parts(log: RunLog, cart: CartModel) -> list[Balances]:
     """Between impacts, each in the widest band in which the model foretells its motion."""
-    found, known = impacts(log, cart), without_stale(log)
+    found, known = impacts(log, cart), without_glitches(without_stale(log))
     parts = flights(known, cart, found) if found else [Balances.of(known, cart)]
     widest = [consistent(bands(part, cart)) for part in parts]
     return [part if band is None else part.every(band.row_step) for part, band in zip(parts, widest, strict=True)]

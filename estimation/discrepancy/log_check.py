@@ -115,7 +115,7 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
     """How late wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises DataError for poses that
     jump, too few rows that hold all, and wrenches that never change although the cart moves."""
     motion, steps, fresh = balances.motion, np.diff(log.time), without_stale(log)
-    _check_steps(log, float(motion.noise.pose[0]))
+    _check_steps(balances.log, float(motion.noise.pose[0]))
     if len(balances.used) < FEWEST_USED:
         raise DataError(
             f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "
@@ -127,7 +127,7 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
             f"{log.name}: the cart moves and no wrench ever changes, as if no sensor were there; look at its "
             "connection, or leave the wrenches' columns out if nobody pushed"
         )
-    noise, h, speed = noise_of_log(fresh, cart), motion.step, motion.speed
+    noise, h, speed = noise_of_log(balances.log, cart), motion.step, motion.speed
     turned = np.abs(motion.velocity[:, -1]) if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
     sign = np.sign(motion.velocity[np.abs(motion.velocity[:, 0]) > ROLLING, 0])
     of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS

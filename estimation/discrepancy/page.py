@@ -59,6 +59,7 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         "<h2>What the residual depends on</h2>",
         drawn["maps"],
         "<p>Means ± one standard deviation, in bins that hold as many stretches each.</p>",
+        *_impacts(found),
         "<h2>What remains</h2>",
         _list(found.unexplained["depends_on"], "Nothing that stands out of the noise."),
         "<h2>Parameters</h2>",
@@ -106,6 +107,21 @@ def _effects(found: Diagnosis) -> str:
             rows.append([*(head if k == 0 else ["", "", ""]), parameter, known, share if k == 0 else ""])
     columns = ["effect", "probability", "not told apart from", "parameter", f"value {ONE_STD}", "gap closed"]
     return _table(columns, rows)
+
+
+def _impacts(found: Diagnosis) -> list[str]:
+    """Where the cart was hit, if it was."""
+    if not found.impacts:
+        return []
+    rows = [
+        [f"{one.time:.2f}", *(f"{v:.3f}" for v in (*one.pose[:2], one.speed_before, one.speed_after))]
+        for one in found.impacts
+    ]
+    return [
+        "<h2>Where it was hit</h2>",
+        "<p>Sudden changes of motion that no wrench explains; fits leave them out. Three at one place are a stop.</p>",
+        _table(["t, s", "x, m", "y, m", "speed before, m/s", "speed after, m/s"], rows),
+    ]
 
 
 def _parameters(found: Diagnosis) -> str:

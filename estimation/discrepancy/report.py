@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from cartgrasp.strict_json import finite
 from cartgrasp.writing import together, write_atomically
 
+from .verdicts import called, verdict
+
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
@@ -26,7 +28,16 @@ class Report:
         steps = [
             {
                 "added": step.added.key if step.added else None,
-                "candidates": [{"key": a.key, "score": float(a.gain), "tried": a.tried} for a in step.attempts],
+                "candidates": [
+                    {
+                        "name": called(a),
+                        "key": a.key,
+                        "score": float(a.gain),
+                        "tried": a.tried,
+                        "verdict": verdict(step, a),
+                    }
+                    for a in step.attempts
+                ],
             }
             for step in found.steps
         ]

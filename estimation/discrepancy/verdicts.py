@@ -5,13 +5,19 @@ from __future__ import annotations
 from cartgrasp.effects import Effect
 
 from .plausible import is_plausible
-from .search import WORTH, Attempt, Step
+from .search import WORTH, Attempt, Refit, Step
 
 ADDED = "added"
 TOO_LITTLE = "less than needed"
 SIMPLER = "a simpler one does as well"
 BETTER = "another one explains more"
 ODD = "nobody would call it so at these values"
+
+
+def called(one: Attempt) -> str:
+    """The effect's name; of a law, what it is a law of."""
+    candidate = one.candidate
+    return candidate.effect.name if isinstance(candidate, Refit) else candidate.name
 
 
 def verdict(step: Step, one: Attempt) -> str:

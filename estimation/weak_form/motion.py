@@ -59,19 +59,18 @@ class Motion:
 
 def motion_of(log: RunLog, cart: CartModel) -> Motion:
     """Raises DataError for a log that is too short."""
-    seen = np.isfinite(log.pose).all(axis=1)
+    seen = np.asarray(np.isfinite(log.pose).all(axis=1))
     if seen.sum() < FEWEST_ROWS:
         raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {FEWEST_ROWS} are needed")
-    time = log.time[seen]
+    time, moving = log.time[seen], _moving_times(log)
     native = float(np.median(np.diff(time)))
     step = max(GRID_STEP, SAMPLES_PER_KNOT * native / KNOT_STEPS)
-    first, last = float(time[0]), float(time[-1])
+    first, last = (float(end) for end in np.sort(np.append(moving, time))[[0, -1]])
     if last - first < FEWEST_ROWS * KNOT_STEPS * step:
         raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
     grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
     noise = MotionNoise.of(log)
-    heading = np.unwrap(log.pose[seen, 2])
-    poses = np.column_stack([log.pose[seen, :2], heading])
+    poses = np.column_stack([log.pose[seen, :2], _unwrapped(log, seen)])
     basis = SplineBasis.over(first, last, KNOT_STEPS * step)
     fits, from_poses = [], []
     for i in range(3):
@@ -90,13 +89,16 @@ def motion_of(log: RunLog, cart: CartModel) -> Motion:
     acceleration_b[:, 0] += velocity_b[:, 2] * velocity_b[:, 1]
     acceleration_b[:, 1] -= velocity_b[:, 2] * velocity_b[:, 0]
     free = cart.rolling.free_velocity
-    across = _across(log, cart, basis, from_poses, grid, pose) if cart.constraints.n_rows == 1 else None
     gap = LONGEST_GAP * max(native, step)
-    near = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
-    is_seen = time[near] - time[near - 1] <= gap
+    placed, moved = _near(time, grid, gap), _near(moving, grid, gap)
+    across = None
+    if cart.constraints.n_rows == 1:
+        unbiased = np.column_stack([rate @ fit.unbiased for fit in fits])
+        of_poses = np.column_stack([rate @ SplineFit(basis, [samples]).unbiased for samples in from_poses])
+        across = _across(cart, pose[:, 2], np.where(placed[:, None], of_poses, unbiased))
     middle = float(np.median(time))
     std = [np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1)]
-    return Motion(grid, pose, free(velocity_b), free(acceleration_b), across, is_seen, noise, *std)
+    return Motion(grid, pose, free(velocity_b), free(acceleration_b), across, placed | moved, noise, *std)
 
 
 def _turned(heading: Array, vectors_s: Array) -> Array:
@@ -106,10 +108,30 @@ def _turned(heading: Array, vectors_s: Array) -> Array:
     return np.column_stack([cosine * x + sine * y, cosine * y - sine * x, yaw])
 
 
-def _across(
-    log: RunLog, cart: CartModel, basis: SplineBasis, samples: list[Samples], grid: Array, pose: Array
-) -> Array:
-    """Speed of the axle to its left (n,), of poses alone: recorded velocities may leave out what wheels creep."""
-    x, y, yaw = (basis.design(grid, 1) @ SplineFit(basis, [one]).unbiased for one in samples)
+def _across(cart: CartModel, heading: Array, rate: Array) -> Array:
+    """Speed of the axle to its left (n,), of rates (n, 3) in {s}: of poses alone where there are any, for recorded
+    velocities may leave out what wheels creep."""
     axle = float(cart.constraints.axle_x or 0.0)
-    return np.asarray(-np.sin(pose[:, 2]) * x + np.cos(pose[:, 2]) * y + axle * yaw)
+    return np.asarray(-np.sin(heading) * rate[:, 0] + np.cos(heading) * rate[:, 1] + axle * rate[:, 2])
+
+
+def _moving_times(log: RunLog) -> Array:
+    """Of whole velocities."""
+    return np.zeros(0) if log.velocity is None else log.time[np.isfinite(log.velocity).all(axis=1)]
+
+
+def _near(time: Array, grid: Array, gap: float) -> np.ndarray:
+    """Where a grid's points (n,) lie between samples that are no more than `gap` (s) apart."""
+    if len(time) < 2:
+        return np.zeros(len(grid), dtype=bool)
+    after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
+    return np.asarray((time[after] - time[after - 1] <= gap) & (grid >= time[0]) & (grid <= time[-1]))
+
+
+def _unwrapped(log: RunLog, seen: np.ndarray) -> Array:
+    """Headings of the rows that are seen: between them, a cart turns as far as its yaw rate says, if there is one."""
+    turned = np.zeros(len(log))
+    if log.velocity is not None:
+        rate = np.nan_to_num(log.velocity[:, 2])
+        turned = np.append(0.0, np.cumsum(np.diff(log.time) * (rate[1:] + rate[:-1]) / 2))
+    return np.asarray(np.unwrap(log.pose[seen, 2] - turned[seen]) + turned[seen])

@@ -6,6 +6,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from cartgrasp.effects import QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
@@ -23,6 +24,7 @@ from estimation.discrepancy.residual_map import residual_maps
 from estimation.discrepancy.search import Attempt, Step
 from estimation.discrepancy.verdicts import ADDED, BETTER, ODD, SIMPLER, TOO_LITTLE, verdict
 from estimation.discrepancy.where import where
+from estimation.impacts import Impact
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate
@@ -68,6 +70,7 @@ def diagnosis():
         verdict="explained",
         gap=SimpleNamespace(**numbers, per_horizon={"1 s": numbers}, per_coordinate={"x": numbers, "heading": numbers}),
         next_experiments=("push it",),
+        impacts=(Impact(3.25, np.array([1.5, 0.25, 0.0]), 0.75, -0.5),),
         isolability=isolability(nominal),
         steps=(Step(attempts, best), Step(attempts[1:], None)),
     )
@@ -154,6 +157,14 @@ def test_a_step_tells_gain_and_verdict_of_each(text):
     assert rows[2] == ["quadratic_drag", "20.5", BETTER]
     assert rows[3][0].startswith("law: speed")
     assert rows[3][1:] == ["2.0", TOO_LITTLE]
+
+
+def test_impacts_are_told(text, diagnosis):
+    _, row = table(text, "t, s")
+    assert row == ["3.25", "1.500", "0.250", "0.750", "-0.500"]
+    unhurt = SimpleNamespace(**{**vars(diagnosis), "impacts": ()})
+    drawn = dict.fromkeys(("gap", "residuals", "places", "maps"), "")
+    assert "Where it was hit" not in page(SimpleNamespace(diagnosis=unhurt), drawn)
 
 
 def test_the_log_is_told(text, diagnosis):

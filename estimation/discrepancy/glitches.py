@@ -1,0 +1,52 @@
+"""Samples that no motion and no push explains: a value far from those around it, for three rows at most.
+
+It is left out, so that it is neither smoothed into the motion nor called a push. What lasts longer is kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+from cartgrasp.logs.run_log import ArmLog
+
+from ..outliers import ROWS, outlying
+
+FAR = 20.0
+"""Times the noise."""
+MOST = 0.02
+"""Of the rows: what happens more often is no accident."""
+
+
+def without_glitches(log: RunLog) -> RunLog:
+    """The log, with glitches as missing samples."""
+    heading = np.column_stack([log.pose[:, :2], _unwrapped(log.pose[:, 2])])
+    arms = {name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench)) for name, arm in log.arms.items()}
+    velocity = None if log.velocity is None else _without(log.velocity, log.velocity)
+    return replace(log, pose=_without(log.pose, heading), velocity=velocity, arms=arms)
+
+
+def _without(rows: Array, smooth: Array) -> Array:
+    """Rows (n, k), NaN where `smooth` (n, k) has a glitch in any column."""
+    if len(rows) <= ROWS:
+        return rows
+    there = np.any([_glitches(column) for column in smooth.T], axis=0)
+    if not there.any() or there.mean() > MOST:
+        return rows
+    return np.where(there[:, None], np.nan, rows)
+
+
+def _glitches(column: Array) -> np.ndarray:
+    """Where (n,) a value is far from those around it."""
+    values = column[np.isfinite(column)]
+    noise = float(np.median(np.abs(np.diff(values, 2)))) / 1.65 if len(values) > ROWS else 0.0
+    return outlying(column, FAR * noise)
+
+
+def _unwrapped(heading: Array) -> Array:
+    found, known = heading.copy(), np.isfinite(heading)
+    found[known] = np.unwrap(heading[known])
+    return found

@@ -1,0 +1,117 @@
+"""Forces that no effect of the vocabulary makes: what they follow, with which period, and how large they are.
+
+They are put into the wrench of a log of the tests' own: what a hand gives beside what moved the cart is what resisted
+it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog
+from cartgrasp.model import CartModel
+from estimation.discrepancy import diagnose
+
+from ..runs import simulate
+
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
+
+
+def resisted(force, seed, duration):
+    """A log in which a cart was resisted by `force(time, truth)`; truth (n, 5) is (x, y, heading, speed, yaw rate)."""
+    log, truth = simulate(TRUTH, seed, duration, noise=(0.0005, 0.005, 1.0))
+    ((name, arm),) = log.arms.items()
+    wrench = arm.wrench.copy()
+    wrench[:, 0] += force(log.time, truth)
+    return replace(log, arms={name: ArmLog(arm.contact, wrench)})
+
+
+def rolled(time, speed):
+    return np.cumsum(np.append(0.0, np.diff(time)) * speed)
+
+
+def variables(found):
+    return " ".join(found.unexplained["depends_on"])
+
+
+@pytest.mark.parametrize("is_drag", [False, True])
+@pytest.mark.parametrize("turns_back", [False, True])
+def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back):
+    """Of the way rolled, which turns back where the cart does, or of the way travelled; a force or a drag."""
+
+    def force(time, truth):
+        speed = truth[:, 3]
+        way = rolled(time, speed if turns_back else np.abs(speed))
+        return 4.0 * np.sin(2 * np.pi * way / 0.4) * (np.sign(speed) if is_drag else 1.0)
+
+    found = diagnose(resisted(force, 3, 30.0), CART)
+    assert found.verdict == "unexplained"
+    assert not found.effects
+    assert "travelled distance" in variables(found)
+    assert found.unexplained["period"] == pytest.approx(0.4, rel=0.02)
+    assert found.unexplained["period_unit"] == "m"
+    assert found.unexplained["size"]["forward_force"] == pytest.approx(4.0 / 2**0.5, rel=0.3)
+
+
+@pytest.mark.parametrize(("seed", "duration"), [(3, 30.0), (4, 60.0)])
+def test_without_one_nothing_is_followed(seed, duration):
+    found = diagnose(resisted(lambda time, truth: 0.0, seed, duration), CART)
+    assert found.verdict == "no_discrepancy"
+    assert found.unexplained["depends_on"] == []
+    assert not any(found.unexplained["size"].values())
+
+
+def test_a_period_is_the_whole_turn():
+    """Of a force with its second and fifth harmonics: alone, the second looks like half a turn."""
+
+    def force(time, truth):
+        phase = 2 * np.pi * rolled(time, truth[:, 3]) / 1.6
+        return 5.0 * np.sin(2 * phase) + 4.0 * np.sin(5 * phase)
+
+    found = diagnose(resisted(force, 3, 40.0), CART)
+    assert "travelled distance" in variables(found)
+    assert found.unexplained["period"] == pytest.approx(1.6, rel=0.02)
+
+
+def test_seams_across_the_floor_are_found_by_their_distance():
+    """Where the floor itself pushes towards the nearest seam, whatever way was travelled."""
+
+    def force(time, truth):
+        return 6.0 * np.sin(2 * np.pi * truth[:, 0] / 0.7) * np.cos(truth[:, 2])
+
+    found = diagnose(resisted(force, 4, 60.0), CART)
+    assert "place" in variables(found)
+    assert found.unexplained["period"] == pytest.approx(0.7, rel=0.03)
+
+
+def test_a_floor_that_slopes_has_its_name():
+    """A force once round with the heading; recorded as what resists, 4 N of 24 kg uphill along y."""
+    found = diagnose(resisted(lambda time, truth: 4.0 * np.sin(truth[:, 2]), 3, 40.0), CART)
+    assert [effect.name for effect in found.effects] == ["floor_slope"]
+    assert found.effects[0].parameters["grade_y"][0] == pytest.approx(4.0 / (24.0 * 9.81), rel=0.1)
+
+
+def test_a_floor_with_a_grain_has_none():
+    """A force twice round with the heading."""
+    found = diagnose(resisted(lambda time, truth: 4.0 * np.sin(2 * truth[:, 2]), 3, 40.0), CART)
+    assert found.verdict == "unexplained"
+    assert "heading" in variables(found)
+
+
+DRAGS = {
+    "time": lambda time, truth: np.sign(truth[:, 3]) * np.cos(np.pi * time / time[-1]),
+    "heading": lambda time, truth: 2.5 * truth[:, 3] * np.cos(truth[:, 2]),
+    "heading, two opposite ones": lambda time, truth: np.sign(truth[:, 3]) * np.sin(2 * truth[:, 2]),
+    "place": lambda time, truth: np.sign(truth[:, 3]) * (truth[:, 0] - truth[:, 0].mean()) / 3,
+    "yaw rate": lambda time, truth: 3 * truth[:, 3] * np.abs(truth[:, 4]),
+}
+
+
+@pytest.mark.parametrize("name", DRAGS)
+def test_a_drag_that_grows_with_something_is_found(name):
+    """Flat in speed or not."""
+    found = diagnose(resisted(lambda time, truth: 5.0 * DRAGS[name](time, truth), 4, 60.0), CART)
+    assert any(name.split(",")[0] in one and "drag" in one for one in found.unexplained["depends_on"])
