@@ -23,6 +23,8 @@ from .screening import Screen
 
 TAUGHT = 0.25
 """Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
+MOST_MOVED = 1.0
+"""Of a coordinate (a logarithm, m): what goes farther with the middle of a bracket is no linear matter any more."""
 DROP = 0.5
 """Nats from the best to a standard deviation away."""
 DOUBLINGS, HALVINGS = 9, 4
@@ -47,7 +49,7 @@ class Certainty:
         free = np.flatnonzero(prior.free)
         along = model.score.covariance[: len(free), 0] / model.score.covariance[0, 0]
         z = coordinates(model.cart)
-        z[free] += along * np.log1p(self.bracket)
+        z[free] += np.clip(along * np.log1p(self.bracket), -MOST_MOVED, MOST_MOVED)
         return with_coordinates(model.cart, z)
 
     @cached_property

@@ -43,7 +43,9 @@ class Circumstances:
                 wrenches[arm][own] = wrench[rows]
                 contacts[arm][own] = _held(balances, arm, time[own])
         course = Course.of(time, log, [balances.motion for balances in logs])
-        return cls(time, log, tuple(balances.name for balances in logs), course, wrenches, contacts)
+        firsts = _firsts(logs)
+        names = tuple(logs[k].name for k in dict.fromkeys(firsts))
+        return cls(time, np.unique(firsts, return_inverse=True)[1][log], names, course, wrenches, contacts)
 
     @property
     def total(self) -> Array:
@@ -53,6 +55,16 @@ class Circumstances:
     def strength(self, arm: str) -> Array:
         """Of an arm's force in the plane (b,), N."""
         return np.asarray(np.hypot(*self.wrenches[arm][:, :2].T))
+
+
+def _firsts(logs: Sequence[Balances]) -> list[int]:
+    """Of each part, where the log begins that it is cut from: one of the same name that goes on later."""
+    found: list[int] = []
+    for k, balances in enumerate(logs):
+        before = logs[k - 1]
+        goes_on = k > 0 and before.name == balances.name and balances.motion.time[0] > before.motion.time[-1]
+        found.append(found[-1] if goes_on else k)
+    return found
 
 
 def arm_wrenches(balances: Balances, cart: CartModel, smoothed: float) -> dict[str, Array]:

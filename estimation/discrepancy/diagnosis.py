@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 BEYOND_NOISE = 2.0
 """Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
-CLOSED = 0.25
-"""Of the squared gap above the noise floor: what may be left where the effects explain it."""
+CLOSED = 0.05
+"""Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
 WORSE = 1.05
 """Times the file's gap: a refit that foretells unseen stretches worse than that is refused."""
 
@@ -130,8 +130,8 @@ class Diagnosis:
             return "no_discrepancy"
         if not self.effects:
             return "unexplained"
-        floor = (BEYOND_NOISE * self.gap.noise_floor) ** 2
-        left, whole = self.gap.after**2 - floor, max(self.gap.refitted**2 - self.gap.noise_floor**2, 1e-12)
+        gap, noise = self.gap, BEYOND_NOISE * self.gap.noise_floor
+        left, whole = gap.after**2 - noise**2, max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
         return "partly_explained" if self.laws or left > CLOSED * whole else "explained"
 
     @cached_property
@@ -188,9 +188,11 @@ class Diagnosis:
                 f"They disagree, and no known effect explains it: {1e3 * gap.refitted:.1f} mm after 1 s, while {floor}."
                 f"{follows}{kept}"
             )
+        them = "it" if len(self.effects) == 1 else "them"
         if self.verdict == "explained":
-            return f"The model lacks {names}: with it {shrinks}; {floor}.{kept}"
-        return f"The model lacks {names}, which explains a part: with it {shrinks}; {floor}.{follows}{kept}"
+            return f"The model lacks {names}: with {them} {shrinks}; {floor}.{kept}"
+        part = f"which {'explains' if len(self.effects) == 1 else 'explain'} a part"
+        return f"The model lacks {names}, {part}: with {them} {shrinks}; {floor}.{follows}{kept}"
 
     @cached_property
     def next_experiments(self) -> tuple[str, ...]:

@@ -19,12 +19,15 @@ from ..weak_form.sensor_noise import MAD_TO_STD
 ROW_STEP = 0.1
 """s, of the finest rows."""
 THIRD = np.array([-1.0, 3.0, -3.0, 1.0])
+MOST = 3.0
+"""Times the sensors' own, as differences of samples tell it: of noise that remembers for 50 ms (exponentially, at 100
+Hz). What is louder is none of a sensor's."""
 FEWEST = 20
 """Differences that tell their usual size."""
 
 
 def fast_noise(balances: Balances, cart: CartModel) -> Array:
-    """Root of the density (f,; N/√Hz, N·m/√Hz) of what a cart leaves of a log, at least the sensors' own."""
+    """Root of the density (f,; N/√Hz, N·m/√Hz) of the reduced wrench's noise."""
     known, fine = wrench_noise(balances, cart), balances.every(ROW_STEP)
     following = fine.used[3:] - fine.used[:-3] == 3
     if following.sum() < FEWEST:
@@ -32,7 +35,7 @@ def fast_noise(balances: Balances, cart: CartModel) -> Array:
     f = len(known)
     differences = np.diff(fine.residual(cart)[0][:, :f], 3, axis=0)[following]
     variance = (MAD_TO_STD * np.median(np.abs(differences), axis=0)) ** 2 - _of_motion(fine, cart)
-    return np.asarray(np.sqrt(np.maximum(variance / _passed(fine, 0), known**2)))
+    return np.asarray(np.clip(np.sqrt(np.maximum(variance / _passed(fine, 0), 0.0)), known, MOST * known))
 
 
 def _passed(balances: Balances, order: int) -> float:

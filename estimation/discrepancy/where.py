@@ -37,6 +37,12 @@ AFTER_REVERSAL = 0.4
 """m."""
 MOST_CONTACTS = 6
 
+
+def short(value: float) -> str:
+    """Of two digits, without an exponent where there need be none: 230 and not 2.3e+02."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
 Condition = tuple[str, np.ndarray]
 """In words, and the stretches (b,) that meet it."""
 
@@ -57,7 +63,7 @@ class Disagreement:
     def sentence(self) -> str:
         """For people."""
         coordinate = self.coordinate.replace("_", " ").capitalize()
-        return f"{coordinate}, {self.size:.2g} {UNITS[self.coordinate]}: {self.condition}"
+        return f"{coordinate}, {short(self.size)} {UNITS[self.coordinate]}: {self.condition}"
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -110,7 +116,7 @@ def _along(residual: Residual) -> list[Disagreement]:
     if best is None or share < LEAST_ALONG:
         return []
     values, share = best.residual.mean, min(share, 1.0)
-    ends = [f"{values[k]:.2g} {residual.unit} at {best.at[k]:.2g} {best.unit}" for k in _ends(values)]
+    ends = [f"{short(values[k])} {residual.unit} at {short(best.at[k])} {best.unit}" for k in _ends(values)]
     text = f"{100 * share:.0f} % of the misfit goes with the {best.variable}: {ends[0]}, {ends[1]}"
     span, size = _span(residual, np.ones(len(residual.start), dtype=bool)), float(np.sqrt((residual.value**2).mean()))
     return [Disagreement(*span, residual.coordinate, text, size, share)]
@@ -207,9 +213,9 @@ def _in_force(found: Circumstances) -> Iterator[Condition]:
     ):
         most = float(np.percentile(np.abs(values), LARGEST))
         strong, weak = STRONG_SHARE * most, WEAK_SHARE * most
-        yield f"while {words[0]} with more than {strong:.2g} {unit}", values > strong
-        yield f"while {words[1]} with more than {strong:.2g} {unit}", values < -strong
-        yield f"while {words[2]} with less than {weak:.2g} {unit}", np.abs(values) < weak
+        yield f"while {words[0]} with more than {short(strong)} {unit}", values > strong
+        yield f"while {words[1]} with more than {short(strong)} {unit}", values < -strong
+        yield f"while {words[2]} with less than {short(weak)} {unit}", np.abs(values) < weak
 
 
 def _in_arms(found: Circumstances) -> Iterator[Condition]:
@@ -218,7 +224,7 @@ def _in_arms(found: Circumstances) -> Iterator[Condition]:
         who, strength = f"arm {arm}" if several else "the arm", found.strength(arm)
         if several:
             strong = STRONG_SHARE * float(np.percentile(strength, LARGEST))
-            yield f"while {who} gives more than {strong:.2g} N", strength > strong
+            yield f"while {who} gives more than {short(strong)} N", strength > strong
             yield f"while {who} gives most of the force", 2 * strength > sum(map(found.strength, found.wrenches))
         held = np.round(found.contacts[arm], 2)
         places = np.unique(held[np.isfinite(held).all(axis=1)], axis=0)

@@ -72,8 +72,34 @@ def test_a_push_is_no_coasting(capsys, rolled, name):
 
 
 @pytest.mark.parametrize(("log", "flags"), [("bare.csv", ()), ("zero.csv", ("--coasting",))])
+def test_a_drag_of_another_size_is_no_effect(capsys, rolled, log, flags):
+    """The file has rolling resistance, of half the size: it is refitted, at the mass given, and nothing is named."""
+    answer = command(capsys, rolled, "discrepancy", log, *flags)
+    assert answer.status == 0, answer.err
+    assert "nobody pushes: mass (24 kg), CoM and inertia are taken as given" in answer.err
+    document = answer.json
+    assert document["effects"] == []
+    assert "the mass (24 kg) can't be learned" in document["sentence"]
+    drag, mass = (document["parameter_mismatch"][name] for name in ("rolling_resistance.coefficient", "mass"))
+    assert drag["refitted"] == pytest.approx(DRAG, rel=0.02)
+    assert abs(drag["refitted"] - DRAG) < 3 * drag["std"]
+    assert (mass["refitted"], mass["std"]) == (24.0, 0.0)
+    assert document["gap"]["after"] < 0.2 * document["gap"]["before"]
+
+
+@pytest.mark.parametrize(("log", "flags"), [("bare.csv", ()), ("zero.csv", ("--coasting",))])
+def test_a_drag_that_the_file_lacks_is_named(capsys, rolled, log, flags):
+    (rolled / "cart.yaml").write_text(CART[: CART.index("effects:")], encoding="utf-8")
+    answer = command(capsys, rolled, "discrepancy", log, *flags)
+    assert answer.status == 0, answer.err
+    (effect,) = answer.json["effects"]
+    assert effect["name"] == "rolling_resistance"
+    told = effect["parameters"]["coefficient"]
+    assert abs(told["value"] - DRAG) < 3 * told["std"] < 0.1 * DRAG
+
+
+@pytest.mark.parametrize(("log", "flags"), [("bare.csv", ()), ("zero.csv", ("--coasting",))])
 def test_what_needs_a_wrench_says_so(capsys, rolled, log, flags):
-    command(capsys, rolled, "discrepancy", log, *flags).refused(3, log, "nobody pushes", "`cartgrasp identify`")
     answer = command(capsys, rolled, "estimate", log, "--method", "paper", *flags)
     answer.refused(3, log, "nobody pushes", "--method filter")
 

@@ -120,7 +120,7 @@ def test_a_rail_has_neither_headings_nor_a_lateral_velocity():
 
 def test_logs_follow_one_another(log):
     """Times are each log's own, and so are ways."""
-    later = replace(log, time=log.time + 1000.0)
+    later = replace(log, time=log.time + 1000.0, name="later")
     model = Model.started([Balances.of(one, CART) for one in (log, later)], CART)
     forward = residuals(model, model)[0]
     found = forward.circumstances
@@ -181,3 +181,17 @@ def test_a_reversal_is_a_change_of_direction_and_no_stop():
     np.testing.assert_allclose(found[40:70], travelled[40:70] - travelled[40])
     np.testing.assert_allclose(found[70:], travelled[70:] - travelled[70])
     assert np.isinf(since_reversal(speed[:40], travelled[:40])).all()
+
+
+def test_parts_of_a_log_are_one(log):
+    """As between impacts: the same name, and times that go on."""
+    parts = [replace(log, **cut_at(log, rows)) for rows in (slice(0, 900), slice(950, None))]
+    model = Model.started([Balances.of(part, CART) for part in parts], CART)
+    found = residuals(model, model)[0].circumstances
+    assert found.names == (log.name,)
+    assert set(found.log) == {0}
+
+
+def cut_at(log, rows):
+    arms = {name: ArmLog(arm.contact[rows], arm.wrench[rows]) for name, arm in log.arms.items()}
+    return {"time": log.time[rows], "pose": log.pose[rows], "velocity": log.velocity[rows], "arms": arms}

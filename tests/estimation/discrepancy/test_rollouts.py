@@ -1,4 +1,4 @@
-"""Rollouts against closed forms, and what noise alone does to them against a plant of the tests' own with known noise."""
+"""Rollouts against closed forms, and what noise alone does to them against a plant of the tests' own."""
 
 from dataclasses import replace
 
