@@ -16,6 +16,8 @@ from cartgrasp.model import CartModel
 
 INERTIAL = ("payload_change", "load_slosh")
 """They change how much a cart is moved by a push: where nobody pushes, less inertia only looks like less of all."""
+TURNING = ("wheel_drag_imbalance",)
+"""They turn a cart: on a rail they are any drag."""
 EVER = 1e12
 """s, m: as long, and as far, as no log goes."""
 
@@ -37,6 +39,8 @@ def families(cart: CartModel, arms: Sequence[str]) -> list[Family]:
     found = []
     for kind in KNOWN_EFFECTS.values():
         if not kind.searched or (not arms and (issubclass(kind, SensorEffect) or kind.name in INERTIAL)):
+            continue
+        if cart.constraints.no_rotation and kind.name in TURNING:
             continue
         for label in _labels(kind, cart, arms):
             variants = tuple(_variants(kind, label, cart))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
@@ -21,6 +22,8 @@ NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
 BEFORE, AFTER, FLOOR = "#d55e00", "#0072b2", "#999999"
 MOST_LOGS = 4
 """Whose residuals are drawn over time."""
+FLAT = 0.05
+"""Of its length: a way that is no wider would be a line."""
 
 
 def figures(diagnosis: Diagnosis) -> dict[str, str]:
@@ -80,7 +83,7 @@ def _residuals(found: Diagnosis) -> Figure:
                 ax.axvline(change, color="0.4", lw=0.8, ls=":")
             ax.axhline(0, color="0.6", lw=0.6)
     for ax, name in zip(rows[-1], names, strict=True):
-        ax.set_xlabel("t (s)" if len(names) == 1 else f"t (s) of {name}")
+        ax.set_xlabel("t (s)" if len(names) == 1 else f"t (s) of {Path(name).name}")
     rows[0][0].legend(frameon=False, fontsize=8)
     return figure
 
@@ -94,7 +97,8 @@ def _places(found: Diagnosis) -> Figure:
         for ax, residual in zip(axes, both, strict=True):
             place = residual.circumstances.course.place.T
             shown = ax.scatter(*place, c=residual.value, s=14, cmap="PuOr", vmin=-top, vmax=top)
-            ax.set_aspect("equal")
+            if min(np.ptp(place, axis=1)) > FLAT * max(np.ptp(place, axis=1)):
+                ax.set_aspect("equal")
         axes[0].set_ylabel("y (m)")
         bar = figure.colorbar(shown, ax=axes, label=_named(both[0]))
         if bar.solids is not None:  # a page that loads nothing shows no images either

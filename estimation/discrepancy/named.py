@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Parameter
 
 from ..end_stops import StopEstimate
 from .certainty import Certainty
@@ -17,6 +18,8 @@ from .search import Attempt, Step, added
 
 CONFUSABLE = np.log(100.0)
 """Nats: by which less a rival may explain."""
+SURE = 2.0
+"""Standard deviations from which on a value is there."""
 OPEN_WORLD = 0.95
 """How probable it is that something of the vocabulary is behind what an effect of it explains."""
 
@@ -85,12 +88,21 @@ def _is_told(one: Attempt) -> bool:
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
-    told = {}
+    """But for those of which the logs say nothing, where they say something of another."""
+    told, untaught = {}, set()
     for parameter, key, value in zip(effect.parameters, effect.keys, effect.values.tolist(), strict=True):
         known, settings = certainty.parameters[key], certainty.settings
         std = settings.get(key, known.std if parameter.estimated else 0.05 * abs(value))
         told[parameter.name] = (float(value), float(std), parameter.unit)
-    return told
+        if parameter.estimated and _says_nothing(parameter, value, std):
+            untaught.add(parameter.name)
+    estimated = {parameter.name for parameter in effect.parameters if parameter.estimated}
+    return told if untaught == estimated else {name: one for name, one in told.items() if name not in untaught}
+
+
+def _says_nothing(parameter: Parameter, value: float, std: float) -> bool:
+    """Whether it may as well be absent as of its usual size."""
+    return std > parameter.typical and abs(value - parameter.absent) < SURE * std
 
 
 def named_stops(stops: Sequence[StopEstimate]) -> tuple[NamedEffect, ...]:

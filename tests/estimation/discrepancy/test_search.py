@@ -82,6 +82,7 @@ def test_a_cart_that_coasts_up_and_down_a_slope():
     assert [effect.name for effect in found.effects] == ["floor_slope"]
     value, std, _ = found.effects[0].parameters["grade_x"]
     assert abs(value - 0.02) < 3 * std < 0.003
+    assert "grade_y" not in found.effects[0].parameters  # of which a rail along x says nothing
     assert found.cart.inertia.mass == pytest.approx(RAIL.inertia.mass, rel=1e-12)
     assert diagnose(coasting(0.0), cart).verdict == "no_discrepancy"
 
@@ -102,6 +103,11 @@ def test_what_a_cart_has_is_no_candidate():
     assert "viscous_drag" not in names
     assert "rolling_resistance" not in names
     assert len(names) == len(set(names))
+
+
+def test_what_turns_a_cart_is_no_candidate_on_a_rail():
+    assert "wheel_drag_imbalance" in {family.key for family in families(cart_of(TRUE), ["hand"])}
+    assert "wheel_drag_imbalance" not in {family.key for family in families(RAIL, ["hand"])}
 
 
 def test_a_variant_without_amplitudes_does_nothing():
