@@ -41,6 +41,16 @@ class Course:
             motion.time - motion.time[0], way, travelled, motion.pose[:, 2], speed, yaw_rate, motion.pose[:, :2], since
         )
 
+    @property
+    def x(self) -> Array:
+        """Of {b}'s place (b,), m."""
+        return self.place[:, 0]
+
+    @property
+    def y(self) -> Array:
+        """Of {b}'s place (b,), m."""
+        return self.place[:, 1]
+
     @classmethod
     def of(cls, time: Array, log: np.ndarray, motions: Sequence[Motion]) -> Course:
         """At times (b,), by the clock of the logs (b,) to which they belong; logs follow one another."""

@@ -12,33 +12,10 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
+from .course import ROLLING, Course
 
 FORCE_STD, MOMENT_STD = 10.0, 3.0
 """N, N·m: what pushes carts about."""
-ROLLING = 0.02
-"""m/s: from here on a drag has a direction."""
-
-
-@dataclass(frozen=True)
-class Course:
-    """What a motion may be described by (n,): s, m, rad, m/s, rad/s; `way` is signed, as a wheel turns."""
-
-    time: Array
-    way: Array
-    x: Array
-    y: Array
-    heading: Array
-    speed: Array
-    yaw_rate: Array
-
-    @classmethod
-    def of(cls, balances: Balances) -> Course:
-        motion = balances.motion
-        velocity = motion.velocity
-        turn = velocity[:, -1] if velocity.shape[1] > 1 else np.zeros(len(velocity))
-        way = np.append(0.0, np.cumsum(velocity[:-1, 0] * np.diff(motion.time)))
-        x, y, heading = motion.pose.T
-        return cls(motion.time - motion.time[0], way, x, y, heading, velocity[:, 0], turn)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +47,7 @@ class Law:
 
     def columns(self, balances: Balances, cart: CartModel) -> Array:
         """Raw (k, c, q)."""
-        signal = self.shape(Course.of(balances))
+        signal = self.shape(Course.along(balances.motion))
         found = np.zeros((len(signal), balances.n_balances(cart), self.size))
         found[:, cart.constraints.n_free - 1 if self.is_moment else 0] = signal
         return balances.integrated(found)
@@ -161,7 +138,7 @@ def scanned(
 ) -> list[tuple[float, Law]]:
     """Periods of one harmonic, each with its gain."""
     found = []
-    courses = [Course.of(balances) for balances in logs]
+    courses = [Course.along(balances.motion) for balances in logs]
     for variable, unit, least, most in PERIODS:
         if variable in "xy" and cart.constraints.n_free == 1:
             continue

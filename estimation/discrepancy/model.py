@@ -19,7 +19,8 @@ from ..weak_form.rows import Errors, Whitening, excess_noise
 from ..weak_form.score import Folds, Score, scored
 from ..weak_form.sensor_noise import MAD_TO_STD
 from .candidates import amplitudes_of
-from .laws import Course, Law
+from .course import Course
+from .laws import Law
 
 GUESS_STD, COM_STD = 1.5, 0.5
 """Of the logarithms of mass and inertia; m."""
@@ -191,7 +192,7 @@ class Model:
                 break
             first += one.size
         amplitudes = self.score.fit[first : first + law.size]
-        signals = [law.shape(Course.of(balances)) @ amplitudes for balances in self.logs]
+        signals = [law.shape(Course.along(balances.motion)) @ amplitudes for balances in self.logs]
         return float(np.sqrt(np.mean(np.concatenate(signals) ** 2)))
 
     @cached_property
