@@ -74,7 +74,7 @@ def log_of(path: Path, topics: Path | None, coasting: bool) -> RunLog:
 
 def tell_given(logs: Sequence[RunLog], cart: CartModel) -> None:
     """What can't be learned where nobody pushes."""
-    if all(coasts(log) for log in logs):
+    if logs and all(coasts(log) for log in logs):
         body = f"mass ({cart.inertia.mass:g} kg), CoM and inertia are taken as given"
         say(f"{', '.join(log.name for log in logs)}: nobody pushes: {body}, and forces are told for them")
 

@@ -25,7 +25,7 @@ from .gap import Gap, held_out_rollouts, measured_gap
 from .glitches import without_glitches
 from .isolability import Isolability, isolability
 from .laws import Law
-from .log_check import LogCheck, check_rows, checked, with_clock_offsets
+from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
@@ -125,6 +125,11 @@ class Diagnosis:
         return bool((self.final.noise.excess[:f] > BEYOND_NOISE * sensors).any())
 
     @cached_property
+    def is_moved(self) -> bool:
+        """Whether the cart does, anywhere in the logs."""
+        return any(moves(balances) for balances in self.nominal.logs)
+
+    @cached_property
     def verdict(self) -> str:
         if not self.disagrees:
             return "no_discrepancy"
@@ -181,6 +186,8 @@ class Diagnosis:
             mass = self.nominal_cart.inertia.mass
             kept += f" Nobody pushes: the mass ({mass:g} kg) can't be learned and is as given; forces are told for it."
         follows = f" What is left follows {' and '.join(law.name for law in self.laws)}." if self.laws else ""
+        if not self.is_moved:
+            return f"Nothing moves, so nothing is learned and the file's values stay; {floor}.{kept}"
         if self.verdict == "no_discrepancy":
             return f"Simulation and measurement agree: {1e3 * gap.refitted:.1f} mm after 1 s, and {floor}.{kept}"
         if self.verdict == "unexplained":
@@ -236,11 +243,14 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         checks.append(checked(log, cart, whole))
         parts += flights(known, cart, found) if found else [whole]
         hits += found
-    widest = tuple(consistent(bands(balances, cart)) for balances in parts)
+    is_moved = any(moves(balances) for balances in parts)
+    widest = tuple(consistent(bands(balances, cart)) if is_moved else None for balances in parts)
     parts = [b if band is None else b.every(band.row_step) for b, band in zip(parts, widest, strict=True)]
     tell("fitting the model as it is")
     nominal = Model.started(parts, cart)
-    final, steps = search(nominal, tell)
+    if not is_moved:  # whatever holds it has no name
+        nominal = replace(nominal, cart=cart)
+    final, steps = search(nominal, tell) if is_moved else (nominal, [])
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
     is_worse = gap.refitted > WORSE * gap.before

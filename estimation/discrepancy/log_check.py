@@ -25,6 +25,8 @@ SHORTEST = 4.0
 """s."""
 FEWEST_USED = 10
 """Rows of balances in weak form that hold all."""
+SHORTEST_MOVE = 0.4
+"""s."""
 FASTEST, NOISES = 40.0, 10.0
 """m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 EIGHTHS, LEAST_HEADED = 8, 1.0
@@ -169,6 +171,13 @@ def _changes(values: Array) -> bool:
 def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
     """0 where there are no values."""
     return tuple(float(one) for one in np.percentile(values if len(values) else np.zeros(1), shares))
+
+
+def moves(balances: Balances) -> bool:
+    """Whether it does for as long as a test function lasts at least."""
+    fast = (balances.turning_speed > balances.still_speed) & balances.motion.seen
+    size = round(SHORTEST_MOVE / balances.motion.step)
+    return bool((np.convolve(fast, np.ones(max(size, 1)), "valid") > size - 0.5).any())
 
 
 def moving(balances: Balances) -> np.ndarray:
