@@ -1,0 +1,69 @@
+"""What a log's sensors seem to do, and the log with what is safe to mend put right, before anything is fitted.
+
+Late or scaled velocities are put on the poses' clock and scale, and rows that repeat or lie between others are left
+out. Signs, axes, frames and units are told with the cure and never mended unasked: a log with a wrong one says
+something else, and only who recorded it knows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from ..weak_form.balances import Balances
+from .heading import of_headings
+from .recorder import interpolated, quantised, slow
+from .stale import without_stale
+from .suspicion import Suspicion
+from .velocities import of_velocities
+from .wrenches import of_wrenches
+
+
+@dataclass(frozen=True, eq=False)
+class Sensors:
+    """The log with what is safe to mend put right, and what was found on the way."""
+
+    log: RunLog
+    suspicions: tuple[Suspicion, ...]
+
+
+def put_right(log: RunLog, cart: CartModel) -> Sensors:
+    """Of poses, velocities and recorders; what wrenches do is seen in balances of that log (`of_wrenches`)."""
+    fresh = without_stale(log)
+    clean, between = interpolated(fresh)
+    right, of_speeds = of_velocities(clean)
+    told = (*of_headings(clean, cart), *of_speeds, *_repeated(log, fresh), *between, *quantised(log), *slow(log))
+    return Sensors(right, told)
+
+
+def check_sensors(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
+    """All that is suspected of a log's sensors, what stops a command first."""
+    sensors = put_right(log, cart)
+    found = (*sensors.suspicions, *of_wrenches(Balances.of(sensors.log, cart), cart))
+    return tuple(sorted(found, key=lambda one: not one.is_refused))
+
+
+def _repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
+    told = []
+    pairs = [("pose", log.pose, fresh.pose)]
+    if log.velocity is not None and fresh.velocity is not None:
+        pairs.append(("velocity", log.velocity, fresh.velocity))
+    for where, before, after in pairs:
+        there = np.isfinite(before).all(axis=1)
+        count = int((there & ~np.isfinite(after).all(axis=1)).sum())
+        if count > LEAST_REPEATED * there.sum():
+            words = (
+                f"{where}: {count} of {int(there.sum())} rows repeat the one before while the cart moves, as a "
+                "recorder writes where nothing new has come; they are left out: leave such cells blank"
+            )
+            factor = float(there.sum() / max(there.sum() - count, 1))
+            told.append(Suspicion("repeated", where, 0.99, factor, words, put_right=True))
+    return tuple(told)
+
+
+LEAST_REPEATED = 0.01
+"""Of the rows: fewer are a hiccup that nothing notices."""

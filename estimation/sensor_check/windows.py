@@ -1,0 +1,113 @@
+"""Windows over a log's own samples: quartic B-splines against which signals are integrated, nothing differentiated.
+
+    ∫ phi g dx,    ∫ phi(t - lag) g dt    and    -∫ phi'(t - lag) g dt
+
+are sums over the intervals between samples, at their middles, so times need not be even. Balances have the same on a
+grid (`weak_form`), once poses and velocities are one motion; here they are compared before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+
+from ..weak_form.splines import DEGREE, SplineBasis
+
+WIDTH = 0.8
+"""s, of a window; starts and stops of carts take about as long."""
+MEASURED = 12
+"""Intervals within a window, at least, for the sums to be integrals."""
+COVERED = 0.02
+"""Of a window: how much the sum of its values may be off where samples are missing in it."""
+FEWEST = 8
+"""Windows."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Times (n,), places (n,) and headings (n,), unwrapped, of a log's rows that have a whole pose."""
+
+    time: Array
+    x: Array
+    y: Array
+    heading: Array
+
+    @classmethod
+    def of(cls, log: RunLog, factor: float = 1.0) -> Track:
+        """With headings times a factor."""
+        there = np.isfinite(log.pose).all(axis=1)
+        x, y, heading = log.pose[there].T
+        return cls(log.time[there], x, y, np.unwrap(factor * heading))
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Of samples at times (n,): windows' values and slopes (k, n - 1) at the middles of intervals; which windows (k,)
+    samples cover."""
+
+    step: Array
+    value: csr_array
+    slope: csr_array
+    covered: np.ndarray
+
+    def integral(self, signal: Array) -> Array:
+        """∫ phi g dt (k, ...) of g (n, ...)."""
+        return np.asarray(self.value @ (_middles(signal).T * self.step).T)
+
+    def rate(self, signal: Array) -> Array:
+        """∫ phi g' dt (k, ...)."""
+        return np.asarray(-(self.slope @ (_middles(signal).T * self.step).T))
+
+    def along(self, factor: Array, position: Array) -> Array:
+        """∫ phi g dx (k,) of g and x (n,)."""
+        return np.asarray(self.value @ (_middles(factor) * np.diff(position)))
+
+
+@dataclass(frozen=True)
+class Windows:
+    """From the first to the last time (s)."""
+
+    first: float
+    last: float
+    step: float
+
+    @classmethod
+    def over(cls, *times: Array) -> Windows | None:
+        """Of sensors that were sampled at these times; None where that is too short or too slow."""
+        if min(len(time) for time in times) < 2 * MEASURED:
+            return None
+        slowest = max(float(np.median(np.diff(time))) for time in times)
+        first, last = max(float(t[0]) for t in times), min(float(t[-1]) for t in times)
+        width = WIDTH
+        found = cls(first, last, width / (DEGREE + 1))
+        return found if slowest * MEASURED <= 2 * width and last - first > (FEWEST + DEGREE) * found.step else None
+
+    @cached_property
+    def basis(self) -> SplineBasis:
+        return SplineBasis.over(self.first, self.last, self.step)
+
+    def on(self, time: Array, late: float = 0.0) -> Sums:
+        """For samples at times (n,), each taken `late` s after what it tells."""
+        basis, steps, middle = self.basis, np.diff(time), _middles(time) - late
+        inside = (middle >= self.first) & (middle <= self.last)
+        whole = slice(DEGREE, basis.count - DEGREE)
+        value, slope = (_spread(basis.design(middle[inside], k), inside, whole) for k in (0, 1))
+        covered = np.abs(value @ steps / self.step - 1) < COVERED
+        return Sums(steps, value, slope, np.asarray(covered))
+
+
+def _spread(design: csr_array, inside: np.ndarray, whole: slice) -> csr_array:
+    """Of a design (m, k) of the middles that are inside, the windows that are whole, over all middles."""
+    rows = csr_array(design[:, whole].T)
+    at = np.flatnonzero(inside)
+    return csr_array((rows.data, at[rows.indices], rows.indptr), shape=(rows.shape[0], len(inside)))
+
+
+def _middles(signal: Array) -> Array:
+    return np.asarray((signal[1:] + signal[:-1]) / 2)
