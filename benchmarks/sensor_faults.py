@@ -1,8 +1,8 @@
 """`python -m benchmarks.sensor_faults DIR`: what is told of sensors on the logs of DIR (`benchmarks.sealed generate`),
 as they are and with a fault put into each.
 
-A fault counts as told where a suspicion of its kind is at least as likely as not; any suspicion of a log as it is, or
-of another kind than the fault's, as an alarm. With `--mass` the whole workflow runs on logs whose velocities are late
+A fault counts as told where a suspicion of its kind is. Any suspicion of a log as it is, or of another kind than the
+fault's, is an alarm. With `--mass` the whole workflow runs on logs whose velocities are late
 or too large, and the mass is held against the truth: the cases must be `nothing`, for no other has the one mass.
 """
 
@@ -23,8 +23,6 @@ from cartgrasp.logs import ArmLog, RunLog, read_log
 from cartgrasp.model import CartModel
 from estimation.model_selection import diagnose
 from estimation.sensor_check import Suspicion, check_sensors
-
-LIKELY = 0.5
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ def read(folder: Path) -> list[Sealed]:
 
 
 def told(suspicions: tuple[Suspicion, ...]) -> set[str]:
-    return {one.kind for one in suspicions if one.probability >= LIKELY}
+    return {one.kind for one in suspicions}
 
 
 def detection(logs: list[Sealed]) -> None:

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
 from .heading import of_headings
-from .recorder import interpolated, quantised, slow
+from .recorder import interpolated, quantised, repeated, slow
 from .stale import without_stale
 from .suspicion import Suspicion
 from .velocities import of_velocities
@@ -36,7 +34,7 @@ def put_right(log: RunLog, cart: CartModel) -> Sensors:
     fresh = without_stale(log)
     clean, between = interpolated(fresh)
     right, of_speeds = of_velocities(clean)
-    told = (*of_headings(clean, cart), *of_speeds, *_repeated(log, fresh), *between, *quantised(log), *slow(log))
+    told = (*of_headings(clean, cart), *of_speeds, *repeated(log, fresh), *between, *quantised(log), *slow(log))
     return Sensors(right, told)
 
 
@@ -45,25 +43,3 @@ def check_sensors(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     sensors = put_right(log, cart)
     found = (*sensors.suspicions, *of_wrenches(Balances.of(sensors.log, cart), cart))
     return tuple(sorted(found, key=lambda one: not one.is_refused))
-
-
-def _repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
-    told = []
-    pairs = [("pose", log.pose, fresh.pose)]
-    if log.velocity is not None and fresh.velocity is not None:
-        pairs.append(("velocity", log.velocity, fresh.velocity))
-    for where, before, after in pairs:
-        there = np.isfinite(before).all(axis=1)
-        count = int((there & ~np.isfinite(after).all(axis=1)).sum())
-        if count > LEAST_REPEATED * there.sum():
-            words = (
-                f"{where}: {count} of {int(there.sum())} rows repeat the one before while the cart moves, as a "
-                "recorder writes where nothing new has come; they are left out: leave such cells blank"
-            )
-            factor = float(there.sum() / max(there.sum() - count, 1))
-            told.append(Suspicion("repeated", where, 0.99, factor, words, put_right=True))
-    return tuple(told)
-
-
-LEAST_REPEATED = 0.01
-"""Of the rows: fewer are a hiccup that nothing notices."""

@@ -32,6 +32,8 @@ READINGS: tuple[tuple[str, float, float | None, str], ...] = (
 first."""
 WRONG_ODDS = 0.01
 """Of each: one log in a hundred."""
+MISALIGNED = 0.1
+"""rad, within which an offset is one that effects of the vocabulary tell (`wheel_misalignment`, `pose_offset`)."""
 
 
 def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
@@ -46,9 +48,12 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
         if part is None:
             return ()
         along, across, size = part
-        psi: float = _best(along, across) if known is None else known + float(cart.rolling.angle)
+        psi = _best(along, across)
+        if known is not None:
+            right = known + float(cart.rolling.angle)
+            psi = right + float(np.clip(_half_turn(psi - right), -MISALIGNED, MISALIGNED))
         aside = math.cos(psi) * across - math.sin(psi) * along
-        offsets.append(float(wrap_angle(np.array(2 * psi))) / 2)
+        offsets.append(_half_turn(psi))
         left.append(float(aside @ aside) / size)
         least = min(least, (left[-1], aside), key=lambda one: one[0])
     odds = np.array([1.0] + [WRONG_ODDS] * (len(READINGS) - 1))
@@ -72,8 +77,9 @@ def _displacements(track: Track) -> tuple[Array, Array, float] | None:
         return None
     sums, c, s = windows.on(track.time), np.cos(track.heading), np.sin(track.heading)
     kept = sums.covered
-    along, across = sums.along(c, track.x) + sums.along(s, track.y), sums.along(c, track.y) - sums.along(s, track.x)
-    both, turned = np.column_stack([along, across])[kept], sums.rate(track.heading)[kept]
+    along = sums.along(track.x, c) + sums.along(track.y, s)
+    across = sums.along(track.y, c) - sums.along(track.x, s)
+    both, turned = np.column_stack([along, across])[kept], sums.along(track.heading)[kept]
     size = float((both**2).sum())
     if kept.sum() < FEWEST or size <= 0:
         return None
@@ -85,3 +91,8 @@ def _displacements(track: Track) -> tuple[Array, Array, float] | None:
 def _best(along: Array, across: Array) -> float:
     """The offset (rad) that leaves least sideways."""
     return 0.5 * math.atan2(2 * float(along @ across), float(along @ along - across @ across))
+
+
+def _half_turn(angle: float) -> float:
+    """The same line's angle (rad), at most a quarter turn."""
+    return float(wrap_angle(np.array(2 * angle))) / 2

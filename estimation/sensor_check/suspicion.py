@@ -9,8 +9,8 @@ REFUSED = ("sign", "unit", "axes", "frame")
 """Kinds with which no estimate means anything."""
 SURE = 0.9
 """Probability from which one of `REFUSED` stops a command (`contract/cli.md`)."""
-TOLD = 0.1
-"""Less likely ones are not worth a line: what is told wrongly more often than nine times in ten is not read."""
+TOLD = 0.25
+"""Less likely ones are not worth a line: a wrong mass is worth three looks in vain, not more."""
 
 
 @dataclass(frozen=True)

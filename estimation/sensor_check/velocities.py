@@ -84,9 +84,12 @@ def of_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
         return log, ()
     track, velocity = Track.of(log), log.velocity.copy()
     for sensor in SENSORS:
-        wrong = _axes(log, track, sensor)
+        rates = Rates.of(track, log.time, log.velocity[:, sensor.columns])
+        wrong = (
+            [] if rates is None else _axes(log.velocity, np.interp(log.time, track.time, track.heading), rates, sensor)
+        )
         told += wrong
-        fit = None if wrong else clock(Rates.of(track, log.time, log.velocity[:, sensor.columns]))
+        fit = None if wrong else clock(rates)
         if fit is None:
             continue
         found = _late_or_large(fit, sensor)
@@ -97,15 +100,11 @@ def of_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
     return replace(log, velocity=velocity), tuple(told)
 
 
-def _axes(log: RunLog, track: Track, sensor: Sensor) -> list[Suspicion]:
+def _axes(velocity: Array, heading: Array, rates: Rates, sensor: Sensor) -> list[Suspicion]:
     """Of a sensor's columns, by how much of what poses do each reading explains."""
-    if log.velocity is None or len(track.time) < 2:
-        return []
-    heading, readings = np.interp(log.time, track.time, track.heading), READINGS[sensor.where]
-    left, least = [], (np.inf, np.zeros(1))
+    readings, left, least = READINGS[sensor.where], [], (np.inf, np.zeros(1))
     for _, _, turn in readings:
-        rates = Rates.of(track, log.time, turn(log.velocity, heading)[:, sensor.columns])
-        best = None if rates is None else rates.best()
+        best = rates.read_as(turn(velocity, heading)[:, sensor.columns]).best()
         if best is None or not best[1].any():
             return []
         _, seen, z = best

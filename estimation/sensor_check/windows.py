@@ -64,9 +64,14 @@ class Sums:
         """∫ phi g' dt (k, ...)."""
         return np.asarray(-(self.slope @ (_middles(signal).T * self.step).T))
 
-    def along(self, factor: Array, position: Array) -> Array:
-        """∫ phi g dx (k,) of g and x (n,)."""
-        return np.asarray(self.value @ (_middles(factor) * np.diff(position)))
+    def rate_noise(self, kept: np.ndarray) -> float:
+        """How much white noise of variance 1 adds to the sum of squares of the rates that are kept."""
+        return float((self.slope.power(2) @ self.step**2)[kept].sum())
+
+    def along(self, position: Array, factor: Array | None = None) -> Array:
+        """∫ phi g dx (k,) of x and g (n,), 1 if not given; wherever x is."""
+        step = np.diff(position)
+        return np.asarray(self.value @ (step if factor is None else _middles(factor) * step))
 
 
 @dataclass(frozen=True)
@@ -90,12 +95,12 @@ class Windows:
 
     @cached_property
     def basis(self) -> SplineBasis:
-        return SplineBasis.over(self.first, self.last, self.step)
+        return SplineBasis(self.first, self.step, int((self.last - self.first) / self.step) + DEGREE)
 
     def on(self, time: Array, late: float = 0.0) -> Sums:
         """For samples at times (n,), each taken `late` s after what it tells."""
         basis, steps, middle = self.basis, np.diff(time), _middles(time) - late
-        inside = (middle >= self.first) & (middle <= self.last)
+        inside = (middle >= self.first) & (middle <= self.first + self.step * (basis.count - DEGREE))
         whole = slice(DEGREE, basis.count - DEGREE)
         value, slope = (_spread(basis.design(middle[inside], k), inside, whole) for k in (0, 1))
         covered = np.abs(value @ steps / self.step - 1) < COVERED

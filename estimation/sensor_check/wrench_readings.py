@@ -14,7 +14,7 @@ COMMON_ODDS, RARE_ODDS = 0.005, 0.0003
 """Against sound axes: of each of some twenty ways in which recorded z stays vertical (one log in ten in all), and of
 each of the 32 in which it doesn't (one in a hundred)."""
 UNIT_ODDS = 0.01
-"""Of each unit: one log in a hundred."""
+"""Of each unit of force, and of each of moments beside newtons: one log in a hundred."""
 UNITS = {
     ("N", "N·m"): (1.0, 1.0),
     ("N", "N·cm"): (1.0, 0.01),

@@ -150,7 +150,8 @@ def _readings(arms: int) -> list[Reading]:
     found = [Reading((), sound, si, 1.0)]
     for (group, share), mounting, unit in product(groups, mountings(), UNITS):
         if mounting is not sound or unit != si:
-            odds = share * mounting.odds * (1.0 if unit == si else UNIT_ODDS)
+            alike = 1 if unit[0] == "N" else sum(other[0] == unit[0] for other in UNITS)
+            odds = share * mounting.odds * (1.0 if unit == si else UNIT_ODDS / alike)
             found.append(Reading(group, mounting, unit, odds))
     return found
 
