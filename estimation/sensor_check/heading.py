@@ -30,10 +30,10 @@ READINGS: tuple[tuple[str, float, float | None, str], ...] = (
 )
 """Kind, factor of theta, offset (rad; None: any), and words of the ways in which poses may be meant, the sound one
 first."""
-WRONG_ODDS = 0.01
-"""Of each: one log in a hundred."""
 MISALIGNED = 0.1
 """rad, within which an offset is one that effects of the vocabulary tell (`wheel_misalignment`, `pose_offset`)."""
+WRONG_ODDS, ANY_OFFSET = 0.01, 2 * MISALIGNED / math.pi
+"""Of each: one log in a hundred; share of all offsets that lie so near to a known one."""
 
 
 def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
@@ -56,7 +56,7 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
         offsets.append(_half_turn(psi))
         left.append(float(aside @ aside) / size)
         least = min(least, (left[-1], aside), key=lambda one: one[0])
-    odds = np.array([1.0] + [WRONG_ODDS] * (len(READINGS) - 1))
+    odds = np.array([1.0] + [WRONG_ODDS * (ANY_OFFSET if one[2] is None else 1.0) for one in READINGS[1:]])
     found = probabilities(evidence(np.array(left), 1.0, independent_rows(least[1])), odds)
     told = []
     for kind in ("unit", "sign", "axes", "frame"):

@@ -139,18 +139,21 @@ def _late_or_large(fit: Clock, sensor: Sensor) -> list[Suspicion]:
         )
         told.append(Suspicion("scale", sensor.where, large, fit.gain, words, put_right=True))
     if unit is not None:
-        told.append(Suspicion("unit", sensor.where, max(large, SURE), unit[1], unit[0], put_right=False))
+        where, words, factor = unit
+        told.append(Suspicion("unit", where, max(large, SURE), factor, words))
     return told
 
 
-def _unit(log_gain: float, sensor: Sensor) -> tuple[str, float] | None:
-    """Words and factor of the unit that a gain is of."""
-    poses = "x and y" if sensor.where == "velocity" else "theta"
+def _unit(log_gain: float, sensor: Sensor) -> tuple[str, str, float] | None:
+    """Where, words and factor of the unit that a gain is of: the velocities', or that of the poses beside them."""
+    poses, columns = ("pose", "x and y") if sensor.where == "velocity" else ("heading", "theta")
     for name, factor in sensor.units.items():
         if abs(log_gain + math.log(factor)) < SAME_UNIT:
-            return f"{sensor.what} seem to be in {name}; multiply them by {factor:.6g}", factor
+            words = f"{sensor.what} seem to be in {name} against {columns}; multiply them by {factor:.6g}"
+            return sensor.where, words, factor
         if abs(log_gain - math.log(factor)) < SAME_UNIT:
-            return f"{poses} seem to be in {name.removesuffix('/s')}; multiply them by {factor:.6g}", factor
+            words = f"{columns} seem to be in {name.removesuffix('/s')} against {sensor.what}; multiply by {factor:.6g}"
+            return poses, words, factor
     return None
 
 

@@ -23,8 +23,9 @@ WIDTH = 0.8
 """s, of a window; starts and stops of carts take about as long."""
 MEASURED = 12
 """Intervals within a window, at least, for the sums to be integrals."""
-COVERED = 0.02
-"""Of a window: how much the sum of its values may be off where samples are missing in it."""
+HOLE, COVERED = WIDTH / 5, 0.005
+"""s between samples, from which on nobody knows what happened: from knot to knot. Of a window: how much the sum of its
+values may be off, where samples are missing at its ends."""
 FEWEST = 8
 """Windows."""
 
@@ -103,7 +104,8 @@ class Windows:
         inside = (middle >= self.first) & (middle <= self.first + self.step * (basis.count - DEGREE))
         whole = slice(DEGREE, basis.count - DEGREE)
         value, slope = (_spread(basis.design(middle[inside], k), inside, whole) for k in (0, 1))
-        covered = np.abs(value @ steps / self.step - 1) < COVERED
+        has_hole = (value != 0) @ (steps > HOLE).astype(float) > 0
+        covered = ~has_hole & (np.abs(value @ steps / self.step - 1) < COVERED)
         return Sums(steps, value, slope, np.asarray(covered))
 
 

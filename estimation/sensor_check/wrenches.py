@@ -15,7 +15,7 @@ from itertools import product
 
 import numpy as np
 
-from cartgrasp.effects import CasterRealignment, Effect, WheelDragImbalance
+from cartgrasp.effects import CasterRealignment, Effect, ViscousDrag, WheelDragImbalance
 from cartgrasp.errors import printable
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -37,7 +37,7 @@ beside what the mass is off by. Of the mass that is felt sideways against the on
 TRACE = 1e-8
 """Of the largest: smaller directions are rounding."""
 FARTHEST = 5.0
-"""m from {b}'s origin: nobody holds a cart there."""
+"""m from {b}'s origin: nobody holds a cart there, but at about one metre: three hundred are millimetres."""
 KINDS = ("sign", "axes", "frame", "unit")
 
 
@@ -164,7 +164,7 @@ def _balances(balances: Balances, cart: CartModel) -> tuple[Balance, Balance | N
     signals, slopes = _signals(balances, cart), balances.residual(cart)[1]
     casters = (CasterRealignment(),) if any(wheel.kind == CASTER for wheel in cart.wheels) else ()
     taken = {effect.name for effect in cart.effects}
-    more: list[Effect] = [e for e in (*RICH, WheelDragImbalance(), *casters) if e.name not in taken]
+    more: list[Effect] = [e for e in (ViscousDrag(), *RICH, WheelDragImbalance(), *casters) if e.name not in taken]
     columns = [balances.columns(cart, e) for e in more if free > 1 or not isinstance(e, WheelDragImbalance)]
     whole = np.concatenate([slopes, *columns], axis=2)
     own = [0, 0, 3][:: 1 if free == 3 else 2] if free > 1 else [0]
@@ -213,7 +213,7 @@ def _far_contacts(balances: Balances) -> tuple[Suspicion, ...]:
         whole = arm.contact[np.isfinite(arm.contact).all(axis=1)]
         reach = float(np.median(np.linalg.norm(whole, axis=1))) if len(whole) else 0.0
         if reach > FARTHEST:
-            unit, factor = ("mm", 0.001) if reach > 100 else ("cm", 0.01)
+            unit, factor = ("mm", 0.001) if reach > 300 else ("cm", 0.01)
             words = (
                 f"{printable(name)}: contacts are {reach:.3g} m from the cart's origin, they seem to be in {unit}: "
                 f"multiply px, py and pz by {factor:g}"
