@@ -51,7 +51,7 @@ def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
         if again[is_fast].sum() > REPEATED * max(is_fast.sum(), 1):
             words = (
                 f"{where}: {int(again.sum())} of {len(again)} rows repeat the one before while the cart moves, as a "
-                "recorder writes where nothing new has come; they are left out: leave such cells blank"
+                "recorder writes where nothing new has come; a diagnosis leaves them out: leave such cells blank"
             )
             factor = len(again) / max(len(again) - int(again.sum()), 1)
             told.append(Suspicion("repeated", where, 0.99, factor, words, put_right=True))
@@ -77,7 +77,7 @@ def interpolated(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
         if count:
             words = (
                 f"{printable(where)}: {count} of {there} rows lie on straight lines between others, so they were "
-                "interpolated, not measured; they are left out: record at the sensor's own rate, and leave others blank"
+                "interpolated, not measured; a diagnosis leaves them out: record at the sensor's own rate"
             )
             told.append(Suspicion("repeated", where, 0.99, there / (there - count), words, put_right=True))
     if not told:

@@ -127,15 +127,15 @@ def _late_or_large(fit: Clock, sensor: Sensor) -> list[Suspicion]:
     if late > 0.5:
         words = (
             f"{sensor.what} come {abs(fit.lag) * 1e3:.1f} ± {fit.lag_std * 1e3:.1f} ms "
-            f"{'late' if fit.lag > 0 else 'early'} against the poses; they were shifted to the poses' clock: give the "
-            "sensor's latency, or record both with one clock"
+            f"{'late' if fit.lag > 0 else 'early'} against the poses; a diagnosis takes them at the poses' clock: give "
+            "the sensor's latency, or record both with one clock"
         )
         told.append(Suspicion("lag", sensor.where, late, fit.lag, words, put_right=True))
     unit = _unit(log_gain, sensor)
     if large > 0.5 and unit is None:
         words = (
-            f"{sensor.what} are {fit.gain:.4f} ± {fit.gain_std:.4f} times what the poses do; they were divided by "
-            "that: calibrate the wheels' radius or the tracker"
+            f"{sensor.what} are {fit.gain:.4f} ± {fit.gain_std:.4f} times what the poses do; a diagnosis divides "
+            "them by that: calibrate the wheels' radius or the tracker"
         )
         told.append(Suspicion("scale", sensor.where, large, fit.gain, words, put_right=True))
     if unit is not None:

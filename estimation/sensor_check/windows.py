@@ -104,7 +104,7 @@ class Windows:
         inside = (middle >= self.first) & (middle <= self.first + self.step * (basis.count - DEGREE))
         whole = slice(DEGREE, basis.count - DEGREE)
         value, slope = (_spread(basis.design(middle[inside], k), inside, whole) for k in (0, 1))
-        has_hole = (value != 0) @ (steps > HOLE).astype(float) > 0
+        has_hole = value @ (steps > HOLE).astype(float) > 0
         covered = ~has_hole & (np.abs(value @ steps / self.step - 1) < COVERED)
         return Sums(steps, value, slope, np.asarray(covered))
 
