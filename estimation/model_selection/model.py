@@ -90,6 +90,7 @@ class Model:
     whitenings: tuple[Whitening, ...]
     laws: tuple[Law, ...] = ()
     wide: frozenset[str] = frozenset()
+    at_bound: np.ndarray | None = None
 
     @property
     def is_pushed(self) -> bool:
@@ -98,7 +99,9 @@ class Model:
 
     @cached_property
     def prior(self) -> ParameterPrior:
-        return structure_prior(self.cart, self.guess, self.wide, self.is_pushed)
+        """Of what is not at a bound."""
+        known = structure_prior(self.cart, self.guess, self.wide, self.is_pushed)
+        return known if self.at_bound is None else replace(known, free=known.free & ~self.at_bound)
 
     @classmethod
     def started(cls, logs: Sequence[Balances], guess: CartModel) -> Model:
@@ -236,13 +239,12 @@ class Model:
         """Another structure, fitted on rows that are whitened alike."""
         delay = lateness(cart, self.logs)
         base = self.late(delay) if delay != self.lateness else self
-        model = replace(base, cart=cart)
+        model = replace(base, cart=cart, at_bound=None)
         prior = structure_prior(cart, self.guess, self.wide, self.is_pushed)
         found, beside = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
         changed = {e.key: e.scaled(1.0 + float(size)) for e, size in zip(cart.constraint_effects, beside, strict=False)}
-        return replace(
-            model, cart=replace(found.cart, effects=tuple(changed.get(e.key, e) for e in found.cart.effects))
-        )
+        effects = tuple(changed.get(e.key, e) for e in found.cart.effects)
+        return replace(model, cart=replace(found.cart, effects=effects), at_bound=found.at_bound)
 
 
 def lateness(cart: CartModel, logs: Sequence[Balances]) -> float:
