@@ -56,9 +56,9 @@ def is_negligible(effect: Effect) -> bool:
     return max(sizes, default=0.0) <= LEAST_SIZE
 
 
-def is_within(effect: Effect) -> bool:
-    """Whether its settings are those that it may have."""
+def is_within(effect: Effect, spare: float = 1.0) -> bool:
+    """Whether its settings are those that it may have, or beyond by a factor at most."""
     values = {f"{effect.name}.{p.name}": v for p, v in zip(effect.parameters, effect.values.tolist(), strict=True)}
-    return not any(values.get(key, least) < least for key, least in LEAST.items()) and not any(
-        values.get(key, most) > most for key, most in MOST.items()
+    return not any(spare * values.get(key, least) < least for key, least in LEAST.items()) and not any(
+        values.get(key, most) > spare * most for key, most in MOST.items()
     )

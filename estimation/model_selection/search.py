@@ -15,7 +15,7 @@ from ..weak_form.score import Score
 from .candidates import amplitudes_of, families
 from .laws import Law
 from .model import Model
-from .plausible import is_negligible, is_plausible
+from .plausible import is_plausible
 from .refine import refined
 from .screening import Screen
 
@@ -138,12 +138,11 @@ def tried(model: Model) -> list[Attempt]:
 
 
 def chosen(attempts: list[Attempt]) -> Attempt | None:
-    """The simplest of those that are worth about as much as the best; none, where the best is nothing that anybody
-    would call so, and no other explains as much."""
-    known = [one for one in attempts if one.model is not None and not _vanished(one)]
+    """The simplest of those that are worth about as much as the best that somebody would call so."""
+    known = [one for one in attempts if one.model is not None and _may_be(one)]
     most = max((one.gain for one in known), default=0.0)
     enough = most - max(WORTH, SIMPLER * most)
-    alike = [one for one in known if one.gain >= enough and _may_be(one)]
+    alike = [one for one in known if one.gain >= enough]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
 
 
@@ -154,11 +153,6 @@ def _may_be(one: Attempt) -> bool:
         return True
     assert one.model is not None
     return is_plausible(one.candidate, one.model.cart.wheel_set)
-
-
-def _vanished(one: Attempt) -> bool:
-    """Whether logs want none of it, such as a drag that would push."""
-    return isinstance(one.candidate, Effect) and is_negligible(one.candidate)
 
 
 def worth(base: Score, score: Score, colour: float | None) -> float:

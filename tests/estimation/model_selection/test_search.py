@@ -124,8 +124,8 @@ def test_a_variant_without_amplitudes_does_nothing():
 
 
 def test_what_stretches_contradict_is_not_taken():
-    """A gain counts where it is one and a half of its standard errors; what vanished at its bound is no rival, and
-    where nobody would call the best by its name, what explains far less does not stand for it."""
+    """A gain counts where it is one and a half of its standard errors; what vanished at its bound, and
+    what nobody would call by its name, is no rival."""
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
     slope, rolling = FloorSlope(0.02, 0.0), RollingResistance(0.02)
     unsteady = Attempt(slope, 30.0, 1, model, 25.0)
@@ -135,14 +135,14 @@ def test_what_stretches_contradict_is_not_taken():
     vanished = Attempt(RollingResistance(0.0), 90.0, 1, model, 1.0)
     assert chosen([vanished, steady]) is steady
     late = Attempt(TimeDelay(0.4), 90.0, 1, model)
-    assert chosen([late, steady]) is None
+    assert chosen([late, steady]) is steady
 
 
-def test_settings_stay_where_they_are_plausible():
-    """However much a load gains that swings faster."""
+def test_settings_stay_near_what_is_plausible():
+    """However much a load gains that swings faster, nobody follows it beyond half as much again."""
     slosh = LoadSlosh(mass=5.0, frequency=2.0, damping=0.1)
     best = refined(slosh, lambda effect: float(effect.values[1]))
-    assert 3.0 < best.values[1] <= 4.0
+    assert 4.0 < best.values[1] <= 6.0
 
 
 def test_a_drag_at_its_bound_frees_no_column():
