@@ -13,6 +13,7 @@ from cartgrasp.model import CartModel
 
 from ..end_stops import end_stops
 from ..impacts import Impact
+from ..noise import FilterNoise
 from ..weak_form.balances import Balances
 
 TOUCH = 0.05
@@ -23,8 +24,11 @@ SHORTEST = 1.0
 """s, of a part that says anything."""
 
 
-def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Balances]:
-    """The parts between impacts, and away from stops, that are long enough."""
+def flights(
+    log: RunLog, cart: CartModel, impacts: Sequence[Impact], told: FilterNoise | None = None
+) -> list[Balances]:
+    """The parts between impacts, and away from stops, that are long enough; the sensors' noise as it is told, or read
+    off them."""
     away = np.ones(len(log), dtype=bool)
     for impact in impacts:
         away &= np.abs(log.time - impact.time) > TOUCH
@@ -40,7 +44,7 @@ def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Bal
         raise DataError(
             f"{log.name}: it is hit so often that no {SHORTEST:g} s of it are left; record it between stops"
         )
-    return [Balances.of(part, cart) for part in parts]
+    return [Balances.of(part, cart, told=told) for part in parts]
 
 
 def _rows(log: RunLog, own: np.ndarray) -> RunLog:

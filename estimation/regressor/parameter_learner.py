@@ -21,7 +21,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
 from ..batch.motion_smoother import LONG_GAP
-from ..batch.physical_fit import PhysicalSet
+from ..physical_set import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.filtered_row import FilteredRow, are_known, weights

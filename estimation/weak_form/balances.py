@@ -24,6 +24,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..noise import FilterNoise
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
 from .wrenches import GridWrenches
@@ -47,13 +48,15 @@ class Balances:
     wrenches: GridWrenches
     log: RunLog
     per_row: int
+    told: FilterNoise | None = None
 
     @classmethod
-    def of(cls, log: RunLog, cart: CartModel, row_step: float = 0.1) -> Balances:
-        """`row_step` (s) from one test function to the next: what is faster than half of its inverse is left out."""
-        motion = motion_of(log, cart)
+    def of(cls, log: RunLog, cart: CartModel, row_step: float = 0.1, told: FilterNoise | None = None) -> Balances:
+        """`row_step` (s) from one test function to the next: what is faster than half of its inverse is left out. The
+        sensors' noise is as it is told, or read off the log."""
+        motion = motion_of(log, cart, told)
         late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
-        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1).every(row_step)
+        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1, told).every(row_step)
 
     def every(self, row_step: float) -> Balances:
         """With test functions about `row_step` (s) apart."""
@@ -126,6 +129,9 @@ class Balances:
     @cached_property
     def wrench_densities(self) -> Array:
         """Roots of the noise densities of each arm's wrench (arms, 6), N/√Hz, N·m/√Hz."""
+        if self.told is not None:
+            one = np.sqrt(np.diagonal(self.told.wrench_covariance) * self.sample_step)
+            return np.tile(one, (len(self.log.arms), 1))
         arms = [[noise_density(self.log.time, axis) for axis in arm.wrench.T] for arm in self.log.arms.values()]
         return np.array(arms).reshape(-1, 6)
 

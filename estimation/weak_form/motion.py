@@ -12,6 +12,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..noise import FilterNoise
 from .sensor_noise import MotionNoise
 from .splines import Samples, SplineBasis, SplineFit
 
@@ -57,8 +58,8 @@ class Motion:
         return np.append(0.0, np.cumsum(self.speed[:-1] * np.diff(self.time)))
 
 
-def motion_of(log: RunLog, cart: CartModel) -> Motion:
-    """Raises DataError for a log that is too short."""
+def motion_of(log: RunLog, cart: CartModel, told: FilterNoise | None = None) -> Motion:
+    """With noise as it is told, or read off the log. Raises DataError for a log that is too short."""
     seen = np.isfinite(log.pose).all(axis=1)
     if seen.sum() < FEWEST_ROWS:
         raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {FEWEST_ROWS} are needed")
@@ -69,7 +70,7 @@ def motion_of(log: RunLog, cart: CartModel) -> Motion:
     if last - first < FEWEST_ROWS * KNOT_STEPS * step:
         raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
     grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
-    noise = MotionNoise.of(log)
+    noise = MotionNoise.of(log) if told is None else MotionNoise.told(told, log)
     heading = np.unwrap(log.pose[seen, 2])
     poses = np.column_stack([log.pose[seen, :2], heading])
     basis = SplineBasis.over(first, last, KNOT_STEPS * step)

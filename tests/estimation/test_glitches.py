@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
-from estimation.discrepancy.glitches import without_glitches
+from estimation.glitches import without_glitches
 
 TIME = np.arange(0.0, 4.0, 0.01)
 

@@ -15,11 +15,12 @@ from cartgrasp.inertia import Inertia, phi_from_physical
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior
-from estimation.batch import identify, physical_fit
+from estimation import physical_set
+from estimation.identification import identify
 from estimation.batch.block_tridiagonal import BlockTridiagonal
 from estimation.batch.identification import fit
 from estimation.batch.motion_smoother import smooth_motion
-from estimation.batch.physical_fit import PhysicalSet
+from estimation.physical_set import PhysicalSet
 from estimation.batch.wrench_record import WrenchRecord
 from estimation.batch.wrench_regression import DELAY, WrenchRegression
 from estimation.log_noise import noise_of_log
@@ -297,7 +298,7 @@ def test_the_least_step_within_bounds_is_that_of_another_solver(seed):
     high = low + random.exponential(2.0, 5)
     low[0], high[1] = -np.inf, np.inf
     expected = lsq_linear(np.linalg.cholesky(metric).T, np.zeros(5), (low, high), method="bvls").x
-    assert physical_fit._least(metric, low, high) == pytest.approx(expected, abs=1e-9)
+    assert physical_set._least(metric, low, high) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))

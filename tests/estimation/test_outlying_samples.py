@@ -10,7 +10,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise
-from estimation.batch import identify
+from estimation.identification import identify
 from estimation.batch.motion_smoother import smooth_motion
 
 from .runs import simulate

@@ -13,7 +13,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
 
-from ..outliers import ROWS, outlying
+from .outliers import ROWS, outlying
 
 FAR = 20.0
 """Times the noise."""

@@ -1,0 +1,221 @@
+"""A cart's parameters from whole logs, by the regression in weak form that the discrepancy workflow searches with.
+
+Each log is learned from in the band in which the model foretells its motion; all logs' rows and the first guess add up,
+in coordinates in which every cart is physical. A fit that foretells unseen stretches worse than the cart file's values
+is refused, and they stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.errors import DataError, UsageError
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI, Inertia
+from cartgrasp.logs import RunLog, coasts
+from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from .glitches import without_glitches
+from .impacts import impacts
+from .model_selection.certainty import Certainty
+from .model_selection.flights import flights
+from .model_selection.log_check import check_steps
+from .model_selection.model import Model
+from .model_selection.refusal import refused
+from .model_selection.stale import without_stale
+from .noise import FilterNoise
+from .prior import Prior, report_names, report_units
+from .weak_form.balances import Balances
+from .weak_form.band import Band, bands, consistent
+from .weak_form.fit import jacobian
+from .weak_form.rows import Whitening
+from .weak_form.sensor_noise import MotionNoise
+
+FEWEST_ROWS = 3
+"""Of a log's balances: fewer say nothing of how large their noise is."""
+
+
+@dataclass(frozen=True)
+class LogFit:
+    """How a log fits: by what share of a step its wrenches act after they are recorded; how many times as large as its
+    sensors' noise makes them the squares of what is left are; up to which frequency (Hz) it was learned from, None
+    where nothing was; and what is to be said of it, in words."""
+
+    name: str
+    delay: float
+    noise_excess: float
+    band: float | None = None
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What logs say of a cart. `model_parameters` (p,) and `covariance` (p, p) are of `(phi | effects' values)`;
+    `refused` says why a fit was refused, if one was."""
+
+    structure: CartModel
+    model_parameters: Array
+    covariance: Array
+    parameters: dict[str, ParameterEstimate]
+    logs: tuple[LogFit, ...]
+    refused: str = ""
+
+    def cart(self) -> CartModel:
+        """The cart with the values put in."""
+        cart = self.structure.with_parameters(self.model_parameters)
+        if not self.structure.constraints.no_rotation:
+            return cart
+        body = self.structure.inertia
+        return cart.with_inertia(Inertia(cart.inertia.mass, body.com, body.about_com))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result as the command line gives it."""
+        parameters = {name: asdict(parameter) for name, parameter in self.parameters.items()}
+        return {"parameters": parameters, "logs": [asdict(log) for log in self.logs]}
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A stretch of a log, by its index, in its band."""
+
+    log: int
+    balances: Balances
+    band: Band | None
+
+
+def identify(
+    logs: Sequence[RunLog],
+    cart: CartModel,
+    prior: Prior | None = None,
+    noise: FilterNoise | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Identification:
+    """Fits the cart to all logs at once; `cart` is the first guess, and the sensors' `noise` is read off each log
+    unless given. `progress` is told the share done."""
+    if not logs:
+        raise UsageError("identify: no log is given; at least one is needed")
+    prior = prior or Prior()
+    prior.free(cart)  # refuses names that the cart does not have
+    tell = progress or (lambda _: None)
+    parts, silent = list[_Part](), dict[int, str]()
+    for i, log in enumerate(logs):
+        try:
+            parts += _parts(i, log, cart, noise)
+        except _NothingSaid as error:
+            silent[i] = str(error)
+        tell((i + 1) / (len(logs) + 2))
+    if not parts:
+        return _as_believed(logs, cart, prior, silent)
+    try:
+        found = _fitted(logs, cart, prior, parts, silent)
+    except np.linalg.LinAlgError as error:
+        raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units") from error
+    if not np.isfinite(found.model_parameters).all() or not np.isfinite(found.covariance).all():
+        raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units")
+    return found
+
+
+class _NothingSaid(Exception):
+    """Why a log says nothing."""
+
+
+def _parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[_Part]:
+    known = without_glitches(without_stale(replace(log, arms={}) if coasts(log) else log))
+    with np.errstate(all="ignore"):  # numbers beyond reason are told as such
+        check_steps(known, float(MotionNoise.of(known).pose[0]))
+        try:
+            hits = impacts(known, cart)
+            whole = flights(known, cart, hits, noise) if hits else [Balances.of(known, cart, told=noise)]
+        except DataError as error:
+            raise _NothingSaid(str(error)) from error
+    found = []
+    for balances in whole:
+        if len(balances.used) >= FEWEST_ROWS:
+            band = consistent(bands(balances, cart))
+            found.append(_Part(index, balances if band is None else balances.every(band.row_step), band))
+    found = [part for part in found if len(part.balances.used) >= FEWEST_ROWS]
+    if not found:
+        raise _NothingSaid(f"{log.name}: poses and wrenches come together nowhere for long enough to learn from")
+    return found
+
+
+def _fitted(
+    logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[_Part], silent: dict[int, str]
+) -> Identification:
+    model = Model.started([part.balances for part in parts], cart, prior)
+    fits = _log_fits(logs, model, parts, silent)
+    why = refused(model, cart)
+    if why:
+        return replace(_as_believed(logs, cart, prior, {}), logs=fits, refused=why)
+    shares = [part.band.bracket / part.band.mass for part in parts if part.band is not None]
+    certain = Certainty(model, min(shares, default=0.0))
+    free = np.flatnonzero(model.prior.free)
+    covariance = np.zeros((len(cart.parameters),) * 2)
+    covariance[np.ix_(free, free)] = certain.covariance[: len(free), : len(free)]
+    by = jacobian(certain.cart)
+    held, told = _held(logs, cart, prior), certain.parameters
+    parameters = {n: replace(p, std=0.0) if n in held else p for n, p in told.items()}
+    return Identification(cart, certain.cart.parameters, by @ covariance @ by.T, parameters, fits)
+
+
+def _as_believed(logs: Sequence[RunLog], cart: CartModel, prior: Prior, silent: dict[int, str]) -> Identification:
+    """The first guess."""
+    body, held = cart.inertia, _held(logs, cart, prior)
+    values = [body.mass, *body.com, body.about_com, *cart.parameters[N_PHI:].tolist()]
+    rows = zip(report_names(cart), report_units(cart), values, prior.deviations(cart).tolist(), strict=True)
+    told = {n: ParameterEstimate(float(v), 0.0 if n in held else s, unit, False) for n, unit, v, s in rows}
+    covariance, free = np.zeros((len(cart.parameters),) * 2), prior.free(cart)
+    covariance[np.ix_(free, free)] = prior.covariance(cart)[np.ix_(free, free)]
+    fits = tuple(LogFit(log.name, 0.0, 1.0, None, _said(silent.get(i))) for i, log in enumerate(logs))
+    return Identification(cart, cart.parameters.copy(), covariance, told, fits)
+
+
+def _held(logs: Sequence[RunLog], cart: CartModel, prior: Prior) -> set[str]:
+    """Names of what is known; a body that nobody pushes is taken as given."""
+    held = prior.held(cart)
+    if cart.constraints.no_rotation:
+        held[1:N_PHI] = False
+    if all(coasts(log) for log in logs):
+        held[:N_PHI] = True
+    return {name for name, is_held in zip(report_names(cart), held, strict=True) if is_held}
+
+
+def _log_fits(
+    logs: Sequence[RunLog], model: Model, parts: Sequence[_Part], silent: dict[int, str]
+) -> tuple[LogFit, ...]:
+    """Of a log that is cut, the longest part tells."""
+    excess, delays = _excess(model), model.score.fit[-len(parts) :]
+    found = []
+    for i, log in enumerate(logs):
+        own = [k for k, part in enumerate(parts) if part.log == i]
+        if not own:
+            found.append(LogFit(log.name, 0.0, 1.0, None, _said(silent.get(i))))
+            continue
+        k = max(own, key=lambda k: len(parts[k].balances.used))
+        delay = -float(delays[k]) / parts[k].balances.sample_step
+        found.append(LogFit(log.name, delay, float(excess[k]), 0.5 / parts[k].balances.row_step))
+    return tuple(found)
+
+
+def _excess(model: Model) -> list[float]:
+    """Of each part the mean square of what is left, whitened by its sensors' noise alone: of the balance with most."""
+    found, at = [], 0
+    for balances in model.logs:
+        left = model.left[at : at + len(balances.used)]
+        at += len(balances.used)
+        white = Whitening.of(balances, model.cart, np.zeros(left.shape[1]))(left)
+        found.append(float((white**2).mean(axis=0).max()))
+    return found
+
+
+def _said(words: str | None) -> tuple[str, ...]:
+    return () if words is None else (words,)
+
+
+def _names(logs: Sequence[RunLog]) -> str:
+    return ", ".join(log.name for log in logs)
