@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,10 +21,10 @@ from cartgrasp.logs import RunLog, coasts
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
+from .corrected_fit import corrected
 from .glitches import without_glitches
 from .impacts import impacts
-from .model_selection.certainty import Certainty
-from .model_selection.flights import flights
+from .model_selection.flights import pieces, rows_of
 from .model_selection.log_check import check_steps
 from .model_selection.model import Model
 from .model_selection.refusal import refused
@@ -31,13 +32,19 @@ from .model_selection.stale import without_stale
 from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
 from .weak_form.balances import Balances
-from .weak_form.band import Band, bands, consistent
-from .weak_form.fit import jacobian
+from .weak_form.band import Band, bands, sharp
 from .weak_form.rows import Whitening
 from .weak_form.sensor_noise import MotionNoise
 
 FEWEST_ROWS = 3
 """Of a log's balances: fewer say nothing of how large their noise is."""
+
+OFF = 5.0
+"""Times the noise from which on a sample that stands alone is off: one in two million is by chance."""
+LONGEST_HOLE = 1.0
+"""s without a pose, from which on a log is two."""
+SAMPLES_PER_KNOT, FINE_FOR = 12.0, 120.0
+"""Behind each coefficient of a finer motion, that its noise is averaged out of it; s, up to which a log has that."""
 
 
 @dataclass(frozen=True)
@@ -125,42 +132,76 @@ class _NothingSaid(Exception):
 
 
 def _parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[_Part]:
-    known = without_glitches(without_stale(replace(log, arms={}) if coasts(log) else log))
+    known = without_glitches(without_stale(replace(log, arms={}) if coasts(log) else log), OFF)
+    found, why = list[_Part](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
-        check_steps(known, float(MotionNoise.of(known).pose[0]))
-        try:
-            hits = impacts(known, cart)
-            whole = flights(known, cart, hits, noise) if hits else [Balances.of(known, cart, told=noise)]
-        except DataError as error:
-            raise _NothingSaid(str(error)) from error
-    found = []
-    for balances in whole:
-        if len(balances.used) >= FEWEST_ROWS:
-            band = consistent(bands(balances, cart))
-            found.append(_Part(index, balances if band is None else balances.every(band.row_step), band))
+        for piece in _unbroken(known):
+            try:
+                found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
+            except _NothingSaid as error:
+                why = why or str(error)
     found = [part for part in found if len(part.balances.used) >= FEWEST_ROWS]
     if not found:
-        raise _NothingSaid(f"{log.name}: poses and wrenches come together nowhere for long enough to learn from")
+        raise _NothingSaid(why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from")
     return found
+
+
+def _unbroken(log: RunLog) -> list[RunLog]:
+    """Pieces with poses throughout: what is not seen for long is no motion."""
+    seen = np.flatnonzero(np.isfinite(log.pose).all(axis=1))
+    if len(seen) < 2:
+        return [log]
+    ends = seen[np.flatnonzero(np.diff(log.time[seen]) > LONGEST_HOLE)]
+    if not len(ends):
+        return [log]
+    edges = np.concatenate([[0], ends + 1, [len(log)]])
+    return [rows_of(log, np.arange(first, last)) for first, last in pairwise(edges.tolist())]
+
+
+def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
+    check_steps(log, float(MotionNoise.of(log).pose[0]))
+    try:
+        hits = impacts(log, cart)
+        return pieces(log, hits) if hits else [log]
+    except DataError as error:
+        raise _NothingSaid(str(error)) from error
+
+
+def _part(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> _Part:
+    fine = SAMPLES_PER_KNOT if log.duration < FINE_FOR else None
+    try:
+        balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
+    except DataError as error:
+        raise _NothingSaid(str(error)) from error
+    band = sharp(bands(balances, cart)) if len(balances.used) >= FEWEST_ROWS else None
+    return _Part(index, balances if band is None else balances.every(band.row_step), band)
 
 
 def _fitted(
     logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[_Part], silent: dict[int, str]
 ) -> Identification:
-    model = Model.started([part.balances for part in parts], cart, prior)
-    fits = _log_fits(logs, model, parts, silent)
-    why = refused(model, cart)
+    model = _as_loud(Model.started([part.balances for part in parts], cart, prior))
+    found = corrected(model)
+    fits = _log_fits(logs, found.model, parts, silent)
+    why = refused(found.model, cart)
     if why:
         return replace(_as_believed(logs, cart, prior, {}), logs=fits, refused=why)
     shares = [part.band.bracket / part.band.mass for part in parts if part.band is not None]
-    certain = Certainty(model, min(shares, default=0.0))
-    free = np.flatnonzero(model.prior.free)
-    covariance = np.zeros((len(cart.parameters),) * 2)
-    covariance[np.ix_(free, free)] = certain.covariance[: len(free), : len(free)]
-    by = jacobian(certain.cart)
-    held, told = _held(logs, cart, prior), certain.parameters
-    parameters = {n: replace(p, std=0.0) if n in held else p for n, p in told.items()}
-    return Identification(cart, certain.cart.parameters, by @ covariance @ by.T, parameters, fits)
+    found = found.between(min(shares, default=0.0))
+    values, std = found.physical()
+    taught = found.taught(prior.deviations(cart))
+    held = _held(logs, cart, prior)
+    rows = zip(report_names(cart), report_units(cart), values.tolist(), std.tolist(), taught.tolist(), strict=True)
+    told = {n: ParameterEstimate(v, 0.0 if n in held else s, unit, known) for n, unit, v, s, known in rows}
+    return Identification(cart, found.model.cart.parameters, found.parameter_covariance, told, fits)
+
+
+def _as_loud(model: Model) -> Model:
+    """Refitted to rows whose noise is as large as what is left of them: sensors may be better than they look, and the
+    first guess would count for too much."""
+    scale = model.score.scale
+    loud = (tuple(root * s for root, s in zip(w.roots, scale, strict=True)) for w in model.whitenings)
+    return replace(model, whitenings=tuple(map(Whitening, loud))).refitted(model.cart)
 
 
 def _as_believed(logs: Sequence[RunLog], cart: CartModel, prior: Prior, silent: dict[int, str]) -> Identification:

@@ -16,7 +16,6 @@ from cartgrasp.model import CartModel
 from ..prior import Prior, report_names
 from ..weak_form.balances import Balances
 from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
-from ..weak_form.noise_share import told_by_motion
 from ..weak_form.rows import Whitening, excess_noise
 from ..weak_form.score import Folds, Score, scored
 from ..weak_form.sensor_noise import MAD_TO_STD
@@ -99,8 +98,7 @@ class RowNoise:
 @dataclass(frozen=True, eq=False)
 class Model:
     """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
-    follow and no effect of the vocabulary makes. Coordinates that are `untold` of by the motions stay as they were
-    guessed."""
+    follow and no effect of the vocabulary makes."""
 
     guess: CartModel
     cart: CartModel
@@ -110,7 +108,6 @@ class Model:
     laws: tuple[Law, ...] = ()
     wide: frozenset[str] = frozenset()
     believed: Prior | None = None
-    untold: tuple[int, ...] = ()
 
     @property
     def is_pushed(self) -> bool:
@@ -122,16 +119,13 @@ class Model:
         return self._prior_of(self.cart)
 
     def _prior_of(self, cart: CartModel) -> ParameterPrior:
-        prior = structure_prior(cart, self.guess, self.wide, self.is_pushed, self.believed)
-        prior.free[list(self.untold)] = False
-        return prior
+        return structure_prior(cart, self.guess, self.wide, self.is_pushed, self.believed)
 
     @classmethod
     def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
         noise = RowNoise(guess, np.full(logs[0].n_balances(guess), 1.0))
-        untold = tuple(np.flatnonzero(~told_by_motion(logs, guess)).tolist())
-        model = cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed, untold=untold)
+        model = cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed)
         for _ in range(ROUNDS):
             model = model.refitted(model.cart).rewhitened()
         return model

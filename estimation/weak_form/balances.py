@@ -49,14 +49,22 @@ class Balances:
     log: RunLog
     per_row: int
     told: FilterNoise | None = None
+    samples_per_knot: float | None = None
 
     @classmethod
-    def of(cls, log: RunLog, cart: CartModel, row_step: float = 0.1, told: FilterNoise | None = None) -> Balances:
+    def of(
+        cls,
+        log: RunLog,
+        cart: CartModel,
+        row_step: float = 0.1,
+        told: FilterNoise | None = None,
+        samples_per_knot: float | None = None,
+    ) -> Balances:
         """`row_step` (s) from one test function to the next: what is faster than half of its inverse is left out. The
-        sensors' noise is as it is told, or read off the log."""
-        motion = motion_of(log, cart, told)
+        motion is as `motion_of` has it."""
+        motion = motion_of(log, cart, told, samples_per_knot)
         late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
-        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1, told).every(row_step)
+        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1, told, samples_per_knot).every(row_step)
 
     def every(self, row_step: float) -> Balances:
         """With test functions about `row_step` (s) apart."""
@@ -69,6 +77,22 @@ class Balances:
     def late(self, lateness: float) -> Balances:
         """With wrenches that were felt `lateness` (s) before they were recorded."""
         return replace(self, wrenches=GridWrenches.on(self.log, self.motion, lateness))
+
+    def with_more_noise(self, cart: CartModel, generator: np.random.Generator) -> Balances:
+        """With the noise of its motion's sensors added once more."""
+        log, noise = self.log, self.motion.noise
+        pose = log.pose + noise.pose * generator.standard_normal(log.pose.shape)
+        velocity = log.velocity
+        if velocity is not None and noise.velocity is not None:
+            velocity = velocity + noise.velocity * generator.standard_normal(velocity.shape)
+        noisy = replace(log, pose=pose, velocity=velocity)
+        return self.along(motion_of(noisy, cart, self.told, self.samples_per_knot))
+
+    def along(self, motion: Motion) -> Balances:
+        """Of another motion on the same grid, with the rows of this one."""
+        other = replace(self, motion=motion)
+        other.__dict__["used"] = self.used
+        return other
 
     @property
     def turning_speed(self) -> Array:

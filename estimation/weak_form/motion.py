@@ -18,6 +18,8 @@ from .splines import Samples, SplineBasis, SplineFit
 
 GRID_STEP = 0.01
 """s, of the grid, where samples come as often as that."""
+FINEST_STEP = 0.0025
+"""s, of a finer grid: as fine as anything moves by which a cart's mass is told."""
 KNOT_STEPS = 5
 """Steps of the grid from knot to knot of the motion's splines."""
 SAMPLES_PER_KNOT = 2.0
@@ -58,14 +60,19 @@ class Motion:
         return np.append(0.0, np.cumsum(self.speed[:-1] * np.diff(self.time)))
 
 
-def motion_of(log: RunLog, cart: CartModel, told: FilterNoise | None = None) -> Motion:
-    """With noise as it is told, or read off the log. Raises DataError for a log that is too short."""
+def motion_of(
+    log: RunLog, cart: CartModel, told: FilterNoise | None = None, samples_per_knot: float | None = None
+) -> Motion:
+    """With noise as it is told, or read off the log; where `samples_per_knot` stand behind each coefficient at least,
+    as fine as `FINEST_STEP`, else as `GRID_STEP`. Raises DataError for a log that is too short."""
     seen = np.isfinite(log.pose).all(axis=1)
     if seen.sum() < FEWEST_ROWS:
         raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {FEWEST_ROWS} are needed")
     time = log.time[seen]
     native = float(np.median(np.diff(time)))
     step = max(GRID_STEP, SAMPLES_PER_KNOT * native / KNOT_STEPS)
+    if samples_per_knot is not None:
+        step = min(step, max(FINEST_STEP, samples_per_knot * native / KNOT_STEPS))
     first, last = float(time[0]), float(time[-1])
     if last - first < FEWEST_ROWS * KNOT_STEPS * step:
         raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
