@@ -14,10 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, Inertia
 from cartgrasp.logs import RunLog, coasts
+from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
@@ -33,7 +35,7 @@ from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
 from .weak_form.balances import Balances
 from .weak_form.band import Band, bands, sharp
-from .weak_form.rows import Whitening
+from .weak_form.rows import Whitening, standing
 from .weak_form.sensor_noise import MotionNoise
 
 FEWEST_ROWS = 3
@@ -108,7 +110,8 @@ def identify(
         raise UsageError("identify: no log is given; at least one is needed")
     prior = prior or Prior()
     prior.free(cart)  # refuses names that the cart does not have
-    tell = progress or (lambda _: None)
+    tell, given = progress or (lambda _: None), cart
+    logs, cart = [aligned(log, given) for log in logs], _in_time(given)
     parts, silent = list[_Part](), dict[int, str]()
     for i, log in enumerate(logs):
         try:
@@ -117,14 +120,31 @@ def identify(
             silent[i] = str(error)
         tell((i + 1) / (len(logs) + 2))
     if not parts:
-        return _as_believed(logs, cart, prior, silent)
+        return _as_believed(logs, given, prior, silent)
     try:
         found = _fitted(logs, cart, prior, parts, silent)
     except np.linalg.LinAlgError as error:
         raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units") from error
     if not np.isfinite(found.model_parameters).all() or not np.isfinite(found.covariance).all():
         raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units")
-    return found
+    return found if given is cart else _late_again(found, given)
+
+
+def _in_time(cart: CartModel) -> CartModel:
+    """The cart with sensors that are not late, for logs that are brought back in time."""
+    late = [isinstance(effect, TimeDelay) for effect in cart.effects]
+    effects = tuple(TimeDelay(0.0, label=e.label) if own else e for e, own in zip(cart.effects, late, strict=True))
+    return replace(cart, effects=effects) if any(late) else cart
+
+
+def _late_again(found: Identification, cart: CartModel) -> Identification:
+    """With the delays as they were given."""
+    values, told = found.model_parameters.copy(), dict(found.parameters)
+    for i, name in enumerate(report_names(cart)):
+        if name.startswith(f"{TimeDelay.name}."):
+            values[i] = cart.parameters[i]
+            told[name] = replace(told[name], value=float(values[i]))
+    return replace(found, structure=cart, model_parameters=values, parameters=told)
 
 
 class _NothingSaid(Exception):
@@ -197,11 +217,15 @@ def _fitted(
 
 
 def _as_loud(model: Model) -> Model:
-    """Refitted to rows whose noise is as large as what is left of them: sensors may be better than they look, and the
-    first guess would count for too much."""
-    scale = model.score.scale
-    loud = (tuple(root * s for root, s in zip(w.roots, scale, strict=True)) for w in model.whitenings)
-    return replace(model, whitenings=tuple(map(Whitening, loud))).refitted(model.cart)
+    """Refitted to rows whose noise is alike throughout, but where the cart stands, and as large as what is left of
+    them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
+    for _ in range(2):
+        own = [Whitening.of(b, model.cart, model.noise.excess, standing(b, model.cart)) for b in model.logs]
+        model = replace(model, whitenings=tuple(own))
+        scale = model.score.scale
+        loud = (tuple(root * s for root, s in zip(w.roots, scale, strict=True)) for w in model.whitenings)
+        model = replace(model, whitenings=tuple(map(Whitening, loud))).refitted(model.cart)
+    return model
 
 
 def _as_believed(logs: Sequence[RunLog], cart: CartModel, prior: Prior, silent: dict[int, str]) -> Identification:

@@ -22,6 +22,8 @@ HELD = 0.1
 """Of the weight: what a hand or a chock holds at least."""
 FRICTION = 0.01
 """Half of a usual coefficient of rolling resistance."""
+MOMENT = 0.3
+"""s: who turns back does not stand for as long."""
 REST_SPEED, SWING_WAY = 0.05, 0.2
 """m/s, below which the paper learns nothing either; m, some four usual trails."""
 BISECTIONS = 16
@@ -37,15 +39,16 @@ class Whitening:
     roots: tuple[Array, ...]
 
     @classmethod
-    def of(cls, balances: Balances, cart: CartModel, excess: Array) -> Whitening:
+    def of(cls, balances: Balances, cart: CartModel, excess: Array, unsure: Array | None = None) -> Whitening:
         """By white noise of wrenches and motion; `cart` tells how much of the motion's a balance takes in. `excess`
-        (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time."""
+        (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time; `unsure`
+        (n, f) is what it may be off by at times, `model_error` unless given."""
         force, root_step = wrench_noise(balances, cart), balances.sample_step**0.5
         noise, free = balances.motion.noise, cart.constraints.n_free
         inertia = cart.inertia
         heavy = np.array([inertia.mass, inertia.mass, inertia.phi[3]])[[0, 1, 2] if free == 3 else [0, 2][:free]]
         own = [0, 1, 2] if free == 3 else [0, 2][:free]
-        roots, unsure = [], model_error(balances, cart)
+        roots, unsure = [], model_error(balances, cart) if unsure is None else unsure
         for i in range(free):
             parts = [(float(np.hypot(force[i], excess[i])), 0)]
             if noise.velocity is not None:
@@ -90,6 +93,20 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
     own = np.column_stack([force, force, moment][:: 1 if free == 3 else 2] if free > 1 else [force])
     effects = EFFECT_SHARE * np.abs(cart.effect_wrench(balances.state(cart), time=motion.time) @ cart.basis_b)
     return np.asarray(np.sqrt(own**2 + (FORM_SHARE * size) ** 2 + effects**2 + held**2))
+
+
+def standing(balances: Balances, cart: CartModel) -> Array:
+    """What holds a cart that stands for longer than a moment (n, f): anything may. One that only turns back is held by
+    its drags alone."""
+    motion = balances.motion
+    edges = np.flatnonzero(np.diff(np.r_[False, balances.turning_speed < balances.still_speed, False].astype(int)))
+    found = np.zeros((len(motion.time), cart.constraints.n_free))
+    total = balances.wrenches.planar(cart) @ cart.basis_b
+    size = np.hypot(np.sqrt((total**2).mean(axis=0)), HELD * G * cart.inertia.mass)
+    for first, last in edges.reshape(-1, 2):
+        if (last - first) * motion.step > MOMENT:
+            found[first:last] = size
+    return found
 
 
 def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
