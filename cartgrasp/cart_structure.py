@@ -37,7 +37,7 @@ class CartStructure(ABC):
     wheels: tuple[Wheel, ...] = ()
     com_height: float | None = None
     name: str = "cart"
-    first_guess: FirstGuess = FirstGuess()
+    first_guess: FirstGuess = field(default_factory=FirstGuess)
     source: str = field(default="", repr=False, compare=False)
 
     def __post_init__(self) -> None:

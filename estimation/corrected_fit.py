@@ -8,6 +8,7 @@ by nothing but the first guess, such as inertia beside the yaw drag of a cart th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from .model_selection.model import Model
+from .weak_form.balances import Balances
 from .weak_form.fit import coordinates, jacobian, with_coordinates
 
 ROUNDS, SETTLED = 12, 0.02
@@ -117,7 +119,7 @@ class _Equations:
     prior_information: Array
 
     @classmethod
-    def of(cls, model: Model, noisy: list[tuple[object, ...]]) -> _Equations:
+    def of(cls, model: Model, noisy: Sequence[tuple[Balances, ...]]) -> _Equations:
         weight = model.score.scale**-2.0
         sums = np.tensordot(weight, model.sums, (0, 0))
         noise = np.zeros_like(sums)
@@ -166,8 +168,7 @@ def _runs(model: Model) -> np.ndarray:
     """Of each block of the rows, the stretch and the direction in which it went: what a model lacks forwards and
     backwards is not one error."""
     forward = [balances.integrated(balances.motion.velocity[:, 0]) for balances in model.logs]
-    total, at = np.zeros(len(model.folds.stretches)), 0
-    total = np.bincount(model.folds.block, np.concatenate(forward), len(total))
+    total = np.bincount(model.folds.block, np.concatenate(forward), len(model.folds.stretches))
     return np.asarray(2 * model.folds.stretches + (total > 0))
 
 

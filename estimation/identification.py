@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -24,29 +23,12 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .corrected_fit import corrected
-from .glitches import without_glitches
-from .impacts import impacts
-from .model_selection.flights import pieces, rows_of
-from .model_selection.log_check import check_steps
+from .log_parts import LogPart, NothingSaidError, learnable_parts
 from .model_selection.model import Model
 from .model_selection.refusal import refused
-from .model_selection.stale import without_stale
 from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
-from .weak_form.balances import Balances
-from .weak_form.band import Band, bands, sharp
 from .weak_form.rows import Whitening, standing
-from .weak_form.sensor_noise import MotionNoise
-
-FEWEST_ROWS = 3
-"""Of a log's balances: fewer say nothing of how large their noise is."""
-
-OFF = 5.0
-"""Times the noise from which on a sample that stands alone is off: one in two million is by chance."""
-LONGEST_HOLE = 1.0
-"""s without a pose, from which on a log is two."""
-SAMPLES_PER_KNOT, FINE_FOR = 12.0, 120.0
-"""Behind each coefficient of a finer motion, that its noise is averaged out of it; s, up to which a log has that."""
 
 
 @dataclass(frozen=True)
@@ -88,15 +70,6 @@ class Identification:
         return {"parameters": parameters, "logs": [asdict(log) for log in self.logs]}
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """A stretch of a log, by its index, in its band."""
-
-    log: int
-    balances: Balances
-    band: Band | None
-
-
 def identify(
     logs: Sequence[RunLog],
     cart: CartModel,
@@ -112,11 +85,11 @@ def identify(
     prior.free(cart)  # refuses names that the cart does not have
     tell, given = progress or (lambda _: None), cart
     logs, cart = [aligned(log, given) for log in logs], _in_time(given)
-    parts, silent = list[_Part](), dict[int, str]()
+    parts, silent = list[LogPart](), dict[int, str]()
     for i, log in enumerate(logs):
         try:
-            parts += _parts(i, log, cart, noise)
-        except _NothingSaid as error:
+            parts += learnable_parts(i, log, cart, noise)
+        except NothingSaidError as error:
             silent[i] = str(error)
         tell((i + 1) / (len(logs) + 2))
     if not parts:
@@ -147,58 +120,8 @@ def _late_again(found: Identification, cart: CartModel) -> Identification:
     return replace(found, structure=cart, model_parameters=values, parameters=told)
 
 
-class _NothingSaid(Exception):
-    """Why a log says nothing."""
-
-
-def _parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[_Part]:
-    known = without_glitches(without_stale(replace(log, arms={}) if coasts(log) else log), OFF)
-    found, why = list[_Part](), ""
-    with np.errstate(all="ignore"):  # numbers beyond reason are told as such
-        for piece in _unbroken(known):
-            try:
-                found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
-            except _NothingSaid as error:
-                why = why or str(error)
-    found = [part for part in found if len(part.balances.used) >= FEWEST_ROWS]
-    if not found:
-        raise _NothingSaid(why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from")
-    return found
-
-
-def _unbroken(log: RunLog) -> list[RunLog]:
-    """Pieces with poses throughout: what is not seen for long is no motion."""
-    seen = np.flatnonzero(np.isfinite(log.pose).all(axis=1))
-    if len(seen) < 2:
-        return [log]
-    ends = seen[np.flatnonzero(np.diff(log.time[seen]) > LONGEST_HOLE)]
-    if not len(ends):
-        return [log]
-    edges = np.concatenate([[0], ends + 1, [len(log)]])
-    return [rows_of(log, np.arange(first, last)) for first, last in pairwise(edges.tolist())]
-
-
-def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
-    check_steps(log, float(MotionNoise.of(log).pose[0]))
-    try:
-        hits = impacts(log, cart)
-        return pieces(log, hits) if hits else [log]
-    except DataError as error:
-        raise _NothingSaid(str(error)) from error
-
-
-def _part(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> _Part:
-    fine = SAMPLES_PER_KNOT if log.duration < FINE_FOR else None
-    try:
-        balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
-    except DataError as error:
-        raise _NothingSaid(str(error)) from error
-    band = sharp(bands(balances, cart)) if len(balances.used) >= FEWEST_ROWS else None
-    return _Part(index, balances if band is None else balances.every(band.row_step), band)
-
-
 def _fitted(
-    logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[_Part], silent: dict[int, str]
+    logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[LogPart], silent: dict[int, str]
 ) -> Identification:
     model = _as_loud(Model.started([part.balances for part in parts], cart, prior))
     found = corrected(model)
@@ -251,7 +174,7 @@ def _held(logs: Sequence[RunLog], cart: CartModel, prior: Prior) -> set[str]:
 
 
 def _log_fits(
-    logs: Sequence[RunLog], model: Model, parts: Sequence[_Part], silent: dict[int, str]
+    logs: Sequence[RunLog], model: Model, parts: Sequence[LogPart], silent: dict[int, str]
 ) -> tuple[LogFit, ...]:
     """Of a log that is cut, the longest part tells."""
     excess, delays = _excess(model), model.score.fit[-len(parts) :]

@@ -22,8 +22,8 @@ from cartgrasp.motion import ParameterEstimate
 
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport
-from ..prior import Prior
 from ..physical_set import PhysicalSet
+from ..prior import Prior
 from .wrench_regression import WrenchRegression
 
 ROUNDS, SETTLED = 20, 1e-3

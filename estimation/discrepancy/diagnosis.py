@@ -16,11 +16,11 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..batch.wrench_regression import WrenchRegression
+from ..glitches import without_glitches
 from .certainty import Certainty, proven
 from .fitted import SURE
 from .gap import Gap, measured_gap
 from .generic import Dependence
-from ..glitches import without_glitches
 from .held_out import BEYOND_NOISE
 from .holes import without_holes
 from .left_over import beyond_noise, followed, missing_push

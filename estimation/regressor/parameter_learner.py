@@ -21,7 +21,6 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
 from ..batch.motion_smoother import LONG_GAP
-from ..physical_set import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.filtered_row import FilteredRow, are_known, weights
@@ -29,6 +28,7 @@ from ..kernels.recorded_moment import DUE, FELT
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport, WhenAsked
+from ..physical_set import PhysicalSet
 from ..prior import Prior
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..shallow import shallow

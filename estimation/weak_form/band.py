@@ -21,8 +21,8 @@ from .motion import KNOT_STEPS
 from .rows import wrench_noise
 
 ROW_STEPS = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
-"""s, of the test functions that are tried, but for those that are finer than the motion is known (`KNOT_STEPS`); half of
-the inverse is the band's upper end (Hz)."""
+"""s, of the test functions that are tried, but for those that are finer than the motion is known (`KNOT_STEPS`); half
+of the inverse is the band's upper end (Hz)."""
 FAR, FAR_SHARE = 3.0, 0.05
 """Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
 MOST_OPEN = 0.08

@@ -41,8 +41,8 @@ class Whitening:
     @classmethod
     def of(cls, balances: Balances, cart: CartModel, excess: Array, unsure: Array | None = None) -> Whitening:
         """By white noise of wrenches and motion; `cart` tells how much of the motion's a balance takes in. `excess`
-        (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time; `unsure`
-        (n, f) is what it may be off by at times, `model_error` unless given."""
+        (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time;
+        `unsure` (n, f) is what it may be off by at times, `model_error` unless given."""
         force, root_step = wrench_noise(balances, cart), balances.sample_step**0.5
         noise, free = balances.motion.noise, cart.constraints.n_free
         inertia = cart.inertia

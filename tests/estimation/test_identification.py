@@ -14,16 +14,15 @@ from cartgrasp.errors import DataError, UsageError
 from cartgrasp.inertia import Inertia, phi_from_physical
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
-from estimation import FilterNoise, Prior
-from estimation import physical_set
-from estimation.identification import identify
+from estimation import FilterNoise, Prior, physical_set
 from estimation.batch.block_tridiagonal import BlockTridiagonal
 from estimation.batch.identification import fit
 from estimation.batch.motion_smoother import smooth_motion
-from estimation.physical_set import PhysicalSet
 from estimation.batch.wrench_record import WrenchRecord
 from estimation.batch.wrench_regression import DELAY, WrenchRegression
+from estimation.identification import identify
 from estimation.log_noise import noise_of_log
+from estimation.physical_set import PhysicalSet
 
 from .runs import simulate, simulate_two_hands
 

@@ -10,8 +10,8 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise
-from estimation.identification import identify
 from estimation.batch.motion_smoother import smooth_motion
+from estimation.identification import identify
 
 from .runs import simulate
 

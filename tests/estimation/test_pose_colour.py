@@ -12,9 +12,9 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
-from estimation.identification import identify
 from estimation.batch.motion_smoother import smooth_motion
 from estimation.batch.pose_colour import PoseColour, SlowNoise
+from estimation.identification import identify
 from estimation.log_noise import noise_of_log
 from estimation.variogram import Variogram, in_third_differences
 

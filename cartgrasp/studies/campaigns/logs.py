@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, RegressorEstimator
-from estimation.identification import identify
 from estimation.coasting import body_as_given, with_known_wrench
 from estimation.discrepancy import diagnose
+from estimation.identification import identify
 from estimation.log_noise import noise_of_log
 from estimation.replay import replay
 
