@@ -51,10 +51,11 @@ class CorrectedFit:
         return np.flatnonzero(self.model.prior.free)
 
     def between(self, bracket: float) -> CorrectedFit:
-        """With a mass in the middle of a bracket that a band leaves open (a share of it), and all else as it goes with
-        that."""
-        if not self.model.prior.free[0] or bracket == 0.0:
+        """With a mass in the middle of a bracket that a band leaves open (a share of it) beyond what scatters, and all
+        else as it goes with that."""
+        if not self.model.prior.free[0] or bracket**2 <= self.covariance[0, 0]:
             return self
+        bracket = float(np.sqrt(bracket**2 - self.covariance[0, 0]))
         mass = self.with_mass
         z = coordinates(self.model.cart)
         z[self.free] += mass[: len(self.free)] * np.log1p(bracket)

@@ -128,8 +128,9 @@ def _fitted(
     fits = _log_fits(logs, found.model, parts, silent)
     why = refused(found.model, cart)
     if why:
-        return replace(_as_believed(logs, cart, prior, {}), logs=fits, refused=why)
-    shares = [part.band.bracket / part.band.mass for part in parts if part.band is not None]
+        told = tuple(replace(fit, words=(*fit.words, why)) for fit in fits)
+        return replace(_as_believed(logs, cart, prior, {}), logs=told, refused=why)
+    shares = [part.band.open_share for part in parts if part.band is not None]
     found = found.between(min(shares, default=0.0))
     values, std = found.physical()
     taught = found.taught(prior.deviations(cart))

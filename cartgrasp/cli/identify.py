@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from estimation.agreement import against_filter
 from estimation.identification import Identification
 from estimation.identification import identify as fit
 
+from ..errors import DataError
+from ..logs import RunLog
+from ..model import CartModel
 from .estimate import print_parameters, tell_given
 from .log_inputs import cart_and_logs
 from .output import print_json, progress, say
@@ -25,15 +30,26 @@ def run(
     tell_given(logs, cart)
     with progress(f"identifying {cart.name}") as tell:
         found = fit(logs, cart, progress=tell)
+        found = _held_against_filter(found, logs, cart)
     if as_json:
         print_json(found.as_dict())
     else:
         _print(found)
-    if found.refused:
-        say(f"{found.structure.name}: {found.refused}")
     if out is not None:
         say(f"the cart with these values is {found.cart().save(out / 'cart.yaml')}")
     return 0
+
+
+def _held_against_filter(found: Identification, logs: Sequence[RunLog], cart: CartModel) -> Identification:
+    """With what the online filter says of a log that is another thing. A log that it can't follow tells nothing."""
+    told = []
+    for log, fitted in zip(logs, found.logs, strict=True):
+        try:
+            words = against_filter(found.parameters, log, cart)
+        except DataError:
+            words = ()
+        told.append(replace(fitted, words=(*fitted.words, *words)))
+    return replace(found, logs=tuple(told))
 
 
 def _print(found: Identification) -> None:

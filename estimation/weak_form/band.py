@@ -42,12 +42,19 @@ LEAST_KNOWN = 0.25
 
 @dataclass(frozen=True)
 class Band:
-    """Step (s) of a log's test functions; the mass there (kg), its scatter, and half of its two-way bracket."""
+    """Step (s) of a log's test functions; the mass there (kg), its scatter, half of its two-way bracket, and as much of
+    that as the noise of the motion's sensors makes."""
 
     row_step: float
     mass: float
     std: float
     bracket: float
+    of_noise: float = 0.0
+
+    @property
+    def open_share(self) -> float:
+        """Half of the bracket that no sensor's noise explains, as a share of the mass."""
+        return max(self.bracket - self.of_noise, 0.0) / self.mass
 
     def agrees(self, narrower: Band) -> bool:
         """Whether the mass is that of a narrower band."""
@@ -111,7 +118,15 @@ def _band(balances: Balances, cart: CartModel) -> Band | None:
     std = float(np.sqrt(max(scatter, float(moments @ moments) / 4))) / size
     if std > LEAST_KNOWN * mass:
         return None
-    return Band(balances.row_step, mass, std, excess / (2 * mass * size))
+    noise = acceleration_noise(balances) ** 2 * len(rest)
+    return Band(balances.row_step, mass, std, excess / (2 * mass * size), mass * noise / (2 * size))
+
+
+def acceleration_noise(balances: Balances) -> float:
+    """Standard deviation (m/s) of a row of forward acceleration, by the noise of the motion's sensors."""
+    noise, order = balances.motion.noise, 2 if balances.motion.noise.velocity is None else 1
+    std = float((noise.pose if noise.velocity is None else noise.velocity)[0])
+    return std * (balances.sample_step * balances.overlap(order, 0)) ** 0.5
 
 
 def _orthogonal(columns: Array) -> Array:

@@ -13,6 +13,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from .balances import LEVER, STILL_SPEED, SUPPORT, Balances
+from .motion import KNOT_STEPS
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
@@ -97,7 +98,7 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
 
 def standing(balances: Balances, cart: CartModel) -> Array:
     """What holds a cart that stands for longer than a moment (n, f): anything may. One that only turns back is held by
-    its drags alone."""
+    its drags alone, of which nobody sees when exactly they change their sign."""
     motion = balances.motion
     edges = np.flatnonzero(np.diff(np.r_[False, balances.turning_speed < balances.still_speed, False].astype(int)))
     found = np.zeros((len(motion.time), cart.constraints.n_free))
@@ -106,7 +107,10 @@ def standing(balances: Balances, cart: CartModel) -> Array:
     for first, last in edges.reshape(-1, 2):
         if (last - first) * motion.step > MOMENT:
             found[first:last] = size
-    return found
+    unseen = np.abs(motion.acceleration[:, 0]) * KNOT_STEPS * motion.step / 2 + motion.rate_std[:2].max()
+    turning = np.exp(-((motion.velocity[:, 0] / np.maximum(unseen, LEAST_SPEED)) ** 2))
+    levers = np.array([1.0, LEVER, LEVER])[: found.shape[1]]
+    return np.asarray(np.hypot(found, FRICTION * G * cart.inertia.mass * turning[:, None] * levers))
 
 
 def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:

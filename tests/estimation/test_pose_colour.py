@@ -5,38 +5,16 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import ViscousDrag
-from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
-from cartgrasp.model import CartModel
 from estimation.batch.motion_smoother import smooth_motion
 from estimation.batch.pose_colour import PoseColour, SlowNoise
-from estimation.identification import identify
 from estimation.log_noise import noise_of_log
 from estimation.variogram import Variogram, in_third_differences
 
-from .runs import STEP, simulate_two_hands
-
-TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
-GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(linear=2.0, angular=1.0),))
-WHITE, SLOW, TIME = 0.0005, 0.001, 0.2
-
-
-def remembering(n, random, time=TIME, step=STEP):
-    """Noise (n, 3) of unit variance that fades with a correlation time."""
-    fade = np.exp(-step / time)
-    white = random.standard_normal((n, 3))
-    white[1:] *= (1 - fade**2) ** 0.5
-    return lfilter([1.0], [1.0, -fade], white, axis=0)
-
-
-def recorded(seed, duration=40.0, slow=SLOW, time=TIME, velocity=False):
-    log = simulate_two_hands(TRUTH, seed, duration, noise=(WHITE, 0.005, 1.0))
-    noise = slow * remembering(len(log), np.random.default_rng(1000 + seed), time)
-    return replace(log, pose=log.pose + noise, velocity=log.velocity if velocity else None)
+from .runs import STEP
+from .test_coloured_poses import GUESS, SLOW, WHITE, recorded, remembering
 
 
 def smoothed(log):
@@ -198,27 +176,3 @@ def test_slow_noise_is_drawn_with_its_covariance():
         assert np.cov(drawn[:, :, i].T) / std**2 == pytest.approx(expected, abs=0.04)
     determinant = np.linalg.slogdet(expected)[1]
     assert slow.log_determinant == pytest.approx(-3 * determinant - 10 * np.log([2.0, 2.0, 3.0]).sum(), rel=1e-9)
-
-
-# --- what is made of it -------------------------------------------------------------------------------------
-
-
-def scores(log):
-    found = identify([log], GUESS).parameters.values()
-    return np.array([(p.value - v) / p.std for p, v in zip(found, TRUTH[:6], strict=True)])
-
-
-@pytest.mark.parametrize("velocity", [False, True])
-def test_the_load_is_found_beside_it(velocity):
-    found = identify([recorded(3, velocity=velocity)], GUESS).parameters
-    assert found["mass"].value == pytest.approx(24.0, rel=0.04)
-    assert found["inertia"].value == pytest.approx(2.2, rel=0.15)
-    assert np.abs(scores(recorded(3, velocity=velocity))).max() < 4.0
-
-
-@pytest.mark.prove
-def test_intervals_cover_over_20_seeds():
-    z = np.array([scores(recorded(seed)) for seed in range(20)])
-    assert np.abs(z).max() < 4.5
-    assert np.sqrt((z**2).mean()) < 1.3
-    assert (np.abs(z) < 1.96).mean() > 0.88
