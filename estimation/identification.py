@@ -28,7 +28,8 @@ from .model_selection.model import Model
 from .model_selection.refusal import refused
 from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
-from .weak_form.rows import Whitening, standing
+from .weak_form.rows import Errors, Whitening
+from .weak_form.standing import standing
 
 
 @dataclass(frozen=True)
@@ -128,8 +129,8 @@ def _fitted(
     fits = _log_fits(logs, found.model, parts, silent)
     why = refused(found.model, cart)
     if why:
-        told = tuple(replace(fit, words=(*fit.words, why)) for fit in fits)
-        return replace(_as_believed(logs, cart, prior, {}), logs=told, refused=why)
+        fits = tuple(replace(fit, words=(*fit.words, why)) for fit in fits)
+        return replace(_as_believed(logs, cart, prior, {}), logs=fits, refused=why)
     shares = [part.band.open_share for part in parts if part.band is not None]
     found = found.between(min(shares, default=0.0))
     values, std = found.physical()
@@ -144,8 +145,9 @@ def _as_loud(model: Model) -> Model:
     """Refitted to rows whose noise is alike throughout, but where the cart stands, and as large as what is left of
     them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
     for _ in range(2):
-        own = [Whitening.of(b, model.cart, model.noise.excess, standing(b, model.cart)) for b in model.logs]
-        model = replace(model, whitenings=tuple(own))
+        errors = [replace(Errors.of(b, model.cart), unsure=standing(b, model.cart)) for b in model.logs]
+        own = tuple(one.whitening(model.noise.excess, np.zeros_like(model.noise.form)) for one in errors)
+        model = replace(model, whitenings=own)
         scale = model.score.scale
         loud = (tuple(root * s for root, s in zip(w.roots, scale, strict=True)) for w in model.whitenings)
         model = replace(model, whitenings=tuple(map(Whitening, loud))).refitted(model.cart)
@@ -197,7 +199,7 @@ def _excess(model: Model) -> list[float]:
     for balances in model.logs:
         left = model.left[at : at + len(balances.used)]
         at += len(balances.used)
-        white = Whitening.of(balances, model.cart, np.zeros(left.shape[1]))(left)
+        white = Errors.of(balances, model.cart).whitening(*np.zeros((2, left.shape[1])))(left)
         found.append(float((white**2).mean(axis=0).max()))
     return found
 

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
@@ -23,9 +24,9 @@ from .screening import Screen
 
 TAUGHT = 0.25
 """Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
-DROP = 0.5
-"""Nats from the best to a standard deviation away."""
-DOUBLINGS, HALVINGS = 9, 4
+FAINT = 6.0
+"""Nats below the best: what is less likely counts for nothing."""
+DOUBLINGS, POINTS = 9, 17
 LEAST_TIME, LEAST_PLACE = 0.005, 0.02
 """s, m: half a sample, and what an edge is."""
 
@@ -117,33 +118,37 @@ class Certainty:
         if not steps:
             return {}
         less = self.model.refitted(self.model.cart.without_effect(effect.key))
-        screen, none = Screen(less), absent(effect)
+        screen, none = Screen(less), effect if isinstance(effect, TimeDelay) else absent(effect)
         best, found = screen.gain(none), dict[str, float]()
         for which in dict.fromkeys(move.which for move in steps):
             unit = effect.parameters[which].unit
             size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
-            sides = [_distance(screen, none, which, sign * size, best) for sign in (1.0, -1.0)]
+            spread = _spread(screen, none, which, size, best)
             least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
                 least = min(least, 0.02 * abs(float(effect.values[which])))
-            found[effect.keys[which]] = float(np.hypot(np.mean(sides), least))
+            found[effect.keys[which]] = float(np.hypot(spread, least))
         return found
 
 
-def _distance(screen: Screen, effect: Effect, which: int, step: float, best: float) -> float:
-    """How far a setting may be from the best until the gain has dropped."""
+def _spread(screen: Screen, effect: Effect, which: int, size: float, best: float) -> float:
+    """Root of the mean square distance of a setting from the best, weighed by how likely it is there: a log in which
+    nothing happens for a while does not tell when it began."""
 
-    def is_worse(distance: float) -> bool:
+    def gain(distance: float) -> float:
         values = effect.values.copy()
         values[which] += distance
-        return not is_open(effect, values) or screen.gain(effect.with_values(values)) < best - DROP
+        return screen.gain(effect.with_values(values)) if is_open(effect, values) else -np.inf
 
-    inside, outside = 0.0, step
-    for _ in range(DOUBLINGS):
-        if is_worse(outside):
-            break
-        inside, outside = outside, 2 * outside
-    for _ in range(HALVINGS):
-        middle = (inside + outside) / 2
-        inside, outside = (inside, middle) if is_worse(middle) else (middle, outside)
-    return abs(inside + outside) / 2
+    def reach(step: float) -> float:
+        for _ in range(DOUBLINGS):
+            if gain(step) < best - FAINT:
+                break
+            step *= 2
+        return step
+
+    offsets = np.linspace(reach(-size), reach(size), POINTS)
+    gains = np.array([gain(offset) for offset in offsets])
+    likely = np.exp(gains - max(best, gains.max()))
+    total = float(likely.sum())
+    return float(np.sqrt((likely * offsets**2).sum() / total)) if total > 0 else size

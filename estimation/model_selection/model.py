@@ -16,7 +16,7 @@ from cartgrasp.model import CartModel
 from ..prior import Prior, report_names
 from ..weak_form.balances import Balances
 from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
-from ..weak_form.rows import Whitening, excess_noise
+from ..weak_form.rows import Errors, Whitening, excess_noise
 from ..weak_form.score import Folds, Score, scored
 from ..weak_form.sensor_noise import MAD_TO_STD
 from .candidates import amplitudes_of
@@ -86,13 +86,15 @@ def _told(guess: CartModel, believed: Prior | None) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class RowNoise:
-    """What rows are whitened by: of the sensors, of a cart's inertia and friction, and white noise (c,) beside them."""
+    """What rows are whitened by: of the sensors, of a cart's inertia and friction, white noise (c,) beside them, and
+    the share (c,) of what forms may be wrong by."""
 
     cart: CartModel
     excess: Array
+    form: Array
 
     def whitenings(self, logs: Sequence[Balances]) -> tuple[Whitening, ...]:
-        return tuple(Whitening.of(balances, self.cart, self.excess) for balances in logs)
+        return tuple(Errors.of(balances, self.cart).whitening(self.excess, self.form) for balances in logs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,20 +126,25 @@ class Model:
     @classmethod
     def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
-        noise = RowNoise(guess, np.full(logs[0].n_balances(guess), 1.0))
-        model = cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed)
+        noise = RowNoise(guess, *np.ones((2, logs[0].n_balances(guess))))
+        return cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed).settled()
+
+    def settled(self) -> Model:
+        """Fitted on rows whose noise is what this fit leaves."""
+        model = self
         for _ in range(ROUNDS):
             model = model.refitted(model.cart).rewhitened()
-        return model
+        return model.refitted(model.cart)
 
     def rewhitened(self) -> Model:
         """On rows whose noise is what this model leaves."""
         left, parts, at = self.left, [], 0
         for balances in self.logs:
-            parts.append((balances, self.cart, left[at : at + len(balances.used)]))
+            parts.append((Errors.of(balances, self.cart), left[at : at + len(balances.used)]))
             at += len(balances.used)
-        noise = RowNoise(self.cart, excess_noise(parts, float(self.rows.shape[2] - 1)))
-        return replace(self, noise=noise, whitenings=noise.whitenings(self.logs))
+        excess, form = excess_noise(parts, float(self.rows.shape[2] - 1))
+        whitenings = tuple(errors.whitening(excess, form) for errors, _ in parts)
+        return replace(self, noise=RowNoise(self.cart, excess, form), whitenings=whitenings)
 
     def whitened(self, columns: Sequence[Array]) -> Array:
         """Of each log's raw columns (k, c, q), all together."""

@@ -89,8 +89,16 @@ def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[
             break
         steps.append(Step(tuple(attempts), best))
         first = max(first, best.gain)
-        model = dropped(searched_again(best.model.rewhitened()), WORTH)
-    return resized(model), steps
+        more = dropped(searched_again(best.model.rewhitened()), WORTH).settled()
+        if keys(more) == keys(model):
+            break
+        model = more
+    return resized(model).settled(), steps
+
+
+def keys(model: Model) -> set[str]:
+    """Of all that it has beside the guess."""
+    return {effect.key for effect in added(model)} | {law.key for law in model.laws}
 
 
 def resized(model: Model) -> Model:

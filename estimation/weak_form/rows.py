@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dtbtrs
 
+from cartgrasp.effects import ViscousDrag
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from .balances import LEVER, STILL_SPEED, SUPPORT, Balances
-from .motion import KNOT_STEPS
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
@@ -23,11 +23,13 @@ HELD = 0.1
 """Of the weight: what a hand or a chock holds at least."""
 FRICTION = 0.01
 """Half of a usual coefficient of rolling resistance."""
-MOMENT = 0.3
-"""s: who turns back does not stand for as long."""
 REST_SPEED, SWING_WAY = 0.05, 0.2
 """m/s, below which the paper learns nothing either; m, some four usual trails."""
+ON_CASTERS = 0.5
+"""Of a cart's weight."""
 BISECTIONS = 16
+LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
+"""Of white noise beside the sensors', and of what forms may be wrong by."""
 LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
 """N/√Hz (N·m/√Hz), m/√Hz: keeps logs without any noise solvable."""
 
@@ -39,29 +41,6 @@ class Whitening:
 
     roots: tuple[Array, ...]
 
-    @classmethod
-    def of(cls, balances: Balances, cart: CartModel, excess: Array, unsure: Array | None = None) -> Whitening:
-        """By white noise of wrenches and motion; `cart` tells how much of the motion's a balance takes in. `excess`
-        (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the time;
-        `unsure` (n, f) is what it may be off by at times, `model_error` unless given."""
-        force, root_step = wrench_noise(balances, cart), balances.sample_step**0.5
-        noise, free = balances.motion.noise, cart.constraints.n_free
-        inertia = cart.inertia
-        heavy = np.array([inertia.mass, inertia.mass, inertia.phi[3]])[[0, 1, 2] if free == 3 else [0, 2][:free]]
-        own = [0, 1, 2] if free == 3 else [0, 2][:free]
-        roots, unsure = [], model_error(balances, cart) if unsure is None else unsure
-        for i in range(free):
-            parts = [(float(np.hypot(force[i], excess[i])), 0)]
-            if noise.velocity is not None:
-                parts.append((heavy[i] * noise.velocity[own[i]] * root_step, 1))
-            else:
-                parts.append((heavy[i] * noise.pose[own[i]] * root_step, 2))
-            roots.append(_root(balances, parts, unsure[:, i]))
-        if balances.motion.across is not None:
-            creep = float(np.hypot(LEAST_SPEED, excess[-1]))
-            roots.append(_root(balances, [(noise.pose[0] * root_step, 1), (creep, 0)]))
-        return cls(tuple(roots))
-
     def __call__(self, columns: Array) -> Array:
         """Columns (k, c, ...) whitened."""
         found = np.empty_like(columns)
@@ -71,10 +50,49 @@ class Whitening:
         return found
 
 
-def model_error(balances: Balances, cart: CartModel) -> Array:
-    """What a model may be off by (n, f), but for noise. Where the cart stands, anything may hold it. Near rest Coulomb
-    friction takes whatever value holds things, and while casters swing round after a reversal nobody knows where they
-    drag."""
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Of a log's rows: roots of the densities of white noise (each with the order of the test functions' derivative
+    through which it comes), of each balance; what the model may be off by (n, f) somewhere, and what its forms may be
+    wrong by at most everywhere (n, f)."""
+
+    balances: Balances
+    densities: tuple[tuple[tuple[float, int], ...], ...]
+    unsure: Array
+    forms: Array
+
+    @classmethod
+    def of(cls, balances: Balances, cart: CartModel) -> Errors:
+        """`cart` tells how much of the motion's noise a balance takes in."""
+        force, root_step = wrench_noise(balances, cart), balances.sample_step**0.5
+        noise, free = balances.motion.noise, cart.constraints.n_free
+        inertia = cart.inertia
+        own = [0, 1, 2] if free == 3 else [0, 2][:free]
+        heavy = np.array([inertia.mass, inertia.mass, inertia.phi[3]])[own]
+        densities: list[tuple[tuple[float, int], ...]] = []
+        for i in range(free):
+            std, order = (noise.pose, 2) if noise.velocity is None else (noise.velocity, 1)
+            densities.append(((float(force[i]), 0), (float(heavy[i] * std[own[i]] * root_step), order)))
+        if balances.motion.across is not None:
+            densities.append(((LEAST_SPEED, 0), (float(noise.pose[0] * root_step), 1)))
+        return cls(balances, tuple(densities), *model_error(balances, cart))
+
+    def whitening(self, excess: Array, form: Array) -> Whitening:
+        """`excess` (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the
+        time; `form` (c,) is the share of what its forms may be wrong by."""
+        free = self.unsure.shape[1]
+        unsure = np.sqrt(self.unsure**2 + (form[:free] * self.forms) ** 2)
+        roots = []
+        for i, known in enumerate(self.densities):
+            parts = [*known, (float(excess[i]), 0)]
+            roots.append(_root(self.balances, parts, unsure[:, i] if i < free else None))
+        return Whitening(tuple(roots))
+
+
+def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array]:
+    """What a model may be off by (n, f), but for noise: at rest, where anything may hold a cart, Coulomb friction takes
+    whatever value holds things, and casters that swing round after a reversal drag nobody knows where; and what its
+    forms may be wrong by at most everywhere."""
     motion, free = balances.motion, cart.constraints.n_free
     speed = balances.turning_speed
     resting = np.exp(-((speed / REST_SPEED) ** 2))
@@ -92,25 +110,37 @@ def model_error(balances: Balances, cart: CartModel) -> Array:
     held = np.exp(-((speed / STILL_SPEED) ** 2))[:, None] * np.hypot(size, HELD * G * cart.inertia.mass * levers)
     force, moment = weight * resting, weight * LEVER * np.maximum(resting, swinging)
     own = np.column_stack([force, force, moment][:: 1 if free == 3 else 2] if free > 1 else [force])
-    effects = EFFECT_SHARE * np.abs(cart.effect_wrench(balances.state(cart), time=motion.time) @ cart.basis_b)
-    return np.asarray(np.sqrt(own**2 + (FORM_SHARE * size) ** 2 + effects**2 + held**2))
+    effects = np.abs(_effects(balances, cart, 0.0))
+    turned = _turned(balances, cart, levers)
+    if free > 1:
+        dry = replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
+        drag = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
+        turned = np.maximum(turned, ON_CASTERS * drag * swinging[:, None])
+    return np.sqrt(own**2 + turned**2 + held**2), np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2)
 
 
-def standing(balances: Balances, cart: CartModel) -> Array:
-    """What holds a cart that stands for longer than a moment (n, f): anything may. One that only turns back is held by
-    its drags alone, of which nobody sees when exactly they change their sign."""
-    motion = balances.motion
-    edges = np.flatnonzero(np.diff(np.r_[False, balances.turning_speed < balances.still_speed, False].astype(int)))
-    found = np.zeros((len(motion.time), cart.constraints.n_free))
-    total = balances.wrenches.planar(cart) @ cart.basis_b
-    size = np.hypot(np.sqrt((total**2).mean(axis=0)), HELD * G * cart.inertia.mass)
-    for first, last in edges.reshape(-1, 2):
-        if (last - first) * motion.step > MOMENT:
-            found[first:last] = size
-    unseen = np.abs(motion.acceleration[:, 0]) * KNOT_STEPS * motion.step / 2 + motion.rate_std[:2].max()
-    turning = np.exp(-((motion.velocity[:, 0] / np.maximum(unseen, LEAST_SPEED)) ** 2))
-    levers = np.array([1.0, LEVER, LEVER])[: found.shape[1]]
-    return np.asarray(np.hypot(found, FRICTION * G * cart.inertia.mass * turning[:, None] * levers))
+def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | float = 0.0) -> Array:
+    """What a cart's effects give (n, f), if it goes by a share of its velocity, and by a velocity (f,), faster."""
+    state, free = balances.state(cart), cart.constraints.n_free
+    state[:, 3 : 3 + free] += share * state[:, 3 : 3 + free] + faster
+    return np.asarray(cart.effect_wrench(state, time=balances.motion.time) @ cart.basis_b)
+
+
+def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:
+    """How far dry friction may be from what a model says (n, f), where a wheel, or the cart, nearly stands: half of
+    how much more it changes over a small difference of velocity than it does on the way over a larger one."""
+    found = np.zeros((len(balances.motion.time), len(levers)))
+    if not cart.effects:
+        return found
+    for i, lever in enumerate(levers):
+        faster = np.zeros(len(levers))
+        faster[i] = REST_SPEED / lever
+        near, far = (
+            np.abs(_effects(balances, cart, 0.0, k * faster) - _effects(balances, cart, 0.0, -k * faster)) / k
+            for k in (1, 3)
+        )
+        found = np.maximum(found, 0.75 * (near - far))
+    return found
 
 
 def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
@@ -140,23 +170,31 @@ def wrench_noise(balances: Balances, cart: CartModel) -> Array:
     return np.asarray(np.sqrt(variance))
 
 
-def excess_noise(parts: Sequence[tuple[Balances, CartModel, Array]], used: float) -> Array:
-    """White noise (c,) beside the sensors', as `Whitening.of` takes it, that makes residuals (k, c) of logs as large as
-    they are; `used` parameters were fitted to them."""
-    count = parts[0][2].shape[1]
+def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Array, Array]:
+    """What makes residuals (k, c) of logs as large as they are, as `Errors.whitening` takes it: white noise (c,) beside
+    the sensors' and the share (c,) of what forms may be wrong by. Forms explain what they can. `used` parameters were
+    fitted to the residuals."""
+    count = parts[0][1].shape[1]
 
-    def surplus(excess: Array) -> Array:
+    def surplus(excess: Array, form: Array) -> Array:
         total, rows = np.zeros(count), 0
-        for balances, cart, left in parts:
-            total += (Whitening.of(balances, cart, excess)(left) ** 2).sum(axis=0)
+        for errors, left in parts:
+            total += (errors.whitening(excess, form)(left) ** 2).sum(axis=0)
             rows += len(left)
-        return np.asarray(total / max(rows - used / count, 0.5 * rows))
+        return np.asarray(total / max(rows - used / count, 0.5 * rows)) - 1.0
 
-    low, high = np.full(count, -6.0), np.full(count, 4.0)
-    if (surplus(10.0**low) <= 1.0).all():
-        return 10.0**low
+    none, whole = np.full(count, LEAST_EXCESS), np.ones(count)
+    form = _root_of(lambda share: surplus(none, share), np.full(count, LEAST_FORM), whole)
+    excess = 10 ** _root_of(lambda decade: surplus(10**decade, form), np.log10(none), np.full(count, 4.0))
+    return excess, form
+
+
+def _root_of(surplus: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Where functions (c,) that fall are nought, by bisection between bounds (c,); the bound, where they are not."""
+    if (surplus(low) <= 0.0).all():
+        return low
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        too_small = surplus(10.0**middle) > 1.0
+        too_small = surplus(middle) > 0.0
         low, high = np.where(too_small, middle, low), np.where(too_small, high, middle)
-    return np.asarray(10.0**high)
+    return high

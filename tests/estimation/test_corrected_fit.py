@@ -1,4 +1,4 @@
-"""Fits that noise in the motion does not pull; that are refused where they foretell worse; and what contradicts them."""
+"""Fits that noise in the motion does not pull, that are refused where they foretell worse, or are contradicted."""
 
 from dataclasses import replace
 
