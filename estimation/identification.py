@@ -125,7 +125,7 @@ def _fitted(
     logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[LogPart], silent: dict[int, str]
 ) -> Identification:
     model = _as_loud(Model.started([part.balances for part in parts], cart, prior))
-    found = corrected(model)
+    found = corrected(replace(model, at_bound=None))
     fits = _log_fits(logs, found.model, parts, silent)
     why = refused(found.model, cart)
     if why:

@@ -30,8 +30,8 @@ SAME = 1e-9
 """m, rad: values that differ by less are one value, written with other digits."""
 WHOLE = 1e-3
 """Of a step: how near a whole multiple is to one."""
-EXPLAINED = 0.25
-"""Of a corner, by the mass of the cart file, which may be three times the true one."""
+EXPLAINED = 0.1
+"""Of a corner, by a mass that is known roughly: what stops a cart pushes against the arms, not along with them."""
 LATE, WIDE = 0.05, 1.0
 """s by which the clocks of wrenches and poses may differ; s around a corner that tell what the arms did."""
 LONGEST, CURVED = 1.2, 2.0

@@ -17,6 +17,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..prior import Prior, report_names, report_units
+from ..weak_form.band import Band
 from ..weak_form.fit import coordinates, with_coordinates
 from .model import Model
 from .refine import is_open, moves
@@ -33,26 +34,53 @@ LEAST_TIME, LEAST_PLACE = 0.005, 0.02
 
 @dataclass(frozen=True, eq=False)
 class Certainty:
-    """Of a model; `bracket` is the share of the mass that its band leaves open."""
+    """Of a model; `band` (None: nobody pushes) is the one in which it foretells most."""
 
     model: Model
-    bracket: float = 0.0
+    band: Band | None = None
+
+    @property
+    def bracket(self) -> float:
+        """Share of the mass that the band leaves open."""
+        return 0.0 if self.band is None else self.band.bracket / self.band.mass
+
+    @cached_property
+    def _mass(self) -> tuple[float, float]:
+        """Logarithm of the mass, and its standard deviation: of the model, in the middle of what its band leaves open,
+        and of the band alone, beside forces of many forms; each as sure as it is, both no surer than they agree."""
+        model = self.model
+        own = float(np.log(model.cart.inertia.mass) + np.log1p(self.bracket))
+        std = float(np.hypot(self._covariance[0, 0] ** 0.5, self.bracket))
+        if self.band is None:
+            return own, std
+        other, its = float(np.log(self.band.middle)), self.band.deviation / self.band.middle
+        weight = its**2 / (std**2 + its**2)
+        return weight * own + (1 - weight) * other, max(min(std, its), abs(own - other) / 2)
 
     @cached_property
     def cart(self) -> CartModel:
-        """The model's, with a mass in the middle of what its band leaves open, and all else as it goes with that."""
+        """The model's, with the mass that is told, and all else as it goes with that."""
         model = self.model
         prior = model.prior
-        if not prior.free[0] or self.bracket == 0.0:
+        if not prior.free[0]:
             return model.cart
         free = np.flatnonzero(prior.free)
         along = model.score.covariance[: len(free), 0] / model.score.covariance[0, 0]
         z = coordinates(model.cart)
-        z[free] += along * np.log1p(self.bracket)
+        z[free] += along * (self._mass[0] - z[0])
         return with_coordinates(model.cart, z)
 
     @cached_property
     def covariance(self) -> Array:
+        """Of the rows' columns (q, q), with a mass that is as sure as it is."""
+        found = self._covariance
+        if not self.model.prior.free[0]:
+            return found
+        more = max(self._mass[1] ** 2 - found[0, 0], 0.0)
+        return np.asarray(found + np.outer(found[0], found[0]) / found[0, 0] ** 2 * more)
+
+    @cached_property
+    def _covariance(self) -> Array:
         """Of the rows' columns (q, q): the larger of what noise makes of them, and what stretches scatter (a sandwich
         estimator, White 1980, with clusters)."""
         model, score = self.model, self.model.score
@@ -64,11 +92,7 @@ class Certainty:
         count = len(clusters)
         scatter = score.covariance @ (clusters.T @ clusters) @ score.covariance * count / max(count - 1, 1)
         stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
-        found = score.covariance * np.outer(stretch, stretch)
-        if not model.prior.free[0]:
-            return np.asarray(found)
-        mass = found[0]
-        return np.asarray(found + np.outer(mass, mass) / mass[0] ** 2 * self.bracket**2)
+        return np.asarray(score.covariance * np.outer(stretch, stretch))
 
     @cached_property
     def parameters(self) -> dict[str, ParameterEstimate]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cartgrasp.errors import DataError, UsageError
+from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog, coasts
 from cartgrasp.model import CartModel
 
@@ -69,8 +70,8 @@ class Diagnosis:
 
     @cached_property
     def certainty(self) -> Certainty:
-        shares = [band.bracket / band.mass for band in self.bands if band is not None]
-        return Certainty(self.final, min(shares, default=0.0))
+        known = [band for band in self.bands if band is not None]
+        return Certainty(self.final, min(known, key=lambda band: band.deviation / band.mass, default=None))
 
     @cached_property
     def cart(self) -> CartModel:
@@ -225,8 +226,8 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         tell(f"reading {log.name}")
         check_rows(log, cart)
         known = without_stale(replace(log, arms={}) if coasts(log) else log)
-        found = impacts(log, cart)
         whole = Balances.of(known, cart)
+        found = impacts(log, _as_heavy(whole, cart))
         checks.append(checked(log, cart, whole))
         parts += flights(known, cart, found) if found else [whole]
         hits += found
@@ -255,6 +256,15 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         is_refused,
         tuple(hits),
     )
+
+
+def _as_heavy(balances: Balances, cart: CartModel) -> CartModel:
+    """The cart with the mass that a log tells, and as much more inertia, for what a first guess should not decide."""
+    band = consistent(bands(balances, cart))
+    if band is None:
+        return cart
+    body = cart.inertia
+    return cart.with_inertia(Inertia(band.mass, body.com, body.about_com * band.mass / body.mass))
 
 
 def _shares(steps: Sequence[Step], nominal: Model, gap: Gap) -> tuple[float, ...]:

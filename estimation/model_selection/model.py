@@ -110,6 +110,7 @@ class Model:
     laws: tuple[Law, ...] = ()
     wide: frozenset[str] = frozenset()
     believed: Prior | None = None
+    at_bound: np.ndarray | None = None
 
     @property
     def is_pushed(self) -> bool:
@@ -118,7 +119,9 @@ class Model:
 
     @cached_property
     def prior(self) -> ParameterPrior:
-        return self._prior_of(self.cart)
+        """Of what is not at a bound."""
+        known = self._prior_of(self.cart)
+        return known if self.at_bound is None else replace(known, free=known.free & ~self.at_bound)
 
     def _prior_of(self, cart: CartModel) -> ParameterPrior:
         return structure_prior(cart, self.guess, self.wide, self.is_pushed, self.believed)
@@ -259,13 +262,12 @@ class Model:
         """Another structure, fitted on rows that are whitened alike."""
         delay = lateness(cart, self.logs)
         base = self.late(delay) if delay != self.lateness else self
-        model = replace(base, cart=cart)
+        model = replace(base, cart=cart, at_bound=None)
         prior = self._prior_of(cart)
         found, beside = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
         changed = {e.key: e.scaled(1.0 + float(size)) for e, size in zip(cart.constraint_effects, beside, strict=False)}
-        return replace(
-            model, cart=replace(found.cart, effects=tuple(changed.get(e.key, e) for e in found.cart.effects))
-        )
+        effects = tuple(changed.get(e.key, e) for e in found.cart.effects)
+        return replace(model, cart=replace(found.cart, effects=effects), at_bound=found.at_bound)
 
 
 def lateness(cart: CartModel, logs: Sequence[Balances]) -> float:

@@ -27,23 +27,38 @@ HALF_TRACK, SPARE = 0.4, 1.5
 
 def is_plausible(effect: Effect, wheels: WheelSet) -> bool:
     """Whether somebody who knows carts would call it so at its values."""
+    if is_negligible(effect):
+        return False
     if isinstance(effect, ConstraintEffect):
-        usual = type(effect).usual("")
-        if effect.slip_compliance:
-            return effect.slip_compliance > LEAST_SIZE * usual.slip_compliance
-        return bool(abs(effect.values[0]) > LEAST_SIZE * abs(usual.values[0]))
+        return True
+    if not is_within(effect):
+        return False
     values = dict(zip((f"{effect.name}.{p.name}" for p in effect.parameters), effect.values.tolist(), strict=True))
-    if any(values[key] < least for key, least in LEAST.items() if key in values):
-        return False
-    if any(values[key] > most for key, most in MOST.items() if key in values):
-        return False
     if effect.name in LEVERS:
         moment, force = (abs(values[f"{effect.name}.{name}"]) for name in LEVERS[effect.name])
         tracks = [abs(wheel.y) for wheel in wheels.wheels if wheel.y]
         if moment > SPARE * max(tracks, default=HALF_TRACK) * force:
             return False
+    return True
+
+
+def is_negligible(effect: Effect) -> bool:
+    """Whether there is next to nothing of it."""
+    if isinstance(effect, ConstraintEffect):
+        usual = type(effect).usual("")
+        if effect.slip_compliance:
+            return effect.slip_compliance <= LEAST_SIZE * usual.slip_compliance
+        return bool(abs(effect.values[0]) <= LEAST_SIZE * abs(usual.values[0]))
     if isinstance(effect, TimeDelay):
-        return True
+        return False
     own = amplitudes_of(effect)
     sizes = [abs(effect.values[i] - effect.parameters[i].absent) / effect.parameters[i].typical for i in own]
-    return max(sizes, default=0.0) > LEAST_SIZE
+    return max(sizes, default=0.0) <= LEAST_SIZE
+
+
+def is_within(effect: Effect, spare: float = 1.0) -> bool:
+    """Whether its settings are those that it may have, or beyond by a factor at most."""
+    values = {f"{effect.name}.{p.name}": v for p, v in zip(effect.parameters, effect.values.tolist(), strict=True)}
+    return not any(spare * values.get(key, least) < least for key, least in LEAST.items()) and not any(
+        values.get(key, most) > spare * most for key, most in MOST.items()
+    )

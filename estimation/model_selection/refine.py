@@ -14,10 +14,13 @@ from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 
 from .candidates import amplitudes_of
+from .plausible import is_within
 
 HALVINGS, EVALUATIONS = 5, 60
 TIME_STEP, PLACE_STEP, DELAY_STEP = 0.2, 0.2, 0.01
 FACTOR = 1.6
+SPARE = 1.5
+"""Times what is plausible: what gains most beyond is something else, and need not be followed farther."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ def refined(effect: Effect, gain: Callable[[Effect], float]) -> Effect:
             for move in steps:
                 for sign in (1.0, -1.0):
                     values = move.applied(effect.values, sign / 2**halving)
-                    if not is_open(effect, values):
+                    if not is_open(effect, values) or not is_within(effect.with_values(values), SPARE):
                         continue
                     left -= 1
                     tried = effect.with_values(values)

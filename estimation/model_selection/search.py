@@ -29,6 +29,8 @@ NEAR, MOST_REFITTED = 0.3, 5
 """Of the best gain, and how many: candidates that are refined and refitted."""
 RESIZED = 2.0
 """Of the score: what another size of an effect of the file gains at least."""
+SURE = 1.5
+"""Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
 MOST_STEPS = 6
 ODDS = {"rolling_resistance": 4.0}
 """Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
@@ -47,12 +49,13 @@ class Refit:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A candidate with its gain, and the model with it where it was refitted."""
+    """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error."""
 
     candidate: Effect | Law | Refit
     gain: float
     tried: int
     model: Model | None = None
+    error: float = 0.0
 
     @property
     def key(self) -> str:
@@ -135,16 +138,17 @@ def tried(model: Model) -> list[Attempt]:
 
 
 def chosen(attempts: list[Attempt]) -> Attempt | None:
-    """The simplest of those that are worth about as much as the best."""
+    """The simplest of those that are worth about as much as the best that somebody would call so."""
     known = [one for one in attempts if one.model is not None and _may_be(one)]
-    if not known:
-        return None
-    most = max(one.gain for one in known)
+    most = max((one.gain for one in known), default=0.0)
     enough = most - max(WORTH, SIMPLER * most)
-    return min((one for one in known if one.gain >= enough), key=lambda one: (one.numbers, -one.gain))
+    alike = [one for one in known if one.gain >= enough]
+    return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
 
 
 def _may_be(one: Attempt) -> bool:
+    if one.gain < SURE * one.error:
+        return False
     if isinstance(one.candidate, Law | Refit):
         return True
     assert one.model is not None
@@ -156,6 +160,12 @@ def worth(base: Score, score: Score, colour: float | None) -> float:
     beside noise of a colour, as many times less."""
     pieces = float(score.pieces.sum() - base.pieces.sum())
     return pieces / colour if colour is not None else min(pieces, float(score.stretches.sum() - base.stretches.sum()))
+
+
+def standard_error(base: Score, score: Score) -> float:
+    """Of a gain, by how it differs from stretch to stretch."""
+    gains = score.stretches - base.stretches
+    return float(len(gains) ** 0.5 * gains.std())
 
 
 def _colour(model: Model, effect: Effect) -> float | None:
@@ -180,7 +190,17 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
             values[amplitudes_of(effect)] += own
             fitted = effect.with_values(values)
     gain = worth(model.score, score, _colour(model, effect)) - float(np.log(tried))
+    if not _is_possible(fitted):
+        gain = min(gain, 0.0)
     return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
+
+
+def _is_possible(effect: Effect) -> bool:
+    """Whether not all of its amplitudes are beyond their bounds."""
+    if isinstance(effect, ConstraintEffect | TimeDelay):
+        return True
+    own = [(effect.parameters[i], effect.values[i]) for i in amplitudes_of(effect)]
+    return any(p.lower <= value <= p.upper for p, value in own)
 
 
 def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
@@ -188,8 +208,8 @@ def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
     if isinstance(one.candidate, Refit):
         return one
     if isinstance(one.candidate, Law):
-        new = replace(model, laws=(*model.laws, one.candidate))
-        return replace(one, model=new.refitted(model.cart))
+        new = replace(model, laws=(*model.laws, one.candidate)).refitted(model.cart)
+        return replace(one, model=new, error=standard_error(model.score, new.score))
     best = refined(absent(one.candidate), screen.gain)
     best_attempt = attempt(model, best, one.tried)
     effect = best_attempt.candidate
@@ -197,7 +217,8 @@ def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
     new = model.refitted(model.cart.with_effect(effect))
     gain = worth(model.score, new.score, _colour(model, effect)) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
     fitted = next(e for e in new.cart.effects if e.key == effect.key)
-    return Attempt(fitted, gain, one.tried, new)
+    error = standard_error(model.score, new.score) if effect.gate is Gate.ALWAYS else 0.0
+    return Attempt(fitted, gain, one.tried, new, error)
 
 
 def absent(effect: Effect) -> Effect:

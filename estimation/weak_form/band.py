@@ -56,6 +56,16 @@ class Band:
         """Half of the bracket that no sensor's noise explains, as a share of the mass."""
         return max(self.bracket - self.of_noise, 0.0) / self.mass
 
+    @property
+    def middle(self) -> float:
+        """Of the two-way bracket (kg)."""
+        return self.mass + self.bracket
+
+    @property
+    def deviation(self) -> float:
+        """Of the mass (kg): its scatter, and half of the bracket."""
+        return float(np.hypot(self.std, self.bracket))
+
     def agrees(self, narrower: Band) -> bool:
         """Whether the mass is that of a narrower band."""
         return abs(self.mass - narrower.mass) < max(FAR * narrower.std, FAR_SHARE * narrower.mass)

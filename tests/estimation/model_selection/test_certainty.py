@@ -6,6 +6,7 @@ import pytest
 from estimation.model_selection.certainty import Certainty
 from estimation.model_selection.model import Model
 from estimation.weak_form.balances import Balances
+from estimation.weak_form.band import Band
 
 from ..weak_form.motions import RAIL, RAIL_MASS, TRUE, cart_of, noisy, on_rail, weaving
 
@@ -34,15 +35,30 @@ def test_deviations_are_those_of_errors(drawn):
 
 
 def test_what_the_bracket_leaves_open_is_told():
-    """The mass moves to its middle, and half of it is as much as a standard deviation."""
+    """Beside a band that says nothing of its own, the mass moves to the bracket's middle, and half of it is as much as
+    a standard deviation."""
     model = Model.started([Balances.of(on_rail(20.0), RAIL)], RAIL)
-    closed, opened = Certainty(model), Certainty(model, 0.05)
+    closed = Certainty(model)
+    opened = Certainty(model, Band(0.1, RAIL_MASS, 1e3 * RAIL_MASS, 0.05 * RAIL_MASS))
     ratio = opened.cart.inertia.mass / closed.cart.inertia.mass
-    assert ratio == pytest.approx(1.05, rel=1e-9)
+    assert ratio == pytest.approx(1.05, rel=1e-6)
     told = opened.parameters["mass"]
     share = np.hypot(closed.parameters["mass"].std / closed.cart.inertia.mass, 0.05)
-    assert told.std / told.value == pytest.approx(share, rel=1e-6)
+    assert told.std / told.value == pytest.approx(share, rel=1e-4)
     assert closed.cart.inertia.mass == pytest.approx(RAIL_MASS, rel=0.01)
+
+
+def test_a_model_and_its_band_that_disagree_are_as_unsure_as_that():
+    """Each weighs by its own variance; half of the way between them (a tenth, of logarithms) is a deviation at
+    least."""
+    model = Model.started([Balances.of(on_rail(20.0), RAIL)], RAIL)
+    alone = Certainty(model)
+    own = alone.parameters["mass"]
+    share = own.std / own.value
+    other = own.value * np.exp(0.2)
+    told = Certainty(model, Band(0.1, other, share * other, 0.0)).parameters["mass"]
+    assert told.value == pytest.approx(own.value * np.exp(0.1), rel=1e-3)
+    assert told.std / told.value == pytest.approx(max(share, 0.1), rel=1e-3)
 
 
 def test_a_drag_at_its_bound_is_not_taught():

@@ -5,15 +5,18 @@ import pytest
 
 import cartgrasp as cg
 from benchmarks.sealed.generate import generate
-from cartgrasp.effects import RollingResistance, TimeDelay, ViscousDrag
+from cartgrasp.effects import FloorSlope, LoadSlosh, RollingResistance, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.model_selection import diagnose
 from estimation.model_selection.candidates import amplitudes_of, families
-from estimation.model_selection.search import absent
+from estimation.model_selection.model import Model
+from estimation.model_selection.refine import refined
+from estimation.model_selection.search import Attempt, absent, chosen
+from estimation.weak_form.balances import Balances
 
-from ..weak_form.motions import RAIL, STEP, TRUE, cart_of, noisy, weaving
+from ..weak_form.motions import RAIL, STEP, TRUE, cart_of, noisy, on_rail, weaving
 
 
 def first_seconds(log, seconds):
@@ -118,3 +121,33 @@ def test_a_variant_without_amplitudes_does_nothing():
         state = np.append(state, np.zeros(len(whole.memory_names)))
         found = whole.required_wrench(state, np.array([0.3, -0.2]))
         assert found == pytest.approx(cart.required_wrench(state[:5], np.array([0.3, -0.2])), abs=1e-9)
+
+
+def test_what_stretches_contradict_is_not_taken():
+    """A gain counts where it is one and a half of its standard errors; what vanished at its bound, and
+    what nobody would call by its name, is no rival."""
+    model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
+    slope, rolling = FloorSlope(0.02, 0.0), RollingResistance(0.02)
+    unsteady = Attempt(slope, 30.0, 1, model, 25.0)
+    steady = Attempt(rolling, 28.0, 1, model, 5.0)
+    assert chosen([unsteady]) is None
+    assert chosen([unsteady, steady]) is steady
+    vanished = Attempt(RollingResistance(0.0), 90.0, 1, model, 1.0)
+    assert chosen([vanished, steady]) is steady
+    late = Attempt(TimeDelay(0.4), 90.0, 1, model)
+    assert chosen([late, steady]) is steady
+
+
+def test_settings_stay_near_what_is_plausible():
+    """However much a load gains that swings faster, nobody follows it beyond half as much again."""
+    slosh = LoadSlosh(mass=5.0, frequency=2.0, damping=0.1)
+    best = refined(slosh, lambda effect: float(effect.values[1]))
+    assert 4.0 < best.values[1] <= 6.0
+
+
+def test_a_drag_at_its_bound_frees_no_column():
+    """Pushed back by its drag, a cart's fit has none of it, and no score counts on less."""
+    guess = cart_of(TRUE)
+    model = Model.started([Balances.of(noisy(weaving((*TRUE[:4], -2.0, 1.2), 12.0), 5), guess)], guess)
+    assert model.prior.free.sum() == len(model.cart.parameters) - 1
+    assert model.cart.effects[0].values[0] == 0.0
