@@ -20,7 +20,6 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
-from ..batch.motion_smoother import LONG_GAP
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.filtered_row import FilteredRow, are_known, weights
@@ -38,6 +37,9 @@ from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
 from .regression_belief import RegressionBelief
 from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
+
+LONG_GAP = 0.3
+"""s: across a longer one nothing is carried."""
 
 
 class ParameterLearner:
