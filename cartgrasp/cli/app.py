@@ -99,6 +99,22 @@ def estimate(
 
 
 @app.command()
+def check(
+    log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or the EMPS .mat.", metavar="LOG")],
+    cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: what wheels, mass and arms are like.")] = None,
+    accept: Annotated[
+        list[str] | None, typer.Option("--accept", metavar="KIND", help="sign, unit, axes or frame: it is so.")
+    ] = None,
+    topics: Topics = None,
+    json: Json = False,
+) -> None:
+    """Tell what a log's sensors seem to do: signs, axes, units, lags, scales, rows that no sensor measured."""
+    from . import check as command
+
+    raise typer.Exit(command.run(log, cart, accept or (), topics, json))
+
+
+@app.command()
 def view(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or .mat.", metavar="RUN")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: draws the cart, and what is learned.")] = None,

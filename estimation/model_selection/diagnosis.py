@@ -16,6 +16,7 @@ from cartgrasp.model import CartModel
 
 from ..end_stops import StopEstimate, end_stops
 from ..impacts import Impact, impacts
+from ..sensor_check import of_wrenches, put_right
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, consistent
 from ..weak_form.rows import wrench_noise
@@ -25,7 +26,7 @@ from .flights import flights
 from .gap import Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
-from .log_check import LogCheck, check_rows, checked, with_clock_offsets
+from .log_check import LogCheck, check_rows, checked, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
@@ -33,7 +34,6 @@ from .residual import DIRECTIONS, Residual, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rollouts import starts
 from .search import Step, added, search
-from .stale import without_stale
 from .where import Disagreement, where
 
 if TYPE_CHECKING:
@@ -169,8 +169,23 @@ class Diagnosis:
         return self.final.law_size(law)
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the logs' sensors seem to do, in words, what makes estimates worthless first."""
+        told = [(check.name, one) for check in self.checks for one in check.suspicions]
+        return tuple(f"{name}: {one.words}" for name, one in sorted(told, key=lambda pair: not pair[1].is_refused))
+
+    @property
     def sentence(self) -> str:
         """The verdict, for people."""
+        wrong = [one.words for check in self.checks for one in check.suspicions if one.is_refused]
+        return (
+            f"{self._of_model} But nothing of this holds if sensors are wrong: {'; '.join(wrong)}."
+            if wrong
+            else self._of_model
+        )
+
+    @property
+    def _of_model(self) -> str:
         gap, names = self.gap, ", ".join(effect.name for effect in self.effects)
         shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
         floor = f"noise alone makes {1e3 * gap.noise_floor:.1f} mm"
@@ -225,11 +240,12 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     for log in logs:
         tell(f"reading {log.name}")
         check_rows(log, cart)
-        known = without_stale(replace(log, arms={}) if coasts(log) else log)
-        whole = Balances.of(known, cart)
+        sensors = put_right(replace(log, arms={}) if coasts(log) else log, cart)
+        whole = Balances.of(sensors.log, cart)
         found = impacts(log, _as_heavy(whole, cart))
-        checks.append(checked(log, cart, whole))
-        parts += flights(known, cart, found) if found else [whole]
+        check = checked(log, cart, whole)
+        checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart))))
+        parts += flights(sensors.log, cart, found) if found else [whole]
         hits += found
     widest = tuple(consistent(bands(balances, cart)) for balances in parts)
     parts = [b if band is None else b.every(band.row_step) for b, band in zip(parts, widest, strict=True)]

@@ -13,13 +13,13 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..impacts import impacts
+from ..sensor_check import put_right
 from ..weak_form.balances import Balances
 from ..weak_form.band import bands, consistent
 from .flights import flights
 from .gap import held_out_rollouts
 from .model import Model
 from .search import resized, searched_again
-from .stale import without_stale
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) ->
 
 def _parts(log: RunLog, cart: CartModel) -> list[Balances]:
     """Between impacts, each in the widest band in which the model foretells its motion."""
-    found, known = impacts(log, cart), without_stale(log)
+    found, known = impacts(log, cart), put_right(log, cart).log
     parts = flights(known, cart, found) if found else [Balances.of(known, cart)]
     widest = [consistent(bands(part, cart)) for part in parts]
     return [part if band is None else part.every(band.row_step) for part, band in zip(parts, widest, strict=True)]

@@ -15,9 +15,10 @@ from cartgrasp.model import CartModel
 
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
+from ..sensor_check import Suspicion
+from ..sensor_check.stale import without_stale
 from ..weak_form.balances import Balances
 from .clock_offset import ClockOffset
-from .stale import without_stale
 
 FEWEST_ROWS = 40
 """A log of 40 s at 1 Hz: some times the parameters of a cart."""
@@ -39,7 +40,7 @@ class LogCheck:
     floors; by how much wrenches are later than the motion; motion: distance (m), turning (rad), reversals, the fastest
     speed (m/s), the share of the time that it moves; of that time, speeds (m/s) that nine, five and one tenth exceed,
     how many eighths of the circle it heads into, and accelerations along the free directions (m/s², rad/s²) that a
-    twentieth exceeds.
+    twentieth exceeds; what its sensors seem to do.
     """
 
     name: str
@@ -59,6 +60,7 @@ class LogCheck:
     speeds: tuple[float, ...]
     headings: int
     accelerations: tuple[float, ...]
+    suspicions: tuple[Suspicion, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -160,6 +162,11 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
 
 def with_clock_offsets(checks: Sequence[LogCheck], offsets: Sequence[ClockOffset | None]) -> tuple[LogCheck, ...]:
     return tuple(replace(check, clock_offset=offset) for check, offset in zip(checks, offsets, strict=True))
+
+
+def with_suspicions(check: LogCheck, suspicions: Sequence[Suspicion]) -> LogCheck:
+    """Those that stop a command first."""
+    return replace(check, suspicions=tuple(sorted(suspicions, key=lambda one: not one.is_refused)))
 
 
 def _changes(values: Array) -> bool:

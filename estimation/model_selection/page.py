@@ -45,6 +45,7 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         f"<title>{name}: simulation against measurement</title><style>{STYLE}</style></head><body>",
         f"<h1>{name}: simulation against measurement</h1><p>{logs}</p>",
         f'<p class="verdict">{html.escape(found.sentence)}</p>',
+        *(["<h2>What the sensors seem to do</h2>", _list(found.warnings, "")] if found.warnings else []),
         "<h2>How far simulation goes astray</h2>",
         drawn["gap"],
         _gap_table(found),

@@ -33,6 +33,7 @@ class Report:
         return {
             "verdict": found.verdict,
             "sentence": found.sentence,
+            "warnings": list(found.warnings),
             "where": [one.as_dict() for one in found.where],
             "effects": [effect.as_dict() for effect in found.effects],
             "parameter_mismatch": found.parameter_mismatch,

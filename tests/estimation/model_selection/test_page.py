@@ -68,6 +68,7 @@ def diagnosis():
         verdict="explained",
         gap=SimpleNamespace(**numbers, per_horizon={"1 s": numbers}, per_coordinate={"x": numbers, "heading": numbers}),
         next_experiments=("push it",),
+        warnings=(f"hand: fx is what is recorded as -fx {SCRIPT}",),
         isolability=isolability(nominal),
         steps=(Step(attempts, best), Step(attempts[1:], None)),
     )

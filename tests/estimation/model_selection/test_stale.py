@@ -13,7 +13,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs.run_log import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.model_selection.log_check import checked
-from estimation.model_selection.stale import without_stale
+from estimation.sensor_check.stale import without_stale
 from estimation.weak_form.balances import Balances
 from tests.core.drawn import numbers
 

@@ -1,0 +1,64 @@
+"""`cartgrasp check LOG [--cart cart.yaml]`: what a log's sensors seem to do, before anything is learned from it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from estimation.sensor_check import KINDS, REFUSED, SURE, Suspicion, check_sensors, travelled
+
+from ..cart_file import load_cart
+from ..errors import DataError, UsageError, printable
+from ..logs import RunLog, coasts, read_log
+from .output import print_json, print_table, say
+
+
+def run(path: Path, cart_path: Path | None, accepted: Sequence[str], topics: Path | None, as_json: bool) -> int:
+    """Raises DataError where something makes every estimate worthless, and isn't accepted."""
+    unknown = sorted(set(accepted) - set(KINDS))
+    if unknown:
+        raise UsageError(f"--accept {unknown[0]}: is no kind of suspicion; they are {', '.join(KINDS)}")
+    cart = None if cart_path is None else load_cart(cart_path)
+    log = read_log(path, topics)
+    known = replace(log, arms={}) if coasts(log) else log
+    suspicions = check_sensors(known, cart)
+    document = _document(log, travelled(known), suspicions)
+    if as_json:
+        print_json(document)
+    else:
+        _print(document)
+    refused = [one for one in suspicions if one.is_refused and one.kind not in accepted]
+    if refused:
+        raise DataError(f"{log.name}: {refused[0].words}; or say --accept {refused[0].kind} if it is as it should be")
+    return 0
+
+
+def _document(log: RunLog, way: float, suspicions: Sequence[Suspicion]) -> dict[str, Any]:
+    fields = ("kind", "where", "probability", "factor", "words")
+    return {
+        "rows": len(log),
+        "span": log.duration,
+        "rate": float(1 / np.median(np.diff(log.time))),
+        "arms": list(log.arms),
+        "travelled": way,
+        "suspicions": [{name: getattr(one, name) for name in fields} for one in suspicions],
+    }
+
+
+def _print(document: dict[str, Any]) -> None:
+    arms = ", ".join(printable(arm) for arm in document["arms"]) or "none"
+    say(
+        f"{document['rows']} rows over {document['span']:.1f} s at {document['rate']:.0f} Hz, "
+        f"{document['travelled']:.1f} m; arms: {arms}"
+    )
+    if not document["suspicions"]:
+        say("nothing is suspected of its sensors")
+        return
+    rows = [[one["kind"], one["where"], f"{one['probability']:.2f}"] for one in document["suspicions"]]
+    print_table(f"suspicions (from {SURE:g} on {', '.join(REFUSED)} stop)", ["kind", "where", "probability"], rows)
+    for one in document["suspicions"]:
+        say(one["words"])

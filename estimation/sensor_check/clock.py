@@ -1,0 +1,136 @@
+"""By how much recorded velocities are later, and larger, than poses say.
+
+With velocities v(t) = gain * v_true(t - lag), each window sees
+
+    ∫ phi dx = 1/gain ∫ phi(t - lag) v dt + lever terms,
+
+where the lever is the place of the velocities' point in the poses' frame. Solved for both by Gauss and Newton. Of a
+speed that fades evenly a lag looks like a scale, and noise alone would tell them apart: then neither is told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from ..weak_form.sensor_noise import white_noise
+from .evidence import independent_rows
+from .windows import FEWEST, Sums, Track, Windows
+
+LONGEST, START = 0.4, 0.1
+"""s: of lags that are looked for, and between those with which a search begins; half a start or stop."""
+ROUNDS, ENOUGH = 12, 1e-6
+"""Of Gauss and Newton, at most; s by which the lag still changes at the end."""
+LOUD = 0.1
+"""Of what tells lags from scales that noise may make."""
+LEAST_SHARE = 0.5
+"""Of what poses do that velocities must explain before their clock can be told."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Lag (s) and gain of velocities against poses, with standard deviations."""
+
+    lag: float
+    lag_std: float
+    gain: float
+    gain_std: float
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Rates (m, d) at rows of a log (n,), m of them whole, and times (m,), beside what windows see of their poses
+    (d, k) and of levers (d, k, q). `sums` are those of lags that were asked for."""
+
+    windows: Windows
+    there: np.ndarray
+    time: Array
+    rate: Array
+    seen: Array
+    levers: Array
+    covered: np.ndarray
+    sums: dict[float, Sums] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, track: Track, time: Array, rate: Array) -> Rates | None:
+        """Of linear velocities (m, 2) in {s}, or yaw rates (m, 1), NaN where missing; None where there is too
+        little."""
+        there = np.asarray(np.isfinite(rate).all(axis=1))
+        windows = Windows.over(track.time, time[there])
+        if windows is None:
+            return None
+        sums = windows.on(track.time)
+        if rate.shape[1] == 1:
+            seen = sums.along(track.heading)[None]
+            levers = np.zeros((*seen.shape, 0))
+        else:
+            c, s = np.cos(track.heading), np.sin(track.heading)
+            seen = np.array([sums.along(track.x), sums.along(track.y)])
+            levers = np.array([[sums.along(c), -sums.along(s)], [sums.along(s), sums.along(c)]]).swapaxes(1, 2)
+        return cls(windows, there, time[there], rate[there], seen, levers, sums.covered)
+
+    def read_as(self, rate: Array) -> Rates:
+        """With other rates (n, d), at the same rows."""
+        return replace(self, rate=rate[self.there])
+
+    def at(self, lag: float) -> tuple[Array, Array, float] | None:
+        """For velocities that are `lag` s late: what is seen (n,), its columns by 1/gain and by lag (n, 2), both beside
+        levers, and what noise of variance 1 adds to the latter's sum of squares. None where windows are too few."""
+        if lag not in self.sums:
+            self.sums[lag] = self.windows.on(self.time, lag)
+        sums = self.sums[lag]
+        kept = sums.covered & self.covered
+        if kept.sum() < FEWEST:
+            return None
+        columns = np.stack([sums.integral(self.rate).T, sums.rate(self.rate).T], axis=-1)[:, kept].reshape(-1, 2)
+        both = np.column_stack([self.seen[:, kept].ravel(), columns])
+        levers = self.levers[:, kept].reshape(len(both), -1)
+        if levers.shape[1]:
+            both = both - levers @ np.linalg.lstsq(levers, both, rcond=1e-9)[0]
+        return both[:, 0], both[:, 1:], sums.rate_noise(kept)
+
+    def best(self) -> tuple[float, Array, Array] | None:
+        """Of a coarse grid of lags the one that leaves least, with what is seen and what velocities say (n,)."""
+        tried: list[tuple[float, float, Array, Array]] = []
+        for lag in np.arange(-LONGEST, LONGEST + START / 2, START):
+            found = self.at(float(lag))
+            if found is not None:
+                seen, z = found[0], found[1][:, 0]
+                along, size = max(float(seen @ z), 0.0), max(float(z @ z), 1e-300)
+                tried.append(((float(seen @ seen) - along**2 / size) / len(seen), float(lag), seen, z))
+        if not tried:
+            return None
+        _, lag, seen, z = min(tried, key=lambda one: one[0])
+        return lag, seen, z
+
+
+def clock(rates: Rates | None) -> Clock | None:
+    """None where motion and log are too little to tell, or velocities are of something else."""
+    start = None if rates is None else rates.best()
+    if rates is None or start is None:
+        return None
+    lag, variance = start[0], sum(white_noise(column) ** 2 for column in rates.rate.T)
+    for _ in range(ROUNDS):
+        found = rates.at(lag)
+        if found is None:
+            return None
+        seen, columns, noise = found
+        normal = columns.T @ columns
+        if variance * noise >= LOUD * (normal[1, 1] - normal[0, 1] ** 2 / max(normal[0, 0], 1e-300)):
+            return None
+        values = np.linalg.solve(normal, columns.T @ seen)
+        if values[0] <= 0:
+            return None
+        change = float(np.clip(values[1] / values[0], -START / 2, START / 2))
+        lag += change
+        if abs(change) < ENOUGH:
+            break
+    left = seen - columns @ values
+    if left @ left > (1 - LEAST_SHARE) * (seen @ seen) or abs(lag) > LONGEST + START:
+        return None
+    rows = max(independent_rows(left) - 2, 1.0)
+    std = np.sqrt(np.diag(np.linalg.inv(normal)) * (left @ left) / rows)
+    return Clock(lag, float(std[1] / values[0]), float(1 / values[0]), float(std[0] / values[0] ** 2))

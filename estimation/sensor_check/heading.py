@@ -1,0 +1,98 @@
+"""Headings against the direction of travel: wheels that don't slip sideways let a cart go only where it heads.
+
+If the true heading is theta' + psi, with theta' a reading of what was recorded, the sideways displacements
+-sin(psi) A + cos(psi) B are noise, where A and B are those along and across theta', beside what turns about an axle
+elsewhere. To and fro look alike, so psi is one of half a turn.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cartgrasp.frames import Array, wrap_angle
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+
+from .evidence import evidence, independent_rows, probabilities
+from .suspicion import TOLD, Suspicion
+from .windows import FEWEST, Track, Windows
+
+DEGREE, RIGHT = math.pi / 180, math.pi / 2
+READINGS: tuple[tuple[str, float, float | None, str], ...] = (
+    ("", 1.0, 0.0, ""),
+    ("unit", DEGREE, 0.0, "theta is in degrees: multiply it by 0.0174533"),
+    ("sign", -1.0, 0.0, "theta (or x, or y) has the opposite sign: multiply it by -1"),
+    ("axes", -1.0, RIGHT, "x and y are swapped: exchange them"),
+    ("axes", 1.0, RIGHT, "theta is that of the cart's side: turn it by 90°"),
+    ("frame", 1.0, None, "the tracked frame is turned against the cart's by {:.0f}° or so: give its pose there"),
+)
+"""Kind, factor of theta, offset (rad; None: any), and words of the ways in which poses may be meant, the sound one
+first."""
+MISALIGNED = 0.1
+"""rad, within which an offset is one that effects of the vocabulary tell (`wheel_misalignment`, `pose_offset`)."""
+WRONG_ODDS, ANY_OFFSET = 0.01, 2 * MISALIGNED / math.pi
+"""Of each: one log in a hundred; share of all offsets that lie so near to a known one."""
+
+
+def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
+    """`unit`, `sign`, `axes` and `frame` of poses; none of carts that may go any way, or where too little is seen."""
+    if cart.constraints.axle_x is None or cart.constraints.no_rotation:
+        return ()
+    seen = {factor: _displacements(Track.of(log, factor)) for factor in (1.0, DEGREE, -1.0)}
+    offsets, left = list[float](), list[float]()
+    least = (np.inf, np.zeros(1))
+    for _, factor, known, _ in READINGS:
+        part = seen[factor]
+        if part is None:
+            return ()
+        along, across, size = part
+        psi = _best(along, across)
+        if known is not None:
+            right = known + float(cart.rolling.angle)
+            psi = right + float(np.clip(_half_turn(psi - right), -MISALIGNED, MISALIGNED))
+        aside = math.cos(psi) * across - math.sin(psi) * along
+        offsets.append(_half_turn(psi))
+        left.append(float(aside @ aside) / size)
+        least = min(least, (left[-1], aside), key=lambda one: one[0])
+    odds = np.array([1.0] + [WRONG_ODDS * (ANY_OFFSET if one[2] is None else 1.0) for one in READINGS[1:]])
+    found = probabilities(evidence(np.array(left), 1.0, independent_rows(least[1])), odds)
+    told = []
+    for kind in ("unit", "sign", "axes", "frame"):
+        which = [i for i, one in enumerate(READINGS) if one[0] == kind]
+        most = max(which, key=lambda i: float(found[i]))
+        if found[which].sum() >= TOLD:
+            words = READINGS[most][3].format(math.degrees(offsets[most]))
+            times = READINGS[most][1] if kind in ("unit", "sign") else None
+            words = f"the cart goes sideways as its wheels can't, unless {words}"
+            told.append(Suspicion(kind, "pose", float(found[which].sum()), times, words))
+    return tuple(told)
+
+
+def _displacements(track: Track) -> tuple[Array, Array, float] | None:
+    """Along and across (k,) beside what turns, and the sum of squares of all; None where too little is seen."""
+    windows = Windows.over(track.time)
+    if windows is None:
+        return None
+    sums, c, s = windows.on(track.time), np.cos(track.heading), np.sin(track.heading)
+    kept = sums.covered
+    along = sums.along(track.x, c) + sums.along(track.y, s)
+    across = sums.along(track.y, c) - sums.along(track.x, s)
+    both, turned = np.column_stack([along, across])[kept], sums.along(track.heading)[kept]
+    size = float((both**2).sum())
+    if kept.sum() < FEWEST or size <= 0:
+        return None
+    if turned @ turned > 0:
+        both = both - np.outer(turned, turned @ both) / (turned @ turned)
+    return both[:, 0], both[:, 1], size
+
+
+def _best(along: Array, across: Array) -> float:
+    """The offset (rad) that leaves least sideways."""
+    return 0.5 * math.atan2(2 * float(along @ across), float(along @ along - across @ across))
+
+
+def _half_turn(angle: float) -> float:
+    """The same line's angle (rad), at most a quarter turn."""
+    return float(wrap_angle(np.array(2 * angle))) / 2

@@ -1,0 +1,175 @@
+"""What recorders and encoders put in: rows on straight lines between others, values in coarse steps, rows too slow.
+
+None of them is a measurement, and all hide the noise: a row in between has none, and where the step is larger than the
+noise, neighbours are mostly equal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from cartgrasp.errors import printable
+from cartgrasp.frames import Array
+from cartgrasp.logs import ArmLog, RunLog
+
+from ..log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
+from .suspicion import Suspicion
+
+FAST, REPEATED = 0.75, 0.05
+"""Share of the rows that go slower than those called fast; share of the latter: fewer repeats are a hiccup."""
+AROUND = 0.25
+"""s: over which speeds are compared."""
+STRAIGHT = 1e-3
+"""Of the usual bend: a bend of white noise is as small in a thousandth of the rows."""
+FEWEST = 20
+"""Rows, and gaps between values."""
+WHOLE = 0.7
+"""Resultant length of the gaps' remainders from which they are whole numbers of steps: 1 where they are, less than a
+half (in 99 of 100) where 20 of them are anything. Digits that are cut off leave remainders of an eighth of a step."""
+NEAR = 20.5
+"""Steps: of wider gaps the remainder depends on the step's last digit."""
+ROUNDING = 1 / math.sqrt(12)
+"""Standard deviation of rounding, in steps."""
+SLOW = 0.2
+"""s between rows: carts are started and stopped within half a second, which three samples at least show."""
+
+
+def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
+    """Of poses and velocities of which the fresh log lacks those that repeat the ones before. Where they go fast they
+    do so as often only if a recorder wrote them again; a coarse sensor's repeat where they go slowly."""
+    told = []
+    pairs = {"pose": (log.pose, fresh.pose)}
+    if log.velocity is not None and fresh.velocity is not None:
+        pairs["velocity"] = log.velocity, fresh.velocity
+    for where, (before, after) in pairs.items():
+        there = np.asarray(np.isfinite(before).all(axis=1))
+        again = ~np.asarray(np.isfinite(after[there]).all(axis=1))
+        is_fast = _is_fast(before[there], log.time[there])
+        if again[is_fast].sum() > REPEATED * max(is_fast.sum(), 1):
+            words = (
+                f"{where}: {int(again.sum())} of {len(again)} rows repeat the one before while the cart moves, as a "
+                "recorder writes where nothing new has come; a diagnosis leaves them out: leave such cells blank"
+            )
+            factor = len(again) / max(len(again) - int(again.sum()), 1)
+            told.append(Suspicion("repeated", where, 0.99, factor, words, put_right=True))
+    return tuple(told)
+
+
+def _is_fast(rows: Array, time: Array) -> np.ndarray:
+    """Which rows (n,) of (n, k) change faster, over `AROUND` on either side, than most of them."""
+    first, last = (np.searchsorted(time, time + side).clip(0, len(time) - 1) for side in (-AROUND, AROUND))
+    change = np.abs(rows[last] - rows[first]).sum(axis=1)
+    return np.asarray(change > np.quantile(change, FAST)) if len(change) else np.zeros(0, dtype=bool)
+
+
+def interpolated(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
+    """The log with what lies on straight lines between knots as missing samples, and what was found."""
+    told, found = list[Suspicion](), dict[str, Array]()
+    sensors = {"pose": log.pose} | ({} if log.velocity is None else {"velocity": log.velocity})
+    sensors |= {name: arm.wrench for name, arm in log.arms.items()}
+    for where, rows in sensors.items():
+        straight = straight_rows(rows, log.time)
+        count, there = int(straight.sum()), int(np.isfinite(rows).all(axis=1).sum())
+        found[where] = np.where(straight[:, None], np.nan, rows) if count else rows
+        if count:
+            words = (
+                f"{printable(where)}: {count} of {there} rows lie on straight lines between others, so they were "
+                "interpolated, not measured; a diagnosis leaves them out: record at the sensor's own rate"
+            )
+            told.append(Suspicion("repeated", where, 0.99, there / (there - count), words, put_right=True))
+    if not told:
+        return log, ()
+    arms = {name: ArmLog(arm.contact, found[name]) for name, arm in log.arms.items()}
+    return replace(log, pose=found["pose"], velocity=found.get("velocity"), arms=arms), tuple(told)
+
+
+def straight_rows(rows: Array, time: Array) -> np.ndarray:
+    """Which rows (n,) of (n, k) lie on the straight line between knots that are no neighbours of one another. What
+    moves evenly for long is no such row: knots come one by one, and at least one for every ten rows."""
+    there = np.flatnonzero(np.isfinite(rows).all(axis=1))
+    found = np.zeros(len(rows), dtype=bool)
+    if len(there) < FEWEST:
+        return found
+    slope = np.diff(rows[there], axis=0) / np.diff(time[there])[:, None]
+    bend = np.abs(np.diff(slope, axis=0))
+    usual = np.sqrt((bend**2).mean(axis=0))
+    live = usual > 0
+    if not live.any():
+        return found
+    is_bent = (bend[:, live] > STRAIGHT * usual[live]).any(axis=1)
+    moves = (np.abs(slope[1:]) > 0).any(axis=1) & (np.abs(slope[:-1]) > 0).any(axis=1)
+    alone = is_bent[1:-1] & ~is_bent[:-2] & ~is_bent[2:]
+    straight = ~is_bent & moves
+    is_knotted = 2 * alone.sum() > is_bent[1:-1].sum() and 10 * is_bent.sum() > straight.sum()
+    if is_knotted and 3 * straight.sum() > len(there):
+        found[there[1:-1][straight]] = True
+    return found
+
+
+def quantised(log: RunLog) -> tuple[Suspicion, ...]:
+    """Poses and velocities in coarse steps."""
+    heading = log.pose[:, 2].copy()
+    heading[np.isfinite(heading)] = np.unwrap(heading[np.isfinite(heading)])
+    groups = [("pose", {"x": log.pose[:, 0], "y": log.pose[:, 1]}, "m", LEAST_POSITION)]
+    groups.append(("heading", {"theta": heading}, "rad", LEAST_POSITION))
+    if log.velocity is not None:
+        groups.append(("velocity", {"vx": log.velocity[:, 0], "vy": log.velocity[:, 1]}, "m/s", LEAST_VELOCITY))
+        groups.append(("yaw_rate", {"omega": log.velocity[:, 2]}, "rad/s", LEAST_VELOCITY))
+    told = []
+    for where, columns, unit, least in groups:
+        steps = {name: step for name, column in columns.items() if (step := coarse_step(column, least)) is not None}
+        if steps:
+            step = max(steps.values())
+            words = (
+                f"{' and '.join(steps)} in steps of {step:.3g} {unit}, which are most of their noise (standard "
+                f"deviation {step * ROUNDING:.2g} {unit}); record with finer steps if you can"
+            )
+            told.append(Suspicion("quantised", where, 0.99, step, words))
+    return tuple(told)
+
+
+def coarse_step(column: Array, least: float) -> float | None:
+    """The step of a column (n,) where rounding is most of its noise, and more than the `least` that noise may be."""
+    step = step_of(column)
+    if step is None or step * ROUNDING <= least or (step * ROUNDING) ** 2 < 0.5 * noise_floor(column) ** 2:
+        return None
+    return step
+
+
+def step_of(column: Array) -> float | None:
+    """The grid's step of a column (n,), NaN where missing; None where its values lie on none."""
+    values = np.unique(column[np.isfinite(column)])
+    gaps = np.diff(values)
+    gaps = gaps[gaps > 1e-9 * np.abs(values).max(initial=0.0)]
+    if len(gaps) < FEWEST:
+        return None
+    for first in np.quantile(gaps, [0.0, 0.02, 0.1, 0.5]):
+        step = _refined(gaps, float(first))
+        near = gaps[gaps < NEAR * step]
+        if len(near) >= max(FEWEST, 0.1 * len(gaps)) and np.abs(np.exp(2j * np.pi * near / step).mean()) > WHOLE:
+            return step
+    return None
+
+
+def _refined(gaps: Array, step: float) -> float:
+    """Least squares of gaps on whole numbers of steps, near ones first."""
+    for reach in (1.5, 3.5, 6.5, 10.5, NEAR):
+        near = gaps[gaps < reach * step]
+        count = np.maximum(np.round(near / step), 1.0)
+        step = float((near @ count) / (count @ count)) if len(near) else step
+    return step
+
+
+def slow(log: RunLog) -> tuple[Suspicion, ...]:
+    """Rows that come too seldom, or times in milliseconds."""
+    step = float(np.median(np.diff(log.time))) if len(log) > 1 else 0.0
+    if step <= SLOW:
+        return ()
+    words = (
+        f"rows come every {step:.3g} s: starts and stops fall between them; record at {1 / SLOW:.0f} Hz or more, "
+        "or, if t is in milliseconds, multiply it by 0.001"
+    )
+    return (Suspicion("holes", "time", 0.99, step, words),)

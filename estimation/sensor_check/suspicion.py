@@ -1,0 +1,32 @@
+"""`Suspicion`: what a log's sensors seem to do, how likely it is, and what would mend it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+KINDS = ("sign", "unit", "axes", "frame", "lag", "scale", "repeated", "quantised", "holes")
+REFUSED = ("sign", "unit", "axes", "frame")
+"""Kinds with which no estimate means anything."""
+SURE = 0.9
+"""Probability from which one of `REFUSED` stops a command (`contract/cli.md`)."""
+TOLD = 0.25
+"""Less likely ones are not worth a line: a wrong mass is worth three looks in vain, not more."""
+
+
+@dataclass(frozen=True)
+class Suspicion:
+    """`where` is an arm's name, or `pose`, `heading`, `velocity`, `yaw_rate`, `time`. `factor` is the number that the
+    words speak of: what recorded values are multiplied by to be right (`unit`, `sign`), are too large by (`scale`), the
+    lag (s), a step (in the column's unit), rows for each fresh one; None where there is none. `put_right`: fits and
+    searches are of the log without it."""
+
+    kind: str
+    where: str
+    probability: float
+    factor: float | None
+    words: str
+    put_right: bool = False
+
+    @property
+    def is_refused(self) -> bool:
+        return self.kind in REFUSED and self.probability >= SURE

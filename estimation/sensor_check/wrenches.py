@@ -1,0 +1,222 @@
+"""Whether each arm's wrench is of the right sign, axes, frame and unit: every way to read it is tried in the balances.
+
+Divided by mass and by yaw inertia, a balance says that accelerations are wrenches times a gain, 1/m or 1/J, beside what
+drags, offsets, slopes and first moments make, which is taken out of both sides. The gain is positive, and about what
+the cart file says. A wrong sign asks for a negative mass, wrong axes explain less of the motion, and a wrong unit moves
+the mass by its factor, which is weighed with how sure the file's is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from cartgrasp.effects import CasterRealignment, Effect, ViscousDrag, WheelDragImbalance
+from cartgrasp.errors import printable
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.wheels import CASTER
+
+from ..weak_form.balances import Balances
+from ..weak_form.band import RICH
+from .evidence import UNEXPLAINED, gain_evidence, independent_rows, probabilities
+from .suspicion import TOLD, Suspicion
+from .wrench_readings import UNIT_ODDS, UNITS, Mounting, mountings
+
+ROW_STEP = 0.4
+"""s, of test functions (1.6 s in all): models of pushed carts hold below a hertz or so; loads swing, handles give."""
+FEWEST = 16
+"""Rows beside the columns that are taken out."""
+MASS_SPREAD, INERTIA_SPREAD, SAME_GAIN = 0.5, 0.7, 0.1
+"""Of the log of a file's mass about the true one: 19 in 20 guesses are within a factor of 2.7. Of its yaw inertia,
+beside what the mass is off by. Of the mass that is felt sideways against the one felt ahead."""
+TRACE = 1e-8
+"""Of the largest: smaller directions are rounding."""
+FARTHEST = 5.0
+"""m from {b}'s origin: nobody holds a cart there, but at about one metre: three hundred are millimetres."""
+KINDS = ("sign", "axes", "frame", "unit")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the wrenches of some arms are read."""
+
+    arms: tuple[int, ...]
+    mounting: Mounting
+    unit: tuple[str, str]
+    odds: float
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        of_unit = ("unit",) if self.unit != ("N", "N·m") else ()
+        return ((self.mounting.kind,) if self.mounting.kind else ()) + of_unit
+
+    @property
+    def taken(self) -> Array:
+        """(3, 8)."""
+        force, moment = UNITS[self.unit]
+        return np.asarray(self.mounting.taken * np.array([[force], [force], [moment]]))
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Accelerations (k,) and signals (k, arms, 3, 8) of each component taken for fx, fy or tz, both beside what was
+    taken out; how many columns that were."""
+
+    motion: Array
+    signals: Array
+    taken_out: int
+
+    def products(self, readings: Iterable[Reading]) -> tuple[Array, Array, float]:
+        """Signal by signal and by motion (r,), and motion by motion."""
+        k, arms = self.signals.shape[:2]
+        flat = self.signals.reshape(k, -1)
+        gram, seen = flat.T @ flat, flat.T @ self.motion
+        sound = mountings()[0].taken
+        all_of = np.array([[r.taken if i in r.arms else sound for i in range(arms)] for r in readings])
+        how = all_of.reshape(len(all_of), -1)
+        return np.maximum(np.einsum("ri,ri->r", how @ gram, how), 0.0), how @ seen, float(self.motion @ self.motion)
+
+    def scatter(self) -> tuple[float, float]:
+        """Rows that count as independent, and the share of the motion that no gains of all components explain."""
+        sound = np.einsum("kaij,ij->k", self.signals, mountings()[0].taken)[:, None]
+        whole = self.signals.reshape(len(self.motion), -1)
+        left = [self.motion - basis @ (basis.T @ self.motion) for basis in (_orthogonal(sound), _orthogonal(whole))]
+        rows = min(independent_rows(one) for one in left) * (1 - self.taken_out / len(self.motion))
+        return max(rows, 1.0), max(float(left[1] @ left[1] / (self.motion @ self.motion)), UNEXPLAINED**2)
+
+
+def of_wrenches(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
+    """`sign`, `axes`, `frame` and `unit` of each arm."""
+    far = _far_contacts(balances)
+    known = _balances(balances.every(ROW_STEP), cart)
+    if far or known is None:
+        return far
+    forward, sideways, turning = known
+    readings, phi = _readings(len(balances.wrenches.arms)), cart.inertia.phi
+    ahead, one = forward.products(readings), np.ones(len(readings))
+    log_evidence, log_gain = gain_evidence(ahead, forward.scatter()[0], -math.log(phi[0]) * one, MASS_SPREAD,
+                                           forward.scatter()[1])  # fmt: skip
+    others = ((sideways, 1.0, SAME_GAIN), (turning, phi[0] / phi[3], INERTIA_SPREAD))
+    for balance, ratio, spread in others:
+        if balance is not None:
+            rows, floor = balance.scatter()
+            products = balance.products(readings)
+            log_evidence = log_evidence + gain_evidence(products, rows, log_gain + math.log(ratio), spread, floor)[0]
+    posterior = probabilities(log_evidence, np.array([r.odds for r in readings]))
+    zz, zy, yy = ahead
+    masses = zz / np.where(np.abs(zy) > TRACE * np.sqrt(zz * yy), zy, np.inf)
+    told = []
+    for (i, name), kind in product(enumerate(balances.wrenches.arms), KINDS):
+        which = [j for j, r in enumerate(readings) if kind in r.kinds and i in r.arms]
+        probability, most = float(posterior[which].sum()), max(which, key=lambda j: float(posterior[j]))
+        if probability >= TOLD:
+            factor, words = _words(kind, readings[most], (float(masses[0]), float(masses[most])), cart)
+            told.append(Suspicion(kind, name, probability, factor, f"{printable(name)}: {words}"))
+    return tuple(told)
+
+
+def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartModel) -> tuple[float | None, str]:
+    """The factor, and what is told, of the masses (kg) as recorded and as read."""
+    recorded, so = masses
+    file = f"(the cart file says {cart.inertia.mass:.3g} kg)"
+    if kind == "unit":
+        force, moment = UNITS[reading.unit]
+        words = (
+            f"wrenches seem to be in {' and '.join(reading.unit)}: as recorded the mass would be {recorded:.3g} kg, so "
+            f"it is {so:.3g} kg {file}; multiply forces by {force:.6g} and moments by {moment:.6g}, or mend the file's "
+            "mass, or the unit of lengths"
+        )
+        return (force if force != 1.0 else moment), words
+    if kind == "sign":
+        words = (
+            f"{reading.mounting.words}: as recorded the motion asks for a mass of {recorded:.3g} kg, so for "
+            f"{so:.3g} kg {file}; record what the arm does to the cart (or x runs backwards)"
+        )
+        return -1.0, words
+    return None, f"{reading.mounting.words}: so wrenches fit the motion; turn the sensor's axes into the contact's"
+
+
+def _readings(arms: int) -> list[Reading]:
+    """Every mounting in every unit, of all arms alike (as one hand set them up) and of each alone; the sound one
+    first."""
+    every = tuple(range(arms))
+    groups = [(every, 1.0)] if arms == 1 else [(every, 0.5), *(((i,), 0.5 / arms) for i in every)]
+    sound, si = mountings()[0], ("N", "N·m")
+    found = [Reading((), sound, si, 1.0)]
+    for (group, share), mounting, unit in product(groups, mountings(), UNITS):
+        if mounting is not sound or unit != si:
+            alike = 1 if unit[0] == "N" else sum(other[0] == unit[0] for other in UNITS)
+            odds = share * mounting.odds * (1.0 if unit == si else UNIT_ODDS / alike)
+            found.append(Reading(group, mounting, unit, odds))
+    return found
+
+
+def _balances(balances: Balances, cart: CartModel) -> tuple[Balance, Balance | None, Balance | None] | None:
+    """Forward, sideways (of carts that may go so) and yaw (of those that may turn); None where nothing is told."""
+    if not balances.wrenches.arms or not len(balances.used):
+        return None
+    free = cart.constraints.n_free
+    signals, slopes = _signals(balances, cart), balances.residual(cart)[1]
+    casters = (CasterRealignment(),) if any(wheel.kind == CASTER for wheel in cart.wheels) else ()
+    taken = {effect.name for effect in cart.effects}
+    more: list[Effect] = [e for e in (ViscousDrag(), *RICH, WheelDragImbalance(), *casters) if e.name not in taken]
+    columns = [balances.columns(cart, e) for e in more if free > 1 or not isinstance(e, WheelDragImbalance)]
+    whole = np.concatenate([slopes, *columns], axis=2)
+    own = [0, 0, 3][:: 1 if free == 3 else 2] if free > 1 else [0]
+    found = [_beside(whole[:, i], signals[:, i], column) for i, column in enumerate(own)]
+    if found[0] is None:
+        return None
+    return found[0], found[1] if free == 3 else None, found[-1] if free > 1 else None
+
+
+def _signals(balances: Balances, cart: CartModel) -> Array:
+    """(k, f, arms, 3, 8): what each recorded component is in each balance, taken for fx, fy or tz."""
+    wrenches, heading = balances.wrenches, balances.motion.pose[:, 2]
+    c, s = np.cos(heading), np.sin(heading)
+    fx, fy = wrenches.recorded[..., 0], wrenches.recorded[..., 1]
+    recorded = np.concatenate([wrenches.recorded, np.stack([c * fx + s * fy, c * fy - s * fx], axis=-1)], axis=-1)
+    reduced = (cart.basis_b.T @ wrenches.grasps)[..., [0, 1, 5]]
+    return balances.integrated(np.einsum("anfi,anj->nfaij", reduced, recorded))
+
+
+def _beside(columns: Array, signals: Array, own: int) -> Balance | None:
+    """What is left of one balance's acceleration, a column of (k, p), and signals (k, ...) beside all others; None
+    where too little is."""
+    basis = _orthogonal(np.delete(columns, own, axis=1))
+    k, taken = basis.shape
+    if k < taken + FEWEST:
+        return None
+    motion, flat = columns[:, own], signals.reshape(k, -1)
+    left, beside = motion - basis @ (basis.T @ motion), flat - basis @ (basis.T @ flat)
+    if left @ left <= TRACE * (motion @ motion) or not (beside**2).sum() > TRACE * (flat**2).sum():
+        return None
+    return Balance(left, beside.reshape(signals.shape), taken)
+
+
+def _orthogonal(columns: Array) -> Array:
+    """A basis (k, q) of columns (k, p), but for those that are nothing."""
+    sizes = np.linalg.norm(columns, axis=0)
+    live = columns[:, sizes > TRACE * sizes.max(initial=0.0)] / sizes[sizes > TRACE * sizes.max(initial=0.0)]
+    left, values, _ = np.linalg.svd(live, full_matrices=False)
+    return np.asarray(left[:, values > TRACE * values.max(initial=0.0)])
+
+
+def _far_contacts(balances: Balances) -> tuple[Suspicion, ...]:
+    """`unit` of contact points that nobody reaches."""
+    told = []
+    for name, arm in balances.log.arms.items():
+        whole = arm.contact[np.isfinite(arm.contact).all(axis=1)]
+        reach = float(np.median(np.linalg.norm(whole, axis=1))) if len(whole) else 0.0
+        if reach > FARTHEST:
+            unit, factor = ("mm", 0.001) if reach > 300 else ("cm", 0.01)
+            words = (
+                f"{printable(name)}: contacts are {reach:.3g} m from the cart's origin, they seem to be in {unit}: "
+                f"multiply px, py and pz by {factor:g}"
+            )
+            told.append(Suspicion("unit", name, 0.99, factor, words))
+    return tuple(told)
