@@ -19,8 +19,8 @@ from cartgrasp.model import CartModel
 from cartgrasp.studies.consistency import DURATION, PRIOR, drawn_cart, exact_noise
 from cartgrasp.studies.estimators import HANDS, Job, drive_cart, guess
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator
-from estimation.batch import identify
 from estimation.gaussian import Gaussian, normalised_square
+from estimation.identification import identify
 from estimation.paper_filter import DIVERGED
 
 from .report import Result, Table, number

@@ -14,6 +14,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from .constraints import RollingConstraints
 from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh
 from .errors import CartgraspError, FileError
+from .first_guess import PHYSICAL_NAMES, FirstGuess
 from .inertia import Inertia
 from .model import CartModel
 from .wheels import Wheel
@@ -49,6 +50,8 @@ class _CartEntry(StrictModel):
     constraints: list[dict[str, Any]] = Field(default_factory=list)
     wheels: list[_WheelEntry] = Field(default_factory=list)
     effects: dict[str, Any] = Field(default_factory=dict)
+    std: dict[str, Any] = Field(default_factory=dict)
+    known: list[str] = Field(default_factory=list)
 
 
 def load_cart(path: str | os.PathLike[str]) -> CartModel:
@@ -92,6 +95,7 @@ def cart_from_document(document: CommentedMap, name: str, prefix: Location = ())
         wheels=_wheels(entry.wheels, refuse),
         com_height=entry.com_height,
         name=entry.name,
+        first_guess=_first_guess(entry, effects, refuse),
         source=dump_yaml(document),
     )
 
@@ -104,7 +108,7 @@ def save_cart(cart: CartModel, path: str | os.PathLike[str]) -> Path:
 def cart_text(cart: CartModel) -> str:
     document = parse_yaml(cart.source, "cart.yaml") if cart.source else CommentedMap()
     entries = _entries(cart)
-    for stale in ("com_height", "wheels"):
+    for stale in ("com_height", "wheels", "std", "known"):
         if stale in document and stale not in entries:
             del document[stale]
     for key, value in entries.items():
@@ -169,6 +173,24 @@ def _effects(entries: Mapping[str, Any], refuse: Any) -> tuple[Effect, ...]:
                 raise refuse(where, f"{effect.key} stands twice; give each its own label")
             effects.append(effect)
     return tuple(effects)
+
+
+def _first_guess(entry: _CartEntry, effects: Sequence[Effect], refuse: Any) -> FirstGuess:
+    names = [*PHYSICAL_NAMES, *(key for effect in effects for key in effect.keys)]
+    std = {}
+    for name, value in entry.std.items():
+        if name not in names:
+            raise refuse(["std", name], f"is no parameter of this cart{did_you_mean(str(name), names)}")
+        std[name] = _number(value, ["std", name], refuse)
+        if std[name] <= 0:
+            raise refuse(["std", name], f"{std[name]:g} is not positive; what is sure stands under `known`")
+    allowed = [*names, *(effect.key for effect in effects)]
+    for i, name in enumerate(entry.known):
+        if name not in allowed:
+            raise refuse(["known", i], f"{name!r} is no parameter of this cart{did_you_mean(name, allowed)}")
+        if name in std:
+            raise refuse(["known", i], f"{name} stands under `std` too; keep one")
+    return FirstGuess(tuple(std.items()), tuple(dict.fromkeys(entry.known)))
 
 
 def _check_effects(effects: Sequence[Effect], constraints: RollingConstraints, refuse: Any) -> None:
@@ -236,6 +258,10 @@ def _entries(cart: CartModel) -> dict[str, Any]:
         own = effects.setdefault(effect.name, {})
         own.update({effect.label: numbers} if effect.label else numbers)
     entries["effects"] = effects
+    if cart.first_guess.std:
+        entries["std"] = dict(cart.first_guess.std)
+    if cart.first_guess.known:
+        entries["known"] = list(cart.first_guess.known)
     return entries
 
 

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from .constraints import RollingConstraints
 from .effects import ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
 from .errors import UsageError
+from .first_guess import FirstGuess
 from .frames import Array
 from .inertia import N_PHI, PHI_NAMES, Inertia
 from .shared_property import SharedProperty
@@ -36,6 +37,7 @@ class CartStructure(ABC):
     wheels: tuple[Wheel, ...] = ()
     com_height: float | None = None
     name: str = "cart"
+    first_guess: FirstGuess = field(default_factory=FirstGuess)
     source: str = field(default="", repr=False, compare=False)
 
     def __post_init__(self) -> None:

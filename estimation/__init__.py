@@ -3,6 +3,7 @@
 from .cart_filter import CartFilter
 from .discrepancy import Diagnosis, diagnose
 from .identifiability import Identifiability, identifiability
+from .identification import Identification, identify
 from .noise import FilterNoise
 from .paper_filter import PaperFilter
 from .prior import Prior
@@ -13,9 +14,11 @@ __all__ = [
     "Diagnosis",
     "FilterNoise",
     "Identifiability",
+    "Identification",
     "PaperFilter",
     "Prior",
     "RegressorEstimator",
     "diagnose",
     "identifiability",
+    "identify",
 ]

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.logs import RunLog, coasts
 from cartgrasp.logs.coasting import with_zero_wrench
 
-from .prior import PHYSICAL_NAMES, Prior
+from .prior import Prior
 
 
 def with_known_wrench(log: RunLog) -> RunLog:

@@ -14,13 +14,14 @@ import numpy as np
 
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.errors import UsageError
+from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.inertia import N_PHI, physical_from_phi, physical_jacobian
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
 from .noise import FilterNoise
-from .prior import PHYSICAL_NAMES, PHYSICAL_UNITS, Prior
+from .prior import PHYSICAL_UNITS, Prior
 from .wrench_sensing import WrenchSensing
 
 DIVERGED = "diverged"

@@ -8,19 +8,25 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.errors import UsageError
+from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, physical_jacobian
 from cartgrasp.model import CartModel
 
-PHYSICAL_NAMES = ("mass", "com_x", "com_y", "inertia")
 PHYSICAL_UNITS = ("kg", "m", "m", "kg·m²")
+
+
+SURE = 1e-3
+"""Of a usual deviation: what is known of a body whose mass is not, as only its moments enter linearly."""
 
 
 @dataclass(frozen=True)
 class Prior:
     """Standard deviations of the first guess: mass and inertia as shares of their values, CoM in m; effects'
     parameters as a share of their value, but at least their typical size. `known` names what is not estimated
-    (full parameter names, or an effect's key for all of its parameters)."""
+    (full parameter names, or an effect's key for all of its parameters), `std` gives others in their units. What a
+    cart's file says of its first guess counts as if it stood here.
+    """
 
     mass: float = 0.4
     com: float = 0.2
@@ -30,27 +36,37 @@ class Prior:
     std: Mapping[str, float] = field(default_factory=dict)
 
     def free(self, cart: CartModel) -> np.ndarray:
-        """Indices of the parameters (p,) that are estimated."""
+        """Indices of the parameters (p,) `(phi | effects' values)` that are estimated. Of a body of which only a part
+        is known, what is known is as good as sure (`deviations`)."""
+        fixed = self.held(cart)
+        if not fixed[:N_PHI].all():
+            fixed[1:N_PHI] = cart.constraints.no_rotation
+        return np.flatnonzero(~fixed)
+
+    def held(self, cart: CartModel) -> np.ndarray:
+        """Which of the reported parameters (p,) are known, are never estimated, or can't enter."""
         names = report_names(cart)
         unknown = self.known - set(names) - {e.key for e in cart.effects}
         if unknown:
             raise UsageError(f"prior: {', '.join(sorted(unknown))} is no parameter; they are {', '.join(names)}")
-        fixed = [name in self.known for name in names[:N_PHI]]
-        if any(fixed) and not all(fixed):
-            raise UsageError("prior: mass, com_x, com_y and inertia are known together or estimated together")
+        known = self.known.union(cart.first_guess.known)
+        fixed = [name in known for name in names[:N_PHI]]
         for effect in cart.effects:
             for parameter, key in zip(effect.parameters, effect.keys, strict=True):
-                fixed.append(key in self.known or effect.key in self.known or not parameter.estimated)
+                fixed.append(key in known or effect.key in known or not parameter.estimated)
         if cart.constraints.no_rotation:
             fixed[1:N_PHI] = [True] * (N_PHI - 1)
-        return np.flatnonzero(~np.array(fixed))
+        return np.array(fixed)
 
     def covariance(self, cart: CartModel) -> Array:
         """Covariance (p, p) of the parameters `(phi | effects' values)`."""
         deviations = self.deviations(cart)
         covariance = np.diag(deviations**2)
         from_physical = np.linalg.inv(physical_jacobian(cart.inertia.phi))
-        covariance[:N_PHI, :N_PHI] = from_physical @ np.diag(deviations[:N_PHI] ** 2) @ from_physical.T
+        own = deviations[:N_PHI].copy()
+        if self._is_sure(cart)[0]:
+            own[0] *= SURE  # a known mass moves no moment
+        covariance[:N_PHI, :N_PHI] = from_physical @ np.diag(own**2) @ from_physical.T
         return covariance
 
     def deviations(self, cart: CartModel) -> Array:
@@ -61,11 +77,20 @@ class Prior:
             for parameter, value in zip(effect.parameters, effect.values, strict=True):
                 deviations.append(max(self.effects * abs(value), parameter.typical))
         names = report_names(cart)
-        for name, std in self.std.items():
+        told = {name: std for name, std in cart.first_guess.std if name in names}
+        for name, std in {**told, **self.std}.items():
             if name not in names:
                 raise UsageError(f"prior: {name} is no parameter; they are {', '.join(names)}")
             deviations[names.index(name)] = std
-        return np.array(deviations)
+        sure = self._is_sure(cart)
+        sure[0] = False
+        return np.array(deviations) * np.where(np.append(sure, np.zeros(len(names) - N_PHI, dtype=bool)), SURE, 1.0)
+
+    def _is_sure(self, cart: CartModel) -> np.ndarray:
+        """Which of a body's numbers (4,) are known where not all are."""
+        known = self.known.union(cart.first_guess.known)
+        sure = np.array([name in known for name in PHYSICAL_NAMES])
+        return np.zeros(N_PHI, dtype=bool) if sure.all() else sure
 
 
 def report_names(cart: CartModel) -> tuple[str, ...]:

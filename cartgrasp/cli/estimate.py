@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
+from estimation.agreement import against_batch
 from estimation.coasting import body_as_given, with_known_wrench
 from estimation.log_noise import noise_of_log
 from estimation.replay import Replay, replay
 
 from ..cart_file import load_cart
-from ..errors import UsageError
+from ..errors import DataError, UsageError
 from ..logs import RunLog, coasts, read_log, said_to_coast
 from ..logs.coasting import check_pushed, check_said
 from ..logs.emps import rail_cart
@@ -52,7 +53,19 @@ def run(
         print_json(result.as_dict())
     else:
         _print(result, body_as_given([log]))
+    if method == "filter":
+        _tell_disagreements(result, log, cart)
     return 0
+
+
+def _tell_disagreements(result: Replay, log: RunLog, cart: CartModel) -> None:
+    """With a batch fit of the log. One that can't be fitted tells nothing."""
+    try:
+        told = against_batch(result.last.parameters, str(result.last.health), log, cart)
+    except DataError:
+        return
+    for words in told:
+        say(f"{log.name}: {words}")
 
 
 def cart_of(path: Path, cart_path: Path | None) -> CartModel:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from estimation.batch import Identification
-from estimation.batch import identify as fit
-from estimation.coasting import body_as_given, with_known_wrench
+from estimation.agreement import against_filter
+from estimation.identification import Identification
+from estimation.identification import identify as fit
 
+from ..errors import DataError
+from ..logs import RunLog
+from ..model import CartModel
 from .estimate import print_parameters, tell_given
 from .log_inputs import cart_and_logs
 from .output import print_json, progress, say
@@ -25,7 +29,8 @@ def run(
     cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
     tell_given(logs, cart)
     with progress(f"identifying {cart.name}") as tell:
-        found = fit([with_known_wrench(log) for log in logs], cart, body_as_given(logs), progress=tell)
+        found = fit(logs, cart, progress=tell)
+        found = _held_against_filter(found, logs, cart)
     if as_json:
         print_json(found.as_dict())
     else:
@@ -35,10 +40,24 @@ def run(
     return 0
 
 
+def _held_against_filter(found: Identification, logs: Sequence[RunLog], cart: CartModel) -> Identification:
+    """With what the online filter says of a log that is another thing. A log that it can't follow tells nothing."""
+    told = []
+    for log, fitted in zip(logs, found.logs, strict=True):
+        try:
+            words = against_filter(found.parameters, log, cart)
+        except DataError:
+            words = ()
+        told.append(replace(fitted, words=(*fitted.words, *words)))
+    return replace(found, logs=tuple(told))
+
+
 def _print(found: Identification) -> None:
     title = f"{found.structure.name}, from {len(found.logs)} log{'s' * (len(found.logs) > 1)}"
     print_parameters(title, found.parameters, "taught by these motions")
     for log in found.logs:
+        for words in log.words:
+            print(f"- {words}")
         if log.noise_excess > 2:
             say(
                 f"{log.name}: the model misses {log.noise_excess:.1f} times the noise variance; deviations allow for it"

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimation import CartFilter, FilterNoise, PaperFilter, RegressorEstimator
-from estimation.batch import identify
+from estimation.identification import identify
 from estimation.replay import replay
 from planning.references import PathReference, chain, pause, speed_change, straight, turn
 from planning.tracking import build_tracker

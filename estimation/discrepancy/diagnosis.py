@@ -15,6 +15,7 @@ from cartgrasp.logs import RunLog, coasts
 from cartgrasp.model import CartModel
 
 from ..end_stops import StopEstimate, end_stops
+from ..glitches import without_glitches
 from ..impacts import Impact, impacts
 from ..sensor_check import of_wrenches, put_right
 from ..weak_form.balances import Balances
@@ -24,7 +25,6 @@ from .certainty import Certainty
 from .clock_offset import clock_offsets
 from .flights import flights
 from .gap import Gap, held_out_rollouts, measured_gap
-from .glitches import without_glitches
 from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets, with_suspicions

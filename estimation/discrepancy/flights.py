@@ -25,6 +25,11 @@ SHORTEST = 1.0
 
 def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Balances]:
     """The parts between impacts, and away from stops, that are long enough."""
+    return [Balances.of(part, cart) for part in pieces(log, impacts)]
+
+
+def pieces(log: RunLog, impacts: Sequence[Impact]) -> list[RunLog]:
+    """As `flights`, of the log's rows."""
     away = np.ones(len(log), dtype=bool)
     for impact in impacts:
         away &= np.abs(log.time - impact.time) > TOUCH
@@ -32,7 +37,7 @@ def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Bal
         away &= ~(np.abs(log.pose[:, 0] - stop.position) < NEAR)
     edges = np.flatnonzero(np.diff(np.r_[False, away, False].astype(int)))
     parts = [
-        _rows(log, np.arange(first, last))
+        rows_of(log, np.arange(first, last))
         for first, last in edges.reshape(-1, 2)
         if log.time[last - 1] - log.time[first] > SHORTEST
     ]
@@ -40,10 +45,10 @@ def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Bal
         raise DataError(
             f"{log.name}: it is hit so often that no {SHORTEST:g} s of it are left; record it between stops"
         )
-    return [Balances.of(part, cart) for part in parts]
+    return parts
 
 
-def _rows(log: RunLog, own: np.ndarray) -> RunLog:
+def rows_of(log: RunLog, own: np.ndarray) -> RunLog:
     arms = {name: ArmLog(arm.contact[own], arm.wrench[own]) for name, arm in log.arms.items()}
     velocity = None if log.velocity is None else log.velocity[own]
     return replace(log, time=log.time[own], pose=log.pose[own], velocity=velocity, arms=arms)

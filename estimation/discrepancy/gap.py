@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.errors import DataError
 from cartgrasp.model import CartModel
 
+from ..weak_form.balances import Balances
 from ..weak_form.fit import coordinates, with_coordinates
 from .fast_noise import fast_noise
 from .model import Model
@@ -49,16 +51,25 @@ class Gap:
 
 def held_out_rollouts(model: Model) -> Rollouts:
     """Each stretch with a cart that was fitted to the others."""
-    carts = [_without(model, fold) for fold in range(FOLDS)]
-    found, at = [], 0
+    carts = fold_carts(model)
+    return joined([rollouts(balances, carts[k], first) for balances, k, first in fold_starts(model)])
+
+
+def fold_carts(model: Model) -> list[CartModel]:
+    """The cart as it is fitted without each fold."""
+    return [_without(model, fold) for fold in range(FOLDS)]
+
+
+def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
+    """Of each log, by fold, the points from which rollouts begin in its stretches."""
+    at = 0
     for balances in model.logs:
         own = model.folds.stretches[model.folds.block[at : at + len(balances.used)]]
         at += len(balances.used)
         first = starts(balances)
         middle = balances.motion.time[first] + HORIZONS[1] / 2
         fold = own[np.clip(np.searchsorted(balances.time, middle), 0, len(own) - 1)] % FOLDS if len(own) else first * 0
-        found += [rollouts(balances, carts[k], first[fold == k]) for k in range(FOLDS) if (fold == k).any()]
-    return joined(found)
+        yield from ((balances, k, first[fold == k]) for k in range(FOLDS) if (fold == k).any())
 
 
 def cart_rollouts(model: Model, cart: CartModel) -> Rollouts:
@@ -130,9 +141,7 @@ def _without(model: Model, fold: int) -> CartModel:
     for i, effect in enumerate(model.cart.constraint_effects):
         at = next(k for k, e in enumerate(effects) if e.key == effect.key)
         effects[at] = effect.scaled(1.0 + float(step[len(free) + i]))
-    return CartModel(
-        cart.inertia, cart.constraints, tuple(effects), cart.wheels, cart.com_height, cart.name, cart.source
-    )
+    return replace(cart, effects=tuple(effects))
 
 
 def _fixed(model: Model) -> np.ndarray:

@@ -12,13 +12,13 @@ from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..glitches import without_glitches
 from ..impacts import impacts
 from ..sensor_check import put_right
 from ..weak_form.balances import Balances
 from ..weak_form.band import bands, consistent
 from .flights import flights
 from .gap import held_out_rollouts
-from .glitches import without_glitches
 from .model import Model
 from .search import resized, searched_again
 

@@ -102,9 +102,11 @@ def _with_wrenches(log: RunLog) -> np.ndarray:
     return np.asarray(np.all(whole, axis=0)) if whole else np.zeros(len(log), dtype=bool)
 
 
-def _check_steps(log: RunLog, noise: float) -> None:
+def check_steps(log: RunLog, noise: float) -> None:
     """Refuses poses that jump beyond their noise (m)."""
     seen = np.flatnonzero(np.isfinite(log.pose[:, :2]).all(axis=1))
+    if len(seen) < 2:
+        return
     step = np.hypot(*np.diff(log.pose[seen, :2], axis=0).T)
     speed = np.maximum(step - NOISES * noise, 0.0) / np.diff(log.time[seen])
     if speed.max() > FASTEST:
@@ -119,7 +121,7 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
     """How late wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises DataError for poses that
     jump, too few rows that hold all, and wrenches that never change although the cart moves."""
     motion, steps, fresh = balances.motion, np.diff(log.time), without_stale(log)
-    _check_steps(balances.log, float(motion.noise.pose[0]))
+    check_steps(balances.log, float(motion.noise.pose[0]))
     if len(balances.used) < FEWEST_USED:
         raise DataError(
             f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "

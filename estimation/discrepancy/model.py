@@ -13,6 +13,7 @@ from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
+from ..prior import Prior, report_names
 from ..weak_form.balances import Balances
 from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
 from ..weak_form.rows import Errors, Whitening, excess_noise
@@ -38,10 +39,15 @@ LONG_MEAN, FEWEST_MEANS = 2.0, 8
 
 
 def structure_prior(
-    cart: CartModel, guess: CartModel, wide: frozenset[str] = frozenset(), is_pushed: bool = True
+    cart: CartModel,
+    guess: CartModel,
+    wide: frozenset[str] = frozenset(),
+    is_pushed: bool = True,
+    believed: Prior | None = None,
 ) -> ParameterPrior:
-    """Broad: of a cart like the guess, whose effects are as large as it says but for those that are `wide`, with added
-    effects of any size that they may have. The body of a cart that nobody pushes is taken as given."""
+    """Broad, unless one is `believed`: of a cart like the guess, whose effects are as large as it says but for those
+    that are `wide`, with added effects of any size that they may have. What the cart's file says of its first guess
+    counts. The body of a cart that nobody pushes is taken as given."""
     mean, first = coordinates(cart), coordinates(guess)
     std, free = np.ones(len(mean)), np.ones(len(mean), dtype=bool)
     mean[:N_PHI] = first[:N_PHI]
@@ -59,11 +65,24 @@ def structure_prior(
         mean[i] = mean[i] if is_place else p.absent
         std[i] = 2 * p.typical if is_place else SIZE_STD * p.typical
         free[i] = p.estimated
-    if cart.constraints.no_rotation:
-        free[1:N_PHI] = False
+    told = _told(guess, believed)
+    for i, name in enumerate(report_names(cart)):
+        if name in told and name.rpartition(".")[0] not in wide:
+            std[i] = told[name]
+    free &= ~(believed or Prior()).held(cart)
     if not is_pushed:
         free[:N_PHI] = False
     return ParameterPrior(mean, std, free)
+
+
+def _told(guess: CartModel, believed: Prior | None) -> dict[str, float]:
+    """Standard deviations by name that are told, those of mass and inertia of the logarithm."""
+    if believed is None:
+        told = dict(guess.first_guess.std)
+    else:
+        told = dict(zip(report_names(guess), believed.deviations(guess).tolist(), strict=True))
+    sizes = {"mass": guess.inertia.mass, "inertia": guess.inertia.about_com}
+    return {name: std / sizes.get(name, 1.0) for name, std in told.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +110,7 @@ class Model:
     whitenings: tuple[Whitening, ...]
     laws: tuple[Law, ...] = ()
     wide: frozenset[str] = frozenset()
+    believed: Prior | None = None
     at_bound: np.ndarray | None = None
 
     @property
@@ -101,14 +121,17 @@ class Model:
     @cached_property
     def prior(self) -> ParameterPrior:
         """Of what is not at a bound."""
-        known = structure_prior(self.cart, self.guess, self.wide, self.is_pushed)
+        known = self._prior_of(self.cart)
         return known if self.at_bound is None else replace(known, free=known.free & ~self.at_bound)
 
+    def _prior_of(self, cart: CartModel) -> ParameterPrior:
+        return structure_prior(cart, self.guess, self.wide, self.is_pushed, self.believed)
+
     @classmethod
-    def started(cls, logs: Sequence[Balances], guess: CartModel) -> Model:
-        """The guess refitted; the noise is what it leaves."""
+    def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
+        """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
         noise = RowNoise(guess, *np.ones((2, logs[0].n_balances(guess))))
-        return cls(guess, guess, tuple(logs), noise, noise.whitenings(logs)).settled()
+        return cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed).settled()
 
     def settled(self) -> Model:
         """Fitted on rows whose noise is what this fit leaves."""
@@ -241,7 +264,7 @@ class Model:
         delay = lateness(cart, self.logs)
         base = self.late(delay) if delay != self.lateness else self
         model = replace(base, cart=cart, at_bound=None)
-        prior = structure_prior(cart, self.guess, self.wide, self.is_pushed)
+        prior = self._prior_of(cart)
         found, beside = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
         changed = {e.key: e.scaled(1.0 + float(size)) for e, size in zip(cart.constraint_effects, beside, strict=False)}
         effects = tuple(changed.get(e.key, e) for e in found.cart.effects)

@@ -20,8 +20,6 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
 
-from ..batch.motion_smoother import LONG_GAP
-from ..batch.physical_fit import PhysicalSet
 from ..gaussian import Gaussian
 from ..health import Health
 from ..kernels.filtered_row import FilteredRow, are_known, weights
@@ -29,6 +27,7 @@ from ..kernels.recorded_moment import DUE, FELT
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
 from ..parameter_report import ParameterReport, WhenAsked
+from ..physical_set import PhysicalSet
 from ..prior import Prior
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..shallow import shallow
@@ -38,6 +37,9 @@ from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
 from .regression_belief import RegressionBelief
 from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
+
+LONG_GAP = 0.3
+"""s: across a longer one nothing is carried."""
 
 
 class ParameterLearner:

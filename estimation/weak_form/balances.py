@@ -24,6 +24,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..noise import FilterNoise
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
 from .wrenches import GridWrenches
@@ -47,13 +48,23 @@ class Balances:
     wrenches: GridWrenches
     log: RunLog
     per_row: int
+    told: FilterNoise | None = None
+    samples_per_knot: float | None = None
 
     @classmethod
-    def of(cls, log: RunLog, cart: CartModel, row_step: float = 0.1) -> Balances:
-        """`row_step` (s) from one test function to the next: what is faster than half of its inverse is left out."""
-        motion = motion_of(log, cart)
+    def of(
+        cls,
+        log: RunLog,
+        cart: CartModel,
+        row_step: float = 0.1,
+        told: FilterNoise | None = None,
+        samples_per_knot: float | None = None,
+    ) -> Balances:
+        """`row_step` (s) from one test function to the next: what is faster than half of its inverse is left out. The
+        motion is as `motion_of` has it."""
+        motion = motion_of(log, cart, told, samples_per_knot)
         late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
-        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1).every(row_step)
+        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1, told, samples_per_knot).every(row_step)
 
     def every(self, row_step: float) -> Balances:
         """With test functions about `row_step` (s) apart."""
@@ -66,6 +77,22 @@ class Balances:
     def late(self, lateness: float) -> Balances:
         """With wrenches that were felt `lateness` (s) before they were recorded."""
         return replace(self, wrenches=GridWrenches.on(self.log, self.motion, lateness))
+
+    def with_more_noise(self, cart: CartModel, generator: np.random.Generator) -> Balances:
+        """With the noise of its motion's sensors added once more."""
+        log, noise = self.log, self.motion.noise
+        pose = log.pose + noise.pose * generator.standard_normal(log.pose.shape)
+        velocity = log.velocity
+        if velocity is not None and noise.velocity is not None:
+            velocity = velocity + noise.velocity * generator.standard_normal(velocity.shape)
+        noisy = replace(log, pose=pose, velocity=velocity)
+        return self.along(motion_of(noisy, cart, self.told, self.samples_per_knot))
+
+    def along(self, motion: Motion) -> Balances:
+        """Of another motion on the same grid, with the rows of this one."""
+        other = replace(self, motion=motion)
+        other.__dict__["used"] = self.used
+        return other
 
     @property
     def turning_speed(self) -> Array:
@@ -126,6 +153,9 @@ class Balances:
     @cached_property
     def wrench_densities(self) -> Array:
         """Roots of the noise densities of each arm's wrench (arms, 6), N/√Hz, N·m/√Hz."""
+        if self.told is not None:
+            one = np.sqrt(np.diagonal(self.told.wrench_covariance) * self.sample_step)
+            return np.tile(one, (len(self.log.arms), 1))
         arms = [[noise_density(self.log.time, axis) for axis in arm.wrench.T] for arm in self.log.arms.values()]
         return np.array(arms).reshape(-1, 6)
 

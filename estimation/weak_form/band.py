@@ -17,10 +17,12 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from .balances import SUPPORT, Balances
+from .motion import KNOT_STEPS
 from .rows import wrench_noise
 
-ROW_STEPS = (0.1, 0.2, 0.4, 0.8, 1.6)
-"""s, of the test functions that are tried; half of the inverse is the band's upper end (Hz)."""
+ROW_STEPS = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+"""s, of the test functions that are tried, but for those that are finer than the motion is known (`KNOT_STEPS`); half
+of the inverse is the band's upper end (Hz)."""
 FAR, FAR_SHARE = 3.0, 0.05
 """Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
 MOST_OPEN = 0.08
@@ -32,16 +34,27 @@ LAGS = 8
 RICH: tuple[Effect, ...] = (RollingResistance(), QuadraticDrag(), DirectionalDrag(), ForceBias(), FloorSlope())
 """What a residual is made of that says nothing about the mass."""
 TRACE = 1e-6
+AS_WELL = 2.0
+"""Times the least scatter: the scatter of a dozen rows is told to about a factor of two itself."""
+LEAST_KNOWN = 0.25
+"""Of the mass: with a larger scatter, a band says nothing of it."""
 
 
 @dataclass(frozen=True)
 class Band:
-    """Step (s) of a log's test functions; the mass there (kg), its scatter, and half of its two-way bracket."""
+    """Step (s) of a log's test functions; the mass there (kg), its scatter, half of its two-way bracket, and as much of
+    that as the noise of the motion's sensors makes."""
 
     row_step: float
     mass: float
     std: float
     bracket: float
+    of_noise: float = 0.0
+
+    @property
+    def open_share(self) -> float:
+        """Half of the bracket that no sensor's noise explains, as a share of the mass."""
+        return max(self.bracket - self.of_noise, 0.0) / self.mass
 
     @property
     def middle(self) -> float:
@@ -61,7 +74,9 @@ class Band:
 def bands(balances: Balances, cart: CartModel) -> list[Band]:
     """Of a log whose wrenches say something about the mass, with a cart's structure; the widest first."""
     span = float(balances.motion.time[-1] - balances.motion.time[0])
-    steps = [step for step in ROW_STEPS if step * (FEWEST + SUPPORT) < span and balances.wrenches.arms]
+    finest = 2 * KNOT_STEPS * balances.motion.step * (1 - 1e-6)
+    fit = (step for step in ROW_STEPS if finest <= step < span / (FEWEST + SUPPORT))
+    steps = [step for step in fit if balances.wrenches.arms]
     found = (_band(balances.every(step), cart) for step in steps)
     return [band for band in found if band is not None]
 
@@ -69,9 +84,21 @@ def bands(balances: Balances, cart: CartModel) -> list[Band]:
 def consistent(known: list[Band]) -> Band | None:
     """The widest band in which the model foretells the motion, with the mass of all narrower ones; where it foretells
     too little in all of them, the widest with their mass. None of none."""
+    return next(iter(_agreeing(known)), None)
+
+
+def sharp(known: list[Band]) -> Band | None:
+    """As `consistent`, of the bands that tell the mass as well as any: where the motion's noise remembers, wide ones
+    hold more of it than of motion."""
+    agreeing = _agreeing(known)
+    least = min((band.std for band in agreeing), default=0.0)
+    return next((band for band in agreeing if band.std <= AS_WELL * least), None)
+
+
+def _agreeing(known: list[Band]) -> list[Band]:
+    """The widest first."""
     steady = [band for i, band in enumerate(known) if all(map(band.agrees, known[i + 1 :]))]
-    foretold = [band for band in steady if band.bracket < MOST_OPEN * band.mass]
-    return next(iter(foretold or steady), None)
+    return [band for band in steady if band.bracket < MOST_OPEN * band.mass] or steady
 
 
 def _band(balances: Balances, cart: CartModel) -> Band | None:
@@ -94,18 +121,22 @@ def _band(balances: Balances, cart: CartModel) -> Band | None:
     rest = y - mass * x
     known = wrench_noise(balances, cart)[0] ** 2 * balances.overlap(0, 0)
     excess = max(float(rest @ rest) / (len(rest) - basis.shape[1] - 1) - known, 0.0) * len(rest)
-    if mass <= 0:
-        return None
     moments = x * rest
     scatter = float(moments @ moments)
     for lag in range(1, min(LAGS, len(moments) // 4) + 1):
         scatter += 2 * (1 - lag / (LAGS + 1)) * float(moments[lag:] @ moments[:-lag])
-    return Band(
-        balances.row_step,
-        mass,
-        float(np.sqrt(max(scatter, float(moments @ moments) / 4))) / size,
-        excess / (2 * mass * size),
-    )
+    std = float(np.sqrt(max(scatter, float(moments @ moments) / 4))) / size
+    if std > LEAST_KNOWN * mass:
+        return None
+    noise = acceleration_noise(balances) ** 2 * len(rest)
+    return Band(balances.row_step, mass, std, excess / (2 * mass * size), mass * noise / (2 * size))
+
+
+def acceleration_noise(balances: Balances) -> float:
+    """Standard deviation (m/s) of a row of forward acceleration, by the noise of the motion's sensors."""
+    noise, order = balances.motion.noise, 2 if balances.motion.noise.velocity is None else 1
+    std = float((noise.pose if noise.velocity is None else noise.velocity)[0])
+    return float(std * (balances.sample_step * balances.overlap(order, 0)) ** 0.5)
 
 
 def _orthogonal(columns: Array) -> Array:

@@ -12,11 +12,14 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..noise import FilterNoise
 from .sensor_noise import MotionNoise
 from .splines import Samples, SplineBasis, SplineFit
 
 GRID_STEP = 0.01
 """s, of the grid, where samples come as often as that."""
+FINEST_STEP = 0.0025
+"""s, of a finer grid: as fine as anything moves by which a cart's mass is told."""
 KNOT_STEPS = 5
 """Steps of the grid from knot to knot of the motion's splines."""
 SAMPLES_PER_KNOT = 2.0
@@ -57,19 +60,24 @@ class Motion:
         return np.append(0.0, np.cumsum(self.speed[:-1] * np.diff(self.time)))
 
 
-def motion_of(log: RunLog, cart: CartModel) -> Motion:
-    """Raises DataError for a log that is too short."""
+def motion_of(
+    log: RunLog, cart: CartModel, told: FilterNoise | None = None, samples_per_knot: float | None = None
+) -> Motion:
+    """With noise as it is told, or read off the log; where `samples_per_knot` stand behind each coefficient at least,
+    as fine as `FINEST_STEP`, else as `GRID_STEP`. Raises DataError for a log that is too short."""
     seen = np.asarray(np.isfinite(log.pose).all(axis=1))
     if seen.sum() < FEWEST_ROWS:
         raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {FEWEST_ROWS} are needed")
     time, moving = log.time[seen], _moving_times(log)
     native = float(np.median(np.diff(time)))
     step = max(GRID_STEP, SAMPLES_PER_KNOT * native / KNOT_STEPS)
+    if samples_per_knot is not None:
+        step = min(step, max(FINEST_STEP, samples_per_knot * native / KNOT_STEPS))
     first, last = (float(end) for end in np.sort(np.append(moving, time))[[0, -1]])
     if last - first < FEWEST_ROWS * KNOT_STEPS * step:
         raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
     grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
-    noise = MotionNoise.of(log)
+    noise = MotionNoise.of(log) if told is None else MotionNoise.told(told, log)
     poses = np.column_stack([log.pose[seen, :2], _unwrapped(log, seen)])
     basis = SplineBasis.over(first, last, KNOT_STEPS * step)
     fits, from_poses = [], []

@@ -9,6 +9,8 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
+from ..noise import FilterNoise
+
 NOISE_OF_DIFFERENCES, MAD_TO_STD = 20**0.5, 1.4826
 """Third differences of white noise have 20 times its variance; the median of a normal deviate's size."""
 AVERAGED = (0.0, 0.02, 0.05)
@@ -34,6 +36,15 @@ class MotionNoise:
             return cls(pose, None)
         linear = max(white_noise(log.velocity[:, 0]), white_noise(log.velocity[:, 1]), LEAST_VELOCITY)
         return cls(pose, np.array([linear, linear, max(white_noise(log.velocity[:, 2]), LEAST_VELOCITY)]))
+
+    @classmethod
+    def told(cls, noise: FilterNoise, log: RunLog) -> MotionNoise:
+        """As somebody knows the log's sensors to be."""
+        pose = np.maximum([noise.position, noise.position, noise.heading], LEAST_POSITION)
+        if log.velocity is None or not np.isfinite(log.velocity).any():
+            return cls(pose, None)
+        rate = np.maximum([noise.linear_velocity, noise.linear_velocity, noise.yaw_rate], LEAST_VELOCITY)
+        return cls(pose, rate)
 
 
 def white_noise(channel: Array) -> float:

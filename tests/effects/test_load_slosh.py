@@ -30,7 +30,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import bias_b, mass_matrix_b
 from cartgrasp.simulation.plant import ModelPlant
 from estimation import CartFilter, FilterNoise
-from estimation.batch import identify
+from estimation.identification import identify
 from estimation.replay import replay
 from tests.core.differences import assert_partials
 from tests.core.drawn import CONSTRAINTS, SHOPPING_CART, numbers, vectors

@@ -20,7 +20,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.integrate import runge_kutta_4
 from estimation import CartFilter, FilterNoise
-from estimation.batch import identify
+from estimation.identification import identify
 from estimation.replay import replay
 from planning.references import PathReference, chain, pause, speed_change, turn
 from planning.tracking import SteeringTracker

@@ -5,8 +5,8 @@ import pytest
 
 from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive, filter_noise, guess, truth
 from estimation import CartFilter, Prior, RegressorEstimator
-from estimation.batch.physical_fit import PhysicalSet
 from estimation.kernels.filtered_row import FilteredRow
+from estimation.physical_set import PhysicalSet
 from estimation.regressor import parameter_learner
 from estimation.regressor.parameter_learner import ParameterLearner
 from estimation.regressor.second_look import blur

@@ -10,7 +10,7 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from estimation.batch import identify
+from estimation.identification import identify
 from estimation.log_noise import noise_floor, noise_of_log
 from estimation.velocity_colour import loudness
 

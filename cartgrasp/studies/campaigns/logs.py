@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, RegressorEstimator
-from estimation.batch import identify
 from estimation.coasting import body_as_given, with_known_wrench
 from estimation.discrepancy import diagnose
+from estimation.identification import identify
 from estimation.log_noise import noise_of_log
 from estimation.replay import replay
 
@@ -66,7 +66,7 @@ class LogJob(Job):
         if self.study.do == ESTIMATE:
             return {"log": self.path.name, **_estimated(log, cart, self.study.method)}
         if self.study.do == IDENTIFY:
-            found = identify([with_known_wrench(log)], cart, body_as_given([log]))
+            found = identify([log], cart)
             return {"log": self.path.name, **found.as_dict()}
         return {"log": self.path.name, **diagnose([log], cart).report.as_dict()}
 

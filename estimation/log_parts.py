@@ -1,0 +1,94 @@
+"""The stretches of a log from which a cart's parameters can be learned, each in the band in which the model foretells
+its motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.logs import RunLog, coasts
+from cartgrasp.model import CartModel
+
+from .discrepancy.flights import pieces, rows_of
+from .discrepancy.log_check import check_steps
+from .sensor_check.stale import without_stale
+from .glitches import without_glitches
+from .impacts import impacts
+from .noise import FilterNoise
+from .weak_form.balances import Balances
+from .weak_form.band import Band, bands, sharp
+from .weak_form.sensor_noise import MotionNoise
+
+FEWEST_ROWS = 3
+"""Of a log's balances: fewer say nothing of how large their noise is."""
+
+OFF = 5.0
+"""Times the noise from which on a sample that stands alone is off: one in two million is by chance."""
+LONGEST_HOLE = 1.0
+"""s without a pose, from which on a log is two."""
+SAMPLES_PER_KNOT, FINE_FOR = 12.0, 120.0
+"""Behind each coefficient of a finer motion, that its noise is averaged out of it; s, up to which a log has that."""
+
+
+@dataclass(frozen=True, eq=False)
+class LogPart:
+    """A stretch of a log, by its index, in its band."""
+
+    log: int
+    balances: Balances
+    band: Band | None
+
+
+class NothingSaidError(Exception):
+    """Why a log says nothing."""
+
+
+def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[LogPart]:
+    known = without_glitches(without_stale(replace(log, arms={}) if coasts(log) else log), OFF)
+    found, why = list[LogPart](), ""
+    with np.errstate(all="ignore"):  # numbers beyond reason are told as such
+        for piece in _unbroken(known):
+            try:
+                found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
+            except NothingSaidError as error:
+                why = why or str(error)
+    found = [part for part in found if len(part.balances.used) >= FEWEST_ROWS]
+    if not found:
+        raise NothingSaidError(
+            why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from"
+        )
+    return found
+
+
+def _unbroken(log: RunLog) -> list[RunLog]:
+    """Pieces with poses throughout: what is not seen for long is no motion."""
+    seen = np.flatnonzero(np.isfinite(log.pose).all(axis=1))
+    if len(seen) < 2:
+        return [log]
+    ends = seen[np.flatnonzero(np.diff(log.time[seen]) > LONGEST_HOLE)]
+    if not len(ends):
+        return [log]
+    edges = np.concatenate([[0], ends + 1, [len(log)]])
+    return [rows_of(log, np.arange(first, last)) for first, last in pairwise(edges.tolist())]
+
+
+def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
+    check_steps(log, float(MotionNoise.of(log).pose[0]))
+    try:
+        hits = impacts(log, cart)
+        return pieces(log, hits) if hits else [log]
+    except DataError as error:
+        raise NothingSaidError(str(error)) from error
+
+
+def _part(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> LogPart:
+    fine = SAMPLES_PER_KNOT if log.duration < FINE_FOR else None
+    try:
+        balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
+    except DataError as error:
+        raise NothingSaidError(str(error)) from error
+    band = sharp(bands(balances, cart)) if len(balances.used) >= FEWEST_ROWS else None
+    return LogPart(index, balances if band is None else balances.every(band.row_step), band)
