@@ -19,7 +19,7 @@ from cartgrasp.motion import ParameterEstimate
 from ..prior import Prior, report_names, report_units
 from ..weak_form.band import Band
 from ..weak_form.fit import coordinates, with_coordinates
-from .model import Model
+from .model import FORM_LEVER, Model
 from .refine import is_open, moves
 from .screening import Screen
 
@@ -154,7 +154,8 @@ class Certainty:
             spread = _spread(screen, none, which, size, best)
             least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
-                least = min(least, 0.02 * abs(float(effect.values[which])))
+                name = effect.parameters[which].name
+                least = FORM_LEVER if name in "xy" else min(least, 0.02 * abs(float(effect.values[which])))
             found[effect.keys[which]] = float(np.hypot(spread, least))
         return found
 

@@ -44,6 +44,8 @@ BEYOND_NOISE = 2.0
 """Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
 CLOSED = 0.05
 """Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
+NARROWER = 1.5
+"""Times the step of test functions: half as much again is another band."""
 WORSE = 1.05
 """Times the file's gap: a refit that foretells unseen stretches worse than that is refused."""
 
@@ -261,13 +263,8 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         parts += flights(sensors.log, cart, found) if found else [whole]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
-    widest = tuple(consistent(bands(balances, cart)) if is_moved else None for balances in parts)
-    parts = [b if band is None else b.every(band.row_step) for b, band in zip(parts, widest, strict=True)]
-    tell("fitting the model as it is")
-    nominal = Model.started(parts, cart)
-    if not is_moved:  # whatever holds it has no name
-        nominal = replace(nominal, cart=cart)
-    final, steps = search(nominal, tell) if is_moved else (nominal, [])
+    found_in = _searched(parts, cart, tell) if is_moved else _at_rest(parts, cart)
+    nominal, final, steps, widest = found_in
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
     is_worse = gap.refitted > WORSE * gap.before
@@ -288,6 +285,37 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         is_refused,
         tuple(hits),
     )
+
+
+Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
+"""Before and after a search, its steps, and the band of each log."""
+
+
+def _searched(parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], None]) -> Searched:
+    """In the widest band in which the model foretells the motion: with what it lacks, where that makes the mass the
+    same in all bands, else without."""
+    known = tuple(consistent(bands(balances, cart)) for balances in parts)
+    if any(band is not None and band.row_step > NARROWER * b.row_step for b, band in zip(parts, known, strict=True)):
+        nominal, final, steps = _in_band(parts, cart, tell)
+        again = tuple(consistent(bands(balances, final.cart)) for balances in final.logs)
+        if all(band and band.row_step < NARROWER * b.row_step for b, band in zip(parts, again, strict=True)):
+            return nominal, final, steps, again
+    narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
+    return *_in_band(narrowed, cart, tell), known
+
+
+def _in_band(
+    parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], None]
+) -> tuple[Model, Model, list[Step]]:
+    tell("fitting the model as it is")
+    nominal = Model.started(parts, cart)
+    return nominal, *search(nominal, tell)
+
+
+def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
+    """Whatever holds a cart has no name."""
+    nominal = replace(Model.started(parts, cart), cart=cart)
+    return nominal, nominal, [], (None,) * len(parts)
 
 
 def _as_heavy(balances: Balances, cart: CartModel) -> CartModel:

@@ -89,6 +89,13 @@ def smooth_laws(turns: bool) -> list[Law]:
                 lambda c: _columns(*(_sign(c) * f(2 * c.heading) for f in (np.cos, np.sin))),
                 2,
             ),
+            Law(
+                "heading",
+                "drag in proportion to speed",
+                False,
+                lambda c: _columns(*(c.speed * f(c.heading) for f in (np.cos, np.sin))),
+                2,
+            ),
             Law("heading", "moment", True, lambda c: _columns(np.cos(c.heading), np.sin(c.heading)), 2),
             Law("yaw rate", "drag", False, lambda c: _columns(_sign(c) * abs(c.yaw_rate)), 1),
             Law("yaw rate", "moment", True, lambda c: _columns(c.yaw_rate * abs(c.yaw_rate)), 1),

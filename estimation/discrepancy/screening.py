@@ -9,14 +9,14 @@ from itertools import combinations, product
 
 import numpy as np
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array, rotation_planar
 
 from ..weak_form.score import log_evidence
-from .candidates import Family
-from .laws import Law, periodic, scanned, smooth_laws
+from .candidates import Family, amplitudes_of
+from .laws import PERIODS, Law, periodic, scanned, smooth_laws
 from .model import Model
 
 KEPT = 3
@@ -29,7 +29,9 @@ LEAST_SIDE = 1.0
 """s before and after a lasting change."""
 CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
 """m, cells along an axis, and m around all wheels' tracks."""
-HARMONICS = (1, 2, 4)
+HARMONICS, TURNS = (1, 2, 4, 6), (1, 2, 3)
+"""Of a law; and what the strongest of them may be, as a multiple of the whole turn."""
+LONGEST = {variable: most for variable, _, _, most in PERIODS}
 NEARBY = np.linspace(0.97, 1.03, 13)
 """Times the period of a scan."""
 LARGEST = 1e12
@@ -59,23 +61,27 @@ class Screen:
         columns, std = self.model.columns_of(effect)
         if not (np.abs(columns) < LARGEST).all():
             return -np.inf
-        return float(self.gains(columns[None], std)[0])
+        return float(self.gains(columns[None], std, is_one_sided(effect))[0])
 
-    def gains(self, columns: Array, std: Array) -> Array:
+    def gains(self, columns: Array, std: Array, one_sided: bool = False) -> Array:
         """Of variants' whitened columns (v, k, c, q)."""
         own = (columns / self._scale[:, None]).reshape(len(columns), -1, columns.shape[3])
         across = own.swapaxes(1, 2)
-        return self._factor(
-            across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel(), std
-        )
+        products = across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel()
+        return self._factor(products, std, one_sided)
 
-    def _factor(self, own: Array, to_base: Array, pull: Array, std: Array) -> Array:
-        """From products with themselves (v, q, q), with the base (v, q, p), with the residual (v, q)."""
+    def _factor(self, products: tuple[Array, Array, Array], std: Array, one_sided: bool) -> Array:
+        """From products with themselves (v, q, q), with the base (v, q, p), with the residual (v, q). A `one_sided`
+        amplitude that would be negative gains nothing."""
+        own, to_base, pull = products
         information = own - to_base @ self._covariance @ to_base.swapaxes(-1, -2) + np.diag(std**-2.0)
         pull = pull - to_base @ self._fit
         best = np.linalg.solve(information, pull[..., None])[..., 0]
         size = np.linalg.slogdet(information)[1] / 2 + np.log(std).sum()
-        return np.asarray(0.5 * (pull * best).sum(axis=-1) - size)
+        gain = 0.5 * (pull * best).sum(axis=-1)
+        if one_sided:
+            gain = np.where(best[..., 0] > 0, gain, 0.0)
+        return np.asarray(gain - size)
 
     def _delayed(self, effect: TimeDelay) -> float:
         """Of a log whose wrenches were felt earlier."""
@@ -119,7 +125,7 @@ class Screen:
             if not len(spans):
                 continue
             own_sums, base_sums, pulls = (s[spans[:, 1]] - s[spans[:, 0]] for s in sums)
-            gains = self._factor(own_sums, base_sums, pulls, std)
+            gains = self._factor((own_sums, base_sums, pulls), std, is_one_sided(effect))
             starts, ends = edges[spans[:, 0]] - balances.row_step / 2, edges[spans[:, 1]] - balances.row_step / 2
             gates = starts[:, None] if effect.gate is Gate.FROM else np.column_stack([starts, ends - starts])
             best = set(np.argsort(-gains)[:KEPT].tolist())
@@ -156,7 +162,7 @@ class Screen:
         pick = chosen.reshape(len(boxes), -1)
         within = np.einsum("vi,ij,vj->v", pick, each @ each.T, pick, optimize=True)[:, None, None]
         base, pull = each @ self._base.reshape(each.shape[1], -1), each @ self._left.ravel()
-        gains = self._factor(within, (pick @ base)[:, None], (pick @ pull)[:, None], std)
+        gains = self._factor((within, (pick @ base)[:, None], (pick @ pull)[:, None]), std, is_one_sided(effect))
         best = set(np.argsort(-gains)[:KEPT].tolist())
         found = []
         for k, (gain, ((a, b), (c, d))) in enumerate(zip(gains.tolist(), boxes, strict=True)):
@@ -189,11 +195,10 @@ class Screen:
         periods.sort(key=lambda one: -one[0])
         for _, law in periods[:KEPT]:
             best = self._tuned(law)
-            for harmonics in HARMONICS:
-                yield (
-                    periodic(best.variable, best.unit, float(best.period or 1.0), harmonics, best.is_moment),
-                    len(periods),
-                )
+            for harmonics, turns in product(HARMONICS, TURNS):
+                period = turns * float(best.period or 1.0)
+                if turns <= harmonics and period <= LONGEST[best.variable]:
+                    yield periodic(best.variable, best.unit, period, harmonics, best.is_moment), len(periods)
 
     def _tuned(self, law: Law) -> Law:
         """At the period nearby where one harmonic gains most."""
@@ -204,6 +209,14 @@ class Screen:
             [self.model.whitened([one.columns(b, self.model.cart) for b in self.model.logs]) for one in near]
         )
         return near[int(np.argmax(self.gains(columns, law.std)))]
+
+
+def is_one_sided(effect: Effect) -> bool:
+    """Whether it has one amplitude, and none but positive ones are possible."""
+    if isinstance(effect, ConstraintEffect | TimeDelay):
+        return False
+    own = [effect.parameters[i] for i in amplitudes_of(effect)]
+    return len(own) == 1 and own[0].lower >= own[0].absent
 
 
 def _spans(n: int, gate: Gate, side: int) -> np.ndarray:

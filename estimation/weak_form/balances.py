@@ -226,7 +226,7 @@ class Balances:
         whole = replace(cart, effects=(*cart.effects, effect))
         own = slice(len(cart.parameters), None)
         if isinstance(effect, SensorEffect):
-            slopes = -self.wrenches.slopes(whole, self._expected(cart))[..., own]
+            slopes = -self.wrenches.slopes(whole, self.expected(cart))[..., own]
         else:
             inverse = whole.inverse(self.state(whole), self.motion.acceleration, time=self.motion.time)
             slopes = inverse.by_parameters[..., own]
@@ -234,7 +234,7 @@ class Balances:
             slopes = np.concatenate([slopes, np.zeros((len(slopes), 1, slopes.shape[2]))], axis=1)
         return self.integrated(slopes)
 
-    def _expected(self, cart: CartModel) -> Array:
+    def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""
         return cart.required_wrench(self.state(cart), self.motion.acceleration, time=self.motion.time)
 

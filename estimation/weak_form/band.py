@@ -63,8 +63,8 @@ class Band:
 
     @property
     def deviation(self) -> float:
-        """Of the mass (kg): its scatter, and half of the bracket."""
-        return float(np.hypot(self.std, self.bracket))
+        """Of the mass (kg): its scatter, half of the bracket, and by how much bands may differ that agree."""
+        return float(np.linalg.norm([self.std, self.bracket, FAR_SHARE * self.mass]))
 
     def agrees(self, narrower: Band) -> bool:
         """Whether the mass is that of a narrower band."""

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dtbtrs
 
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import Effect, ViscousDrag
+from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
@@ -27,6 +28,8 @@ REST_SPEED, SWING_WAY = 0.05, 0.2
 """m/s, below which the paper learns nothing either; m, some four usual trails."""
 ON_CASTERS = 0.5
 """Of a cart's weight."""
+SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
+"""m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
 BISECTIONS = 16
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
 """Of white noise beside the sensors', and of what forms may be wrong by."""
@@ -116,7 +119,40 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array]:
         dry = replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
         drag = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
         turned = np.maximum(turned, ON_CASTERS * drag * swinging[:, None])
-    return np.sqrt(own**2 + turned**2 + held**2), np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2)
+    edges = edge_error(balances, cart)
+    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2)
+    return np.sqrt(own**2 + turned**2 + held**2 + edges**2), forms
+
+
+def edge_error(balances: Balances, cart: CartModel) -> Array:
+    """What effects that begin and end may be off by (n, f) near their edges: real ones are soft."""
+    found = np.zeros((len(balances.motion.time), cart.constraints.n_free))
+    for effect in cart.effects:
+        if not effect.gate.n_parameters:
+            continue
+        rest = cart.without_effect(effect.key)
+        inner, outer = (
+            balances.expected(rest.with_effect(effect.with_values(values))) for values in _with_soft_edges(effect)
+        )
+        found = np.maximum(found, np.abs(outer - inner) / 2)
+    return found
+
+
+def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:
+    """Values of an effect that is there for a little less, and a little more, time or place."""
+    less, more = effect.values.copy(), effect.values.copy()
+    if effect.gate is Gate.INSIDE:
+        edge = min(SOFT_EDGE, float(min(less[1] - less[0], less[3] - less[2])) / 3)
+        less[:4] += edge * np.array([1.0, -1.0, 1.0, -1.0])
+        more[:4] -= edge * np.array([1.0, -1.0, 1.0, -1.0])
+    elif effect.gate is Gate.WHILE:
+        edge = SOFT_SHARE * float(less[1])
+        less[:2] += edge * np.array([1.0, -2.0])
+        more[:2] -= edge * np.array([1.0, -2.0])
+    else:
+        less[0] += SOFT_ONSET
+        more[0] -= SOFT_ONSET
+    return less, more
 
 
 def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | float = 0.0) -> Array:
