@@ -30,8 +30,8 @@ MOST_MOVED = 1.0
 FAINT = 6.0
 """Nats below the best: what is less likely counts for nothing."""
 DOUBLINGS, POINTS = 9, 17
-LEAST_TIME, LEAST_PLACE = 0.005, 0.02
-"""s, m: half a sample, and what an edge is."""
+LEAST_TIME, LEAST_PLACE, FORM_SHARE = 0.005, 0.02, 0.05
+"""s, m: half a sample, and what an edge is; of a length, what its effect's form leaves open."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +155,7 @@ class Certainty:
             least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
                 name = effect.parameters[which].name
-                least = FORM_LEVER if name in "xy" else min(least, 0.02 * abs(float(effect.values[which])))
+                least = FORM_LEVER if name in "xy" else min(least, FORM_SHARE * abs(float(effect.values[which])))
             found[effect.keys[which]] = float(np.hypot(spread, least))
         return found
 

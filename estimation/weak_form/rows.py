@@ -120,8 +120,8 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array]:
         drag = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
         turned = np.maximum(turned, ON_CASTERS * drag * swinging[:, None])
     edges = edge_error(balances, cart)
-    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2)
-    return np.sqrt(own**2 + turned**2 + held**2 + edges**2), forms
+    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + edges**2)
+    return np.sqrt(own**2 + turned**2 + held**2), forms
 
 
 def edge_error(balances: Balances, cart: CartModel) -> Array:
