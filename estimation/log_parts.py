@@ -14,10 +14,10 @@ from cartgrasp.model import CartModel
 
 from .discrepancy.flights import pieces, rows_of
 from .discrepancy.log_check import check_steps
-from .sensor_check.stale import without_stale
 from .glitches import without_glitches
 from .impacts import impacts
 from .noise import FilterNoise
+from .sensor_check.stale import without_stale
 from .weak_form.balances import Balances
 from .weak_form.band import Band, bands, sharp
 from .weak_form.sensor_noise import MotionNoise

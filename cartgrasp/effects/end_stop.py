@@ -21,7 +21,6 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter, Wall
 
@@ -64,6 +63,3 @@ class EndStop(CompiledForce):
 
     def quickness(self, mass: float) -> float:
         return math.sqrt(self.stiffness / mass) + self.damping / mass
-
-    def implausible(self, wheels: WheelSet, fastest: float) -> str:
-        return "a stop is told by impacts, not by forces"
