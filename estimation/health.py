@@ -11,7 +11,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .kernels.sensor_health import OUTLYING, OUTLYING_SHARE, POSE_MISSED, WRENCH_MISSED
+from .kernels.sensor_health import OUTLYING, POSE_MISSED, WRENCH_MISSED
 
 
 class Health(StrEnum):
@@ -37,10 +37,6 @@ class SensorHealth(NamedTuple):
     ratio: float
     outlying: float
     is_missed: bool
-
-    @property
-    def has_outliers(self) -> bool:
-        return self.outlying > OUTLYING_SHARE
 
 
 def no_health() -> Array:

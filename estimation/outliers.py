@@ -24,12 +24,6 @@ def outlying(column: Array, far: float) -> np.ndarray:
     return found
 
 
-def usual_distance(column: Array) -> float:
-    """The median distance from the median of those around; 0 where there are too few."""
-    values = column[np.isfinite(column)]
-    return float(np.median(_from_median(values)[0])) if len(values) > ROWS else 0.0
-
-
 def _from_median(values: Array) -> tuple[Array, Array]:
     """How far (n,) values are from the median around them, and the median distance in their windows."""
     around = np.lib.stride_tricks.sliding_window_view(np.pad(values, ROWS // 2, mode="reflect"), ROWS)

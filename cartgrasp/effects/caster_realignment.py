@@ -16,10 +16,8 @@ is ahead, and not behind, hardly shows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, final
-
-import numpy as np
 
 from ..wheels import DEFAULT_TRAIL, WheelSet
 from .compiled import CompiledForce
@@ -58,11 +56,6 @@ class CasterRealignment(CompiledForce):
     @property
     def constant(self) -> float:
         return SMOOTHING_RATE
-
-    def told(self, wheels: WheelSet) -> CasterRealignment:
-        """Casters of several trails keep theirs."""
-        trails = wheels.pivots[:, 2]
-        return self if self.trail > 0 or np.ptp(trails) > 0 else replace(self, trail=float(trails[0]))
 
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
         return tuple(f"{self.key}.heading{i + 1}" for i in range(len(wheels.pivots)))

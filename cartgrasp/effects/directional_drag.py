@@ -13,9 +13,6 @@ from typing import ClassVar, final
 from .compiled import CompiledForce
 from .effect import Parameter
 
-ALIKE = 0.1
-"""Of the larger: what is nearer to one another is no difference between ways, as drags of one name differ as much."""
-
 
 @final
 @dataclass(frozen=True)
@@ -32,8 +29,3 @@ class DirectionalDrag(CompiledForce):
         Parameter("backward", "N·s/m", typical=2.0),
     )
     signature: ClassVar[str] = "forward force in proportion to speed, with another slope when rolling backward"
-
-    @property
-    def simpler(self) -> str:
-        larger = max(abs(self.forward), abs(self.backward))
-        return "viscous_drag" if abs(self.forward - self.backward) < ALIKE * larger else ""

@@ -116,8 +116,6 @@ class Effect(ABC):
     signature: ClassVar[str]
     ordered: ClassVar[tuple[tuple[str, str], ...]] = ()
     gate: ClassVar[Gate] = Gate.ALWAYS
-    is_bounded: ClassVar[bool] = True
-    """Whether a search stays at values at which it is plausible; else it is none of its name where it fits best."""
     searched: ClassVar[bool] = True
     """Whether a search in balances of forces offers it; else it is found by other means."""
 
@@ -149,34 +147,15 @@ class Effect(ABC):
     def values(self) -> Array:
         return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
 
-    def implausible(self, wheels: WheelSet, fastest: float) -> str:
-        """Why nobody would call it by this name at these values, on a cart that goes no faster than `fastest` (m/s);
-        empty where they are such as it has."""
-        return ""
-
-    @property
-    def simpler(self) -> str:
-        """Name of the effect that it is at these values, or nearly; empty where it is its own."""
-        return ""
-
     @classmethod
     def grids(cls, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
         """Of each parameter, where a search begins on a cart with these wheels; empty where there is none."""
         return tuple(parameter.grid for parameter in cls.parameters)
 
-    def told(self, wheels: WheelSet) -> Self:
-        """The same, with what it takes from the wheels written out."""
-        return self
-
     @property
     def lateness(self) -> float:
         """How long after it was felt a sample is recorded, s."""
         return 0.0
-
-    @property
-    def doubt(self) -> float:
-        """How many times the usual evidence it needs at these values, since other things look like it."""
-        return 1.0
 
     def with_values(self, values: ArrayLike) -> Self:
         """The same effect with other parameter values (n,); they are brought inside their bounds."""

@@ -21,7 +21,6 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter, Wall
 
@@ -46,7 +45,7 @@ class EndStop(CompiledForce):
     name: ClassVar[str] = "end_stop"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("position", "m", typical=1.0, estimated=False),
-        Parameter("side", "-", typical=1.0, lower=-1.0, upper=1.0, absent=1.0, estimated=False, grid=(1.0,)),
+        Parameter("side", "-", typical=1.0, lower=-1.0, upper=1.0, absent=1.0, estimated=False),
         Parameter("restitution", "-", typical=0.5, lower=-1.0, upper=1.0, absent=NO_BOUNCE, estimated=False),
         Parameter("stiffness", "N/m", typical=1e4, lower=0.0, estimated=False),
         Parameter("damping", "N·s/m", typical=100.0, lower=0.0, estimated=False),
@@ -64,6 +63,3 @@ class EndStop(CompiledForce):
 
     def quickness(self, mass: float) -> float:
         return math.sqrt(self.stiffness / mass) + self.damping / mass
-
-    def implausible(self, wheels: WheelSet, fastest: float) -> str:
-        return "a stop is told by impacts, not by forces"

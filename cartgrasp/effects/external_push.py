@@ -10,15 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Gate, Parameter
 
-LONGEST = 6.0
-"""s."""
-LEVER, TWISTS = 0.5, 5.0
-"""m: a moment with less force than that is what casters and tyres give while they turn round, too; so many times the
-evidence then."""
 RISE = 0.005
 """s: the push goes from 12 % to 88 % within twice this."""
 
@@ -42,15 +36,6 @@ class ExternalPush(CompiledForce):
     )
     gate: ClassVar[Gate] = Gate.WHILE
     signature: ClassVar[str] = "a force and moment within one short time, whatever the motion"
-
-    def implausible(self, wheels: WheelSet, fastest: float) -> str:
-        if self.duration > LONGEST:
-            return f"nobody pushes for {self.duration:.1f} s; a force that lasts has another cause"
-        return ""
-
-    @property
-    def doubt(self) -> float:
-        return TWISTS if abs(self.moment) > LEVER * abs(self.force) else 1.0
 
     @property
     def constant(self) -> float:

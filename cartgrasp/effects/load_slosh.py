@@ -24,7 +24,6 @@ from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
-MOST_DAMPING = 0.25
 FREQUENCIES, DAMPINGS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4), (0.05, 0.2)
 
 
@@ -50,9 +49,6 @@ class LoadSlosh(CompiledForce):
         Parameter("damping", "-", typical=0.05, lower=0.0, upper=2.0, absent=0.05, estimated=False, grid=DAMPINGS),
     )
     signature: ClassVar[str] = "a forward force that swings on at one frequency after each change of speed"
-
-    def implausible(self, wheels: WheelSet, fastest: float) -> str:
-        return f"damped by {self.damping:.2f}, nothing swings" if self.damping > MOST_DAMPING else ""
 
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
         return (f"{self.key}.displacement", f"{self.key}.speed")

@@ -12,13 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
-FASTEST, FADED = 0.4, 0.6
-"""m/s, and of the fastest speed, where a sixteenth of it is left then: friction that fades more slowly does not fade
-near standstill. A fade as `exp(-v / 0.17)` is fitted best by a speed of 0.37 m/s here."""
 SPEEDS = (0.03, 0.06, 0.12, 0.25)
 
 
@@ -37,9 +33,4 @@ class StribeckFriction(CompiledForce):
         Parameter("speed", "m/s", typical=0.05, lower=0.001, upper=10.0, absent=0.05, estimated=False, grid=SPEEDS),
         Parameter("by_wheels", "-", typical=0.5, lower=0.0, upper=1.0, estimated=False, grid=(0.0, 1.0)),
     )
-    is_bounded: ClassVar[bool] = False
     signature: ClassVar[str] = "a peak of the forward force near standstill, gone at speed"
-
-    def implausible(self, wheels: WheelSet, fastest: float) -> str:
-        most = min(FASTEST, FADED * fastest)
-        return f"it fades only above {self.speed:.2f} m/s, far from standstill" if self.speed > most else ""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..errors import DataError
-from ..frames import Array, wrap_angle
+from ..frames import Array
 from ..motion import Measurement
 
 POSE_COLUMNS = ("x", "y", "theta")
@@ -95,19 +95,6 @@ class RunLog:
         arms = {name: ArmLog(arm.contact[:n:size], mean(arm.wrench)) for name, arm in self.arms.items()}
         velocity = None if self.velocity is None else self.velocity[:n:size]
         return replace(self, time=self.time[:n:size], pose=self.pose[:n:size], velocity=velocity, arms=arms)
-
-    def paired(self) -> RunLog:
-        """Means of two rows each, with the contacts of the first."""
-        n = len(self) // 2 * 2
-        between = self.pose[1:n:2] - self.pose[:n:2]
-        between[:, 2] = wrap_angle(between[:, 2])
-
-        def mean(columns: Array) -> Array:
-            return np.asarray((columns[:n:2] + columns[1:n:2]) / 2)
-
-        arms = {name: ArmLog(arm.contact[:n:2], mean(arm.wrench)) for name, arm in self.arms.items()}
-        velocity = None if self.velocity is None else mean(self.velocity)
-        return replace(self, time=mean(self.time), pose=self.pose[:n:2] + between / 2, velocity=velocity, arms=arms)
 
     def measurements(self) -> Iterator[Measurement]:
         """The rows one after another; a part that is missing whole is left out."""

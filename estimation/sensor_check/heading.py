@@ -31,7 +31,7 @@ READINGS: tuple[tuple[str, float, float | None, str], ...] = (
 """Kind, factor of theta, offset (rad; None: any), and words of the ways in which poses may be meant, the sound one
 first."""
 MISALIGNED = 0.1
-"""rad, within which an offset is one that effects of the vocabulary tell (`wheel_misalignment`, `pose_offset`)."""
+"""rad, within which an offset is one that an effect of the vocabulary tells (`wheel_misalignment`)."""
 WRONG_ODDS, ANY_OFFSET = 0.01, 2 * MISALIGNED / math.pi
 """Of each: one log in a hundred; share of all offsets that lie so near to a known one."""
 

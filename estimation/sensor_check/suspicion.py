@@ -8,7 +8,7 @@ KINDS = ("sign", "unit", "axes", "frame", "lag", "scale", "repeated", "quantised
 REFUSED = ("sign", "unit", "axes", "frame")
 """Kinds with which no estimate means anything."""
 SURE = 0.9
-"""Probability from which one of `REFUSED` stops a command (`contract/cli.md`)."""
+"""Probability from which one of `REFUSED` stops a command (`docs/command_line.md`)."""
 TOLD = 0.25
 """Less likely ones are not worth a line: a wrong mass is worth three looks in vain, not more."""
 

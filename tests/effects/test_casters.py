@@ -19,7 +19,7 @@ from cartgrasp.effects import CasterRealignment
 from cartgrasp.effects.caster_realignment import SMOOTHING_RATE
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.wheels import Wheel, WheelSet
+from cartgrasp.wheels import Wheel
 from tests.core.drawn import HOSPITAL_BED, SHOPPING_CART, numbers, vectors, velocities
 
 TRAIL = 0.045
@@ -146,14 +146,6 @@ def test_its_own_trail_stands_for_the_listed_ones():
     state = at_heading(listed, [0.3, -0.2, 1.0, 2.0], [0.5, 0.1])
     np.testing.assert_allclose(own.rate(state, np.zeros(3)).value, listed.rate(state, np.zeros(3)).value)
     assert listed.memory_names == tuple(f"caster_realignment.heading{k}" for k in (1, 2, 3, 4))
-
-
-def test_a_trail_that_is_taken_from_the_wheels_is_told():
-    alike = WheelSet((Wheel("caster", 0.7, 0.2, 0.045), Wheel("caster", 0.7, -0.2, 0.045)))
-    other = WheelSet((Wheel("caster", 0.7, 0.2, 0.045), Wheel("caster", 0.7, -0.2, 0.06)))
-    assert CasterRealignment(0.2).told(alike).trail == 0.045
-    assert CasterRealignment(0.2, 0.03).told(alike).trail == 0.03
-    assert CasterRealignment(0.2).told(other).trail == 0.0
 
 
 @given(heading=numbers(-3.0, 3.0), u=numbers(0.3, 1.0), r=numbers(-0.5, 0.5))

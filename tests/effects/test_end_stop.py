@@ -258,6 +258,3 @@ def test_a_search_in_forces_does_not_offer_it():
     from cartgrasp.effects import KNOWN_EFFECTS
 
     assert [kind.name for kind in KNOWN_EFFECTS.values() if not kind.searched] == ["end_stop"]
-    cart = rail_cart()
-    assert any(EndStop.grids(cart.wheel_set))  # with these two today's search leaves it out
-    assert EndStop().implausible(cart.wheel_set, 1.0)

@@ -45,10 +45,9 @@ def test_a_log_without_arms_comes_back(tmp_path, suffix):
     assert back.pose[:, :2].tolist() == log.pose[:, :2].tolist()
 
 
-def test_a_log_without_arms_is_thinned_and_paired():
+def test_a_log_without_arms_is_thinned():
     log = rolling()
     assert log.thinned(500.0).pose.tolist() == log.pose[:6:2].tolist()
-    assert log.paired().pose[:, :2].tolist() == ((log.pose[:6:2] + log.pose[1:6:2]) / 2)[:, :2].tolist()
     assert all(m.wrenches == m.contacts == {} for m in log.measurements())
 
 
@@ -67,7 +66,7 @@ def test_zeros_alone_say_nothing():
     told = said_to_coast(log)
     assert coasts(told)
     check_said(told)
-    for part in (told.thinned(500.0), told.paired(), replace(told, name="cut")):
+    for part in (told.thinned(500.0), replace(told, name="cut")):
         assert coasts(part)
 
 

@@ -47,24 +47,6 @@ def test_a_missing_wrench_makes_its_mean_missing():
     assert np.isnan(thin.arms["left"].wrench[:, 0]).tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize("n", [2, 7])
-def test_pairs_are_means(n):
-    """By way of complex numbers for headings, of which some pass half a turn."""
-    log = even_log(n, 0.01)
-    log.pose[:, 2] = np.pi - 0.1 + 0.2 * (np.arange(n) % 2)
-    log.pose[1::2, 2] -= 2 * np.pi
-    pairs = log.paired()
-    assert len(pairs) == n // 2
-    for i in range(n // 2):
-        part = slice(2 * i, 2 * i + 2)
-        assert pairs.time[i] == pytest.approx(log.time[part].mean())
-        assert pairs.pose[i, :2] == pytest.approx(log.pose[part, :2].mean(axis=0))
-        assert np.exp(1j * pairs.pose[i, 2]) == pytest.approx(-1.0)
-        assert pairs.velocity[i] == pytest.approx(log.velocity[part].mean(axis=0))
-        assert np.array_equal(pairs.arms["left"].contact[i], log.arms["left"].contact[2 * i])
-        assert pairs.arms["left"].wrench[i] == pytest.approx(log.arms["left"].wrench[part].mean(axis=0))
-
-
 @pytest.mark.parametrize("times", [[0.0], [0, 1e-6, 2e-6], [0, 5e-324, 1e-323], [-1.7e308, 0.0, 1.7e308]])
 def test_odd_clocks_can_be_thinned(times):
     n = len(times)

@@ -9,10 +9,9 @@ from pydantic import Field, PositiveFloat
 from planning.problem_schema import ArmEntry, NotNegative, Positive
 
 from ...yaml_file import StrictModel
-from ..scenario import FIRST_GUESS, LEARNING, MODEL_PLANT, MUJOCO_PLANT, PAPER
+from ..scenario import FIRST_GUESS, LEARNING, PAPER
 
 ESTIMATIONS = {"learning": LEARNING, "first_guess": FIRST_GUESS, "paper": PAPER}
-PLANTS = MODEL_PLANT, MUJOCO_PLANT
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
