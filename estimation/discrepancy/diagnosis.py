@@ -27,7 +27,7 @@ from .flights import flights
 from .gap import Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
-from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets, with_suspicions
+from .log_check import LogCheck, check_rows, check_sizes, checked, moves, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
@@ -255,7 +255,9 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     for log in logs:
         tell(f"reading {log.name}")
         check_rows(log, cart)
-        sensors = put_right(without_glitches(replace(log, arms={}) if coasts(log) else log), cart)
+        sound = without_glitches(replace(log, arms={}) if coasts(log) else log)
+        check_sizes(sound)
+        sensors = put_right(sound, cart)
         whole = Balances.of(sensors.log, cart)
         found = impacts(log, _as_heavy(whole, cart))
         check = checked(log, cart, whole)

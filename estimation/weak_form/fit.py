@@ -53,7 +53,8 @@ def coordinates(cart: CartModel) -> Array:
 
 def with_coordinates(cart: CartModel, z: Array) -> CartModel:
     values = z.copy()
-    values[:N_PHI] = phi_from_physical(np.exp(z[0]), z[1], z[2], np.exp(z[3]))
+    is_same = np.array_equal(z[:N_PHI], coordinates(cart)[:N_PHI])  # a body that is given stays as it is, to the bit
+    values[:N_PHI] = cart.parameters[:N_PHI] if is_same else phi_from_physical(np.exp(z[0]), z[1], z[2], np.exp(z[3]))
     return cart.with_parameters(values)
 
 
