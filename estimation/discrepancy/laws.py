@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
+from cartgrasp.wheels import FIXED
 
 from ..weak_form.balances import Balances
 from .course import ROLLING, Course
@@ -20,7 +22,8 @@ FORCE_STD, MOMENT_STD = 10.0, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """`shape` gives columns (n, q) of `balance` (0: forward force, last: yaw moment) over a course."""
+    """`shape` gives columns (n, q) of the forward force, or of the yaw moment, over a course. A force acts `lever` (m)
+    to the left of {b}'s x."""
 
     name: str
     form: str
@@ -30,6 +33,7 @@ class Law:
     period: float | None = None
     unit: str = ""
     variable: str = ""
+    lever: float = 0.0
 
     @property
     def key(self) -> str:
@@ -47,10 +51,16 @@ class Law:
 
     def columns(self, balances: Balances, cart: CartModel) -> Array:
         """Raw (k, c, q)."""
-        signal = self.shape(Course.along(balances.motion))
-        found = np.zeros((len(signal), balances.n_balances(cart), self.size))
-        found[:, cart.constraints.n_free - 1 if self.is_moment else 0] = signal
-        return balances.integrated(found)
+        return self.over(balances.integrated(self.shape(Course.along(balances.motion))), balances, cart)
+
+    def over(self, integrated: Array, balances: Balances, cart: CartModel) -> Array:
+        """Columns (k, c, q) in all balances, of a signal against the test functions (k, q)."""
+        found = np.zeros((len(integrated), balances.n_balances(cart), integrated.shape[1]))
+        last = cart.constraints.n_free - 1
+        found[:, last if self.is_moment else 0] = integrated
+        if self.lever:
+            found[:, last] = -self.lever * integrated
+        return found
 
 
 def _sign(course: Course) -> Array:
@@ -113,7 +123,7 @@ def smooth_laws(turns: bool) -> list[Law]:
                 lambda c: _columns(*(a * b for a in (np.cos(c.heading), np.sin(c.heading)) for b in (c.x, c.y))),
                 4,
             ),
-            Law("place", "drag", False, lambda c: _columns(_sign(c) * c.x, _sign(c) * c.y), 2),
+            Law("place", "drag", False, lambda c: _columns(_sign(c), _sign(c) * c.x, _sign(c) * c.y), 3),
         ]
     return found
 
@@ -124,17 +134,24 @@ def _columns(*signals: Array) -> Array:
 
 PERIODS = (("time", "s", 0.25, 4.0), ("way", "m", 0.25, 2.5), ("x", "m", 0.3, 2.0), ("y", "m", 0.3, 2.0))
 """Variables, and between which periods a law is looked for."""
+TOGETHER = 200
+"""Periods of which columns are held at once."""
 
 
-def periodic(variable: str, unit: str, period: float, harmonics: int, is_moment: bool) -> Law:
+def periodic(
+    variable: str, unit: str, period: float, harmonics: int, is_moment: bool = False, lever: float = 0.0
+) -> Law:
+    """With a `lever` (m), of the way that a wheel rolls there, and at that wheel."""
+
     def shape(course: Course) -> Array:
-        phase = 2 * np.pi * getattr(course, variable) / period
+        phase = 2 * np.pi * (getattr(course, variable) - lever * course.heading) / period
         along = {"x": np.cos(course.heading), "y": np.sin(course.heading)}.get(variable, np.ones_like(phase))
         return np.column_stack([along * f(k * phase) for k in range(1, harmonics + 1) for f in (np.cos, np.sin)])
 
     name = "place" if variable in "xy" else {"way": "travelled distance"}.get(variable, variable)
-    form = ("moment" if is_moment else "force") + (f" of {harmonics} harmonics" if harmonics > 1 else "")
-    return Law(name, form, is_moment, shape, 2 * harmonics, period, unit, variable)
+    form = "moment" if is_moment else (f"force at the wheel at y = {lever:g} m" if lever else "force")
+    form += f" of {harmonics} harmonics" if harmonics > 1 else ""
+    return Law(name, form, is_moment, shape, 2 * harmonics, period, unit, variable, lever)
 
 
 def scanned(
@@ -146,15 +163,20 @@ def scanned(
     """Periods of one harmonic, each with its gain."""
     found = []
     courses = [Course.along(balances.motion) for balances in logs]
+    turns = cart.constraints.n_free > 1
+    levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
     for variable, unit, least, most in PERIODS:
-        if variable in "xy" and cart.constraints.n_free == 1:
+        if variable in "xy" and not turns:
             continue
         span = max(float(np.ptp(getattr(c, variable))) for c in courses)
         if span < 2 * least:
             continue
-        frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
-        for is_moment in (False, True) if cart.constraints.n_free > 1 else (False,):
-            laws = [periodic(variable, unit, float(1 / f), 1, is_moment) for f in frequencies]
+        frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span).tolist()
+        forms = [(False, 0.0), (True, 0.0)] if turns else [(False, 0.0)]
+        forms += [(False, lever) for lever in levers if variable == "way"]
+        for (is_moment, lever), first in product(forms, range(0, len(frequencies), TOGETHER)):
+            own = frequencies[first : first + TOGETHER]
+            laws = [periodic(variable, unit, 1 / f, 1, is_moment, lever) for f in own]
             columns = _together(logs, cart, courses, laws, whitened)
             gains = gain(columns, laws[0].std)
             found += [(float(g), law) for g, law in zip(gains, laws, strict=True)]
@@ -168,14 +190,11 @@ def _together(
     laws: Sequence[Law],
     whitened: Callable[[Sequence[Array]], Array],
 ) -> Array:
-    """Whitened columns (v, k, c, 2) of laws of one balance."""
+    """Whitened columns (v, k, c, 2) of laws of one form."""
     raw = []
     for balances, course in zip(logs, courses, strict=True):
         signal = np.concatenate([law.shape(course) for law in laws], axis=1)
-        own = balances.integrated(signal)
-        found = np.zeros((len(own), balances.n_balances(cart), own.shape[1]))
-        found[:, cart.constraints.n_free - 1 if laws[0].is_moment else 0] = own
-        raw.append(found)
+        raw.append(laws[0].over(balances.integrated(signal), balances, cart))
     white = whitened(raw)
     k, c, _ = white.shape
     return np.asarray(np.moveaxis(white.reshape(k, c, len(laws), 2), 2, 0))

@@ -198,12 +198,14 @@ class Screen:
             for harmonics, turns in product(HARMONICS, TURNS):
                 period = turns * float(best.period or 1.0)
                 if turns <= harmonics and period <= LONGEST[best.variable]:
-                    yield periodic(best.variable, best.unit, period, harmonics, best.is_moment), len(periods)
+                    law = periodic(best.variable, best.unit, period, harmonics, best.is_moment, best.lever)
+                    yield law, len(periods)
 
     def _tuned(self, law: Law) -> Law:
         """At the period nearby where one harmonic gains most."""
         near = [
-            periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.is_moment) for share in NEARBY
+            periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.is_moment, law.lever)
+            for share in NEARBY
         ]
         columns = np.stack(
             [self.model.whitened([one.columns(b, self.model.cart) for b in self.model.logs]) for one in near]
