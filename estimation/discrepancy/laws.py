@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
@@ -134,8 +133,10 @@ def _columns(*signals: Array) -> Array:
 
 PERIODS = (("time", "s", 0.25, 4.0), ("way", "m", 0.25, 2.5), ("x", "m", 0.3, 2.0), ("y", "m", 0.3, 2.0))
 """Variables, and between which periods a law is looked for."""
-TOGETHER = 200
-"""Periods of which columns are held at once."""
+OVERSAMPLED = 16
+"""Points of a Fourier transform's grid in the shortest period."""
+KNOWN, LIKELY = 24, 40
+"""Periods of a scan of which the information is worked out, and then the gain."""
 
 
 def periodic(
@@ -154,33 +155,81 @@ def periodic(
     return Law(name, form, is_moment, shape, 2 * harmonics, period, unit, variable, lever)
 
 
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Of periodic laws of one form between two periods, as many as `frequencies` (v,) of the variable."""
+
+    variable: str
+    unit: str
+    is_moment: bool
+    lever: float
+    frequencies: Array
+
+    def laws(self, chosen: np.ndarray) -> list[Law]:
+        return [
+            periodic(self.variable, self.unit, float(1 / f), 1, self.is_moment, self.lever)
+            for f in self.frequencies[chosen]
+        ]
+
+    def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:
+        """How much pulls (n, f) of the residual on forces and moments along the courses go with each frequency (v,):
+        by a fast Fourier transform of pulls over the variable, each shared by the two nearest of its grid's points."""
+        step = 1 / (OVERSAMPLED * self.frequencies[-1])
+        first = min(float(self.of(c).min()) for c in courses)
+        count = round(1 / (step * float(np.diff(self.frequencies[:2])[0])))
+        total = np.zeros(count)
+        for course, pull in zip(courses, pulls, strict=True):
+            last = pull.shape[1] - 1
+            weight = pull[:, last if self.is_moment else 0] - self.lever * pull[:, last] * bool(self.lever)
+            at = (self.of(course) - first) / step
+            low = np.floor(at).astype(int)
+            signal = weight * {"x": np.cos(course.heading), "y": np.sin(course.heading)}.get(self.variable, 1.0)
+            for where, share in ((low, 1 - (at - low)), (low + 1, at - low)):
+                total += np.bincount(where % count, weights=signal * share, minlength=count)
+        found = np.abs(np.fft.rfft(total)) ** 2
+        return np.asarray(np.interp(self.frequencies, np.fft.rfftfreq(count, step), found), dtype=float)
+
+    def of(self, course: Course) -> Array:
+        return np.asarray(getattr(course, self.variable) - self.lever * course.heading)
+
+
+def scans(courses: Sequence[Course], cart: CartModel) -> list[Scan]:
+    """Those that a motion allows: periods of which it saw two at least."""
+    found, turns = [], cart.constraints.n_free > 1
+    levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
+    for variable, unit, least, most in PERIODS:
+        span = max(float(np.ptp(getattr(c, variable))) for c in courses)
+        if span < 2 * least or (variable in "xy" and not turns):
+            continue
+        frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
+        forms = [(False, 0.0), (True, 0.0)] if turns else [(False, 0.0)]
+        forms += [(False, lever) for lever in levers if variable == "way"]
+        found += [Scan(variable, unit, *form, frequencies) for form in forms if len(frequencies) > 1]
+    return found
+
+
 def scanned(
     logs: Sequence[Balances],
     cart: CartModel,
+    pulls: Sequence[Array],
     gain: Callable[[Array, Array], Array],
     whitened: Callable[[Sequence[Array]], Array],
-) -> list[tuple[float, Law]]:
-    """Periods of one harmonic, each with its gain."""
-    found = []
+) -> tuple[list[tuple[float, Law]], int]:
+    """The best periods of one harmonic, each with its gain, and of how many: of each scan those with most power for
+    the information that whitened columns have."""
+    found, count = list[tuple[float, Law]](), 0
     courses = [Course.along(balances.motion) for balances in logs]
-    turns = cart.constraints.n_free > 1
-    levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
-    for variable, unit, least, most in PERIODS:
-        if variable in "xy" and not turns:
-            continue
-        span = max(float(np.ptp(getattr(c, variable))) for c in courses)
-        if span < 2 * least:
-            continue
-        frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span).tolist()
-        forms = [(False, 0.0), (True, 0.0)] if turns else [(False, 0.0)]
-        forms += [(False, lever) for lever in levers if variable == "way"]
-        for (is_moment, lever), first in product(forms, range(0, len(frequencies), TOGETHER)):
-            own = frequencies[first : first + TOGETHER]
-            laws = [periodic(variable, unit, 1 / f, 1, is_moment, lever) for f in own]
-            columns = _together(logs, cart, courses, laws, whitened)
-            gains = gain(columns, laws[0].std)
-            found += [(float(g), law) for g, law in zip(gains, laws, strict=True)]
-    return found
+    for scan in scans(courses, cart):
+        v = len(scan.frequencies)
+        count += v
+        known = np.unique(np.linspace(0, v - 1, KNOWN).astype(int))
+        own = _together(logs, cart, courses, scan.laws(known), whitened)
+        information = np.interp(np.arange(v), known, (own**2).sum(axis=(1, 2, 3)))
+        likely = scan.power(courses, pulls) / np.maximum(information, 1e-300)
+        laws = scan.laws(np.argsort(-likely)[:LIKELY])
+        gains = gain(_together(logs, cart, courses, laws, whitened), laws[0].std)
+        found += zip(gains.tolist(), laws, strict=True)
+    return found, count
 
 
 def _together(

@@ -191,7 +191,7 @@ class Screen:
         for law in smooth_laws(model.cart.constraints.n_free > 1):
             if law.key not in taken:
                 yield law, 1
-        periods = scanned(model.logs, model.cart, self.gains, model.whitened)
+        periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened)
         periods.sort(key=lambda one: -one[0])
         for _, law in periods[:KEPT]:
             best = self._tuned(law)
@@ -199,7 +199,18 @@ class Screen:
                 period = turns * float(best.period or 1.0)
                 if turns <= harmonics and period <= LONGEST[best.variable]:
                     law = periodic(best.variable, best.unit, period, harmonics, best.is_moment, best.lever)
-                    yield law, len(periods)
+                    yield law, count
+
+    @cached_property
+    def _pulls(self) -> list[Array]:
+        """By how much the residual would have forces and moments along each log's grid (n, f)."""
+        rest = self._left - self._base @ self._fit
+        found, at = [], 0
+        for balances, whiten in zip(self.model.logs, self.model.whitenings, strict=True):
+            own = rest[at : at + len(balances.used)]
+            at += len(balances.used)
+            found.append(balances.spread(whiten.transposed(own / self._scale))[:, : self.model.cart.constraints.n_free])
+        return found
 
     def _tuned(self, law: Law) -> Law:
         """At the period nearby where one harmonic gains most."""

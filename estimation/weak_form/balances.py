@@ -150,6 +150,10 @@ class Balances:
         flat = signals.reshape(len(signals), -1)
         return np.asarray(self._used_test @ flat).reshape(-1, *signals.shape[1:])
 
+    def spread(self, rows: Array) -> Array:
+        """The transpose of `integrated`: rows (k, c) over the grid (n, c)."""
+        return np.asarray(self._used_test.T @ rows)
+
     @cached_property
     def wrench_densities(self) -> Array:
         """Roots of the noise densities of each arm's wrench (arms, 6), N/√Hz, N·m/√Hz."""

@@ -52,6 +52,11 @@ class Whitening:
             found[:, i] = dtbtrs(root, flat, uplo="L")[0].reshape(columns[:, i].shape)
         return found
 
+    def transposed(self, rows: Array) -> Array:
+        """Rows (k, c) times the transpose of what whitens."""
+        parts = (dtbtrs(root, rows[:, [i]], uplo="L", trans="T")[0] for i, root in enumerate(self.roots))
+        return np.hstack(list(parts))
+
 
 @dataclass(frozen=True, eq=False)
 class Errors:
