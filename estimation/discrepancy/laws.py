@@ -80,7 +80,13 @@ def smooth_laws(turns: bool) -> list[Law]:
             3,
         ),
         Law("time", "drift", False, lambda c: _columns(c.time / 60), 1),
-        Law("time", "drag that warms", False, lambda c: _columns(c.speed * c.time / 60, _sign(c) * c.time / 60), 2),
+        Law(
+            "time",
+            "drag that warms",
+            False,
+            lambda c: _columns(_sign(c), c.speed * c.time / 60, _sign(c) * c.time / 60),
+            3,
+        ),
     ]
     if turns:
         found += [
