@@ -303,7 +303,9 @@ def _searched(parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], 
         if all(band and band.row_step < NARROWER * b.row_step for b, band in zip(parts, again, strict=True)):
             return nominal, final, steps, again
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
-    return *_in_band(narrowed, cart, tell), known
+    nominal, final, steps = _in_band(narrowed, cart, tell)
+    again = tuple(consistent(bands(balances, final.cart)) for balances in final.logs)
+    return nominal, final, steps, tuple(new or old for new, old in zip(again, known, strict=True))
 
 
 def _in_band(
