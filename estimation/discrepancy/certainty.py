@@ -3,13 +3,14 @@ open."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
 from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
@@ -20,8 +21,9 @@ from ..prior import Prior, report_names, report_units
 from ..weak_form.band import Band
 from ..weak_form.fit import coordinates, with_coordinates
 from .model import FORM_LEVER, Model
-from .refine import is_open, moves
+from .refine import is_open, moves, refined
 from .screening import Screen
+from .soft_push import begun_earlier, soft_gain, with_impulse_of
 
 TAUGHT = 0.25
 """Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
@@ -62,15 +64,20 @@ class Certainty:
     @cached_property
     def cart(self) -> CartModel:
         """The model's, with the mass that is told, and all else as it goes with that."""
-        model = self.model
-        prior = model.prior
+        cart, prior = self._with_spans(self.model.cart), self.model.prior
         if not prior.free[0]:
-            return model.cart
+            return cart
         free = np.flatnonzero(prior.free)
-        along = model.score.covariance[: len(free), 0] / model.score.covariance[0, 0]
-        z = coordinates(model.cart)
+        along = self.model.score.covariance[: len(free), 0] / self.model.score.covariance[0, 0]
+        z = coordinates(cart)
         z[free] += np.clip(along * (self._mass[0] - z[0]), -MOST_MOVED, MOST_MOVED)
-        return with_coordinates(model.cart, z)
+        return with_coordinates(cart, z)
+
+    def _with_spans(self, cart: CartModel) -> CartModel:
+        """With pushes that begin and end where they most likely do."""
+        spans = {key: effect for key, (effect, _) in self._set.items() if effect.gate is Gate.WHILE}
+        effects = tuple(with_impulse_of(e, spans[e.key]) if e.key in spans else e for e in cart.effects)
+        return replace(cart, effects=effects)
 
     @cached_property
     def covariance(self) -> Array:
@@ -127,47 +134,55 @@ class Certainty:
     def settings(self) -> Mapping[str, float]:
         """Standard deviations of what enters nonlinearly, by full name."""
         found: dict[str, float] = {}
-        constraints = self.model.cart.constraint_effects
         prior = self.model.prior
         first = int(prior.free.sum())
-        for i, constraint in enumerate(constraints):
+        for i, constraint in enumerate(self.model.cart.constraint_effects):
             share = float(np.sqrt(self.covariance[first + i, first + i]))
             found[constraint.keys[0]] = share * abs(float(constraint.values[0]))
-        known = {effect.key for effect in self.model.guess.effects}
-        for effect in self.model.cart.effects:
-            if effect.key not in known and not isinstance(effect, ConstraintEffect):
-                found |= self._of(effect)
+        for _, own in self._set.values():
+            found |= own
         return found
 
-    def _of(self, effect: Effect) -> dict[str, float]:
+    @cached_property
+    def _set(self) -> dict[str, tuple[Effect, dict[str, float]]]:
+        """Added effects by key, at their most likely settings, with these settings' standard deviations."""
+        known = {effect.key for effect in self.model.guess.effects}
+        new = (e for e in self.model.cart.effects if e.key not in known and not isinstance(e, ConstraintEffect))
+        return {effect.key: self._of(effect) for effect in new if moves(effect)}
+
+    def _of(self, effect: Effect) -> tuple[Effect, dict[str, float]]:
         from .search import absent
 
-        steps = moves(effect)
-        if not steps:
-            return {}
         less = self.model.refitted(self.model.cart.without_effect(effect.key))
         screen, none = Screen(less), effect if isinstance(effect, TimeDelay) else absent(effect)
-        best, found = screen.gain(none), dict[str, float]()
-        for which in dict.fromkeys(move.which for move in steps):
+        gain: Callable[[Effect], float] = screen.gain
+        if effect.gate is Gate.WHILE:
+            softly = partial(soft_gain, screen)
+            whole = refined(begun_earlier(none), softly)
+            if softly(whole) > gain(none):
+                gain, none, effect = softly, whole, with_impulse_of(effect, whole)
+        best = gain(none)
+        found = dict[str, float]()
+        for which in dict.fromkeys(move.which for move in moves(effect)):
             unit = effect.parameters[which].unit
             size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
-            spread = _spread(screen, none, which, size, best)
+            spread = _spread(gain, none, which, size, best)
             least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
                 name = effect.parameters[which].name
                 least = FORM_LEVER if name in "xy" else min(least, FORM_SHARE * abs(float(effect.values[which])))
             found[effect.keys[which]] = float(np.hypot(spread, least))
-        return found
+        return effect, found
 
 
-def _spread(screen: Screen, effect: Effect, which: int, size: float, best: float) -> float:
+def _spread(gain_of: Callable[[Effect], float], effect: Effect, which: int, size: float, best: float) -> float:
     """Root of the mean square distance of a setting from the best, weighed by how likely it is there: a log in which
     nothing happens for a while does not tell when it began."""
 
     def gain(distance: float) -> float:
         values = effect.values.copy()
         values[which] += distance
-        return screen.gain(effect.with_values(values)) if is_open(effect, values) else -np.inf
+        return gain_of(effect.with_values(values)) if is_open(effect, values) else -np.inf
 
     def reach(step: float) -> float:
         for _ in range(DOUBLINGS):

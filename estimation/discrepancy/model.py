@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -241,9 +241,11 @@ class Model:
         start, prior = self.score.scale, np.concatenate([self.prior_std, std])
         return scored(self.folds.sums(whole), self.folds.rows, prior, self.folds, start)
 
-    def columns_of(self, effect: Effect) -> tuple[Array, Array]:
-        """Whitened columns (k, c, q) of an effect's amplitudes, and their prior standard deviations (q,)."""
-        raw = [balances.columns(self.cart, effect) for balances in self.logs]
+    def columns_of(self, effect: Effect, share: Callable[[Array], Array] | None = None) -> tuple[Array, Array]:
+        """Whitened columns (k, c, q) of an effect's amplitudes, and their prior standard deviations (q,); `share` of
+        times (n,) says how much of it is there."""
+        shares = [share and share(balances.motion.time) for balances in self.logs]
+        raw = [balances.columns(self.cart, effect, own) for balances, own in zip(self.logs, shares, strict=True)]
         if isinstance(effect, ConstraintEffect):
             return self.whitened(raw), np.array([3.0])
         own = amplitudes_of(effect)

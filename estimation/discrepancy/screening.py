@@ -3,7 +3,7 @@ of time, places by sums over cells of the floor."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import combinations, product
 
@@ -54,11 +54,11 @@ class Screen:
 
     # --- gains ---------------------------------------------------------------------------------------------------
 
-    def gain(self, effect: Effect) -> float:
-        """Log of the Bayes factor of one setting, about, with all amplitudes free."""
+    def gain(self, effect: Effect, share: Callable[[Array], Array] | None = None) -> float:
+        """Log of the Bayes factor of one setting, about, with all amplitudes free; of a `share` of it at each time."""
         if isinstance(effect, TimeDelay):
             return self._delayed(effect)
-        columns, std = self.model.columns_of(effect)
+        columns, std = self.model.columns_of(effect, share)
         if not (np.abs(columns) < LARGEST).all():
             return -np.inf
         return float(self.gains(columns[None], std, is_one_sided(effect))[0])

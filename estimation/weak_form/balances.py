@@ -222,9 +222,9 @@ class Balances:
         axle = float(cart.constraints.axle_x or 0.0)
         return np.asarray(-np.sin(heading) * rate[:, 0] + np.cos(heading) * rate[:, 1] + axle * rate[:, 2])
 
-    def columns(self, cart: CartModel, effect: Effect) -> Array:
-        """How much of the residual a unit of each parameter of one more effect takes away (k, c, q); of a constraint
-        effect, its usual size (q = 1)."""
+    def columns(self, cart: CartModel, effect: Effect, share: Array | None = None) -> Array:
+        """How much of the residual a unit of each parameter of one more effect takes away (k, c, q), a `share` (n,) of
+        it at each time; of a constraint effect, its usual size (q = 1)."""
         if isinstance(effect, ConstraintEffect):
             return self._sideways(cart, effect)
         whole = replace(cart, effects=(*cart.effects, effect))
@@ -236,7 +236,7 @@ class Balances:
             slopes = inverse.by_parameters[..., own]
         if self.motion.across is not None:
             slopes = np.concatenate([slopes, np.zeros((len(slopes), 1, slopes.shape[2]))], axis=1)
-        return self.integrated(slopes)
+        return self.integrated(slopes if share is None else share[:, None, None] * slopes)
 
     def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""

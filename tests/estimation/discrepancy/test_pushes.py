@@ -55,7 +55,6 @@ def test_times_are_known_as_well_as_they_are_said_to_be(seed):
     assert sure.settings["external_push.start"] < vague.settings["external_push.start"]
 
 
-@pytest.mark.xfail(strict=True, reason="issue 28: pushes are told by the rectangle that is nearest, not whole")
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_what_rises_and_falls_begins_and_ends_where_it_does(seed):
     """The rectangle that is nearest to half a sine begins 0.12 s later; with the same mean it has the same impulse."""
