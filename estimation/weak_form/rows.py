@@ -99,34 +99,36 @@ class Errors:
 
 def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array]:
     """What a model may be off by (n, f), but for noise: at rest, where anything may hold a cart, Coulomb friction takes
-    whatever value holds things, and casters that swing round after a reversal drag nobody knows where; and what its
-    forms may be wrong by at most everywhere."""
-    motion, free = balances.motion, cart.constraints.n_free
-    speed = balances.turning_speed
-    resting = np.exp(-((speed / REST_SPEED) ** 2))
-    direction = np.sign(motion.velocity[:, 0])
-    reversed_at = np.flatnonzero(np.diff(direction) != 0)
-    last = np.searchsorted(reversed_at, np.arange(len(speed)) - 1, side="right") - 1
-    since = np.where(
-        last >= 0, motion.way - motion.way[reversed_at[np.maximum(last, 0)]] if len(reversed_at) else np.inf, np.inf
-    )
-    swinging = np.exp(-((since / SWING_WAY) ** 2))
-    weight = FRICTION * G * cart.inertia.mass
+    whatever value holds things; and what its forms may be wrong by at most everywhere, and where casters that swing
+    round after a reversal drag nobody knows where."""
+    free = cart.constraints.n_free
+    levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
+    speed, weight = balances.turning_speed, FRICTION * G * cart.inertia.mass
     total = balances.wrenches.planar(cart) @ cart.basis_b
     size = np.sqrt((total**2).mean(axis=0))
-    levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
     held = np.exp(-((speed / STILL_SPEED) ** 2))[:, None] * np.hypot(size, HELD * G * cart.inertia.mass * levers)
-    force, moment = weight * resting, weight * LEVER * np.maximum(resting, swinging)
-    own = np.column_stack([force, force, moment][:: 1 if free == 3 else 2] if free > 1 else [force])
+    own = weight * np.exp(-((speed / REST_SPEED) ** 2))[:, None] * levers
     effects = np.abs(_effects(balances, cart, 0.0))
-    turned = _turned(balances, cart, levers)
+    swung = np.zeros_like(effects)
     if free > 1:
+        swinging = _swinging(balances)
         dry = replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
-        drag = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
-        turned = np.maximum(turned, ON_CASTERS * drag * swinging[:, None])
+        swung = ON_CASTERS * swinging[:, None] * np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
+        swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
     edges = edge_error(balances, cart)
-    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + edges**2)
-    return np.sqrt(own**2 + turned**2 + held**2), forms
+    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + edges**2 + swung**2)
+    return np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + held**2), forms
+
+
+def _swinging(balances: Balances) -> Array:
+    """How much of casters' swing round after a reversal of the motion is still to come (n,), 1 to 0."""
+    way, direction = balances.motion.way, np.sign(balances.motion.velocity[:, 0])
+    reversed_at = np.flatnonzero(np.diff(direction) != 0)
+    last = np.searchsorted(reversed_at, np.arange(len(way)) - 1, side="right") - 1
+    if not len(reversed_at):
+        return np.zeros(len(way))
+    since = np.where(last >= 0, way - way[reversed_at[np.maximum(last, 0)]], np.inf)
+    return np.asarray(np.exp(-((since / SWING_WAY) ** 2)))
 
 
 def edge_error(balances: Balances, cart: CartModel) -> Array:
