@@ -87,7 +87,9 @@ def main() -> None:
     if options.one:
         print(json.dumps(told(options.one, options.minutes[0])))
         return
-    print("| command | log | seconds | seconds a minute | peak memory, GB | says |\n| --- | --- | --- | --- | --- | --- |")
+    print(
+        "| command | log | seconds | seconds a minute | peak memory, GB | says |\n| --- | --- | --- | --- | --- | --- |"
+    )
     for command in ("identify", "discrepancy"):
         for minutes in options.minutes:
             call = [sys.executable, "-m", "benchmarks.long_logs", "--one", command, "--minutes", str(minutes)]

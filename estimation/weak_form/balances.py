@@ -200,10 +200,10 @@ class Balances:
     def residual(self, cart: CartModel) -> tuple[Array, Array]:
         """What is left (k, c), and how much of it a unit of each parameter takes away (k, c, p)."""
         state = self.state(cart)
-        inverse = cart.inverse(state, self.motion.acceleration, time=self.motion.time)
+        needed, by_parameters = self._needed(cart, state)
         planar = self.wrenches.planar(cart)
-        left = planar @ cart.basis_b - inverse.wrench
-        slopes = inverse.by_parameters - self.wrenches.slopes(cart, inverse.wrench)
+        left = planar @ cart.basis_b - needed
+        slopes = by_parameters - self.wrenches.slopes(cart, needed)
         share = self.wrenches.recorded_share(cart)
         if share is not None:
             left, slopes = (share @ left[..., None])[..., 0], share @ slopes
@@ -232,15 +232,28 @@ class Balances:
         if isinstance(effect, SensorEffect):
             slopes = -self.wrenches.slopes(whole, self.expected(cart))[..., own]
         else:
-            inverse = whole.inverse(self.state(whole), self.motion.acceleration, time=self.motion.time)
-            slopes = inverse.by_parameters[..., own]
+            slopes = self._needed(whole, self.state(whole))[1][..., own]
         if self.motion.across is not None:
             slopes = np.concatenate([slopes, np.zeros((len(slopes), 1, slopes.shape[2]))], axis=1)
         return self.integrated(slopes if share is None else share[:, None, None] * slopes)
 
     def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""
-        return cart.required_wrench(self.state(cart), self.motion.acceleration, time=self.motion.time)
+        return self._needed(cart, self.state(cart))[0]
+
+    def _needed(self, cart: CartModel, state: Array) -> tuple[Array, Array]:
+        """The reduced wrench (n, f) and its slopes (n, f, p) by the parameters. What swings follows the smooth motion,
+        and so it does here: else a mass that swings faster than anything seems right, for all the noise that the
+        unbiased acceleration has goes with it."""
+        motion = self.motion
+        inverse = cart.inverse(state, motion.acceleration, time=motion.time)
+        if not cart.memory_names:
+            return inverse.wrench, inverse.by_parameters
+        acting, along = cart.acting(state, time=motion.time), cart.basis_b[0]
+        noise = ((motion.acceleration - motion.smooth_acceleration) @ along)[:, None]
+        wrench = inverse.wrench + acting.swung[:, None] * noise * along
+        slopes = acting.swung_by_parameters[:, None] * (noise * along)[..., None]
+        return wrench, inverse.by_parameters + slopes
 
     def _sideways(self, cart: CartModel, effect: ConstraintEffect) -> Array:
         planar, state = self.wrenches.planar(cart), self.state(cart)

@@ -31,14 +31,15 @@ FEWEST_ROWS = 12
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """At times (n,): smooth pose (n, 3) and free velocity (n, f), unbiased free acceleration (n, f) and speed across
-    the wheels at {b}'s axle (n,; from poses alone; None without one). `seen` (n,) where sensors saw it. Standard
-    deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log."""
+    """At times (n,): smooth pose (n, 3) and free velocity (n, f), free acceleration (n, f), unbiased and smooth, and
+    unbiased speed across the wheels at {b}'s axle (n,; from poses alone; None without one). `seen` (n,) where sensors
+    saw it. Standard deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log."""
 
     time: Array
     pose: Array
     velocity: Array
     acceleration: Array
+    smooth_acceleration: Array
     across: Array | None
     seen: np.ndarray
     noise: MotionNoise
@@ -91,22 +92,23 @@ def motion_of(
     at, rate, bend = (basis.design(grid, k) for k in range(3))
     pose = np.column_stack([at @ fit.smooth for fit in fits])
     smooth_rate = np.column_stack([rate @ fit.smooth for fit in fits])
-    raw_bend = np.column_stack([bend @ fit.unbiased for fit in fits])
     velocity_b = _turned(pose[:, 2], smooth_rate)
-    acceleration_b = _turned(pose[:, 2], raw_bend)
-    acceleration_b[:, 0] += velocity_b[:, 2] * velocity_b[:, 1]
-    acceleration_b[:, 1] -= velocity_b[:, 2] * velocity_b[:, 0]
+    unbiased, smooth = (
+        _acceleration(pose[:, 2], velocity_b, np.column_stack([bend @ getattr(fit, kind) for fit in fits]))
+        for kind in ("unbiased", "smooth")
+    )
     free = cart.rolling.free_velocity
     gap = LONGEST_GAP * max(native, step)
     placed, moved = _near(time, grid, gap), _near(moving, grid, gap)
     across = None
     if cart.constraints.n_rows == 1:
-        unbiased = np.column_stack([rate @ fit.unbiased for fit in fits])
+        of_all = np.column_stack([rate @ fit.unbiased for fit in fits])
         of_poses = np.column_stack([rate @ SplineFit(basis, [samples]).unbiased for samples in from_poses])
-        across = _across(cart, pose[:, 2], np.where(placed[:, None], of_poses, unbiased))
+        across = _across(cart, pose[:, 2], np.where(placed[:, None], of_poses, of_all))
     middle = float(np.median(time))
     std = [np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1)]
-    return Motion(grid, pose, free(velocity_b), free(acceleration_b), across, placed | moved, noise, *std)
+    nu = (free(velocity_b), free(unbiased), free(smooth))
+    return Motion(grid, pose, *nu, across, placed | moved, noise, *std)
 
 
 def _turned(heading: Array, vectors_s: Array) -> Array:
@@ -114,6 +116,14 @@ def _turned(heading: Array, vectors_s: Array) -> Array:
     cosine, sine = np.cos(heading), np.sin(heading)
     x, y, yaw = vectors_s.T
     return np.column_stack([cosine * x + sine * y, cosine * y - sine * x, yaw])
+
+
+def _acceleration(heading: Array, velocity_b: Array, bend_s: Array) -> Array:
+    """Rate of the velocity in {b} (n, 3), of that in {s}."""
+    found = _turned(heading, bend_s)
+    found[:, 0] += velocity_b[:, 2] * velocity_b[:, 1]
+    found[:, 1] -= velocity_b[:, 2] * velocity_b[:, 0]
+    return found
 
 
 def _across(cart: CartModel, heading: Array, rate: Array) -> Array:

@@ -102,7 +102,9 @@ def load_of(seed):
     return {name: value for name, (value, _, _) in found.parameters.items()}
 
 
-FLAT = pytest.mark.xfail(strict=True, reason="issue 28: likelihood is flat to a third of a second there; told 7.46 ± 0.3 s")
+FLAT = pytest.mark.xfail(
+    strict=True, reason="issue 28: likelihood is flat to a third of a second there; told 7.46 ± 0.3 s"
+)
 
 
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=FLAT)])

@@ -1,5 +1,7 @@
 """The search, on logs whose equations share nothing with the library's, and on motions that are written down."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,9 +15,11 @@ from estimation.discrepancy import diagnose
 from estimation.discrepancy.candidates import amplitudes_of, families
 from estimation.discrepancy.model import Model
 from estimation.discrepancy.refine import refined
+from estimation.discrepancy.screening import Screen
 from estimation.discrepancy.search import Attempt, absent, chosen
 from estimation.weak_form.balances import Balances
 
+from ..runs import simulate_two_hands
 from ..weak_form.motions import RAIL, STEP, TRUE, cart_of, noisy, on_rail, weaving
 
 
@@ -157,3 +161,12 @@ def test_a_drag_at_its_bound_frees_no_column():
     model = Model.started([Balances.of(noisy(weaving((*TRUE[:4], -2.0, 1.2), 12.0), 5), guess)], guess)
     assert model.prior.free.sum() == len(model.cart.parameters) - 1
     assert model.cart.effects[0].values[0] == 0.0
+
+
+@pytest.mark.parametrize("frequency", [4.0, 8.0, 20.0])
+def test_a_load_that_swings_faster_than_the_motion_is_known_explains_nothing(frequency):
+    """As fast, it goes with a cart that is rigid; noise of its poses is not what it does beside."""
+    log = replace(simulate_two_hands((24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0), 1, 30.0), velocity=None)
+    cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
+    screen = Screen(Model.started([Balances.of(log, cart)], cart))
+    assert screen.gain(LoadSlosh(mass=0.0, frequency=frequency, damping=0.2)) < 3.0
