@@ -2,11 +2,13 @@
 
     python -m benchmarks.ablation DIR [DIR …]         sealed logs (`python -m benchmarks.sealed generate --out DIR`)
                                                       and measured ones, with each constant off, × 0.7 and × 1.3
+    python -m benchmarks.ablation DIR --affected      on how many logs each value might change anything at all: one
+                                                      run for each log, whatever the number of constants
     python -m benchmarks.ablation --list              all constants and their groups
 
-Group a decides, b is assumed; c (numerics and words) is not ablated. Each log takes some ten seconds for each value:
-`--logs 20 --only WORTH SURE` is where to begin. What was worked out is kept, so what was interrupted goes on; a change
-of the code begins anew. Where a bound that is switched off changes nothing in a report, values in between are not run.
+Group a decides, b is assumed; c (numerics and words) is not ablated. Each log takes some ten seconds for each value
+that may change something, which one run finds out for all values (`watching.py`): `--logs 20` is where to begin. What
+was worked out is kept, so what was interrupted goes on; a change of the code begins anew.
 """
 
 from __future__ import annotations
@@ -22,8 +24,8 @@ from ..measured.running import ROOT
 from .cases import Case, measured_cases, sealed_cases, spread
 from .constants import MOVES, OFF, Constant, Group
 from .every import CONSTANTS
-from .running import Answers, Job, foretold, run_all, wanted
-from .table import listed, rows, section
+from .running import WATCHED, Answers, Job, Watch, run_all, unnoticed, wanted
+from .table import affected, listed, rows, section
 
 DATA = ROOT.parent / "shared" / "data"
 KEPT = ROOT / "out" / "ablation"
@@ -42,35 +44,46 @@ def main() -> None:
     cases = spread(cases, options.logs if options.logs is not None else len(cases))
     if not cases:
         parser.error("no logs: give folders of `python -m benchmarks.sealed generate`, or --data")
-    answers = ablated(cases, constants, options.moves, options.kept, options.processes)
-    text = section(rows(cases, constants, options.moves, answers))
+    if options.affected:
+        text = affected(constants, options.moves, watched(cases, constants, options.moves, options))
+    else:
+        text = section(rows(cases, constants, options.moves, ablated(cases, constants, options.moves, options)))
     print(text, end="")
     if options.out:
         write_atomically(options.out, text)
 
 
 def ablated(
-    cases: Sequence[Case], constants: Sequence[Constant], moves: Sequence[str], kept: Path, processes: int
+    cases: Sequence[Case], constants: Sequence[Constant], moves: Sequence[str], options: argparse.Namespace
 ) -> Answers:
-    """Logs as they are first, then with rules off, then with what may still change something."""
+    """Logs as they are first, then watched, then with each value that may change something."""
     answers: Answers = {}
-    _run([Job(case) for case in cases], answers, kept, processes)
+    _run([Job(case) for case in cases], answers, options)
+    answers |= watched(cases, constants, moves, options)
     jobs = list(wanted(cases, constants, moves))
-    _run([job for job in jobs if job.move == OFF], answers, kept, processes)
-    moved = [job for job in jobs if job.move != OFF]
-    known = {job.place: same for job in moved if (same := foretold(job, answers)) is not None}
-    _run([job for job in moved if job.place not in known], answers, kept, processes)
+    known = {job.place: same for job in jobs if (same := unnoticed(job, answers)) is not None}
+    _run([job for job in jobs if job.place not in known], answers, options)
     return answers | known
 
 
-def _run(jobs: Sequence[Job], answers: Answers, kept: Path, processes: int) -> None:
-    for number, (job, answer) in enumerate(run_all(jobs, kept, processes), 1):
+def watched(
+    cases: Sequence[Case], constants: Sequence[Constant], moves: Sequence[str], options: argparse.Namespace
+) -> Answers:
+    """All logs as they are, and where constants would have told at other values."""
+    answers: Answers = {}
+    _run([Watch(case, tuple(constants), tuple(moves)) for case in cases], answers, options)
+    return answers
+
+
+def _run(jobs: Sequence[Job | Watch], answers: Answers, options: argparse.Namespace) -> None:
+    for number, (job, answer) in enumerate(run_all(jobs, options.kept, options.processes), 1):
         answers[job.place] = answer
         constant, move, case = job.place
         base = answers.get(Job(job.case).place)
         said = answer.failure or (answer.report or {})["verdict"]
-        said += ", nothing changed" if base and constant and base.digest == answer.digest else ""
-        what = f"{constant} {move}, {case}" if constant else case
+        said += ", nothing changed" if base and constant not in ("", WATCHED) and base.digest == answer.digest else ""
+        said += f", {len(answer.noticed)} values may change it" if constant == WATCHED else ""
+        what = f"{constant} {move}".strip() + f", {case}" if constant else case
         print(f"[{number}/{len(jobs)}] {what}: {said} ({answer.seconds:.0f} s)", file=sys.stderr, flush=True)
 
 
@@ -95,6 +108,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--kept", type=Path, default=KEPT, metavar="DIR", help="answers; out/ablation by default")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the markdown there, too")
     parser.add_argument("--processes", type=int, default=2, metavar="N")
+    parser.add_argument("--affected", action="store_true", help="count the logs on which values might change anything")
     parser.add_argument("--list", action="store_true", help="list all constants, and run nothing")
     return parser
 

@@ -23,8 +23,27 @@ from estimation.discrepancy import diagnose
 
 from ..measured.running import KEPT
 from .cases import Case
-from .constants import OFF, Constant
+from .constants import Constant
 from .patching import patched
+from .watching import Key, noticed
+
+Place = tuple[str, str, str]
+"""Constant, move and case, by which an answer is found."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a diagnosis says, and a digest of all that it says, scores of all candidates included; or why there is none;
+    with the seconds that it took; and where it was watched, which values of constants it might have noticed."""
+
+    report: Mapping[str, Any] | None
+    digest: str
+    failure: str
+    seconds: float
+    noticed: tuple[Key, ...] = ()
+
+
+Answers = dict[Place, Answer]
 
 
 @dataclass(frozen=True)
@@ -36,38 +55,52 @@ class Job:
     move: str = ""
 
     @property
-    def value(self) -> Any:
-        return None if self.constant is None else self.constant.moved(self.move)
+    def place(self) -> Place:
+        name = "" if self.constant is None else self.constant.full_name
+        return name, self.move, f"{self.case.kind}: {self.case.name}"
 
     @property
-    def place(self) -> tuple[str, str, str]:
-        """By which an answer is found."""
-        return _place(self.constant, self.move, self.case)
+    def setting(self) -> str:
+        """What is not as it is."""
+        return "" if self.constant is None else _set(self.constant, self.move)
 
-    def digest(self) -> str:
-        name = "" if self.constant is None else f"{self.constant.module}.{self.constant.name} = {self.value!r}"
-        whole = hashlib.sha256(f"{code_version()} {self.case.name} {name}\0".encode())
-        for path in self.case.files:
-            whole.update(path.read_bytes())
-        return whole.hexdigest()[:24]
+    def ask(self) -> Answer:
+        moved = nullcontext() if self.constant is None else patched(self.constant, self.constant.moved(self.move))
+        with moved:
+            return answered(self.case)
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What a diagnosis says, and a digest of all that it says, scores of all candidates included; or why there is none;
-    with the seconds that it took."""
+class Watch:
+    """A case as it is, in which it is noticed where constants would have told at other values."""
 
-    report: Mapping[str, Any] | None
-    digest: str
-    failure: str
-    seconds: float
+    case: Case
+    constants: tuple[Constant, ...]
+    moves: tuple[str, ...]
+
+    @property
+    def place(self) -> Place:
+        return WATCHED, "", f"{self.case.kind}: {self.case.name}"
+
+    @property
+    def setting(self) -> str:
+        known = (_set(one, move) for one in self.constants for move in self.moves if one.moved(move) is not None)
+        return f"{WATCHED} {'; '.join(known)}"
+
+    def ask(self) -> Answer:
+        """Where what a constant is made of goes where it can't be followed, all are noticed."""
+        start = perf_counter()
+        try:
+            answer, found = noticed(lambda: answered(self.case), self.constants, self.moves)
+        except (TypeError, IndexError, AttributeError) as error:
+            return Answer(None, "", f"can't be followed: {error}", perf_counter() - start)
+        return Answer(**asdict(answer) | {"noticed": tuple(sorted(found))})
 
 
-Answers = dict[tuple[str, str, str], Answer]
-"""By constant, move and case."""
+WATCHED = "watched"
 
 
-def run_all(jobs: Sequence[Job], kept: Path, processes: int) -> Iterator[tuple[Job, Answer]]:
+def run_all(jobs: Sequence[Job | Watch], kept: Path, processes: int) -> Iterator[tuple[Job | Watch, Answer]]:
     """As they come."""
     from joblib import Parallel, delayed
 
@@ -75,26 +108,26 @@ def run_all(jobs: Sequence[Job], kept: Path, processes: int) -> Iterator[tuple[J
     yield from work(delayed(run)(job, kept) for job in jobs)
 
 
-def run(job: Job, kept: Path) -> tuple[Job, Answer]:
+def run(job: Job | Watch, kept: Path) -> tuple[Job | Watch, Answer]:
     """From what is kept, where it is."""
-    path = kept / f"{job.digest()}.json"
+    path = kept / f"{_digest(job)}.json"
     if path.is_file():
-        document = json.loads(path.read_text(encoding="utf-8"))
-        return job, Answer(**{key: document[key] for key in ("report", "digest", "failure", "seconds")})
-    answer = _diagnosed(job)
+        document = json.loads(path.read_text(encoding="utf-8"))["answer"]
+        return job, Answer(**document | {"noticed": tuple((name, move) for name, move in document["noticed"])})
+    answer = job.ask()
     constant, move, case = job.place
     kept.mkdir(parents=True, exist_ok=True)
-    document = {"case": case, "constant": constant, "move": move, **asdict(answer)}
-    write_atomically(path, json.dumps(finite(document), indent=1, allow_nan=False) + "\n")
+    document = finite({"case": case, "constant": constant, "move": move, "answer": asdict(answer)})
+    write_atomically(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
     return job, answer
 
 
-def _diagnosed(job: Job) -> Answer:
+def answered(case: Case) -> Answer:
+    """By the code as it is now."""
     start = perf_counter()
-    moved = nullcontext() if job.constant is None else patched(job.constant, job.value)
     try:
-        with moved, np.errstate(all="ignore"):
-            report = finite(diagnose(*job.case.read()).report.as_dict())
+        with np.errstate(all="ignore"):
+            report = finite(diagnose(*case.read()).report.as_dict())
     except FAILURES as error:
         return Answer(None, "", str(error) or type(error).__name__, perf_counter() - start)
     whole = hashlib.sha256(json.dumps(report, sort_keys=True).encode()).hexdigest()[:24]
@@ -109,21 +142,20 @@ def wanted(cases: Sequence[Case], constants: Sequence[Constant], moves: Sequence
                 yield from (Job(case, constant, move) for case in cases)
 
 
-def is_between(constant: Constant, move: str) -> bool:
-    """Whether a value lies between the present one and the one that switches the rule off."""
-    value, off = constant.value, constant.off
-    if move == OFF or not isinstance(off, int | float) or not isinstance(value, int | float):
-        return False
-    return bool(min(value, off) <= constant.moved(move) <= max(value, off))
+def unnoticed(job: Job, answers: Answers) -> Answer | None:
+    """What is said with a constant moved that nothing noticed: the same as with all as it is."""
+    base, watched = answers[Job(job.case).place], answers[Watch(job.case, (), ()).place]
+    name, move, _ = job.place
+    is_followed = base.digest != "" and watched.digest == base.digest
+    return base if is_followed and (name, move) not in watched.noticed else None
 
 
-def foretold(job: Job, answers: Answers) -> Answer | None:
-    """What is said of a log on which a bound is switched off without any change, at a value in between: the same."""
-    base, off = answers[_place(None, "", job.case)], answers.get(_place(job.constant, OFF, job.case))
-    if off is None or not base.digest or off.digest != base.digest or not is_between(job.constant, job.move):
-        return None
-    return base
+def _digest(job: Job | Watch) -> str:
+    whole = hashlib.sha256(f"{code_version()} {job.case.name} {job.setting}\0".encode())
+    for path in job.case.files:
+        whole.update(path.read_bytes())
+    return whole.hexdigest()[:24]
 
 
-def _place(constant: Constant | None, move: str, case: Case) -> tuple[str, str, str]:
-    return "" if constant is None else constant.full_name, move, f"{case.kind}: {case.name}"
+def _set(constant: Constant, move: str) -> str:
+    return f"{constant.module}.{constant.name} = {constant.moved(move)!r}"

@@ -15,7 +15,8 @@ NOTE = (
     "`python -m benchmarks.ablation`. A log is right by the exam of its kind: sealed ones where the names that are "
     "hidden and no others are told (nothing, or something left unexplained, where that is true), measured ones where "
     "names and values are true. `changed` counts logs of which names, probabilities or verdict differ, `(all)` those "
-    "of which any digit of the report does. The mass is that of sealed logs. Group a decides; b is assumed."
+    "of which any digit of the report does, scores of all candidates included. The mass is that of sealed logs. Group "
+    "a decides; b is assumed."
 )
 MOST_LOST = 0.01
 """Of logs: what a constant moved by 30 % may cost."""
@@ -123,6 +124,21 @@ def _summary(base: Row, others: Sequence[Row]) -> list[str]:
 
 def _named(found: Sequence[Row]) -> str:
     return ", ".join(dict.fromkeys(f"`{row.constant.full_name}`" for row in found if row.constant)) or "none"
+
+
+def affected(constants: Sequence[Constant], moves: Sequence[str], watched: Answers) -> str:
+    """On how many logs each value might change anything; those that can't be followed are told."""
+    followed = [answer for answer in watched.values() if answer.digest]
+    cells = []
+    for one in constants:
+        counts = [sum((one.full_name, move) in answer.noticed for answer in followed) for move in moves]
+        told = [str(n) if one.moved(move) is not None else "-" for n, move in zip(counts, moves, strict=True)]
+        cells.append((f"`{one.full_name}`", one.group.value, short(one.value), one.why, *told))
+    note = f"Of {len(watched)} logs, on how many a value of a constant might change any digit of the report."
+    lost = [f"{case}, {answer.failure}" for (_, _, case), answer in watched.items() if not answer.digest]
+    told = [f"Not followed: {'; '.join(lost)}."] if lost else []
+    columns = ("constant", "group", "value", "decides", *(move if move == OFF else f"×{move}" for move in moves))
+    return "\n\n".join([note, _markdown(columns, cells), *told]) + "\n"
 
 
 def listed(constants: Sequence[Constant]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,8 +13,8 @@ from benchmarks.ablation import __main__ as program
 from benchmarks.ablation import running
 from benchmarks.ablation.cases import Case, Mark, MeasuredCase, SealedCase, sealed_cases, spread
 from benchmarks.ablation.every import CONSTANTS
-from benchmarks.ablation.running import Job, foretold, is_between, run, wanted
-from benchmarks.ablation.table import rows, section
+from benchmarks.ablation.running import Job, Watch, run, unnoticed, wanted
+from benchmarks.ablation.table import affected, rows, section
 from cartgrasp.errors import DataError
 from estimation.discrepancy import search, verdicts
 
@@ -77,6 +77,10 @@ def asked(monkeypatch):
     return found
 
 
+def options_of(kept):
+    return SimpleNamespace(kept=kept, processes=1)
+
+
 def test_a_constant_is_moved_while_a_log_is_diagnosed(asked, tmp_path):
     (_, base), (_, moved) = (run(job, tmp_path) for job in (Job(Made(12.0)), Job(Made(12.0), WORTH, "1.3")))
     assert asked == [(12.0, 10.0, 10.0), (12.0, 13.0, 13.0)]
@@ -118,22 +122,38 @@ def test_a_log_that_fails_is_an_answer(asked, tmp_path):
     assert len(asked) == 1
 
 
-def test_values_between_are_not_run_where_a_rule_off_changes_nothing(asked, tmp_path):
-    """A gain of 100 is named whatever WORTH is, one of 5 is not only if WORTH is on."""
-    cases = [Made(100.0), Made(5.0)]
-    answers = program.ablated(cases, [WORTH], ("off", "0.7", "1.3"), tmp_path, 1)
-    assert asked == [
-        *((gain, 10.0, 10.0) for gain in (100.0, 5.0)),
-        *((gain, 0.0, 0.0) for gain in (100.0, 5.0)),
-        (5.0, 7.0, 7.0),
-        *((gain, 13.0, 13.0) for gain in (100.0, 5.0)),
-    ]
-    assert len(answers) == 8
-    assert foretold(Job(cases[0], WORTH, "0.7"), answers) == answers[Job(cases[0]).place]
-    assert is_between(WORTH, "0.7")
-    assert not is_between(WORTH, "1.3")
-    assert is_between(BY_NAME["plausible.MOST[time_delay.delay]"], "1.3")
-    assert not is_between(TURNING, "off")
+def test_what_nothing_notices_is_not_run(asked, tmp_path):
+    """A gain of 100 is named whatever WORTH is, one of 12 if it is off or less, one of 5 only if it is off."""
+    cases = [Made(100.0), Made(12.0), Made(5.0)]
+    answers = program.ablated(cases, [WORTH, SURE], ("off", "0.7", "1.3"), options_of(tmp_path))
+    as_it_is, watched, moved = asked[:3], asked[3:6], asked[6:]
+    assert as_it_is == [(gain, 10.0, 10.0) for gain in (100.0, 12.0, 5.0)]
+    assert [gain for gain, *_ in watched] == [100.0, 12.0, 5.0]
+    assert moved == [(5.0, 0.0, 0.0), (12.0, 13.0, 13.0)]
+    assert len(answers) == 3 + 3 + 3 * 6
+    for case in cases:
+        base = answers[Job(case).place]
+        for job in wanted([case], [WORTH, SURE], ("off", "0.7", "1.3")):
+            direct = run(job, tmp_path)[1]
+            assert (direct.digest == base.digest) == (answers[job.place].digest == base.digest)
+
+
+@pytest.mark.usefixtures("asked")
+def test_a_log_that_can_not_be_followed_is_run(monkeypatch):
+    case = Made(100.0)
+    job, watch = Job(case, WORTH, "0.7"), Watch(case, (WORTH,), ("0.7",))
+    base, followed = Job(case).ask(), watch.ask()
+
+    def told(watched):
+        return unnoticed(job, {Job(case).place: base, watch.place: watched})
+
+    assert told(followed) is base
+    assert told(replace(followed, noticed=((WORTH.full_name, "0.7"),))) is None
+    assert told(replace(followed, digest="of another run")) is None
+    monkeypatch.setattr(running, "diagnose", lambda *_: {}[search.WORTH])
+    lost = watch.ask()
+    assert lost.failure.startswith("can't be followed: ")
+    assert told(lost) is None
 
 
 def test_a_constant_that_has_no_such_value_is_not_moved():
@@ -144,7 +164,7 @@ def test_a_constant_that_has_no_such_value_is_not_moved():
 def test_the_table_counts_what_each_value_costs(asked, tmp_path):
     cases = [Made(100.0), Made(12.0), Made(5.0, "nothing")]
     moves = ("off", "0.7", "1.3")
-    answers = program.ablated(cases, [WORTH, SURE], moves, tmp_path, 1)
+    answers = program.ablated(cases, [WORTH, SURE], moves, options_of(tmp_path))
     text = section(rows(cases, [WORTH, SURE], moves, answers))
     table = [line[2:-2].split(" | ") for line in text.splitlines() if line.startswith("| ")]
     cells = [dict(zip(table[0], line, strict=True)) for line in table[2:]]
@@ -159,6 +179,24 @@ def test_the_table_counts_what_each_value_costs(asked, tmp_path):
     assert "Switched off without any change: `search.SURE`." in text
     assert "Switched off, fewer logs are right: `search.WORTH`." in text
     assert "Moved, they cost more than 1 % of the logs: `search.WORTH`." in text
+
+
+def test_affected_logs_are_counted(asked, tmp_path):
+    """WORTH is 10: as above, and on a log without a gain nothing can be said."""
+    cases, moves = [Made(100.0), Made(12.0), Made(5.0), Made(-1.0)], ("off", "1.3")
+    text = affected(
+        [WORTH, TURNING, SURE], moves, program.watched(cases, [WORTH, TURNING, SURE], moves, options_of(tmp_path))
+    )
+    assert len(asked) == 4
+    counts = {
+        line.split(" | ")[0]: line[2:-2].split(" | ")[-2:] for line in text.splitlines() if line.startswith("| `")
+    }
+    assert counts == {
+        "| `search.WORTH`": ["1", "1"],
+        "| `candidates.TURNING`": ["3", "-"],
+        "| `search.SURE`": ["0", "0"],
+    }
+    assert "Not followed: single: gain -1, no such gain." in text
 
 
 def test_few_logs_are_of_all_kinds():
