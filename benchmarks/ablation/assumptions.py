@@ -1,0 +1,101 @@
+"""Constants that say how wrong models and sensors are, and what is believed beforehand: they enter likelihoods."""
+
+from __future__ import annotations
+
+from .constants import Constant, Group
+
+B = Group.ASSUMES
+
+
+def _of(module: str, reasons: dict[str, str], is_diagnosed: bool = True) -> tuple[Constant, ...]:
+    return tuple(Constant(module, name, B, None, why, is_diagnosed) for name, why in reasons.items())
+
+
+ASSUMPTIONS = (
+    *_of(
+        "weak_form.balances",
+        {
+            "STILL_SPEED": "a cart that goes slower may be held by anything",
+            "STILL_DEVIATIONS": "of the smooth speed: a cart that seems to go slower may stand",
+            "LEVER": "half of a usual track, which makes moments of forces",
+        },
+    ),
+    *_of(
+        "weak_form.band",
+        {
+            "LAGS": "rows over which residuals are correlated",
+            "RICH": "forms of force that say nothing of the mass",
+        },
+    ),
+    *_of("weak_form.motion", {"LONGEST_GAP": "beyond it nobody knows what happened"}),
+    *_of(
+        "weak_form.rows",
+        {
+            "FORM_SHARE": "of wrenches, by which the form of a body is wrong",
+            "EFFECT_SHARE": "of an effect, by which its form is wrong",
+            "G": "gravity",
+            "HELD": "of the weight, what a hand or a chock holds",
+            "FRICTION": "half of a usual coefficient of rolling resistance: dry friction at rest",
+            "REST_SPEED": "below it dry friction takes any value",
+            "SWING_WAY": "way on which casters swing round",
+            "ON_CASTERS": "of the weight",
+            "SOFT_EDGE": "width of a place's edge",
+            "SOFT_SHARE": "of its duration, in which a push rises",
+            "SOFT_ONSET": "time in which a load is put on",
+            "LEAST_FORM": "share by which forms are wrong at least",
+        },
+    ),
+    *_of(
+        "weak_form.score",
+        {
+            "PIECE": "as long as what is left out belongs together that happens once",
+            "STRETCH": "as long as what is left out belongs together that holds everywhere",
+        },
+    ),
+    *_of(
+        "weak_form.sensor_noise",
+        {
+            "AVERAGED": "blocks over which a sensor's noise remembers",
+            "LEAST_POSITION": "noise of the best motion capture",
+            "LEAST_VELOCITY": "noise of its velocities",
+        },
+    ),
+    *_of("weak_form.splines", {"OUTLYING": "deviations from which on a sample counts for less"}),
+    *_of("weak_form.standing", {"MOMENT": "who turns back does not stand for as long"}, is_diagnosed=False),
+    *_of(
+        "discrepancy.certainty",
+        {
+            "LEAST_TIME": "half a sample: no onset is known better",
+            "LEAST_PLACE": "what an edge of the floor is: none is known better",
+            "FORM_SHARE": "of a length, what the form of its effect leaves open",
+        },
+    ),
+    *_of("discrepancy.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
+    *_of("discrepancy.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
+    *_of(
+        "discrepancy.flights",
+        {"TOUCH": "how long a touch lasts", "NEAR": "how near a stop a cart leans on it"},
+    ),
+    *_of(
+        "discrepancy.laws",
+        {
+            "FORCE_STD": "prior size of a law's force",
+            "MOMENT_STD": "prior size of a law's moment",
+        },
+    ),
+    *_of(
+        "discrepancy.model",
+        {
+            "GUESS_STD": "prior of the logarithms of mass and inertia",
+            "COM_STD": "prior of the CoM",
+            "SIZE_STD": "prior of an added effect, of its usual size",
+            "FILE_SHARE": "prior of an effect of the file, of its value",
+            "FILE_LEAST": "prior of an effect of the file, of its usual size",
+            "FORM_LEVER": "how far from where the model says a force may act",
+            "TIMING_STD": "of a step, how late a sensor's samples may be",
+        },
+    ),
+    *_of("discrepancy.named", {"OPEN_WORLD": "prior of a cause that the vocabulary has"}),
+    *_of("discrepancy.refusal", {"BLOCK": "time over which errors of rollouts are related"}, is_diagnosed=False),
+    *_of("discrepancy.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),
+)

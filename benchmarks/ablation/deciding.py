@@ -1,0 +1,55 @@
+"""Constants that decide which names are told, or what verdict; what switches each off."""
+
+from __future__ import annotations
+
+from math import inf
+
+from .constants import Constant, Group
+
+A = Group.DECIDES
+NEVER = 1e9
+"""s: as long as no log is."""
+
+DECIDING = (
+    # the band in which the search is made
+    Constant("weak_form.band", "FAR", A, inf, "deviations by which a narrower band's mass is another"),
+    Constant("weak_form.band", "FAR_SHARE", A, 0.0, "share of the mass by which a narrower band's is another"),
+    Constant("weak_form.band", "MOST_OPEN", A, inf, "two-way bracket of the mass beyond which a band is not searched"),
+    Constant("weak_form.band", "LEAST_KNOWN", A, inf, "scatter of the mass beyond which a band says nothing"),
+    Constant("weak_form.band", "AS_WELL", A, inf, "scatter of a band that the batch fit still takes", False),
+    Constant("discrepancy.diagnosis", "NARROWER", A, inf, "narrower bands that are searched first in the widest one"),
+    # what is tried
+    Constant("discrepancy.log_check", "SHORTEST_MOVE", A, 0.0, "how long a cart moves for anything to be searched"),
+    Constant("discrepancy.candidates", "INERTIAL", A, (), "names that nobody gets who does not push"),
+    Constant("discrepancy.candidates", "TURNING", A, (), "names that no cart on a rail gets"),
+    Constant("discrepancy.screening", "LEAST_SIDE", A, 0.0, "time before and after a lasting change"),
+    Constant("discrepancy.refine", "SPARE", A, inf, "how far beyond what is plausible settings are followed"),
+    # what is added and dropped
+    Constant("discrepancy.search", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"),
+    Constant("discrepancy.search", "SHARE", A, 0.0, "least gain as a share of the largest so far"),
+    Constant("discrepancy.search", "SIMPLER", A, 0.0, "share of the best gain that a simpler candidate may lack"),
+    Constant("discrepancy.search", "RESIZED", A, 0.0, "least gain of another size of an effect of the file"),
+    Constant("discrepancy.search", "SURE", A, 0.0, "least gain in standard errors over stretches"),
+    Constant("discrepancy.search", "ODDS[rolling_resistance]", A, 0.0, "log odds of rolling resistance before data"),
+    Constant("discrepancy.model", "LONG_MEAN", A, NEVER, "means whose size divides the gain of what lasts for a while"),
+    # what may be called so
+    Constant("discrepancy.plausible", "LEAST_SIZE", A, 0.0, "least size of a named effect"),
+    Constant("discrepancy.plausible", "LEAST[time_delay.delay]", A, 0.0, "least delay with a name"),
+    Constant("discrepancy.plausible", "LEAST[load_slosh.damping]", A, 0.0, "least damping of a load"),
+    Constant("discrepancy.plausible", "MOST[time_delay.delay]", A, inf, "largest delay with a name"),
+    Constant("discrepancy.plausible", "MOST[load_slosh.damping]", A, inf, "largest damping of a load"),
+    Constant("discrepancy.plausible", "MOST[load_slosh.frequency]", A, inf, "highest frequency of a load"),
+    Constant("discrepancy.plausible", "MOST[external_push.duration]", A, inf, "longest push"),
+    Constant("discrepancy.plausible", "MOST[stribeck_friction.speed]", A, inf, "largest speed of Stribeck friction"),
+    Constant("discrepancy.plausible", "MOST[caster_realignment.trail]", A, inf, "longest trail of a caster"),
+    Constant("discrepancy.plausible", "LEVERS", A, {}, "effects whose moment is their force at a wheel"),
+    Constant("discrepancy.plausible", "HALF_TRACK", A, inf, "lever of such a force where no wheels are listed"),
+    Constant("discrepancy.plausible", "SPARE", A, inf, "times the lever that a moment may have"),
+    # what is said
+    Constant("discrepancy.named", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
+    Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
+    Constant("discrepancy.diagnosis", "CLOSED", A, inf, "share of the gap that may be left where effects explain it"),
+    Constant("discrepancy.diagnosis", "WORSE", A, inf, "times the file's gap, from which on a refit is refused"),
+    Constant("discrepancy.refusal", "WORSE", A, inf, "the same for the batch fit", False),
+    Constant("discrepancy.refusal", "SURE", A, 0.0, "standard errors by which the batch fit is worse then", False),
+)

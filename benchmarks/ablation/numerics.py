@@ -1,0 +1,170 @@
+"""Constants of numerics, grids, effort, refusals of logs that can't be read, and words: no verdict depends on them
+but by resolution."""
+
+from __future__ import annotations
+
+from .constants import Constant, Group
+
+C = Group.WORKS_OUT
+
+REASONS: dict[str, dict[str, str]] = {
+    "weak_form.balances": {"SUPPORT": "of a cubic B-spline"},
+    "weak_form.band": {
+        "ROW_STEPS": "grid of bands",
+        "FEWEST": "rows, to be solvable",
+        "TRACE": "columns that are nought",
+    },
+    "weak_form.fit": {
+        "ROUNDS": "of Gauss-Newton",
+        "SETTLED": "of Gauss-Newton",
+        "MOST_STEP": "of Gauss-Newton",
+    },
+    "weak_form.motion": {
+        "GRID_STEP": "grid",
+        "FINEST_STEP": "grid",
+        "KNOT_STEPS": "knots of splines",
+        "SAMPLES_PER_KNOT": "knots of splines",
+        "FEWEST_ROWS": "refuses a log",
+    },
+    "weak_form.rows": {
+        "BISECTIONS": "effort",
+        "LEAST_EXCESS": "keeps logs without noise solvable",
+        "LEAST_FORCE": "keeps logs without noise solvable",
+        "LEAST_SPEED": "keeps logs without noise solvable",
+    },
+    "weak_form.score": {
+        "FOLDS": "number of folds",
+        "MOST_STRETCHES": "effort",
+        "LEAST_SCALE": "keeps logs without noise finite",
+    },
+    "weak_form.sensor_noise": {
+        "NOISE_OF_DIFFERENCES": "of third differences, by algebra",
+        "MAD_TO_STD": "of the normal distribution",
+    },
+    "weak_form.splines": {
+        "DEGREE": "of the motion's splines",
+        "ORDER": "of their penalty",
+        "LEAST_PENALTY": "bridges gaps",
+        "LOOSE": "range of the penalty",
+        "STIFF": "range of the penalty",
+        "ROUNDS": "effort",
+    },
+    "discrepancy.candidates": {"EVER": "stands for infinity"},
+    "discrepancy.certainty": {
+        "TAUGHT": "a flag that the report does not tell",
+        "MOST_MOVED": "of a linear step",
+        "FAINT": "range of a grid",
+        "DOUBLINGS": "range of a grid",
+        "POINTS": "grid",
+    },
+    "discrepancy.changes": {"PENALTY": "change points of sentences and figures", "MOST": "effort"},
+    "discrepancy.circumstances": {"SMOOTHED": "wrenches in sentences"},
+    "discrepancy.clock_offset": {"UNKNOWN": "whether a lateness is told"},
+    "discrepancy.fast_noise": {
+        "ROW_STEP": "grid",
+        "THIRD": "third differences",
+        "FEWEST": "differences, to be solvable",
+    },
+    "discrepancy.figures": {
+        "NO_METADATA": "of files",
+        "BEFORE": "colour",
+        "AFTER": "colour",
+        "FLOOR": "colour",
+        "MOST_LOGS": "drawn",
+        "FLAT": "shape of a figure",
+    },
+    "discrepancy.flights": {"SHORTEST": "parts of a log that are too short to solve"},
+    "discrepancy.gap": {"FOLDS": "number of folds", "DRAWS": "effort", "COORDINATES": "words"},
+    "discrepancy.isolability": {"ALIKE": "table of what is alike", "SHOWN": "table of what is alike"},
+    "discrepancy.laws": {
+        "PERIODS": "grid of periods",
+        "OVERSAMPLED": "grid of a Fourier transform",
+        "KNOWN": "effort",
+        "LIKELY": "effort",
+    },
+    "discrepancy.log_check": {
+        "FEWEST_ROWS": "refuses a log",
+        "SHORTEST": "refuses a log",
+        "FEWEST_USED": "refuses a log",
+        "LARGEST": "refuses a log",
+        "FASTEST": "refuses a log",
+        "NOISES": "refuses a log",
+        "EIGHTHS": "words on the motion",
+        "LEAST_HEADED": "words on the motion",
+        "ROLLING": "words on the motion",
+        "STILL_TURNING": "words on the motion",
+    },
+    "discrepancy.model": {"ROUNDS": "effort", "FEWEST_MEANS": "means, to be solvable"},
+    "discrepancy.named": {"SURE": "which of an effect's numbers are told"},
+    "discrepancy.next_experiments": {"MORE_MOTION": "words"},
+    "discrepancy.page": {"POLICY": "of the page", "STYLE": "of the page", "ONE_STD": "words", "_ORDER": "of columns"},
+    "discrepancy.refine": {
+        "HALVINGS": "effort",
+        "EVALUATIONS": "effort",
+        "TIME_STEP": "first step",
+        "PLACE_STEP": "first step",
+        "DELAY_STEP": "first step",
+        "FACTOR": "first step",
+    },
+    "discrepancy.refusal": {"FEWEST": "blocks, to be solvable", "HORIZON": "the gap's"},
+    "discrepancy.residual": {
+        "LATERAL": "word",
+        "DIRECTIONS": "words",
+        "LEAST_CREEP": "whether a place is told",
+        "LEAST": "whether a place is told",
+        "UNITS": "words",
+        "STRETCH": "of means that are drawn",
+        "SURE": "whether a place is told",
+    },
+    "discrepancy.residual_map": {"HEADING": "word", "BINS": "grid", "HALF": "grid", "FEWEST": "stretches in a mean"},
+    "discrepancy.rollouts": {
+        "HORIZONS": "what a gap is",
+        "EVERY": "effort",
+        "STEP": "of the integrator",
+        "STABLE": "of the integrator",
+        "SAMPLED": "effort",
+    },
+    "discrepancy.screening": {
+        "KEPT": "effort",
+        "BLOCK": "grid of times",
+        "LENGTHS": "grid of times",
+        "CELL": "grid of places",
+        "MOST_CELLS": "grid of places",
+        "RIM": "grid of places",
+        "HARMONICS": "grid of laws",
+        "TURNS": "grid of laws",
+        "LONGEST": "grid of laws",
+        "NEARBY": "grid of laws",
+        "LARGEST": "what ran away in an integrator",
+    },
+    "discrepancy.search": {"NEAR": "effort", "MOST_REFITTED": "effort", "MOST_STEPS": "effort"},
+    "discrepancy.separating": {
+        "ENOUGH": "which motion is advised",
+        "FAST": "motions that are advised",
+        "RIDGE": "keeps it solvable",
+        "LATENESS_STEP": "of a finite difference",
+    },
+    "discrepancy.verdicts": dict.fromkeys(("ADDED", "TOO_LITTLE", "SIMPLER", "BETTER", "ODD"), "words"),
+    "discrepancy.where": {
+        "LEAST_SHARE": "which sentences are told",
+        "LEAST_LIFT": "which sentences are told",
+        "LEAST_ALONG": "which sentences are told",
+        "MOST": "which sentences are told",
+        "MOST_KNOWN": "which sentences are told",
+        "WIDER": "which sentences are told",
+        "SLOW": "conditions of sentences",
+        "TURNING": "conditions of sentences",
+        "MOVES": "words",
+        "ALL_MOTION": "conditions of sentences",
+        "FAST_SHARE": "conditions of sentences",
+        "STRONG_SHARE": "conditions of sentences",
+        "WEAK_SHARE": "conditions of sentences",
+        "LARGEST": "conditions of sentences",
+        "AFTER_REVERSAL": "conditions of sentences",
+        "MOST_CONTACTS": "which sentences are told",
+    },
+}
+
+NUMERICS = tuple(
+    Constant(module, name, C, None, why) for module, reasons in REASONS.items() for name, why in reasons.items()
+)
