@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from .constants import Constant, Group
 
 B = Group.ASSUMES
@@ -98,4 +100,17 @@ ASSUMPTIONS = (
     *_of("discrepancy.named", {"OPEN_WORLD": "prior of a cause that the vocabulary has"}),
     *_of("discrepancy.refusal", {"BLOCK": "time over which errors of rollouts are related"}, is_diagnosed=False),
     *_of("discrepancy.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),
+    # what is usual: the table of priors
+    Constant("discrepancy.plausible", "ODDS[rolling_resistance]", B, 0.0, "log odds of rolling resistance before data"),
+    Constant("discrepancy.plausible", "LEAST[time_delay.delay]", B, 0.0, "least delay with a name"),
+    Constant("discrepancy.plausible", "LEAST[load_slosh.damping]", B, 0.0, "least damping of a load"),
+    Constant("discrepancy.plausible", "MOST[time_delay.delay]", B, inf, "largest delay with a name"),
+    Constant("discrepancy.plausible", "MOST[load_slosh.damping]", B, inf, "largest damping of a load"),
+    Constant("discrepancy.plausible", "MOST[load_slosh.frequency]", B, inf, "highest frequency of a load"),
+    Constant("discrepancy.plausible", "MOST[external_push.duration]", B, inf, "longest push"),
+    Constant("discrepancy.plausible", "MOST[stribeck_friction.speed]", B, inf, "largest speed of Stribeck friction"),
+    Constant("discrepancy.plausible", "MOST[caster_realignment.trail]", B, inf, "longest trail of a caster"),
+    Constant("discrepancy.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
+    Constant("discrepancy.candidates", "INERTIAL", B, (), "names that nobody gets who does not push"),
+    Constant("discrepancy.candidates", "TURNING", B, (), "names that no cart on a rail gets"),
 )

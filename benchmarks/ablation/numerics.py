@@ -138,6 +138,8 @@ REASONS: dict[str, dict[str, str]] = {
         "LARGEST": "what ran away in an integrator",
     },
     "discrepancy.search": {"NEAR": "effort", "MOST_REFITTED": "effort", "MOST_STEPS": "effort"},
+    "weak_form.wrenches": {"LEAST_DENSITY": "keeps solvable"},
+    "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},
     "discrepancy.separating": {
         "ENOUGH": "which motion is advised",
         "FAST": "motions that are advised",

@@ -15,9 +15,9 @@ from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.model import CartModel
 
 INERTIAL = ("payload_change", "load_slosh")
-"""They change how much a cart is moved by a push: where nobody pushes, less inertia only looks like less of all."""
+"""Effects that change how much a push moves a cart: where nobody pushes, less inertia only looks like less of all."""
 TURNING = ("wheel_drag_imbalance",)
-"""They turn a cart: on a rail they are any drag."""
+"""Effects that turn a cart: on a rail they are any drag."""
 EVER = 1e12
 """s, m: as long, and as far, as no log goes."""
 

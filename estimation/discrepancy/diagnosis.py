@@ -19,7 +19,7 @@ from ..glitches import without_glitches
 from ..impacts import Impact, impacts
 from ..sensor_check import of_wrenches, put_right
 from ..weak_form.balances import Balances
-from ..weak_form.band import Band, bands, consistent
+from ..weak_form.band import Band, bands, consistent, is_narrower
 from ..weak_form.rows import wrench_noise
 from .certainty import Certainty
 from .clock_offset import clock_offsets
@@ -31,6 +31,7 @@ from .log_check import LogCheck, check_rows, check_sizes, checked, moves, with_c
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
+from .refusal import WORSE
 from .residual import DIRECTIONS, Residual, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rollouts import starts
@@ -44,10 +45,6 @@ BEYOND_NOISE = 2.0
 """Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
 CLOSED = 0.05
 """Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
-NARROWER = 1.5
-"""Times the step of test functions: half as much again is another band."""
-WORSE = 1.05
-"""Times the file's gap: a refit that foretells unseen stretches worse than that is refused."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,10 +294,10 @@ def _searched(parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], 
     """In the widest band in which the model foretells the motion: with what it lacks, where that makes the mass the
     same in all bands, else without."""
     known = tuple(consistent(bands(balances, cart)) for balances in parts)
-    if any(band is not None and band.row_step > NARROWER * b.row_step for b, band in zip(parts, known, strict=True)):
+    if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = _in_band(parts, cart, tell)
         again = tuple(consistent(bands(balances, final.cart)) for balances in final.logs)
-        if all(band and band.row_step < NARROWER * b.row_step for b, band in zip(parts, again, strict=True)):
+        if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
             return nominal, final, steps, again
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
     nominal, final, steps = _in_band(narrowed, cart, tell)

@@ -17,7 +17,7 @@ from ..log_noise import noise_of_log
 from ..noise import FilterNoise
 from ..sensor_check import Suspicion
 from ..sensor_check.stale import without_stale
-from ..weak_form.balances import Balances
+from ..weak_form.balances import SUPPORT, Balances
 from .clock_offset import ClockOffset
 
 FEWEST_ROWS = 40
@@ -26,8 +26,6 @@ SHORTEST = 4.0
 """s."""
 FEWEST_USED = 10
 """Rows of balances in weak form that hold all."""
-SHORTEST_MOVE = 0.4
-"""s."""
 LARGEST = 1e9
 """m, rad, m/s, N, N·m: beyond, no number is in SI units."""
 FASTEST, NOISES = 40.0, 10.0
@@ -201,7 +199,7 @@ def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
 def moves(balances: Balances) -> bool:
     """Whether it does for as long as a test function lasts at least."""
     fast = (balances.turning_speed > balances.still_speed) & balances.motion.seen
-    size = round(SHORTEST_MOVE / balances.motion.step)
+    size = SUPPORT * balances.per_row
     return bool((np.convolve(fast, np.ones(max(size, 1)), "valid") > size - 0.5).any())
 
 

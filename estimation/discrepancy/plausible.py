@@ -6,12 +6,17 @@ from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.wheels import WheelSet
 
+from ..weak_form.balances import LEVER
 from .candidates import amplitudes_of
 
+ODDS = {"rolling_resistance": 4.0}
+"""Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
 LEAST_SIZE = 0.1
 """Of an effect's usual size: nobody calls less by its name."""
-LEAST = {"time_delay.delay": 0.008, "load_slosh.damping": 0.003}
-"""Settings below which it is none (s): sensors that hold or average samples at 100 Hz are as late."""
+LEAST = {
+    "time_delay.delay": 0.008,  # s: sensors that hold or average samples at 100 Hz are as late
+    "load_slosh.damping": 0.003,  # less has no spring or liquid
+}
 MOST = {
     "time_delay.delay": 0.15,  # s: what is later has another cause
     "load_slosh.damping": 0.3,  # nothing swings beyond
@@ -20,9 +25,11 @@ MOST = {
     "stribeck_friction.speed": 0.5,  # m/s: beyond, it is Coulomb's drag at all speeds that a cart has
     "caster_realignment.trail": 0.15,  # m
 }
+"""Between which a setting of what bears the name lies."""
 LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
-"""A force that acts at a wheel has a moment of half a track at most."""
-HALF_TRACK, SPARE = 0.4, 1.5
+"""No wheel drives: the moment of wheels that drag unlike is at most the drag times half a track."""
+SPARE = 1.5
+"""Times what is plausible: estimates have errors. What gains most beyond is something else, and is not followed."""
 
 
 def is_plausible(effect: Effect, wheels: WheelSet) -> bool:
@@ -37,7 +44,7 @@ def is_plausible(effect: Effect, wheels: WheelSet) -> bool:
     if effect.name in LEVERS:
         moment, force = (abs(values[f"{effect.name}.{name}"]) for name in LEVERS[effect.name])
         tracks = [abs(wheel.y) for wheel in wheels.wheels if wheel.y]
-        if moment > SPARE * max(tracks, default=HALF_TRACK) * force:
+        if moment > SPARE * max(tracks, default=LEVER) * force:
             return False
     return True
 

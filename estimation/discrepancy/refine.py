@@ -14,13 +14,11 @@ from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 
 from .candidates import amplitudes_of
-from .plausible import is_within
+from .plausible import SPARE, is_within
 
 HALVINGS, EVALUATIONS = 5, 60
 TIME_STEP, PLACE_STEP, DELAY_STEP = 0.2, 0.2, 0.01
 FACTOR = 1.6
-SPARE = 1.5
-"""Times what is plausible: what gains most beyond is something else, and need not be followed farther."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from ..weak_form.score import Score
 from .candidates import amplitudes_of, families
 from .laws import Law
 from .model import Model
-from .plausible import is_plausible
+from .plausible import ODDS, is_plausible
 from .refine import refined
 from .screening import Screen
 
@@ -32,8 +32,6 @@ RESIZED = 2.0
 SURE = 1.5
 """Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
 MOST_STEPS = 6
-ODDS = {"rolling_resistance": 4.0}
-"""Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
 
 
 @dataclass(frozen=True)

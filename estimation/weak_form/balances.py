@@ -203,7 +203,7 @@ class Balances:
         needed, by_parameters = self._needed(cart, state)
         planar = self.wrenches.planar(cart)
         left = planar @ cart.basis_b - needed
-        slopes = by_parameters - self.wrenches.slopes(cart, needed)
+        slopes = by_parameters - self.wrenches.slopes(cart, needed, self.wrench_densities)
         share = self.wrenches.recorded_share(cart)
         if share is not None:
             left, slopes = (share @ left[..., None])[..., 0], share @ slopes
@@ -230,7 +230,7 @@ class Balances:
         whole = replace(cart, effects=(*cart.effects, effect))
         own = slice(len(cart.parameters), None)
         if isinstance(effect, SensorEffect):
-            slopes = -self.wrenches.slopes(whole, self.expected(cart))[..., own]
+            slopes = -self.wrenches.slopes(whole, self.expected(cart), self.wrench_densities)[..., own]
         else:
             slopes = self._needed(whole, self.state(whole))[1][..., own]
         if self.motion.across is not None:

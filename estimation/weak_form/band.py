@@ -81,6 +81,11 @@ def bands(balances: Balances, cart: CartModel) -> list[Band]:
     return [band for band in found if band is not None]
 
 
+def is_narrower(band: Band, balances: Balances) -> bool:
+    """Than that of a log's rows."""
+    return round(band.row_step / balances.row_step) > 1
+
+
 def consistent(known: list[Band]) -> Band | None:
     """The widest band in which the model foretells the motion, with the mass of all narrower ones; where it foretells
     too little in all of them, the widest with their mass. None of none."""

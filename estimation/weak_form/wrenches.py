@@ -14,6 +14,10 @@ from cartgrasp.model import CartModel
 from .motion import LONGEST_GAP, Motion
 
 
+LEAST_DENSITY = 1e-4
+"""N/√Hz, N·m/√Hz: keeps wrenches without noise solvable."""
+
+
 @dataclass(frozen=True, eq=False)
 class GridWrenches:
     """Planar grasp maps (arms, n, 3, 6) and wrenches in {a} (arms, n, 6) at times (n,); `seen` (n,) where all are."""
@@ -67,21 +71,23 @@ class GridWrenches:
             found += grasp @ np.linalg.inv(true).T @ np.swapaxes(grasp, 1, 2)
         return np.asarray(found @ np.linalg.inv(spread))
 
-    def slopes(self, cart: CartModel, expected: Array) -> Array:
-        """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches
-        nearest to those recorded that add up to what a model expects (n, f). By a gain or an angle they are in
-        proportion to wrenches: to recorded ones, they would have their noise, and all that the model lacks, on both
-        sides."""
+    def slopes(self, cart: CartModel, expected: Array, densities: Array) -> Array:
+        """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches that
+        are most likely behind those recorded, with noise of `densities` (arms, 6), and add up to what a model expects
+        (n, f). By a gain or an angle they are in proportion to wrenches: to recorded ones, they would have their noise,
+        and all that the model lacks, on both sides. What is left of the noise goes with no balance's."""
         f = expected.shape[1]
         found = np.zeros((len(self.time), f, len(cart.parameters)))
         if not cart.sensor_effects:
             return found
         reduced = cart.basis_b.T @ self.grasps
-        spread = np.einsum("anfi,angi->nfg", reduced, reduced) + 1e-9 * np.eye(f)
+        variances = densities**2 + LEAST_DENSITY**2
+        spread = np.einsum("anfi,ai,angi->nfg", reduced, variances, reduced)
+        spread += 1e-9 * np.trace(spread, axis1=1, axis2=2)[:, None, None] * np.eye(f)
         missing = expected - self.planar(cart) @ cart.basis_b
         share = np.linalg.solve(spread, missing[..., None])
-        for arm, grasp, recorded in zip(self.arms, reduced, self.recorded, strict=True):
-            nearest = recorded + (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
+        for arm, grasp, recorded, own in zip(self.arms, reduced, self.recorded, variances, strict=True):
+            nearest = recorded + own * (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
             found += grasp @ cart.corrected_wrench(arm, nearest)[1]
         return found
 
