@@ -97,6 +97,7 @@ ASSUMPTIONS = (
             "TIMING_STD": "of a step, how late a sensor's samples may be",
         },
     ),
+    *_of("discrepancy.rivals", {"SIMPLER": "nats for each number that a rival takes less"}),
     *_of("discrepancy.named", {"OPEN_WORLD": "prior of a cause that the vocabulary has"}),
     *_of("discrepancy.refusal", {"BLOCK": "time over which errors of rollouts are related"}, is_diagnosed=False),
     *_of("discrepancy.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),

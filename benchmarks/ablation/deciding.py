@@ -36,7 +36,7 @@ DECIDING = (
         "times what is plausible that estimates may be",
     ),
     # what is said
-    Constant("discrepancy.named", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
+    Constant("discrepancy.rivals", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
     Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant("discrepancy.diagnosis", "CLOSED", A, inf, "share of the gap that may be left where effects explain it"),
     Constant("discrepancy.refusal", "WORSE", A, inf, "times the file's gap, from which on a refit is refused"),

@@ -138,7 +138,7 @@ REASONS: dict[str, dict[str, str]] = {
         "LARGEST": "what ran away in an integrator",
     },
     "discrepancy.search": {"NEAR": "effort", "MOST_REFITTED": "effort", "MOST_STEPS": "effort"},
-    "weak_form.wrenches": {"LEAST_DENSITY": "keeps solvable"},
+    "weak_form.wrenches": {"LEAST_DENSITY": "keeps solvable", "RELATIVE": "keeps solvable"},
     "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},
     "discrepancy.separating": {
         "ENOUGH": "which motion is advised",

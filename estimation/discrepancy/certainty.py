@@ -38,10 +38,12 @@ LEAST_TIME, LEAST_PLACE, FORM_SHARE = 0.005, 0.02, 0.05
 
 @dataclass(frozen=True, eq=False)
 class Certainty:
-    """Of a model; `band` (None: nobody pushes) is the one in which it foretells most."""
+    """Of a model; `band` (None: nobody pushes) is the one in which it foretells most, `undecided` a covariance of its
+    first guess's coordinates beside, for what explains about as much as what it has."""
 
     model: Model
     band: Band | None = None
+    undecided: Array | None = None
 
     @property
     def bracket(self) -> float:
@@ -83,10 +85,15 @@ class Certainty:
     def covariance(self) -> Array:
         """Of the rows' columns (q, q), with a mass that is as sure as it is."""
         found = self._covariance
-        if not self.model.prior.free[0]:
+        if self.model.prior.free[0]:
+            more = max(self._mass[1] ** 2 - found[0, 0], 0.0)
+            found = found + np.outer(found[0], found[0]) / found[0, 0] ** 2 * more
+        if self.undecided is None:
             return found
-        more = max(self._mass[1] ** 2 - found[0, 0], 0.0)
-        return np.asarray(found + np.outer(found[0], found[0]) / found[0, 0] ** 2 * more)
+        free = np.flatnonzero(self.model.prior.free[: len(self.undecided)])
+        beside = np.zeros_like(found)
+        beside[: len(free), : len(free)] = self.undecided[np.ix_(free, free)]
+        return np.asarray(found + beside)
 
     @cached_property
     def _covariance(self) -> Array:

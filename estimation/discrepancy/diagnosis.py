@@ -34,6 +34,7 @@ from .next_experiments import next_experiments
 from .refusal import WORSE
 from .residual import DIRECTIONS, Residual, residuals
 from .residual_map import ResidualMap, residual_maps
+from .rivals import undecided
 from .rollouts import starts
 from .search import Step, added, search
 from .where import Disagreement, where
@@ -71,7 +72,8 @@ class Diagnosis:
     @cached_property
     def certainty(self) -> Certainty:
         known = [band for band in self.bands if band is not None]
-        return Certainty(self.final, min(known, key=lambda band: band.deviation / band.mass, default=None))
+        band = min(known, key=lambda band: band.deviation / band.mass, default=None)
+        return Certainty(self.final, band, undecided(self.steps, len(self.final.guess.parameters)))
 
     @cached_property
     def cart(self) -> CartModel:
@@ -296,12 +298,12 @@ def _searched(parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], 
     known = tuple(consistent(bands(balances, cart)) for balances in parts)
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = _in_band(parts, cart, tell)
-        again = tuple(consistent(bands(balances, final.cart)) for balances in final.logs)
+        again = tuple(consistent(bands(balances, final.cart, cart)) for balances in final.logs)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
             return nominal, final, steps, again
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
     nominal, final, steps = _in_band(narrowed, cart, tell)
-    again = tuple(consistent(bands(balances, final.cart)) for balances in final.logs)
+    again = tuple(consistent(bands(balances, final.cart, cart)) for balances in final.logs)
     return nominal, final, steps, tuple(new or old for new, old in zip(again, known, strict=True))
 
 

@@ -6,18 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Parameter
 
 from ..end_stops import StopEstimate
 from .certainty import Certainty
 from .model import Model
-from .search import Attempt, Step, added
+from .rivals import rivals
+from .search import Step, added
 
-CONFUSABLE = np.log(100.0)
-"""Nats: by which less a rival may explain."""
 SURE = 2.0
 """Standard deviations from which on a value is there."""
 OPEN_WORLD = 0.95
@@ -57,7 +54,7 @@ def named(
     values = {effect.key: effect for effect in certainty.cart.effects}
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in order else len(order)):
         at = next((i for i, step in enumerate(steps) if step.added is not None and step.added.key == effect.key), None)
-        probability, confusable = (OPEN_WORLD, ()) if at is None else _rivals(steps[at])
+        probability, confusable = (OPEN_WORLD, ()) if at is None else _told(steps[at])
         share = 0.0 if at is None else shares[at]
         found.append(
             NamedEffect(
@@ -67,24 +64,11 @@ def named(
     return tuple(found)
 
 
-def _rivals(step: Step) -> tuple[float, tuple[str, ...]]:
+def _told(step: Step) -> tuple[float, tuple[str, ...]]:
     """Of what was added: its probability, and the names of what explains about as much."""
-    own = step.added
-    assert own is not None
-    assert isinstance(own.candidate, Effect)
-    weights: dict[str, float] = {}
-    for one in step.attempts:
-        if one.key == own.key or not isinstance(one.candidate, Effect):
-            continue
-        ahead = one.gain - own.gain - 2.0 * max(one.numbers - own.numbers, 0) * (one.gain > own.gain)
-        if one.gain > own.gain - CONFUSABLE and _is_told(one):
-            name = one.candidate.name
-            weights[name] = weights.get(name, 0.0) + float(np.exp(min(ahead, 0.0)))
-    return OPEN_WORLD / (1.0 + sum(weights.values())), tuple(weights)
-
-
-def _is_told(one: Attempt) -> bool:
-    return one.gain > 0
+    known = rivals(step)
+    names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
+    return OPEN_WORLD / (1.0 + sum(odds for odds, _ in known)), tuple(names)
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:

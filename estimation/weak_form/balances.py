@@ -204,7 +204,7 @@ class Balances:
         planar = self.wrenches.planar(cart)
         left = planar @ cart.basis_b - needed
         slopes = by_parameters - self.wrenches.slopes(cart, needed, self.wrench_densities)
-        share = self.wrenches.recorded_share(cart)
+        share = self.wrenches.recorded_share(cart, self.wrench_densities)
         if share is not None:
             left, slopes = (share @ left[..., None])[..., 0], share @ slopes
         if self.motion.across is not None:

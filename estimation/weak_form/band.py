@@ -71,13 +71,14 @@ class Band:
         return abs(self.mass - narrower.mass) < max(FAR * narrower.std, FAR_SHARE * narrower.mass)
 
 
-def bands(balances: Balances, cart: CartModel) -> list[Band]:
-    """Of a log whose wrenches say something about the mass, with a cart's structure; the widest first."""
+def bands(balances: Balances, cart: CartModel, guess: CartModel | None = None) -> list[Band]:
+    """Of a log whose wrenches say something about the mass, with a cart's structure, of which effects that a first
+    `guess` does not have are as they are; the widest first."""
     span = float(balances.motion.time[-1] - balances.motion.time[0])
     finest = 2 * KNOT_STEPS * balances.motion.step * (1 - 1e-6)
     fit = (step for step in ROW_STEPS if finest <= step < span / (FEWEST + SUPPORT))
     steps = [step for step in fit if balances.wrenches.arms]
-    found = (_band(balances.every(step), cart) for step in steps)
+    found = (_band(balances.every(step), cart, guess or cart) for step in steps)
     return [band for band in found if band is not None]
 
 
@@ -106,11 +107,12 @@ def _agreeing(known: list[Band]) -> list[Band]:
     return [band for band in steady if band.bracket < MOST_OPEN * band.mass] or steady
 
 
-def _band(balances: Balances, cart: CartModel) -> Band | None:
+def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
     left, slopes = balances.residual(cart)
-    taken = {effect.name for effect in cart.effects}
-    rich = [balances.columns(cart, e)[:, 0] for e in RICH if e.name not in taken]
-    own = slopes[:, 0]
+    given, found = {effect.name for effect in guess.effects}, {effect.key for effect in cart.effects}
+    others_of = ((e, cart.without_effect(e.key) if e.key in found else cart) for e in RICH if e.name not in given)
+    rich = [balances.columns(other, e)[:, 0] for e, other in others_of]
+    own = slopes[:, 0, : len(guess.parameters)]
     others = np.column_stack([own[:, 1:], *rich])
     acceleration, force = own[:, 0], left[:, 0] + cart.inertia.mass * own[:, 0]
     sizes = np.linalg.norm(others, axis=0)

@@ -13,9 +13,8 @@ from cartgrasp.model import CartModel
 
 from .motion import LONGEST_GAP, Motion
 
-
-LEAST_DENSITY = 1e-4
-"""N/√Hz, N·m/√Hz: keeps wrenches without noise solvable."""
+LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
+"""N/√Hz, N·m/√Hz, and of a covariance: keeps wrenches without noise, and points without an arm, solvable."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,20 +55,18 @@ class GridWrenches:
             value += (grasp @ true[..., None])[..., 0]
         return value
 
-    def recorded_share(self, cart: CartModel) -> Array | None:
-        """By how much (n, f, f) what is recorded changes for what acts, where sensors are not as they should be: what
-        is left is compared in recorded wrenches, whose noise it is. None where the two are the same."""
+    def recorded_share(self, cart: CartModel, densities: Array) -> Array | None:
+        """By how much (n, f, f) the noise of what is recorded, of `densities` (arms, 6), changes for that of what acts,
+        where sensors are not as they should be: what is left is compared in recorded wrenches, whose noise is known.
+        None where the two are the same."""
         if not cart.sensor_effects:
             return None
         reduced = cart.basis_b.T @ self.grasps
-        f = reduced.shape[2]
-        found = np.zeros((len(self.time), f, f))
-        spread = np.einsum("anfi,angi->nfg", reduced, reduced) + 1e-9 * np.eye(f)
-        for arm, grasp in zip(self.arms, reduced, strict=True):
-            unit = np.eye(6)
-            true = cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, np.zeros((6, 6)))[0]
-            found += grasp @ np.linalg.inv(true).T @ np.swapaxes(grasp, 1, 2)
-        return np.asarray(found @ np.linalg.inv(spread))
+        unit, none = np.eye(6), np.zeros((6, 6))
+        maps = [cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0] for arm in self.arms]
+        felt = reduced @ np.swapaxes(np.array(maps), 1, 2)[:, None]
+        recorded, acting = (np.linalg.cholesky(_covariance(each, densities)) for each in (reduced, felt))
+        return np.asarray(recorded @ np.linalg.inv(acting))
 
     def slopes(self, cart: CartModel, expected: Array, densities: Array) -> Array:
         """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches that
@@ -81,15 +78,23 @@ class GridWrenches:
         if not cart.sensor_effects:
             return found
         reduced = cart.basis_b.T @ self.grasps
-        variances = densities**2 + LEAST_DENSITY**2
-        spread = np.einsum("anfi,ai,angi->nfg", reduced, variances, reduced)
-        spread += 1e-9 * np.trace(spread, axis1=1, axis2=2)[:, None, None] * np.eye(f)
         missing = expected - self.planar(cart) @ cart.basis_b
-        share = np.linalg.solve(spread, missing[..., None])
-        for arm, grasp, recorded, own in zip(self.arms, reduced, self.recorded, variances, strict=True):
+        share = np.linalg.solve(_covariance(reduced, densities), missing[..., None])
+        for arm, grasp, recorded, own in zip(self.arms, reduced, self.recorded, _variances(densities), strict=True):
             nearest = recorded + own * (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
             found += grasp @ cart.corrected_wrench(arm, nearest)[1]
         return found
+
+
+def _variances(densities: Array) -> Array:
+    return np.asarray(densities**2 + LEAST_DENSITY**2)
+
+
+def _covariance(reduced: Array, densities: Array) -> Array:
+    """Of the sum (n, f, f) of arms' noise through reduced maps (arms, n, f, 6)."""
+    found = np.einsum("anfi,ai,angi->nfg", reduced, _variances(densities), reduced)
+    least = RELATIVE * np.trace(found, axis1=1, axis2=2) + LEAST_DENSITY**2
+    return np.asarray(found + least[:, None, None] * np.eye(found.shape[1]))
 
 
 def _means(time: Array, values: Array, grid: Array, step: float) -> tuple[Array, np.ndarray]:
