@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -38,53 +38,34 @@ class NamedEffect:
 
     def as_dict(self) -> dict[str, Any]:
         parameters = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
-        return {
-            "name": self.name,
-            "label": self.label,
-            "probability": self.probability,
-            "parameters": parameters,
-            "confusable_with": list(self.confusable_with),
-            "gap_share": self.gap_share,
-        }
+        return asdict(self) | {"parameters": parameters, "confusable_with": list(self.confusable_with)}
 
 
 def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
     """In order of addition."""
-    order = [step.added.key for step in steps if step.added is not None]
-    found = []
-    values = {effect.key: effect for effect in certainty.cart.effects}
-    for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in order else len(order)):
-        at = next((i for i, step in enumerate(steps) if step.added is not None and step.added.key == effect.key), None)
-        probability, confusable = (OPEN_WORLD, ()) if at is None else _rivals(steps[at])
-        share = 0.0 if at is None else shares[at]
-        found.append(
-            NamedEffect(
-                effect.name, effect.label, probability, _parameters(values[effect.key], certainty), confusable, share
-            )
-        )
+    by = dict[str, tuple[float, tuple[str, ...], float]]()
+    for step, share in zip(steps, shares, strict=True):
+        if step.added is not None:
+            by.setdefault(step.added.key, (*_rivals(step, step.added), share))
+    values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
+    for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
+        probability, confusable, share = by.get(effect.key, (OPEN_WORLD, (), 0.0))
+        parameters = _parameters(values[effect.key], certainty)
+        found.append(NamedEffect(effect.name, effect.label, probability, parameters, confusable, share))
     return tuple(found)
 
 
-def _rivals(step: Step) -> tuple[float, tuple[str, ...]]:
+def _rivals(step: Step, own: Attempt) -> tuple[float, tuple[str, ...]]:
     """Of what was added: its probability, and the names of what explains about as much."""
-    own = step.added
-    assert own is not None
-    assert isinstance(own.candidate, Effect)
     weights: dict[str, float] = {}
     for one in step.attempts:
-        if one.key == own.key or not isinstance(one.candidate, Effect):
-            continue
-        ahead = one.gain - own.gain - 2.0 * max(one.numbers - own.numbers, 0) * (one.gain > own.gain)
-        if one.gain > own.gain - CONFUSABLE and _is_told(one):
+        if isinstance(one.candidate, Effect) and one.key != own.key and one.gain > max(own.gain - CONFUSABLE, 0.0):
+            ahead = one.gain - own.gain - 2.0 * max(one.numbers - own.numbers, 0) * (one.gain > own.gain)
             name = one.candidate.name
             weights[name] = weights.get(name, 0.0) + float(np.exp(min(ahead, 0.0)))
     return OPEN_WORLD / (1.0 + sum(weights.values())), tuple(weights)
-
-
-def _is_told(one: Attempt) -> bool:
-    return one.gain > 0
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:

@@ -58,7 +58,7 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         "the former changes.</p>",
         drawn["places"],
         "<h2>What the residual depends on</h2>",
-        drawn["maps"],
+        drawn.get("maps", ""),
         "<p>Means ± one standard deviation, in bins that hold as many stretches each.</p>",
         *_impacts(found),
         "<h2>What remains</h2>",
@@ -82,47 +82,37 @@ def page(report: Report, drawn: dict[str, str]) -> str:
 
 
 def _gap_table(found: Diagnosis) -> str:
-    rows = [
-        [f"distance after {horizon}, mm", *(f"{1e3 * values[k]:.1f}" for k in _ORDER)]
-        for horizon, values in found.gap.per_horizon.items()
-    ]
+    errors = {f"distance after {horizon}, mm": values for horizon, values in found.gap.per_horizon.items()}
     for coordinate, values in found.gap.per_coordinate.items():
-        unit = "mrad" if coordinate == "heading" else "mm"
-        rows.append([f"{coordinate} after 1 s, {unit}", *(f"{1e3 * values[k]:.1f}" for k in _ORDER)])
+        errors[f"{coordinate} after 1 s, {'mrad' if coordinate == 'heading' else 'mm'}"] = values
+    told = ("before", "refitted", "after", "noise_floor")
+    rows = [[name, *(f"{1e3 * values[k]:.1f}" for k in told)] for name, values in errors.items()]
     return _table(["", "nominal", "refitted", "extended", "noise alone"], rows)
 
 
-_ORDER = ("before", "refitted", "after", "noise_floor")
-
-
 def _effects(found: Diagnosis) -> str:
-    if not found.effects:
-        return "<p>Nothing.</p>"
     rows = []
     for effect in found.effects:
-        rest = ", ".join(effect.confusable_with) or "-"
-        head = [f"{effect.name} {effect.label}".strip(), f"{100 * effect.probability:.1f} %", rest]
+        name, rest = f"{effect.name} {effect.label}".strip(), ", ".join(effect.confusable_with) or "-"
+        head = [name, f"{100 * effect.probability:.1f} %", rest]
         share = f"{100 * effect.gap_share:.0f} %"
-        for k, (parameter, (value, std, unit)) in enumerate(effect.parameters.items()):
-            known = f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -")
-            rows.append([*(head if k == 0 else ["", "", ""]), parameter, known, share if k == 0 else ""])
+        for parameter, (value, std, unit) in effect.parameters.items():
+            rows.append([*head, parameter, f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -"), share])
+            head, share = ["", "", ""], ""
     columns = ["effect", "probability", "not told apart from", "parameter", f"value {ONE_STD}", "gap closed"]
-    return _table(columns, rows)
+    return _table(columns, rows) if rows else "<p>Nothing.</p>"
 
 
 def _impacts(found: Diagnosis) -> list[str]:
     """Where the cart was hit, if it was."""
-    if not found.impacts:
-        return []
-    rows = [
-        [f"{one.time:.2f}", *(f"{v:.3f}" for v in (*one.pose[:2], one.speed_before, one.speed_after))]
-        for one in found.impacts
-    ]
-    return [
+    told = [(one.time, (*one.pose[:2], one.speed_before, one.speed_after)) for one in found.impacts]
+    rows = [[f"{time:.2f}", *(f"{value:.3f}" for value in values)] for time, values in told]
+    parts = [
         "<h2>Where it was hit</h2>",
         "<p>Sudden changes of motion that no wrench explains; fits leave them out. Three at one place are a stop.</p>",
         _table(["t, s", "x, m", "y, m", "speed before, m/s", "speed after, m/s"], rows),
     ]
+    return parts if rows else []
 
 
 def _parameters(found: Diagnosis) -> str:
