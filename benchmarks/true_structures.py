@@ -18,7 +18,8 @@ from cartgrasp.cart_file import load_cart
 from cartgrasp.effects import KNOWN_EFFECTS, Effect, SensorEffect
 from cartgrasp.logs import read_log
 from cartgrasp.writing import write_atomically
-from estimation.discrepancy.known_structure import refit
+
+from .known_structure import refit
 
 FILE = "refit.json"
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import UsageError
-from .frames import Array, body_to_world
+from .frames import Array
 
 VELOCITY_NAMES = {0: ("u", "w", "r"), 1: ("u", "r"), 2: ("u",)}
 
@@ -49,18 +49,9 @@ class RollingConstraints:
     def velocity_names(self) -> tuple[str, ...]:
         return VELOCITY_NAMES[self.n_rows]
 
-    @property
-    def rows_b(self) -> Array:
-        """Lambda_b, shape (n_rows, 3)."""
-        across_x, across_y = self.across_b
-        rows = [] if self.axle_x is None else [[across_x, across_y, across_y * self.axle_x]]
-        if self.no_rotation:
-            rows.append([0.0, 0.0, 1.0])
-        return np.array(rows).reshape(len(rows), 3)
-
     @cached_property
     def basis_b(self) -> Array:
-        """S_b, shape (3, n_free), constant, with `rows_b @ basis_b == 0`."""
+        """S_b, shape (3, n_free), constant, with `Lambda_b @ basis_b == 0`."""
         if self.axle_x is None:
             return np.eye(3)
         basis = np.array([[math.cos(self.angle), 0.0], [math.sin(self.angle), -self.axle_x], [0.0, 1.0]])
@@ -80,20 +71,6 @@ class RollingConstraints:
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
         along = np.array([[cosine, sine, sine * self.axle_x], [0.0, 0.0, 1.0]])
         return along[:1] if self.no_rotation else along
-
-    def rows_s(self, theta: ArrayLike) -> Array:
-        """Lambda(theta) of (3) in world components, shape (..., n_rows, 3)."""
-        return self.rows_b @ np.swapaxes(body_to_world(theta), -1, -2)
-
-    def rows_s_rate(self, theta: ArrayLike, yaw_rate: ArrayLike) -> Array:
-        """d Lambda / dt in world components, shape (..., n_rows, 3)."""
-        quarter_turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-        rate = np.swapaxes(body_to_world(theta) @ quarter_turn, -1, -2)
-        return np.asarray(self.rows_b @ rate * np.asarray(yaw_rate, dtype=float)[..., None, None])
-
-    def basis_s(self, theta: ArrayLike) -> Array:
-        """S(theta) with `qd = S(theta) @ nu`, shape (..., 3, n_free)."""
-        return body_to_world(theta) @ self.basis_b
 
     def free_velocity(self, velocity_b: ArrayLike) -> Array:
         """nu, shape (..., n_free), of a body velocity (u, w, r) that obeys the constraints."""

@@ -90,10 +90,6 @@ class ContactWrenches:
                 f"wrenches of {sorted(self.wrenches)} but contacts of {sorted(self.contacts)}: name the same arms"
             )
 
-    @property
-    def arms(self) -> tuple[str, ...]:
-        return tuple(self.wrenches)
-
     def grasp_map_ba(self, arm: str) -> Array:
         return grasp_map_planar(self.contacts[arm], self.yaws.get(arm, 0.0))
 

@@ -63,9 +63,3 @@ def adjoint(rotation: ArrayLike, position: ArrayLike) -> Array:
     result[..., :3, :3] = result[..., 3:, 3:] = rotation
     result[..., :3, 3:] = skew(position) @ rotation
     return result
-
-
-def cross_planar(position: ArrayLike, force: ArrayLike) -> Array:
-    """Moment about z of a planar force (..., 2) at a planar position (..., 2)."""
-    position, force = np.asarray(position, dtype=float), np.asarray(force, dtype=float)
-    return np.asarray(position[..., 0] * force[..., 1] - position[..., 1] * force[..., 0])

@@ -45,12 +45,6 @@ def physical_jacobian(phi: ArrayLike) -> Array:
     return jacobian
 
 
-def is_physical(phi: ArrayLike) -> np.bool_ | np.ndarray:
-    """True where `m > 0` and `J m > |m d|²`."""
-    mass, first_x, first_y, J = components(np.asarray(phi, dtype=float))
-    return np.asarray((mass > 0) & (J * mass > first_x**2 + first_y**2))
-
-
 @dataclass(frozen=True)
 class Inertia:
     """Mass (kg), CoM in {b} (m) and yaw inertia about the CoM (kg m²) of the cart with its load."""
@@ -80,15 +74,6 @@ class Inertia:
     @property
     def phi(self) -> Array:
         return np.array(_phi(self.mass, *self.com, self.about_com))
-
-    @property
-    def about_origin(self) -> float:
-        """J, yaw inertia about {b}'s origin."""
-        return float(self.phi[3])
-
-    def with_payload(self, mass: float, x: float, y: float) -> Inertia:
-        """The same cart with a point mass put on (or, when negative, taken off) at (x, y) in {b}."""
-        return Inertia.from_phi(self.phi + mass * np.array([1.0, x, y, x**2 + y**2]))
 
 
 def _phi(mass: Number, com_x: Number, com_y: Number, inertia: Number) -> tuple[Number, Number, Number, Number]:

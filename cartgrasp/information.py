@@ -22,9 +22,6 @@ from .frames import Array
 from .inertia import N_PHI
 from .model import CartModel
 
-SINGULAR = 1e-12
-"""Share of the largest eigenvalue below which a direction counts as not taught."""
-
 
 @dataclass(frozen=True)
 class WrenchNoise:
@@ -70,16 +67,6 @@ def phi_covariance(information: Array) -> Array:
     """Cramér-Rao bound (..., 4, 4) of phi, all other parameters being unknown too; the information (..., p, p) must
     be regular (a prior makes it so)."""
     return np.asarray(np.linalg.inv(information)[..., :N_PHI, :N_PHI])
-
-
-def standard_deviations(information: Array) -> Array:
-    """Cramér-Rao bounds (p,) of the standard deviations; infinite for what is not taught."""
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
-    values, directions = np.linalg.eigh(scale[:, None] * information * scale)
-    taught = values > SINGULAR * values[-1]
-    shares = directions**2
-    variances = scale**2 * (shares[:, taught] / values[taught]).sum(axis=1)
-    return np.where(shares[:, ~taught].sum(axis=1) > SINGULAR**0.5, np.inf, np.sqrt(variances))
 
 
 def phi_scales(phi: Array) -> Array:

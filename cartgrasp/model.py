@@ -24,7 +24,6 @@ from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
 from .frames import Array
 from .inertia import N_PHI
-from .rigid_body import regressor_b
 from .shared_property import SharedProperty
 
 if TYPE_CHECKING:
@@ -129,10 +128,6 @@ class CartModel(CartStructure):
     ) -> Array:
         """Inverse dynamics: the reduced wrench `Sᵀ wrench_b`, (..., n_free), that gives nu' = `acceleration`."""
         return self.inverse(state, acceleration, parameters, time).wrench
-
-    def regressor(self, velocity: Array, acceleration: Array) -> Array:
-        """Y, (..., n_free, 4), with `Sᵀ (wrench_b + effects) = Y @ phi`, from nu and nu'."""
-        return self.basis_b.T @ regressor_b(velocity @ self.basis_b.T, acceleration @ self.basis_b.T)
 
     def effect_wrench(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Sum of the force effects on the cart, (..., 3), in {b}."""

@@ -42,6 +42,3 @@ class SpatialPose:
     def __matmul__(self, other: SpatialPose) -> SpatialPose:
         """`pose_ab @ pose_bc == pose_ac`."""
         return SpatialPose(self.rotation @ other.rotation, self.rotation @ other.position + self.position)
-
-    def inverse(self) -> SpatialPose:
-        return SpatialPose(self.rotation.T, -self.rotation.T @ self.position)

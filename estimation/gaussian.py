@@ -17,10 +17,6 @@ class Gaussian:
     covariance: Array
 
     @property
-    def std(self) -> Array:
-        return np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=-2, axis2=-1), 0.0))
-
-    @property
     def information(self) -> Array:
         """The covariance's inverse, (..., n, n)."""
         return np.asarray(np.linalg.inv(self.covariance), dtype=float)

@@ -149,9 +149,6 @@ class QuadraticProgram:
         program.__dict__.update(self.__dict__, **changes)
         return program
 
-    def cost(self, x: Array) -> float:
-        return float(x @ (0.5 * (self.hessian @ x) + self.gradient)) + self.constant
-
     def active(self, solution: QPSolution) -> tuple[str, ...]:
         """Names of the limits that push back on a solution (multiplier above 1e-7 of the largest)."""
         stop, least = len(self.lower) - self.n_equalities, _least_active(solution.multipliers)

@@ -79,11 +79,6 @@ class Schedule:
     solved: int = 0
     blocked: tuple[BlockedStage, ...] = ()
 
-    @property
-    def gap(self) -> float:
-        """Relative: (total - bound) / max(1, total)."""
-        return max(0.0, (self.total - self.bound) / max(1.0, self.total)) if np.isfinite(self.total) else np.inf
-
     def grips(self, time: float) -> dict[str, Grip]:
         """What each arm holds or goes to at a time: where to start the next schedule from."""
         k = int(np.clip(np.searchsorted(self.times, time + 1e-9, side="right") - 1, 0, len(self.times) - 2))

@@ -21,9 +21,6 @@ from cartgrasp.frames import Array
 from .limits import limits_of
 from .linear_program import maximizer
 
-PARALLEL = 1e-12
-"""A row whose normal is this near to square to a direction doesn't limit it."""
-
 
 class Farthest(NamedTuple):
     """The wrench (6,) that goes farthest in a direction, and how far, in the direction's unit."""
@@ -52,27 +49,11 @@ class WrenchPolytope:
         finite = np.isfinite(limits)
         return cls(rows[finite], limits[finite], tuple(compress(names, finite)))
 
-    def holds(self, wrench: ArrayLike, tolerance: float = 1e-9) -> bool:
-        return bool((self.rows @ np.asarray(wrench, dtype=float) <= self.limits + tolerance).all())
-
     def support(self, direction: ArrayLike) -> Farthest:
         """max direction · F over the polytope: the other components may be whatever helps. Solved by HiGHS."""
         towards = _checked(direction)
         wrench = maximizer(towards, self.rows, self.limits, what=_in_words(towards))
         return Farthest(float(towards @ wrench), wrench)
-
-    def reach(self, direction: ArrayLike) -> Farthest:
-        """The largest `t` with `t direction` in the polytope: that wrench and no other component. In closed form, as
-        the zero wrench obeys every row."""
-        towards = _checked(direction)
-        speed = self.rows @ towards
-        closing = speed > PARALLEL * np.linalg.norm(self.rows, axis=1)
-        if not closing.any():
-            raise UsageError(
-                f"wrench polytope: nothing limits {_in_words(towards)}; add limits of the arm or its joints"
-            )
-        distance = float((self.limits[closing] / speed[closing]).min())
-        return Farthest(distance, distance * towards)
 
 
 def _checked(direction: ArrayLike) -> Array:

@@ -165,10 +165,6 @@ class Effect(ABC):
         }
         return replace(self, **clipped)
 
-    def without(self) -> Self:
-        """The same effect at the values at which it is absent."""
-        return self.with_values([p.absent for p in self.parameters])
-
     @classmethod
     def field_names(cls) -> tuple[str, ...]:
         return tuple(f.name for f in fields(cls) if f.name != "label")

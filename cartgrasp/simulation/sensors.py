@@ -27,10 +27,6 @@ class SensorNoise:
     velocity_period: float | None = 0.0
     wrench_period: float = 0.0
 
-    @classmethod
-    def quiet(cls) -> SensorNoise:
-        return cls(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
 
 class Sensors:
     """Turns the truth into measurements; the same seed gives the same numbers."""

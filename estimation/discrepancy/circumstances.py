@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress, pairwise
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -43,9 +45,9 @@ class Circumstances:
                 wrenches[arm][own] = wrench[rows]
                 contacts[arm][own] = _held(balances, arm, time[own])
         course = Course.of(time, log, [balances.motion for balances in logs])
-        firsts = _firsts(logs)
-        names = tuple(logs[k].name for k in dict.fromkeys(firsts))
-        return cls(time, np.unique(firsts, return_inverse=True)[1][log], names, course, wrenches, contacts)
+        begins = [True, *(not _goes_on(*both) for both in pairwise(logs))]
+        names = tuple(balances.name for balances in compress(logs, begins))
+        return cls(time, np.cumsum(begins)[log] - 1, names, course, wrenches, contacts)
 
     @property
     def total(self) -> Array:
@@ -57,14 +59,9 @@ class Circumstances:
         return np.asarray(np.hypot(*self.wrenches[arm][:, :2].T))
 
 
-def _firsts(logs: Sequence[Balances]) -> list[int]:
-    """Of each part, where the log begins that it is cut from: one of the same name that goes on later."""
-    found: list[int] = []
-    for k, balances in enumerate(logs):
-        before = logs[k - 1]
-        goes_on = k > 0 and before.name == balances.name and balances.motion.time[0] > before.motion.time[-1]
-        found.append(found[-1] if goes_on else k)
-    return found
+def _goes_on(before: Balances, balances: Balances) -> bool:
+    """Whether both are parts of one log: of the same name, one after the other."""
+    return before.name == balances.name and bool(balances.motion.time[0] > before.motion.time[-1])
 
 
 def arm_wrenches(balances: Balances, cart: CartModel, smoothed: float) -> dict[str, Array]:
@@ -81,10 +78,9 @@ def arm_wrenches(balances: Balances, cart: CartModel, smoothed: float) -> dict[s
 
 def _means(values: Array, reach: int) -> Array:
     """Of values (n, k), over so many rows on each side; at the ends, of those that are there."""
-    n = len(values)
-    total = np.vstack([np.zeros(values.shape[1]), np.cumsum(values, axis=0)])
-    first, last = np.maximum(np.arange(n) - reach, 0), np.minimum(np.arange(n) + reach + 1, n)
-    return np.asarray((total[last] - total[first]) / (last - first)[:, None])
+    there = np.ones((len(values), 1))
+    sums, count = (uniform_filter1d(each, 2 * reach + 1, axis=0, mode="constant") for each in (values, there))
+    return np.asarray(sums / count)
 
 
 def _held(balances: Balances, arm: str, time: Array) -> Array:
@@ -92,7 +88,5 @@ def _held(balances: Balances, arm: str, time: Array) -> Array:
     log = balances.log
     contact = log.arms[arm].contact[:, :2]
     known = np.flatnonzero(np.isfinite(contact).all(axis=1))
-    last = np.searchsorted(log.time[known], time, side="right") - 1
-    if not len(known):
-        return np.full((len(time), 2), np.nan)
-    return np.where(last[:, None] >= 0, contact[known[np.maximum(last, 0)]], np.nan)
+    held = np.vstack([np.full((1, 2), np.nan), contact[known]])
+    return np.asarray(held[np.searchsorted(log.time[known], time, side="right")])

@@ -72,7 +72,5 @@ def since_reversal(speed: Array, travelled: Array) -> Array:
     ever was."""
     rolls = np.flatnonzero(np.abs(speed) > ROLLING)
     turned = rolls[1:][np.diff(np.sign(speed[rolls])) != 0]
-    if not len(turned):
-        return np.full(len(speed), np.inf)
-    last = np.searchsorted(turned, np.arange(len(speed)), side="right") - 1
-    return np.where(last >= 0, travelled - travelled[turned[np.maximum(last, 0)]], np.inf)
+    last = np.searchsorted(turned, np.arange(len(speed)), side="right")
+    return np.asarray(travelled - np.append(-np.inf, travelled[turned])[last])

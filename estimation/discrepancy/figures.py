@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -19,7 +19,14 @@ if TYPE_CHECKING:
     from .residual import Residual
 
 NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-BEFORE, AFTER, FLOOR = "#d55e00", "#0072b2", "#999999"
+LEFT = (("refitted", "#d55e00"), ("extended", "#0072b2"))
+"""What two models leave: labels and colours."""
+BARS = (
+    ("before", "nominal", "#e69f00"),
+    ("refitted", "refitted", "#d55e00"),
+    ("after", "extended", "#0072b2"),
+    ("noise_floor", "noise alone", "#999999"),
+)
 MOST_LOGS = 4
 """Whose residuals are drawn over time."""
 FLAT = 0.05
@@ -35,7 +42,7 @@ def figures(diagnosis: Diagnosis) -> dict[str, str]:
     with plain, warnings.catch_warnings():  # names come from logs: what looks like a formula is none
         warnings.filterwarnings("ignore", "Glyph")  # the reader's fonts draw it
         found = {name: _svg(draw(diagnosis), "tight") for name, draw in drawn.items()}
-        return found | {"maps": _svg(_maps(diagnosis))}
+        return found | ({"maps": _svg(_maps(diagnosis))} if diagnosis.residual_maps else {})
 
 
 def _svg(figure: Figure, box: str | None = None) -> str:
@@ -46,17 +53,19 @@ def _svg(figure: Figure, box: str | None = None) -> str:
     return text[text.index("<svg") :]
 
 
+def _grid(rows: int, columns: int, size: tuple[float, float], **shared: Any) -> tuple[Figure, np.ndarray]:
+    """Axes (rows, columns) on a figure so wide and high (inches)."""
+    figure = Figure(figsize=size)
+    return figure, figure.subplots(rows, columns, squeeze=False, **shared)
+
+
 def _gap(found: Diagnosis) -> Figure:
-    figure = Figure(figsize=(7.2, 2.2))
-    ax = figure.subplots()
+    figure, ((ax,),) = _grid(1, 1, (7.2, 2.2))
     horizons = found.gap.per_horizon
-    names = {"before": ("nominal", "#e69f00"), "refitted": ("refitted", BEFORE), "after": ("extended", AFTER)}
-    names["noise_floor"] = ("noise alone", FLOOR)
-    place = np.arange(len(horizons))
-    for k, (key, (label, colour)) in enumerate(names.items()):
+    for k, (key, label, colour) in enumerate(BARS):
         values = [1e3 * one[key] for one in horizons.values()]
-        ax.bar(place + 0.2 * (k - 1.5), values, 0.18, label=label, color=colour)
-    ax.set_xticks(place, [f"after {h}" for h in horizons])
+        ax.bar(np.arange(len(horizons)) + 0.2 * (k - 1.5), values, 0.18, label=label, color=colour)
+    ax.set_xticks(np.arange(len(horizons)), [f"after {h}" for h in horizons])
     if any(0 < value < np.inf for one in horizons.values() for value in one.values()):
         ax.set_yscale("log")
         ax.yaxis.set_major_formatter("{x:g}")
@@ -69,18 +78,17 @@ def _gap(found: Diagnosis) -> Figure:
 def _residuals(found: Diagnosis) -> Figure:
     """A row for each coordinate, a column for each log."""
     names = found.before[0].circumstances.names[:MOST_LOGS]
-    figure = Figure(figsize=(7.2, 1.7 * len(found.before)))
-    rows = figure.subplots(
-        len(found.before), len(names), sharex="col", sharey="row", squeeze=False, gridspec_kw={"hspace": 0.15}
-    )
+    n, near = len(found.before), {"hspace": 0.15}
+    figure, rows = _grid(n, len(names), (7.2, 1.7 * n), sharex="col", sharey="row", gridspec_kw=near)
     for axes, *both in zip(rows, found.before, found.after, strict=True):
         axes[0].set_ylabel(_named(both[0]))
         for k, ax in enumerate(axes):
-            for residual, colour, label in zip(both, (BEFORE, AFTER), ("refitted", "extended"), strict=True):
+            for residual, (label, colour) in zip(both, LEFT, strict=True):
                 own = residual.circumstances.log == k
                 ax.plot(residual.start[own], residual.value[own], ".-", lw=0.8, ms=3, color=colour, label=label)
-            for change in both[0].change_times[k]:
-                ax.axvline(change, color="0.4", lw=0.8, ls=":")
+            starts = both[0].start[both[0].circumstances.log == k]
+            for change in both[0].changes[k]:
+                ax.axvline(starts[change], color="0.4", lw=0.8, ls=":")
             ax.axhline(0, color="0.6", lw=0.6)
     for ax, name in zip(rows[-1], names, strict=True):
         ax.set_xlabel("t (s)" if len(names) == 1 else f"t (s) of {Path(name).name}")
@@ -90,8 +98,7 @@ def _residuals(found: Diagnosis) -> Figure:
 
 def _places(found: Diagnosis) -> Figure:
     """A row for each coordinate."""
-    figure = Figure(figsize=(7.2, 2.8 * len(found.before)))
-    rows = figure.subplots(len(found.before), 2, sharex=True, sharey=True, squeeze=False)
+    figure, rows = _grid(len(found.before), 2, (7.2, 2.8 * len(found.before)), sharex=True, sharey=True)
     for axes, *both in zip(rows, found.before, found.after, strict=True):
         top = max(float(np.abs(both[0].value).max()), 1e-9)
         for ax, residual in zip(axes, both, strict=True):
@@ -102,44 +109,30 @@ def _places(found: Diagnosis) -> Figure:
         axes[0].set_ylabel("y (m)")
         bar = figure.colorbar(shown, ax=axes, label=_named(both[0]))
         if bar.solids is not None:  # a page that loads nothing shows no images either
-            bar.solids.set_rasterized(False)
-            bar.solids.set_edgecolor("face")
-    for ax, title in zip(rows[0], ("refitted", "extended"), strict=True):
-        ax.set_title(title, fontsize=9)
-    for ax in rows[-1]:
+            bar.solids.set(rasterized=False, edgecolor="face")
+    for top_ax, ax, (title, _) in zip(rows[0], rows[-1], LEFT, strict=True):
+        top_ax.set_title(title, fontsize=9)
         ax.set_xlabel("x (m)")
     return figure
 
 
 def _maps(found: Diagnosis) -> Figure:
     """A row for each variable, a column for each coordinate."""
-    maps = found.residual_maps
-    variables = list(dict.fromkeys((one.variable, one.variable_unit) for one in maps))
-    if not variables:
-        return Figure(figsize=(8.4, 0.5))
-    height = 1.6 * len(variables) + 0.5
-    figure = Figure(figsize=(8.4, height))
+    known = {(one.variable, one.coordinate): one for one in found.residual_maps}
+    units = {one.variable: one.refitted.unit for one in found.residual_maps}
+    n, height = len(units), 1.6 * len(units) + 0.5
     margins = {"left": 0.06, "right": 0.99, "top": 1 - 0.3 / height, "bottom": 0.45 / height}
-    rows = figure.subplots(
-        len(variables),
-        len(found.before),
-        sharex="row",
-        sharey="col",
-        squeeze=False,
-        gridspec_kw={"hspace": 0.75, "wspace": 0.3, **margins},
-    )
-    known = {(one.variable, one.coordinate): one for one in maps}
-    for axes, (variable, unit) in zip(rows, variables, strict=True):
+    apart = {"hspace": 0.75, "wspace": 0.3, **margins}
+    figure, rows = _grid(n, len(found.before), (8.4, height), sharex="row", sharey="col", gridspec_kw=apart)
+    for axes, (variable, unit) in zip(rows, units.items(), strict=True):
         for ax, residual in zip(axes, found.before, strict=True):
             ax.axhline(0, color="0.6", lw=0.6)
             ax.set_xlabel(f"{variable} ({unit})", fontsize=8)
             ax.tick_params(labelsize=7)
             ax.locator_params(nbins=4)
-            one = known.get((variable, residual.coordinate))
-            if one is None:
-                continue
-            for bins, colour in ((one.refitted, BEFORE), (one.extended, AFTER)):
-                ax.errorbar(one.at, bins.mean, bins.std, fmt=".-", lw=0.8, ms=4, color=colour)
+            if one := known.get((variable, residual.coordinate)):
+                for bins, (_, colour) in zip((one.refitted, one.extended), LEFT, strict=True):
+                    ax.errorbar(one.refitted.at, bins.mean, bins.std, fmt=".-", lw=0.8, ms=4, color=colour)
     for ax, residual in zip(rows[0], found.before, strict=True):
         ax.set_title(_named(residual), fontsize=9)
     return figure
@@ -151,8 +144,7 @@ def _isolability(found: Diagnosis) -> Figure:
     keys, n = list(shown), len(shown)
     likeness = np.array([[1.0 if a == b else shown[a].likeness[b] for b in keys] for a in keys])
     hidden = np.array([not shown[key].is_shown for key in keys])
-    figure = Figure(figsize=(1.6 + 0.28 * n, 1.6 + 0.28 * n))
-    ax = figure.subplots()
+    figure, ((ax,),) = _grid(1, 1, (1.6 + 0.28 * n, 1.6 + 0.28 * n))
     colours = mpl.colormaps["Blues"].with_extremes(bad="0.85")
     values = np.ma.masked_array(likeness, hidden[:, None] | hidden)
     ax.pcolormesh(values, cmap=colours, vmin=0, vmax=1, edgecolors="white", linewidth=0.5)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from cartgrasp.effects import ConstraintEffect
-from cartgrasp.effects.effect import Gate
 from cartgrasp.errors import DataError
+from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
@@ -38,15 +38,7 @@ class Gap:
     per_horizon: dict[str, dict[str, float]]
 
     def as_dict(self) -> dict[str, Any]:
-        return {
-            "metric": "root mean square distance after a 1 s rollout on held-out stretches, m",
-            "before": self.before,
-            "refitted": self.refitted,
-            "after": self.after,
-            "noise_floor": self.noise_floor,
-            "per_coordinate": self.per_coordinate,
-            "per_horizon": self.per_horizon,
-        }
+        return {"metric": "root mean square distance after a 1 s rollout on held-out stretches, m", **asdict(self)}
 
 
 def held_out_rollouts(model: Model) -> Rollouts:
@@ -62,19 +54,12 @@ def fold_carts(model: Model) -> list[CartModel]:
 
 def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
     """Of each log, by fold, the points from which rollouts begin in its stretches."""
-    at = 0
-    for balances in model.logs:
-        own = model.folds.stretches[model.folds.block[at : at + len(balances.used)]]
-        at += len(balances.used)
-        first = starts(balances)
+    ends = np.cumsum([len(balances.used) for balances in model.logs])[:-1]
+    for balances, block in zip(model.logs, np.split(model.folds.block, ends), strict=True):
+        own, first = model.folds.stretches[block], starts(balances)
         middle = balances.motion.time[first] + HORIZONS[1] / 2
         fold = own[np.clip(np.searchsorted(balances.time, middle), 0, len(own) - 1)] % FOLDS if len(own) else first * 0
         yield from ((balances, k, first[fold == k]) for k in range(FOLDS) if (fold == k).any())
-
-
-def cart_rollouts(model: Model, cart: CartModel) -> Rollouts:
-    """Of one cart everywhere."""
-    return joined([rollouts(balances, cart, starts(balances)) for balances in model.logs])
 
 
 def floor_rollouts(model: Model) -> Rollouts:
@@ -91,23 +76,23 @@ def measured_gap(guess: CartModel, nominal: Model, final: Model) -> Gap:
     if not any(len(starts(balances)) for balances in nominal.logs):
         return _at_rest(nominal)
     rolled = {
-        "before": cart_rollouts(nominal, guess),
+        "before": joined([rollouts(balances, guess, starts(balances)) for balances in nominal.logs]),
         "refitted": held_out_rollouts(nominal),
         "after": held_out_rollouts(final),
         "noise_floor": floor_rollouts(final),
     }
     gaps = {name: one.gaps() for name, one in rolled.items()}
-    by = {name: one.by_coordinate() for name, one in rolled.items()}
-    if not np.isfinite([gap[1] for gap in gaps.values()]).all():
-        names = ", ".join(balances.name for balances in nominal.logs)
-        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
     horizons = {
         f"{horizon:g} s": {name: float(gap[i]) for name, gap in gaps.items()}
         for i, horizon in enumerate(HORIZONS)
         if all(np.isfinite(gap[i]) for gap in gaps.values())
     }
-    coordinates_ = {c: {name: float(one[1, i]) for name, one in by.items()} for i, c in enumerate(COORDINATES)}
-    return Gap(**horizons["1 s"], per_coordinate=coordinates_, per_horizon=horizons)
+    if "1 s" not in horizons:
+        names = ", ".join(balances.name for balances in nominal.logs)
+        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
+    by = {name: one.by_coordinate()[1].tolist() for name, one in rolled.items()}
+    by_coordinate = {c: {name: each[i] for name, each in by.items()} for i, c in enumerate(COORDINATES)}
+    return Gap(**horizons["1 s"], per_coordinate=by_coordinate, per_horizon=horizons)
 
 
 def _at_rest(model: Model) -> Gap:
@@ -120,34 +105,26 @@ def _at_rest(model: Model) -> Gap:
 
 def _without(model: Model, fold: int) -> CartModel:
     """The model's cart as the stretches of other folds teach it; what happens once stays as it is."""
-    prior = model.prior
+    prior, z, q = model.prior, coordinates(model.cart), len(model.prior_std)
     free = np.flatnonzero(prior.free)
-    sums, scale = model.sums, model.score.scale
-    kept = sums[:, model.folds.stretches % FOLDS != fold].sum(axis=1)
-    joint = np.tensordot(scale**-2.0, kept, (0, 0))
-    q = len(model.prior_std)
-    loose = np.append(~_fixed(model)[free], np.ones(q - len(free), dtype=bool))
-    own = np.flatnonzero(loose)
-    off = coordinates(model.cart)[free] - prior.mean[free]
-    pull = joint[:q, q].copy()
-    pull[: len(free)] -= off / prior.std[free] ** 2
-    information = joint[:q, :q] + np.diag(model.prior_std**-2.0)
+    kept = model.sums[:, model.folds.stretches % FOLDS != fold].sum(axis=1)
+    joint = np.tensordot(model.score.scale**-2.0, kept, (0, 0))
+    information, pull = joint[:q, :q] + np.diag(model.prior_std**-2.0), joint[:q, q]
+    pull[: len(free)] -= (z[free] - prior.mean[free]) / prior.std[free] ** 2
+    own = np.flatnonzero(np.append(~_once(model.cart)[free], np.ones(q - len(free), dtype=bool)))
     step = np.zeros(q)
     step[own] = np.linalg.solve(information[np.ix_(own, own)], pull[own])
-    z = coordinates(model.cart)
     z[free] += np.clip(step[: len(free)], -1.0, 1.0)
     cart = with_coordinates(model.cart, z)
-    effects = list(cart.effects)
-    for i, effect in enumerate(model.cart.constraint_effects):
-        at = next(k for k, e in enumerate(effects) if e.key == effect.key)
-        effects[at] = effect.scaled(1.0 + float(step[len(free) + i]))
-    return replace(cart, effects=tuple(effects))
+    sizes = zip(model.cart.constraint_effects, step[len(free) :], strict=False)
+    changed = {effect.key: effect.scaled(1.0 + float(more)) for effect, more in sizes}
+    return replace(cart, effects=tuple(changed.get(effect.key, effect) for effect in cart.effects))
 
 
-def _fixed(model: Model) -> np.ndarray:
+def _once(cart: CartModel) -> np.ndarray:
     """Parameters (p,) of what happens once: held out, it can't be learned."""
-    once: list[bool] = [False] * 4
-    for effect in model.cart.effects:
-        keep = effect.gate in (Gate.WHILE, Gate.FROM) and not isinstance(effect, ConstraintEffect)
-        once += [keep] * len(effect.parameters)
+    once = [False] * N_PHI
+    for effect in cart.effects:
+        passes = effect.gate.passes and not isinstance(effect, ConstraintEffect)
+        once += [passes] * len(effect.parameters)
     return np.array(once)

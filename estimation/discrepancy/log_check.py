@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from ..noise import FilterNoise
 from ..sensor_check import Suspicion
 from ..sensor_check.stale import without_stale
 from ..weak_form.balances import SUPPORT, Balances
+from ..weak_form.motion import Motion
 from .clock_offset import ClockOffset
 
 FEWEST_ROWS = 40
@@ -64,9 +64,6 @@ class LogCheck:
     accelerations: tuple[float, ...]
     suspicions: tuple[Suspicion, ...] = ()
 
-    def as_dict(self) -> dict[str, Any]:
-        return asdict(self)
-
 
 def check_rows(log: RunLog, cart: CartModel) -> None:
     """Refuses a log that is too short, or misses what is needed."""
@@ -81,35 +78,39 @@ def check_rows(log: RunLog, cart: CartModel) -> None:
             f"{log.name}: only {int(seen.sum())} rows have a whole pose (x, y, theta); {FEWEST_ROWS} are needed"
         )
     step = float(np.median(np.diff(log.time)))
-    for name, arm in log.arms.items():
-        for what, columns in (("wrench", arm.wrench), ("contact point", arm.contact)):
-            _check_enough(
-                np.asarray(np.isfinite(columns).all(axis=1)), step, f"{log.name}: the {what} of arm {name} is whole"
-            )
+    whole = {f"the {what} is whole": np.isfinite(values).all(axis=1) for what, values in _of_arms(log).items()}
     if log.arms:
-        _check_enough(_with_wrenches(log), step, f"{log.name}: all arms together have wrenches and contact points")
+        whole["all arms together have wrenches and contact points"] = _with_wrenches(log)
+    for what, rows in whole.items():
+        count = int(rows.sum())
+        if count < FEWEST_ROWS or count * step < SHORTEST:
+            raise DataError(
+                f"{log.name}: {what} in {count} rows only, {count * step:.1f} s; record at least {SHORTEST:g} s of them"
+            )
 
 
-def _check_enough(whole: np.ndarray, step: float, what: str) -> None:
-    count = int(whole.sum())
-    if count < FEWEST_ROWS or count * step < SHORTEST:
-        raise DataError(f"{what} in {count} rows only, {count * step:.1f} s; record at least {SHORTEST:g} s of them")
+def _of_arms(log: RunLog) -> dict[str, Array]:
+    """What is recorded of arms, (n, k) each, by its name."""
+    found = dict[str, Array]()
+    for name, arm in log.arms.items():
+        found |= {f"wrench of arm {name}": arm.wrench, f"contact point of arm {name}": arm.contact}
+    return found
 
 
 def _with_wrenches(log: RunLog) -> np.ndarray:
     """Rows (n,) in which every arm's wrench and contact are whole; none without arms."""
-    whole = [np.isfinite(np.hstack([arm.wrench, arm.contact])).all(axis=1) for arm in log.arms.values()]
-    return np.asarray(np.all(whole, axis=0)) if whole else np.zeros(len(log), dtype=bool)
+    if not log.arms:
+        return np.zeros(len(log), dtype=bool)
+    return np.asarray(np.isfinite(np.hstack(list(_of_arms(log).values()))).all(axis=1))
 
 
 def check_sizes(log: RunLog) -> None:
     """Refuses numbers that no cart's log holds."""
-    parts = {"pose": log.pose, "velocity": log.velocity}
-    for name, arm in log.arms.items():
-        parts |= {f"contact point of arm {name}": arm.contact, f"wrench of arm {name}": arm.wrench}
-    for what, values in parts.items():
-        if values is not None and (np.abs(values[np.isfinite(values)]) > LARGEST).any():
-            row = int(np.argmax(np.nanmax(np.abs(np.where(np.isfinite(values), values, 0.0)), axis=1)))
+    velocity = {} if log.velocity is None else {"velocity": log.velocity}
+    for what, values in ({"pose": log.pose} | velocity | _of_arms(log)).items():
+        far = np.where(np.isfinite(values), np.abs(values), 0.0).max(axis=1)
+        if far.max() > LARGEST:
+            row = int(np.argmax(far))
             raise DataError(
                 f"{log.name}: the {what} at t = {log.time[row]:g} s is beyond {LARGEST:g}; look for numbers that are "
                 "not in SI units"
@@ -134,22 +135,10 @@ def check_steps(log: RunLog, noise: float) -> None:
 def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
     """How late wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises DataError for poses that
     jump, too few rows that hold all, and wrenches that never change although the cart moves."""
-    motion, steps, fresh = balances.motion, np.diff(log.time), without_stale(log)
+    motion, moves, steps = balances.motion, moving(balances), np.diff(log.time)
     check_steps(balances.log, float(motion.noise.pose[0]))
-    if len(balances.used) < FEWEST_USED:
-        raise DataError(
-            f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "
-            f"record at least {max(SHORTEST, FEWEST_USED * balances.row_step):.1f} s without gaps"
-        )
-    moves = moving(balances)
-    if moves.any() and not coasts(log) and not any(_changes(arm.wrench) for arm in log.arms.values()):
-        raise DataError(
-            f"{log.name}: the cart moves and no wrench ever changes, as if no sensor were there; look at its "
-            "connection, or leave the wrenches' columns out if nobody pushed"
-        )
-    noise, h, speed = noise_of_log(balances.log, cart), motion.step, motion.speed
-    turned = np.abs(motion.velocity[:, -1]) if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
-    sign = np.sign(motion.velocity[np.abs(motion.velocity[:, 0]) > ROLLING, 0])
+    _check_together(log, balances, bool(moves.any()))
+    noise, fresh, forward = noise_of_log(balances.log, cart), without_stale(log), motion.velocity[:, 0]
     of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS
     return LogCheck(
         name=log.name,
@@ -165,15 +154,30 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
             heading=max(noise.heading, float(motion.noise.pose[2])),
         ),
         clock_offset=None,
-        distance=float(speed[moves].sum() * h),
-        turned=float(turned[moves].sum() * h),
-        reversals=int((np.diff(sign) != 0).sum()),
-        fastest=float(speed.max()),
+        distance=float(motion.speed[moves].sum() * motion.step),
+        turned=float(_turning(motion)[moves].sum() * motion.step),
+        reversals=int((np.diff(np.sign(forward[np.abs(forward) > ROLLING])) != 0).sum()),
+        fastest=float(motion.speed.max()),
         moving=float(moves.mean()),
-        speeds=_percentiles(speed[moves], (10.0, 50.0, 90.0)),
-        headings=int((np.bincount(of_eighths, minlength=EIGHTHS) * h > LEAST_HEADED).sum()),
+        speeds=_percentiles(motion.speed[moves], (10.0, 50.0, 90.0)),
+        headings=int((np.bincount(of_eighths, minlength=EIGHTHS) * motion.step > LEAST_HEADED).sum()),
         accelerations=tuple(_percentiles(each, (95.0,))[0] for each in np.abs(motion.acceleration[moves].T)),
     )
+
+
+def _check_together(log: RunLog, balances: Balances, moves: bool) -> None:
+    """Refuses a log whose poses and wrenches hardly ever come together, and one without a sensor."""
+    if len(balances.used) < FEWEST_USED:
+        raise DataError(
+            f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "
+            f"record at least {max(SHORTEST, FEWEST_USED * balances.row_step):.1f} s without gaps"
+        )
+    wrenches = [arm.wrench[np.isfinite(arm.wrench).all(axis=1)] for arm in log.arms.values()]
+    if moves and not coasts(log) and not any((one != one[:1]).any() for one in wrenches):
+        raise DataError(
+            f"{log.name}: the cart moves and no wrench ever changes, as if no sensor were there; look at its "
+            "connection, or leave the wrenches' columns out if nobody pushed"
+        )
 
 
 def with_clock_offsets(checks: Sequence[LogCheck], offsets: Sequence[ClockOffset | None]) -> tuple[LogCheck, ...]:
@@ -183,12 +187,6 @@ def with_clock_offsets(checks: Sequence[LogCheck], offsets: Sequence[ClockOffset
 def with_suspicions(check: LogCheck, suspicions: Sequence[Suspicion]) -> LogCheck:
     """Those that stop a command first."""
     return replace(check, suspicions=tuple(sorted(suspicions, key=lambda one: not one.is_refused)))
-
-
-def _changes(values: Array) -> bool:
-    """Whether a column of values (n, k) ever does."""
-    known = values[np.isfinite(values).all(axis=1)]
-    return bool(len(known) and (np.ptp(known, axis=0) > 0).any())
 
 
 def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
@@ -206,7 +204,9 @@ def moves(balances: Balances) -> bool:
 def moving(balances: Balances) -> np.ndarray:
     """Times (n,) of the motion at which the cart was seen and surely moves."""
     motion = balances.motion
-    fast = motion.speed > ROLLING
-    if motion.velocity.shape[1] > 1:
-        fast |= np.abs(motion.velocity[:, -1]) > STILL_TURNING
-    return np.asarray(fast & motion.seen)
+    return np.asarray(((motion.speed > ROLLING) | (_turning(motion) > STILL_TURNING)) & motion.seen)
+
+
+def _turning(motion: Motion) -> Array:
+    """Of a motion (n,), rad/s, either way; none on a rail."""
+    return np.abs(motion.velocity[:, -1]) if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))

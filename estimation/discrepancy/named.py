@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from cartgrasp.effects import Effect
@@ -35,32 +35,22 @@ class NamedEffect:
 
     def as_dict(self) -> dict[str, Any]:
         parameters = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
-        return {
-            "name": self.name,
-            "label": self.label,
-            "probability": self.probability,
-            "parameters": parameters,
-            "confusable_with": list(self.confusable_with),
-            "gap_share": self.gap_share,
-        }
+        return asdict(self) | {"parameters": parameters, "confusable_with": list(self.confusable_with)}
 
 
 def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
     """In order of addition."""
-    order = [step.added.key for step in steps if step.added is not None]
-    found = []
-    values = {effect.key: effect for effect in certainty.cart.effects}
-    for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in order else len(order)):
-        at = next((i for i, step in enumerate(steps) if step.added is not None and step.added.key == effect.key), None)
-        probability, confusable = (OPEN_WORLD, ()) if at is None else _told(steps[at])
-        share = 0.0 if at is None else shares[at]
-        found.append(
-            NamedEffect(
-                effect.name, effect.label, probability, _parameters(values[effect.key], certainty), confusable, share
-            )
-        )
+    by = dict[str, tuple[float, tuple[str, ...], float]]()
+    for step, share in zip(steps, shares, strict=True):
+        if step.added is not None:
+            by.setdefault(step.added.key, (*_told(step), share))
+    values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
+    for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
+        probability, confusable, share = by.get(effect.key, (OPEN_WORLD, (), 0.0))
+        parameters = _parameters(values[effect.key], certainty)
+        found.append(NamedEffect(effect.name, effect.label, probability, parameters, confusable, share))
     return tuple(found)
 
 

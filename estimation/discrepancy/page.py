@@ -45,84 +45,67 @@ def page(report: Report, drawn: dict[str, str]) -> str:
         f"<title>{name}: simulation against measurement</title><style>{STYLE}</style></head><body>",
         f"<h1>{name}: simulation against measurement</h1><p>{logs}</p>",
         f'<p class="verdict">{html.escape(found.sentence)}</p>',
-        *(["<h2>What the sensors seem to do</h2>", _list(found.warnings, "")] if found.warnings else []),
-        "<h2>How far simulation goes astray</h2>",
-        drawn["gap"],
-        _gap_table(found),
-        "<h2>What was added</h2>",
-        _effects(found),
-        "<h2>Where they disagree</h2>",
-        _list([one.sentence for one in found.where], "Nowhere in particular."),
-        drawn["residuals"],
-        "<p>Means over half a second, of the refitted nominal model and of the extended one; dotted where the size of "
-        "the former changes.</p>",
-        drawn["places"],
-        "<h2>What the residual depends on</h2>",
-        drawn["maps"],
-        "<p>Means ± one standard deviation, in bins that hold as many stretches each.</p>",
-        *_impacts(found),
-        "<h2>What remains</h2>",
-        _list(found.unexplained["depends_on"], "Nothing that stands out of the noise."),
-        "<h2>Parameters</h2>",
-        _parameters(found),
-        "<h2>What was tried</h2>",
-        _steps(found),
-        "<h2>What to measure next</h2>",
-        _list(found.next_experiments, "Nothing: the model fits these logs."),
-        "<h2>What this motion can show</h2>",
-        drawn.get("isolability", ""),
-        "<p>How much effects of usual size look like one another on this motion (dark: alike), beside the deviations "
-        "by which each stands out; grey ones do not show. Of two that are marked (=) the log can't tell which.</p>",
-        _isolability(found),
-        "<h2>The logs</h2>",
-        _checks(found),
+        *(f"<h2>{heading}</h2>\n{text}" for heading, text in _sections(found, drawn).items() if text),
         "</body></html>",
     ]
     return "\n".join(parts) + "\n"
 
 
+def _sections(found: Diagnosis, drawn: dict[str, str]) -> dict[str, str]:
+    """By heading; empty where there is nothing to tell."""
+    nowhere, agrees = "Nowhere in particular.", "Nothing: the model fits these logs."
+    return {
+        "What the sensors seem to do": _list(found.warnings),
+        "How far simulation goes astray": drawn["gap"] + _gap_table(found),
+        "What was added": _effects(found),
+        "Where they disagree": _list([one.sentence for one in found.where], nowhere)
+        + drawn["residuals"]
+        + "<p>Means over half a second, of the refitted nominal model and of the extended one; dotted where the size "
+        "of the former changes.</p>" + drawn["places"],
+        "What the residual depends on": drawn.get("maps", "")
+        + "<p>Means ± one standard deviation, in bins that hold as many stretches each.</p>",
+        "Where it was hit": _impacts(found),
+        "What remains": _list(found.unexplained["depends_on"], "Nothing that stands out of the noise."),
+        "Parameters": _parameters(found),
+        "What was tried": _steps(found),
+        "What to measure next": _list(found.next_experiments, agrees),
+        "What this motion can show": drawn.get("isolability", "")
+        + "<p>How much effects of usual size look like one another on this motion (dark: alike), beside the deviations "
+        "by which each stands out; grey ones do not show. Of two that are marked (=) the log can't tell which.</p>"
+        + _isolability(found),
+        "The logs": "".join(_table(["", check.name], _check_rows(check)) for check in found.checks),
+    }
+
+
 def _gap_table(found: Diagnosis) -> str:
-    rows = [
-        [f"distance after {horizon}, mm", *(f"{1e3 * values[k]:.1f}" for k in _ORDER)]
-        for horizon, values in found.gap.per_horizon.items()
-    ]
+    errors = {f"distance after {horizon}, mm": values for horizon, values in found.gap.per_horizon.items()}
     for coordinate, values in found.gap.per_coordinate.items():
-        unit = "mrad" if coordinate == "heading" else "mm"
-        rows.append([f"{coordinate} after 1 s, {unit}", *(f"{1e3 * values[k]:.1f}" for k in _ORDER)])
+        errors[f"{coordinate} after 1 s, {'mrad' if coordinate == 'heading' else 'mm'}"] = values
+    told = ("before", "refitted", "after", "noise_floor")
+    rows = [[name, *(f"{1e3 * values[k]:.1f}" for k in told)] for name, values in errors.items()]
     return _table(["", "nominal", "refitted", "extended", "noise alone"], rows)
 
 
-_ORDER = ("before", "refitted", "after", "noise_floor")
-
-
 def _effects(found: Diagnosis) -> str:
-    if not found.effects:
-        return "<p>Nothing.</p>"
     rows = []
     for effect in found.effects:
-        rest = ", ".join(effect.confusable_with) or "-"
-        head = [f"{effect.name} {effect.label}".strip(), f"{100 * effect.probability:.1f} %", rest]
+        name, rest = f"{effect.name} {effect.label}".strip(), ", ".join(effect.confusable_with) or "-"
+        head = [name, f"{100 * effect.probability:.1f} %", rest]
         share = f"{100 * effect.gap_share:.0f} %"
-        for k, (parameter, (value, std, unit)) in enumerate(effect.parameters.items()):
-            known = f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -")
-            rows.append([*(head if k == 0 else ["", "", ""]), parameter, known, share if k == 0 else ""])
+        for parameter, (value, std, unit) in effect.parameters.items():
+            rows.append([*head, parameter, f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -"), share])
+            head, share = ["", "", ""], ""
     columns = ["effect", "probability", "not told apart from", "parameter", f"value {ONE_STD}", "gap closed"]
-    return _table(columns, rows)
+    return _table(columns, rows) if rows else "<p>Nothing.</p>"
 
 
-def _impacts(found: Diagnosis) -> list[str]:
+def _impacts(found: Diagnosis) -> str:
     """Where the cart was hit, if it was."""
-    if not found.impacts:
-        return []
-    rows = [
-        [f"{one.time:.2f}", *(f"{v:.3f}" for v in (*one.pose[:2], one.speed_before, one.speed_after))]
-        for one in found.impacts
-    ]
-    return [
-        "<h2>Where it was hit</h2>",
-        "<p>Sudden changes of motion that no wrench explains; fits leave them out. Three at one place are a stop.</p>",
-        _table(["t, s", "x, m", "y, m", "speed before, m/s", "speed after, m/s"], rows),
-    ]
+    told = [(one.time, (*one.pose[:2], one.speed_before, one.speed_after)) for one in found.impacts]
+    rows = [[f"{time:.2f}", *(f"{value:.3f}" for value in values)] for time, values in told]
+    words = "Sudden changes of motion that no wrench explains; fits leave them out. Three at one place are a stop."
+    columns = ["t, s", "x, m", "y, m", "speed before, m/s", "speed after, m/s"]
+    return f"<p>{words}</p>" + _table(columns, rows) if rows else ""
 
 
 def _parameters(found: Diagnosis) -> str:
@@ -144,10 +127,6 @@ def _steps(found: Diagnosis) -> str:
 def _isolability(found: Diagnosis) -> str:
     rows = [[key, f"{one.z:.1f}", ", ".join(one.alike) or "-"] for key, one in found.isolability.items()]
     return _table(["effect of usual size", "stands out by (deviations)", "looks like"], rows)
-
-
-def _checks(found: Diagnosis) -> str:
-    return "".join(_table(["", check.name], _check_rows(check)) for check in found.checks)
 
 
 def _check_rows(check: LogCheck) -> list[list[str]]:
@@ -175,7 +154,7 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def _list(lines: Sequence[str], none: str) -> str:
+def _list(lines: Sequence[str], none: str = "") -> str:
     if not lines:
-        return f"<p>{html.escape(none)}</p>"
+        return f"<p>{none}</p>" if none else ""
     return "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in lines) + "</ul>"

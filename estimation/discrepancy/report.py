@@ -15,6 +15,7 @@ from .verdicts import called, verdict
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
+    from .search import Step
 
 
 class Report:
@@ -25,34 +26,18 @@ class Report:
 
     def as_dict(self) -> dict[str, Any]:
         found = self.diagnosis
-        steps = [
-            {
-                "added": step.added.key if step.added else None,
-                "candidates": [
-                    {
-                        "name": called(a),
-                        "key": a.key,
-                        "score": float(a.gain),
-                        "tried": a.tried,
-                        "verdict": verdict(step, a),
-                    }
-                    for a in step.attempts
-                ],
-            }
-            for step in found.steps
-        ]
         return {
             "verdict": found.verdict,
             "sentence": found.sentence,
             "warnings": list(found.warnings),
-            "where": [one.as_dict() for one in found.where],
+            "where": [asdict(one) for one in found.where],
             "effects": [effect.as_dict() for effect in found.effects],
             "parameter_mismatch": found.parameter_mismatch,
             "unexplained": found.unexplained,
             "gap": found.gap.as_dict(),
             "impacts": [one.as_dict() for one in found.impacts],
             "refit_refused": found.is_refused,
-            "steps": steps,
+            "steps": [_of_step(step) for step in found.steps],
             "logs": [asdict(check) for check in found.checks],
             "bands": [None if band is None else asdict(band) for band in found.bands],
             "isolability": {key: one.as_dict() for key, one in found.isolability.items()},
@@ -76,3 +61,11 @@ class Report:
             document = json.dumps(finite(self.as_dict()), indent=1, allow_nan=False)
             write_atomically(folder / "report.json", document + "\n")
         return folder
+
+
+def _of_step(step: Step) -> dict[str, Any]:
+    told = (
+        {"name": called(a), "key": a.key, "score": float(a.gain), "tried": a.tried, "verdict": verdict(step, a)}
+        for a in step.attempts
+    )
+    return {"added": step.added.key if step.added else None, "candidates": list(told)}

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, dia_array
 
 from cartgrasp.frames import Array
 
@@ -25,9 +24,7 @@ DIRECTIONS = {
 }
 """Of the residual wrench, by the number of free directions."""
 LEAST_CREEP = 0.002
-"""m/s: less is in every bearing."""
-LEAST = {LATERAL: LEAST_CREEP}
-"""Root mean square beyond noise: less is no disagreement."""
+"""m/s, root mean square beyond noise: less is in every bearing, and no disagreement."""
 UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m", LATERAL: "m/s"}
 STRETCH = 0.5
 """s, of means, where rows come as often as that."""
@@ -68,12 +65,6 @@ class Residual:
         return tuple(tuple(changes(self.standard[self.circumstances.log == k])) for k in logs)
 
     @property
-    def change_times(self) -> tuple[Array, ...]:
-        """Of each log, s."""
-        own = (self.start[self.circumstances.log == k] for k in range(len(self.changes)))
-        return tuple(start[list(places)] for start, places in zip(own, self.changes, strict=True))
-
-    @property
     def size(self) -> float:
         """Root mean square beyond noise, each stretch as much as it is known: of one in which the cart was held,
         nothing is."""
@@ -83,56 +74,34 @@ class Residual:
     def disagrees(self) -> bool:
         """Whether all stretches together are farther off than noise takes them, by an amount that counts."""
         is_sure = self.beyond.sum() > SURE * (2 * len(self.beyond)) ** 0.5
-        return bool(is_sure and self.size > LEAST.get(self.coordinate, 0.0))
+        return bool(is_sure and self.size > (LEAST_CREEP if self.coordinate == LATERAL else 0.0))
 
 
 def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
     """Of every coordinate, what `model` leaves, against what `noise`, whose rows' noise is believed, says of it."""
     duration = max(STRETCH, *(balances.row_step for balances in model.logs))
-    parts = [_Means.of(*each, duration) for each in _by_log(model, noise)]
-    log = np.repeat(np.arange(len(parts)), [len(part.start) for part in parts])
-    start, value, std = (np.concatenate(each) for each in zip(*((p.start, p.value, p.std) for p in parts), strict=True))
+    left = np.split(model.left, np.cumsum([len(balances.used) for balances in model.logs])[:-1])
+    whitenings = noise.noise.whitenings(model.logs)
+    parts = [_means(*each, duration) for each in zip(model.logs, left, whitenings, strict=True)]
+    log = np.repeat(np.arange(len(parts)), [len(first) for first, _, _ in parts])
+    start, value, std = (np.concatenate(each) for each in zip(*parts, strict=True))
     found = Circumstances.of(start + duration / 2, log, model.logs, model.cart)
-    names = DIRECTIONS[model.cart.constraints.n_free]
-    names = (*names, LATERAL) if value.shape[1] > len(names) else names
-    return tuple(Residual(name, value[:, i], std[:, i], start, duration, found) for i, name in enumerate(names))
+    names = (*DIRECTIONS[model.cart.constraints.n_free], LATERAL)
+    return tuple(Residual(names[i], value[:, i], std[:, i], start, duration, found) for i in range(value.shape[1]))
 
 
-def _by_log(model: Model, noise: Model) -> Iterator[tuple[Balances, Array, Whitening]]:
-    """With what is left of its raw rows (k, c)."""
-    at = 0
-    for balances, whitening in zip(model.logs, noise.noise.whitenings(model.logs), strict=True):
-        rows = len(balances.used)
-        yield balances, model.left[at : at + rows], whitening
-        at += rows
+def _means(balances: Balances, left: Array, whitening: Whitening, duration: float) -> tuple[Array, Array, Array]:
+    """Of one log's stretches that hold rows: begins (b,), and of raw rows (k, c) means of what test functions weigh
+    (b, c) and their standard deviations; neighbours overlap, so their noise is theirs together."""
+    first = float(balances.motion.time[0])
+    weight = balances.integrated(np.ones(len(balances.motion.time)))
+    number, stretch = np.unique(((balances.time - first) / duration).astype(int), return_inverse=True)
+    share = 1.0 / np.bincount(stretch)[stretch] / weight
+    mean = csr_array((share, (stretch, np.arange(len(weight)))), shape=(len(number), len(weight)))
+    spread = [np.sqrt((mean @ _factor(root)).power(2).sum(axis=1)) for root in whitening.roots]
+    return first + duration * number, np.asarray(mean @ left), np.column_stack(spread)
 
 
-@dataclass(frozen=True)
-class _Means:
-    """Of one log's stretches that hold rows: begins (b,), means and standard deviations (b, c)."""
-
-    start: Array
-    value: Array
-    std: Array
-
-    @classmethod
-    def of(cls, balances: Balances, left: Array, whitening: Whitening, duration: float) -> _Means:
-        """Of raw rows (k, c), as means of what test functions weigh; neighbours overlap, so their noise is theirs
-        together."""
-        first = float(balances.motion.time[0])
-        weight = balances.integrated(np.ones(len(balances.motion.time)))
-        number, stretch = np.unique(((balances.time - first) / duration).astype(int), return_inverse=True)
-        share = 1.0 / np.bincount(stretch)[stretch] / weight
-        rows = np.arange(len(weight))
-        mean = csr_array((share, (stretch, rows)), shape=(len(number), len(weight)))
-        spread = [np.sqrt((mean @ _factor(root)).power(2).sum(axis=1)) for root in whitening.roots]
-        return cls(first + duration * number, np.asarray(mean @ left), np.column_stack(spread))
-
-
-def _factor(root: Array) -> csr_array:
+def _factor(root: Array) -> dia_array:
     """The Cholesky factor (k, k) whose diagonals, from the main one down, a whitening keeps (lags, k)."""
-    k = root.shape[1]
-    column = np.broadcast_to(np.arange(k), root.shape)
-    row = column + np.arange(len(root))[:, None]
-    there = row < k
-    return csr_array((root[there], (row[there], column[there])), shape=(k, k))
+    return dia_array((root, -np.arange(len(root))), shape=(root.shape[1],) * 2)

@@ -22,68 +22,66 @@ FEWEST = 3
 
 
 @dataclass(frozen=True)
-class Binned:
-    """Of some bins (k,) the weighed means, and their standard deviations; of bins with too few stretches no number."""
+class Profile:
+    """A residual against a variable, in bins (k,): the variable's means, and the residual's weighed means and their
+    standard deviations; of bins with too few stretches no number."""
 
+    variable: str
+    unit: str
+    at: Array
     mean: Array
     std: Array
 
 
 @dataclass(frozen=True)
-class Profile:
-    """A residual against a variable: the variable's means in bins (k,), and the residual there."""
-
-    variable: str
-    unit: str
-    at: Array
-    residual: Binned
-
-
-@dataclass(frozen=True)
 class ResidualMap:
-    """Of a coordinate against a variable, each in its unit: the variable's means in bins (k,); what the refitted model
-    leaves there, and the extended one."""
+    """Of a coordinate in its unit, what the refitted model leaves against a variable, and the extended one in the same
+    bins."""
 
     coordinate: str
     unit: str
-    variable: str
-    variable_unit: str
-    at: Array
-    refitted: Binned
-    extended: Binned
+    refitted: Profile
+    extended: Profile
+
+    @property
+    def variable(self) -> str:
+        return self.refitted.variable
 
     def as_dict(self) -> dict[str, Any]:
-        """With numbers alone."""
-        told: dict[str, Any] = {key: getattr(self, key) for key in ("coordinate", "unit", "variable", "variable_unit")}
-        told["at"] = self.at.tolist()
-        for key, one in (("refitted", self.refitted), ("extended", self.extended)):
-            told |= {key: one.mean.tolist(), f"{key}_std": one.std.tolist()}
-        return told
+        one, other = self.refitted, self.extended
+        told = {"coordinate": self.coordinate, "unit": self.unit, "variable": one.variable, "variable_unit": one.unit}
+        numbers = {"at": one.at, "refitted": one.mean, "refitted_std": one.std}
+        numbers |= {"extended": other.mean, "extended_std": other.std}
+        return told | {key: values.tolist() for key, values in numbers.items()}
 
 
 def residual_maps(before: Sequence[Residual], after: Sequence[Residual]) -> tuple[ResidualMap, ...]:
     """Of each coordinate one against every variable that changes, in the bins of what was left before."""
     return tuple(
-        ResidualMap(first.coordinate, first.unit, one.variable, one.unit, one.at, one.residual, other.residual)
+        ResidualMap(first.coordinate, first.unit, *both)
         for first, last in zip(before, after, strict=True)
-        for one, other in zip(profiles(first), profiles(last, first.circumstances), strict=True)
+        for both in zip(profiles(first), profiles(last, first.circumstances), strict=True)
     )
 
 
 def profiles(residual: Residual, bins: Circumstances | None = None) -> Iterator[Profile]:
     """Against every variable that changes; in bins of other circumstances, where these are given."""
-    own = _variables(residual.circumstances)
+    own, weight = _variables(residual.circumstances), residual.std**-2.0
     for (name, unit), values in _variables(bins or residual.circumstances).items():
         edges = _edges(name, values)
-        if len(edges) > 2 and np.isfinite(_means(values, edges)).sum() > 1:
-            yield Profile(name, unit, _means(own[name, unit], edges), _binned(residual, own[name, unit], edges))
+        if len(edges) > 2 and (_sums(values, edges) > 0).sum() > 1:
+            place = own[name, unit]
+            count, whole = _sums(place, edges), _sums(place, edges, weight)
+            at = _sums(place, edges, place) / np.where(count > 0, count, np.nan)
+            whole = np.where(count >= FEWEST, whole, np.nan)
+            yield Profile(name, unit, at, _sums(place, edges, weight * residual.value) / whole, whole**-0.5)
 
 
 def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
-    """By name and unit (b,); what is not known is not finite."""
-    course = found.course
+    """By name and unit (b,); what is not known is not finite. Clocks of several logs have nothing in common."""
+    course, several = found.course, len(found.names) > 1
     known = {
-        **_times(found),
+        ("time since the log's begin" if several else "time", "s"): course.time if several else found.time,
         ("way travelled", "m"): course.travelled,
         ("distance since a reversal", "m"): course.since_reversal,
         ("speed", "m/s"): course.speed,
@@ -100,12 +98,6 @@ def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
     return known
 
 
-def _times(found: Circumstances) -> dict[tuple[str, str], Array]:
-    """Clocks of several logs have nothing in common."""
-    several = len(found.names) > 1
-    return {("time since the log's begin", "s"): found.course.time} if several else {("time", "s"): found.time}
-
-
 def _edges(name: str, values: Array) -> Array:
     """Of bins that hold as much each; headings have bins of one width."""
     if name == HEADING:
@@ -114,20 +106,8 @@ def _edges(name: str, values: Array) -> Array:
     return np.unique(np.quantile(known, np.linspace(0, 1, BINS + 1))) if len(known) else known
 
 
-def _means(values: Array, edges: Array) -> Array:
-    count, total = _sums(values, edges, np.ones(len(values)), values)
-    return np.asarray(total / np.where(count > 0, count, np.nan))
-
-
-def _binned(residual: Residual, values: Array, edges: Array) -> Binned:
-    weight = residual.std**-2.0
-    count, whole, total = _sums(values, edges, np.ones(len(values)), weight, weight * residual.value)
-    whole = np.where(count >= FEWEST, whole, np.nan)
-    return Binned(np.asarray(total / whole), np.asarray(whole**-0.5))
-
-
-def _sums(values: Array, edges: Array, *columns: Array) -> list[Array]:
-    """Of columns (b,) where values (b,) are known, in bins."""
+def _sums(values: Array, edges: Array, weight: Array | None = None) -> Array:
+    """Of weights (b,), else how many, in bins of the values (b,) that are known; the outer ones have no end."""
     known = np.isfinite(values)
-    number = np.clip(np.searchsorted(edges, values[known], "right") - 1, 0, len(edges) - 2)
-    return [np.bincount(number, column[known], len(edges) - 1).astype(float) for column in columns]
+    inside = np.clip(values[known], edges[0], edges[-1])
+    return np.histogram(inside, edges, weights=np.ones(len(inside)) if weight is None else weight[known])[0]

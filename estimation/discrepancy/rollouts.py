@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cartgrasp.frames import Array, wrap_angle
+from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import STILL_SPEED, Balances
@@ -43,10 +43,8 @@ class Rollouts:
 
 def _root_mean(squares: Array) -> Array:
     """Over starts, of those that are known; NaN where none is."""
-    known = np.isfinite(squares)
-    total = np.where(known, squares, 0.0).sum(axis=0)
-    count = known.sum(axis=0)
-    return np.asarray(np.sqrt(np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)))
+    known = np.ma.masked_invalid(squares)
+    return np.asarray(np.sqrt(known.mean(axis=0).filled(np.nan)))
 
 
 def starts(balances: Balances) -> np.ndarray:
@@ -65,14 +63,14 @@ def starts(balances: Balances) -> np.ndarray:
 def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tuple[Array, Array] | None = None) -> Array:
     """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. `off` are errors of
     poses and velocities at the start (starts, 3 + f), and of the reduced wrench along the grid (n, f)."""
-    motion = balances.motion
-    wrench = balances.wrenches.planar(cart) @ cart.basis_b
+    motion, side = balances.motion, balances.wrenches.planar(cart)
+    wrench = side @ cart.basis_b
     state = balances.state(cart)[first].copy()
     if off is not None:
         state[:, : off[0].shape[1]] += off[0]
         wrench = wrench + off[1]
-    planar, side = cart.planar_wrench(wrench), balances.wrenches.planar(cart)
-    ends = [round(horizon / motion.step) for horizon in HORIZONS]
+    planar = cart.planar_wrench(wrench)
+    ends = _steps(balances).tolist()
     found = np.full((len(first), len(ends), 3), np.nan)
     seen = np.append(0, np.cumsum(~balances.wrenches.seen))
     step, ones = _stable_step(balances, cart), np.ones((len(first), cart.constraints.n_free))
@@ -95,7 +93,9 @@ def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tupl
 
 def rollouts(balances: Balances, cart: CartModel, first: np.ndarray) -> Rollouts:
     """How far a cart's are from the log's smooth poses."""
-    return Rollouts(_in_body(_measured(balances, first), rolled_out(balances, cart, first)))
+    at = first[:, None] + _steps(balances)
+    measured = balances.motion.pose[np.minimum(at, len(balances.motion.time) - 1)]
+    return Rollouts(_in_body(measured, rolled_out(balances, cart, first)))
 
 
 def noise_rollouts(balances: Balances, cart: CartModel, noise: Array, generator: np.random.Generator) -> Rollouts:
@@ -114,18 +114,15 @@ def joined(parts: Sequence[Rollouts]) -> Rollouts:
     return Rollouts(np.concatenate([one.error for one in parts]))
 
 
-def _measured(balances: Balances, first: np.ndarray) -> Array:
-    motion = balances.motion
-    at = first[:, None] + np.array([round(horizon / motion.step) for horizon in HORIZONS])
-    return np.asarray(motion.pose[np.minimum(at, len(motion.time) - 1)])
+def _steps(balances: Balances) -> np.ndarray:
+    """Of the grid, of each horizon."""
+    return np.rint(np.array(HORIZONS) / balances.motion.step).astype(int)
 
 
 def _in_body(true: Array, found: Array) -> Array:
-    error = found - true
-    cosine, sine = np.cos(true[..., 2]), np.sin(true[..., 2])
-    along = cosine * error[..., 0] + sine * error[..., 1]
-    across = -sine * error[..., 0] + cosine * error[..., 1]
-    return np.stack([along, across, wrap_angle(error[..., 2])], axis=-1)
+    error = (body_to_world(true[..., 2]).mT @ (found - true)[..., None])[..., 0]
+    error[..., 2] = wrap_angle(error[..., 2])
+    return error
 
 
 def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) -> Array:

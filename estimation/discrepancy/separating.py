@@ -104,14 +104,15 @@ def _motions(cart: CartModel) -> list[TeachingMotion]:
 
 def _apart(motion: TeachingMotion, without: CartModel, added: Effect, rivals: Sequence[Effect], hands: Hands) -> float:
     """Deviations by which an effect differs from any of its rivals, be these of any size."""
-    here = _traced(motion, without.with_effect(added), hands) - _traced(motion, without, hands)
-    base = _slopes(motion, without, hands)
+    plain, base = _traced(motion, without, hands)
+    here = _traced(motion, without.with_effect(added), hands)[0] - plain
     root = np.linalg.cholesky(np.linalg.inv(reduced_noise(without, list(hands.contacts.values()), hands.noise)))
     scale = (hands.noise.rate * PERIOD) ** 0.5
     found = []
     for rival in rivals:
-        columns = np.concatenate([base, _slopes(motion, without, hands, rival)], axis=2)
-        sides = scale * (root.T @ np.concatenate([columns, here[..., None]], axis=2)).reshape(-1, columns.shape[2] + 1)
+        slopes = _traced(motion, without.with_effect(rival), hands)[1]
+        columns = np.concatenate([base, slopes[..., base.shape[2] + amplitudes_of(rival)], here[..., None]], axis=2)
+        sides = scale * (root.T @ columns).reshape(-1, columns.shape[2])
         size = np.linalg.norm(sides[:, :-1], axis=0)
         unit = sides[:, :-1][:, size > RIDGE] / size[size > RIDGE]
         left = sides[:, -1] - unit @ np.linalg.lstsq(unit, sides[:, -1], rcond=1e-9)[0]
@@ -119,44 +120,27 @@ def _apart(motion: TeachingMotion, without: CartModel, added: Effect, rivals: Se
     return min(found)
 
 
-def _traced(motion: TeachingMotion, cart: CartModel, hands: Hands) -> Array:
-    """The reduced wrench (n, f) that is required less what the sensors make of it."""
+def _traced(motion: TeachingMotion, cart: CartModel, hands: Hands) -> tuple[Array, Array]:
+    """The reduced wrench (n, f) that is required, less what recorded wrenches that are as large stand for beside
+    themselves; and its slopes (n, f, p) by the cart's parameters."""
     time, state, acceleration = motion.along(cart)
-    needed = cart.required_wrench(state, acceleration, time=time)
-    return needed - _felt(cart, needed, hands)[0]
-
-
-def _felt(cart: CartModel, needed: Array, hands: Hands) -> tuple[Array, Array]:
-    """What recorded wrenches that are as large as needed stand for, less these (n, f), and its slopes (n, f, p)."""
-    late = np.gradient(needed, PERIOD, axis=0)
-    total = late * np.mean([cart.lateness(arm) for arm in hands.contacts])
-    slopes = late[..., None] * lateness_slopes(cart, hands.contacts)
-    for arm, recorded in hands.shared(cart, needed).items():
+    inverse = cart.inverse(state, acceleration, time=time)
+    late = np.gradient(inverse.wrench, PERIOD, axis=0)
+    value = inverse.wrench - late * np.mean([cart.lateness(arm) for arm in hands.contacts])
+    slopes = inverse.by_parameters - late[..., None] * _lateness_slopes(cart, hands.contacts)
+    for arm, recorded in hands.shared(cart, inverse.wrench).items():
         reduced = cart.basis_b.T @ grasp_map_planar(hands.contacts[arm])
         true, by = cart.corrected_wrench(arm, recorded)
-        total += (true - recorded) @ reduced.T
-        slopes += reduced @ by
-    return total, slopes
+        value -= (true - recorded) @ reduced.T
+        slopes -= reduced @ by
+    return value, slopes
 
 
-def _slopes(motion: TeachingMotion, cart: CartModel, hands: Hands, rival: Effect | None = None) -> Array:
-    """By the cart's parameters (n, f, p); or by the amplitudes of a rival on it."""
-    whole = cart if rival is None else cart.with_effect(rival)
-    time, state, acceleration = motion.along(whole)
-    inverse = whole.inverse(state, acceleration, time=time)
-    found = inverse.by_parameters - _felt(whole, inverse.wrench, hands)[1]
-    if rival is None:
-        return np.asarray(found)
-    first = len(whole.parameters) - len(rival.parameters)
-    return np.asarray(found[..., first + amplitudes_of(rival)])
-
-
-def lateness_slopes(cart: CartModel, arms: Collection[str]) -> Array:
+def _lateness_slopes(cart: CartModel, arms: Collection[str]) -> Array:
     """Of the mean lateness of arms by the parameters (p,)."""
     slopes = np.zeros(len(cart.parameters))
     for effect, where in cart.sensor_effects:
         share = np.mean([effect.concerns(arm) for arm in arms])
-        for i, at in enumerate(range(where.start, where.stop)):
-            more = effect.values + LATENESS_STEP * (np.arange(len(effect.values)) == i)
-            slopes[at] = share * (effect.with_values(more).lateness - effect.lateness) / LATENESS_STEP
+        moved = (effect.with_values(effect.values + step) for step in LATENESS_STEP * np.eye(len(effect.values)))
+        slopes[where] = [share * (one.lateness - effect.lateness) / LATENESS_STEP for one in moved]
     return slopes

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import rel_entr
 
-from cartgrasp.frames import Array
-
 from .circumstances import Circumstances
-from .course import ROLLING
+from .course import ROLLING, Course
 from .residual import UNITS, Residual
-from .residual_map import Profile, profiles
+from .residual_map import profiles
 
 LEAST_SHARE, LEAST_LIFT = 0.25, 1.4
 """Of the disagreement, and how much more of it than of the time, for a condition worth telling."""
@@ -26,7 +23,6 @@ MOST_KNOWN, WIDER = 0.8, 1.25
 new."""
 SLOW, TURNING = 0.12, 0.08
 """m/s, rad/s."""
-MOVES = "while it moves"
 ALL_MOTION = 0.95
 """Of the stretches in which a cart moves: a condition that holds in so many says no more than that it moves."""
 FAST_SHARE, STRONG_SHARE, WEAK_SHARE = 0.75, 0.7, 0.2
@@ -65,67 +61,50 @@ class Disagreement:
         coordinate = self.coordinate.replace("_", " ").capitalize()
         return f"{coordinate}, {short(self.size)} {UNITS[self.coordinate]}: {self.condition}"
 
-    def as_dict(self) -> dict[str, Any]:
-        return asdict(self)
-
 
 def where(residuals: Sequence[Residual]) -> list[Disagreement]:
     """The conditions that gather the disagreement, those first that tell the most: by how much more of it they hold
     than of the time. Then what else it goes along with."""
     there = [residual for residual in residuals if residual.disagrees]
     along = [told for residual in there for told in _along(residual)]
-    found = sorted((told for residual in there for told in _of_one(residual)), key=lambda told: -told[0])
+    found = sorted((told for residual in there for told in _gathering(residual)), key=lambda told: -told[0])
     return [*(one for _, one in found[: MOST - len(along)]), *along]
 
 
-def _of_one(residual: Residual) -> list[tuple[float, Disagreement]]:
-    """With what they tell (nats)."""
-    total, told = float(residual.beyond.sum()), list[tuple[float, Condition, float, float]]()
+def _gathering(residual: Residual) -> Iterator[tuple[float, Disagreement]]:
+    """With what they tell (nats), but for what says the same as one that tells more."""
+    total, told, others = float(residual.beyond.sum()), [], list[np.ndarray]()
     for words, chosen in _telling(residual):
-        share = float(np.clip(residual.beyond[chosen].sum() / total, 0.0, 1.0))
-        time_share = float(chosen.mean())
-        if 0 < time_share < 1 and share >= LEAST_SHARE and share >= LEAST_LIFT * time_share:
-            known = float(rel_entr(share, time_share) + rel_entr(1 - share, 1 - time_share))
-            told.append((known, (words, chosen), share, time_share))
-    kept = list[tuple[float, Disagreement]]()
-    others = list[np.ndarray]()
-    for known, (words, chosen), share, time_share in sorted(told, key=lambda one: -one[0]):
+        share, of_time = float(np.clip(residual.beyond[chosen].sum() / total, 0.0, 1.0)), float(chosen.mean())
+        if 0 < of_time < 1 and share >= LEAST_SHARE and share >= LEAST_LIFT * of_time:
+            known = float(rel_entr(share, of_time) + rel_entr(1 - share, 1 - of_time))
+            text = f"{100 * share:.0f} % of the misfit lies {words} ({100 * of_time:.0f} % of the time)"
+            told.append((known, chosen, share, text))
+    for known, chosen, share, text in sorted(told, key=lambda one: -one[0]):
         if not any(_says(residual, other, chosen) for other in others):
             others.append(chosen)
-            text = f"{100 * share:.0f} % of the misfit lies {words} ({100 * time_share:.0f} % of the time)"
-            size = float(np.sqrt((residual.value[chosen] ** 2).mean()))
-            kept.append((known, Disagreement(*_span(residual, chosen), residual.coordinate, text, size, share)))
-    return kept
+            yield known, _disagreement(residual, chosen, share, text)
 
 
-def _span(residual: Residual, chosen: np.ndarray) -> tuple[float, float]:
+def _disagreement(residual: Residual, chosen: np.ndarray, share: float, text: str) -> Disagreement:
     """From when to when stretches lie, in the log that holds the most of their disagreement."""
     logs = np.where(chosen, residual.circumstances.log, -1)
     most = max(np.unique(logs[chosen]), key=lambda k: float(residual.beyond[logs == k].sum()))
-    start = residual.start[logs == most]
-    return float(start.min()), float(start.max()) + residual.duration
+    start, size = residual.start[logs == most], float(np.sqrt((residual.value[chosen] ** 2).mean()))
+    span = float(start.min()), float(start.max()) + residual.duration
+    return Disagreement(*span, residual.coordinate, text, size, share)
 
 
-def _along(residual: Residual) -> list[Disagreement]:
+def _along(residual: Residual) -> Iterator[Disagreement]:
     """What the residual goes along with the most, be it forward or backward, where that is most of it."""
-    total, found = float(residual.beyond.sum()), list[tuple[float, Profile]]()
-    for one in profiles(residual):
-        standard = one.residual.mean / one.residual.std
-        found.append((float(np.nansum(standard**2 - 1.0)) / total, one))
+    found = [(float(np.nansum((one.mean / one.std) ** 2 - 1.0)), one) for one in profiles(residual)]
     share, best = max(found, key=lambda each: each[0], default=(0.0, None))
-    if best is None or share < LEAST_ALONG:
-        return []
-    values, share = best.residual.mean, min(share, 1.0)
-    ends = [f"{short(values[k])} {residual.unit} at {short(best.at[k])} {best.unit}" for k in _ends(values)]
-    text = f"{100 * share:.0f} % of the misfit goes with the {best.variable}: {ends[0]}, {ends[1]}"
-    span, size = _span(residual, np.ones(len(residual.start), dtype=bool)), float(np.sqrt((residual.value**2).mean()))
-    return [Disagreement(*span, residual.coordinate, text, size, share)]
-
-
-def _ends(values: Array) -> tuple[int, int]:
-    """Where they are lowest and highest, the first of these first."""
-    low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
-    return min(low, high), max(low, high)
+    share = min(share / float(residual.beyond.sum()), 1.0)
+    if best is not None and share >= LEAST_ALONG:
+        ends = sorted((int(np.nanargmin(best.mean)), int(np.nanargmax(best.mean))))
+        told = (f"{short(best.mean[k])} {residual.unit} at {short(best.at[k])} {best.unit}" for k in ends)
+        text = f"{100 * share:.0f} % of the misfit goes with the {best.variable}: {', '.join(told)}"
+        yield _disagreement(residual, np.ones(len(residual.start), dtype=bool), share, text)
 
 
 def _says(residual: Residual, told: np.ndarray, chosen: np.ndarray) -> bool:
@@ -138,7 +117,7 @@ def _telling(residual: Residual) -> Iterator[Condition]:
     """Without what holds whenever the cart moves, such as that it rolls forward, if it never does otherwise."""
     course = residual.circumstances.course
     moves = (np.abs(course.speed) > ROLLING) | (np.abs(course.yaw_rate) > TURNING)
-    yield MOVES, moves
+    yield "while it moves", moves
     for words, chosen in _conditions(residual):
         if (chosen & moves).sum() < ALL_MOTION * moves.sum() or not moves.any():
             yield words, chosen
@@ -148,10 +127,7 @@ def _conditions(residual: Residual) -> Iterator[Condition]:
     found = residual.circumstances
     yield from _in_motion(found)
     yield from _in_time(residual)
-    yield from _in_place(found.course.place)
-    quarter = np.round(found.course.heading / (np.pi / 2)) % 4
-    for k, name in enumerate(("+x", "+y", "-x", "-y")):
-        yield f"while it heads along the floor's {name}", quarter == k
+    yield from _in_place(found.course)
     yield from _in_force(found)
     yield from _in_arms(found)
 
@@ -174,32 +150,30 @@ def _in_time(residual: Residual) -> Iterator[Condition]:
     """Between change points of each log, and before and after each."""
     found, start = residual.circumstances, residual.start
     for k, name in enumerate(found.names):
-        rows = np.flatnonzero(found.log == k)
-        own = f" of {name}" if len(found.names) > 1 else ""
-        if own:
-            yield f"in {name}", found.log == k
-        changes = residual.changes[k]
+        own = found.log == k
+        of_log = f" of {name}" if len(found.names) > 1 else ""
+        if of_log:
+            yield f"in {name}", own
+        begins, ways, changes = start[own], found.course.travelled[own], residual.changes[k]
         for change in changes:
-            at, way = start[rows[change]], found.course.travelled[rows[change]]
-            yield f"after t = {at:.1f} s{own}, {way:.1f} m of its way", _among(rows[change:], start)
-            yield f"before t = {at:.1f} s{own}, {way:.1f} m of its way", _among(rows[:change], start)
-        for first, last in zip([0, *changes], [*changes, len(rows)], strict=True):
-            ends = rows[first], rows[last - 1]
-            begin, end = start[ends[0]], start[ends[1]] + residual.duration
-            way = f"{found.course.travelled[ends[0]]:.1f} to {found.course.travelled[ends[1]]:.1f} m of its way"
-            yield f"from t = {begin:.1f} s to {end:.1f} s{own}, {way}", _among(rows[first:last], start)
+            at = f"t = {begins[change]:.1f} s{of_log}, {ways[change]:.1f} m of its way"
+            yield f"after {at}", own & (start >= begins[change])
+            yield f"before {at}", own & (start < begins[change])
+        for first, end in zip([0, *changes], [*changes, len(begins)], strict=True):
+            begin, last = begins[first], begins[end - 1]
+            at = f"t = {begin:.1f} s to {last + residual.duration:.1f} s{of_log}"
+            way = f"{ways[first]:.1f} to {ways[end - 1]:.1f} m of its way"
+            yield f"from {at}, {way}", own & (start >= begin) & (start <= last)
 
 
-def _among(rows: np.ndarray, start: Array) -> np.ndarray:
-    chosen = np.zeros(len(start), dtype=bool)
-    chosen[rows] = True
-    return chosen
-
-
-def _in_place(place: Array) -> Iterator[Condition]:
-    squares, number = np.unique(np.floor(place), axis=0, return_inverse=True)
+def _in_place(course: Course) -> Iterator[Condition]:
+    """In squares of a metre, and along quarters of the circle."""
+    squares, number = np.unique(np.floor(course.place), axis=0, return_inverse=True)
     for k, (x, y) in enumerate(squares):
         yield f"where x is {x:.0f} to {x + 1:.0f} m and y {y:.0f} to {y + 1:.0f} m", number.ravel() == k
+    quarter = np.round(course.heading / (np.pi / 2)) % 4
+    for k, name in enumerate(("+x", "+y", "-x", "-y")):
+        yield f"while it heads along the floor's {name}", quarter == k
 
 
 def _in_force(found: Circumstances) -> Iterator[Condition]:

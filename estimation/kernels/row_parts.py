@@ -29,16 +29,6 @@ Rising = tuple[Array, Array, Array, Array]
 
 
 @row_entry
-def rising(whole: Array, covariance: Array) -> Rising:
-    return rise_of(whole, covariance)
-
-
-@row_entry
-def feigned(rise: Rising, by_acceleration: Array, mass: Array, noise: Array) -> Array:
-    return feigned_by(rise, by_acceleration, mass, noise)
-
-
-@row_entry
 def slowed(velocity: Array, covariance: Array) -> Array:
     """The slowest (n, f) that each nu may be."""
     return slowest(velocity, covariance)

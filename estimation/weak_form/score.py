@@ -76,10 +76,6 @@ class Score:
     fit: Array
     covariance: Array
 
-    @property
-    def total(self) -> float:
-        return float(min(self.pieces.sum(), self.stretches.sum()))
-
 
 def scored(sums: Array, rows: Array, prior: Array, folds: Folds, scale: Array) -> Score:
     """Of columns whose sums (c, b, q + 1, q + 1) have the residual last; `prior` standard deviations (q,); from scales

@@ -18,10 +18,9 @@ def matrix(pose: SpatialPose) -> np.ndarray:
 
 
 @given(vectors(6, -3, 3), vectors(6, -3, 3))
-def test_poses_compose_and_invert_as_their_matrices(first: np.ndarray, second: np.ndarray):
+def test_poses_compose_as_their_matrices(first: np.ndarray, second: np.ndarray):
     pose_ab, pose_bc = SpatialPose.of(first[:3], *first[3:]), SpatialPose.of(second[:3], *second[3:])
     np.testing.assert_allclose(matrix(pose_ab @ pose_bc), matrix(pose_ab) @ matrix(pose_bc), atol=1e-12)
-    np.testing.assert_allclose(matrix(pose_ab.inverse()), np.linalg.inv(matrix(pose_ab)), atol=1e-12)
 
 
 @given(vectors(3, -3, 3))

@@ -42,6 +42,11 @@ class Trial:
         return getattr(self.effect, method)(situation, memory, self.values if parameters is None else parameters)
 
 
+def without(effect: Effect) -> Effect:
+    """The same effect at the values at which it is absent."""
+    return effect.with_values([p.absent for p in effect.parameters])
+
+
 @st.composite
 def effects(draw: st.DrawFn, kind: type[Effect], at_least: float = -np.inf) -> Effect:
     """Values within three times the usual distance from absence, inside the bounds."""

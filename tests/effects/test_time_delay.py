@@ -23,6 +23,7 @@ from tests.core.drawn import numbers
 from tests.estimation.runs import STEP, simulate
 
 INERTIA = Inertia(24.0, (0.3, 0.0), 2.0)
+NO_NOISE = SensorNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 LATE = 12
 """Samples."""
 DELAY = TimeDelay(LATE * STEP)
@@ -41,7 +42,7 @@ def log_of(time, wrenches):
 def test_sensors_record_what_was_given_that_long_ago(late):
     """By counting; the other arm's sensor is in time, and a bias is there from the first sample on."""
     model = cart(TimeDelay(late * 0.01, label="left"), ForceBias(fx=1.0, label="left"))
-    sensors = Sensors(model, SensorNoise.quiet())
+    sensors = Sensors(model, NO_NOISE)
     given = np.random.default_rng(late).normal(size=(40, 2, 6))
     contacts = {"left": np.zeros(3), "right": np.zeros(3)}
     seen = []
@@ -55,7 +56,7 @@ def test_sensors_record_what_was_given_that_long_ago(late):
 
 
 def test_between_two_samples_the_older_is_held():
-    sensors = Sensors(cart(TimeDelay(0.015)), SensorNoise.quiet())
+    sensors = Sensors(cart(TimeDelay(0.015)), NO_NOISE)
     ramp = [np.full(6, float(k)) for k in range(10)]
     seen = [
         sensors.wrenches(0.01 * k, ContactWrenches({"a": w}, {"a": np.zeros(3)})).wrenches["a"][0]

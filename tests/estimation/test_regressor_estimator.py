@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 from scipy.stats import multivariate_normal
@@ -14,7 +15,7 @@ from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.kernels.filtered_row import RATE, FilteredRow, Smoothed, weights
-from estimation.kernels.row_parts import NOISE_SHARE, feigned, rising
+from estimation.kernels.row_parts import NOISE_SHARE, feigned_by, rise_of
 from estimation.load_change import root_of
 from estimation.log_noise import noise_of_log
 from estimation.regressor import regression_belief
@@ -37,6 +38,16 @@ def guess(effects=DRAGS):
 def learned(log, cart=None, **arguments):
     cart = cart or guess()
     return replay(log, RegressorEstimator(cart, list(log.arms), noise=noise_of_log(log, cart), **arguments))
+
+
+@njit
+def rising(whole, covariance):
+    return rise_of(whole, covariance)
+
+
+@njit
+def feigned(rise, by_acceleration, mass, noise):
+    return feigned_by(rise, by_acceleration, mass, noise)
 
 
 # --- rows ----------------------------------------------------------------------------------------------------
@@ -198,7 +209,7 @@ def test_noise_alone_teaches_next_to_nothing(force_is_quiet):
     for row in drawn_rows(30, np.random.default_rng(3), 0.003, scale=0.0):
         noise = np.full((1, 1), 1e-9) if force_is_quiet else row.noise
         found.absorb(row._replace(noise=noise, shared=0.0 * noise, residual=-4.0 * row.slopes[:, 0]), np.array([4.0]))
-    assert found.parameters.std[0] > 1.5
+    assert found.parameters.covariance[0, 0] ** 0.5 > 1.5
 
 
 def test_only_what_is_excited_is_forgotten():
@@ -210,13 +221,15 @@ def test_only_what_is_excited_is_forgotten():
         slopes[0, asked] = 1.0
         row = one._replace(slopes=slopes, residual=np.zeros(1), feigned=np.zeros(3))
         found.unlink()
-        before = found.parameters.std[1]
+        before = found.parameters.covariance[1, 1] ** 0.5
         for _ in range(times):
             found.absorb(row, np.array([4.0, 4.0]))
     own = 0.09 + 1.0 + 0.49
-    assert found.parameters.std[1] == pytest.approx(before, rel=1e-6)
+    assert found.parameters.covariance[1, 1] ** 0.5 == pytest.approx(before, rel=1e-6)
     lasting = 1 / (1 - regression_belief.KEPT)
-    assert own / (2 * lasting) ** 0.5 > found.parameters.std[0] * own**0.5 > 0.1 * (own / lasting) ** 0.5
+    assert (
+        own / (2 * lasting) ** 0.5 > found.parameters.covariance[0, 0] ** 0.5 * own**0.5 > 0.1 * (own / lasting) ** 0.5
+    )
 
 
 # --- runs ----------------------------------------------------------------------------------------------------

@@ -135,7 +135,8 @@ def test_the_program_says_what_it_is():
     assert program.lower_names[5] == "arm0: tz lower"
     assert program.upper_names[12:20] == tuple(f"arm{i}: friction edge {k}" for i in range(2) for k in range(4))
     x = np.arange(12.0)
-    assert program.cost(x) == pytest.approx(np.concatenate([a.weights for a in arms]) @ x**2)
+    cost = x @ program.hessian @ x / 2 + program.gradient @ x + program.constant
+    assert cost == pytest.approx(np.concatenate([a.weights for a in arms]) @ x**2)
 
 
 def test_contacts_must_name_the_arms():

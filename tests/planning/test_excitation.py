@@ -13,6 +13,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.information import WrenchNoise, reduced_noise
 from cartgrasp.model import CartModel
+from cartgrasp.rigid_body import regressor_b
 from planning.allocation import allocate
 from planning.excitation_choice import Allowance, ExcitationChooser
 from planning.excitation_family import FreeSplit, motions
@@ -144,7 +145,8 @@ def test_what_was_summed_is_what_the_whole_drive_teaches():
     total = PRIOR.copy()
     for time in np.arange(0.0, plan.reference.duration, 0.01) + 0.005:
         wanted = plan.reference.at(time)
-        Y = np.hstack([CART.regressor(wanted.velocity, wanted.acceleration), np.diag(wanted.velocity)])
+        rigid = regressor_b(wanted.velocity @ CART.basis_b.T, wanted.acceleration @ CART.basis_b.T)
+        Y = np.hstack([CART.basis_b.T @ rigid, np.diag(wanted.velocity)])
         points = list(plan.contacts(time, np.zeros(3)).values())
         total += Y.T @ np.linalg.solve(reduced_noise(CART, points, NOISE), Y)
     planned, driven = (np.sqrt(np.diag(covariance_of_phi(i))) for i in (plan.windows[-1].information, total))

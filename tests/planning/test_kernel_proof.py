@@ -11,8 +11,8 @@ from planning.duality import infeasible_by
 from planning.kernels import loading, proof
 from planning.kernels.workspace import Sizes, views
 from planning.quadratic_program import QPSolution, verify
-from planning.solvers.dual_active_set_solver import DualActiveSetSolver
 
+from .dual_active_set_solver import DualActiveSetSolver
 from .test_solvers import program_of, random_program
 
 

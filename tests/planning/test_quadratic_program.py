@@ -12,11 +12,11 @@ from planning.allocation import build_allocation
 from planning.duality import infeasible_by
 from planning.projection import project, projection_program
 from planning.quadratic_program import Cone, QuadraticProgram, verify
-from planning.reference_allocation import solve_reference
 from planning.solvers import QuadraticSolver, solve_with_clarabel
 from planning.solvers.polish import polish
 
 from .drawn import arm, cart, first_contacts, largest_scale, random_arms, random_cart, replace_friction
+from .reference_allocation import solve_reference
 
 
 def simple_program():

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
+from cartgrasp.frames import body_to_world
 from planning.references import PathReference, Stretch, chain, pause, speed_change, straight, turn
 
 AXLES = {"axle": RollingConstraints(0.0), "axle ahead": RollingConstraints(0.5), "casters": RollingConstraints(None)}
@@ -22,7 +23,7 @@ def test_pose_is_the_integral_of_the_velocity(kind):
     path = PathReference(CURVES, constraints, start_pose=(1.0, -2.0, 0.4))
 
     def rate(t, q):
-        return constraints.basis_s(q[2]) @ path.at(float(t)).velocity
+        return body_to_world(q[2]) @ constraints.basis_b @ path.at(float(t)).velocity
 
     inner = np.cumsum([s.duration for s in CURVES])
     pose, begin = np.array([1.0, -2.0, 0.4]), 0.0

@@ -10,12 +10,12 @@ from scipy.optimize import linprog
 
 from planning.allocation import build_allocation
 from planning.quadratic_program import QuadraticProgram
-from planning.reference_allocation import solve_reference
 from planning.solvers import QuadraticSolver, solve_with_clarabel
 from planning.solvers.daqp_solver import DaqpSolver
-from planning.solvers.dual_active_set_solver import DualActiveSetSolver
 
 from .drawn import first_contacts, largest_scale, random_arms, random_cart
+from .dual_active_set_solver import DualActiveSetSolver
+from .reference_allocation import solve_reference
 
 
 class Clarabel:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -86,14 +85,6 @@ class TopicMap(StrictModel):
     clock: str | Annotated[float, Field(gt=0, le=10_000)] = "pose"
     max_gap: Positive = 0.1
     epoch: Annotated[int, Field(ge=-FARTHEST, le=FARTHEST)] | None = None
-
-    def topics(self) -> Iterator[tuple[tuple[str, ...], str]]:
-        """The place in the map and the name of each topic."""
-        yield ("pose", "topic"), self.pose.topic
-        for name, arm in self.arms.items():
-            yield ("arms", name, "topic"), arm.topic
-            if isinstance(arm.contact, ContactEntry):
-                yield ("arms", name, "contact", "topic"), arm.contact.topic
 
 
 class MapFile:

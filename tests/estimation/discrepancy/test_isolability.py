@@ -6,7 +6,7 @@ import pytest
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from estimation.discrepancy.isolability import Trace, compared, isolability
+from estimation.discrepancy.isolability import compared, isolability
 from estimation.discrepancy.model import Model
 from estimation.weak_form.balances import Balances
 
@@ -17,11 +17,8 @@ CART = CartModel(Inertia(24.0, (0.2, 0.0), 2.0), effects=(ViscousDrag(linear=3.0
 
 
 def of(columns, effects, base):
-    """`columns` are unit traces, which amplitudes of usual size multiply."""
     ends = np.cumsum([size for _, size in effects])
-    traces = [
-        Trace(key, columns[:, end - size : end], np.ones(size)) for (key, size), end in zip(effects, ends, strict=True)
-    ]
+    traces = [(key, columns[:, end - size : end]) for (key, size), end in zip(effects, ends, strict=True)]
     return compared(base, np.full(base.shape[1], 1e-9), traces)
 
 

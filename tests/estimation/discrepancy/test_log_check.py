@@ -92,7 +92,7 @@ def test_a_check_tells_speeds_headings_and_accelerations():
     assert (found.rows, found.rows_with_wrenches, found.rate) == (2400, 2400, pytest.approx(100.0))
     assert found.noise.position == pytest.approx(0.0004, rel=0.1)
     assert found.noise.force == pytest.approx(1.0, rel=0.1)
-    assert found.as_dict()["clock_offset"] is None
+    assert found.clock_offset is None
 
 
 def test_poses_in_steps_have_the_noise_of_rounding():

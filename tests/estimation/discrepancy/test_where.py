@@ -214,9 +214,9 @@ def test_a_map_is_a_line_where_the_residual_is_one():
     before = residual(found, 5.0 * found.course.speed, std=0.1)
     after = residual(found, 0.0, std=0.1)
     one = next(m for m in residual_maps([before], [after]) if m.variable == "speed")
-    assert len(one.at) == 8
+    assert len(one.refitted.at) == 8
     assert one.refitted.std == pytest.approx(0.1 / np.sqrt(STRETCHES / 8))
-    np.testing.assert_allclose(one.refitted.mean, 5.0 * one.at, atol=4 * one.refitted.std[0])
+    np.testing.assert_allclose(one.refitted.mean, 5.0 * one.refitted.at, atol=4 * one.refitted.std[0])
     np.testing.assert_allclose(one.extended.mean, 0.0, atol=4 * one.extended.std[0])
     told = one.as_dict()
     assert (told["variable"], told["variable_unit"], told["unit"]) == ("speed", "m/s", "N")

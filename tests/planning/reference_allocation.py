@@ -1,7 +1,6 @@
 """The independent reference: the same program posed in cvxpy and solved by Clarabel to tight tolerances.
 
-It shares with the fast path only the arrays of the `QuadraticProgram`. For tests and benchmarks; too slow for
-control.
+It shares with the fast path only the arrays of the `QuadraticProgram`.
 """
 
 from __future__ import annotations
@@ -11,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cartgrasp.frames import Array
-
-from .quadratic_program import QuadraticProgram
+from planning.quadratic_program import QuadraticProgram
 
 TOLERANCE = 1e-11
 

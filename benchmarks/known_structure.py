@@ -11,16 +11,15 @@ from dataclasses import dataclass
 from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-
-from ..glitches import without_glitches
-from ..impacts import impacts
-from ..sensor_check import put_right
-from ..weak_form.balances import Balances
-from ..weak_form.band import bands, consistent
-from .flights import flights
-from .gap import held_out_rollouts
-from .model import Model
-from .search import resized, searched_again
+from estimation.discrepancy.flights import flights
+from estimation.discrepancy.gap import held_out_rollouts
+from estimation.discrepancy.model import Model
+from estimation.discrepancy.search import resized, searched_again
+from estimation.glitches import without_glitches
+from estimation.impacts import impacts
+from estimation.sensor_check import put_right
+from estimation.weak_form.balances import Balances
+from estimation.weak_form.band import bands, consistent
 
 
 @dataclass(frozen=True)
