@@ -21,6 +21,7 @@ from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, progress, say
+from .sensors import check_accepted, refuse_wrong_sensors
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -37,13 +38,16 @@ def run(
     topics: Path | None,
     as_json: bool,
     coasting: bool = False,
+    accepted: Sequence[str] = (),
 ) -> int:
+    check_accepted(accepted)
     cart = cart_of(path, cart_path)
     if out is not None:
         check_writable(out, path, cart_path, topics)
     log = log_of(path, topics, coasting)
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the body alone; --method filter takes it as given")
+    refuse_wrong_sensors([log], cart, accepted)
     tell_given([log], cart)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)

@@ -28,8 +28,6 @@ FEWEST_USED = 10
 """Rows of balances in weak form that hold all."""
 SHORTEST_MOVE = 0.4
 """s."""
-LARGEST = 1e9
-"""m, rad, m/s, N, N·m: beyond, no number is in SI units."""
 FASTEST, NOISES = 40.0, 10.0
 """m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 EIGHTHS, LEAST_HEADED = 8, 1.0
@@ -102,20 +100,6 @@ def _with_wrenches(log: RunLog) -> np.ndarray:
     """Rows (n,) in which every arm's wrench and contact are whole; none without arms."""
     whole = [np.isfinite(np.hstack([arm.wrench, arm.contact])).all(axis=1) for arm in log.arms.values()]
     return np.asarray(np.all(whole, axis=0)) if whole else np.zeros(len(log), dtype=bool)
-
-
-def check_sizes(log: RunLog) -> None:
-    """Refuses numbers that no cart's log holds."""
-    parts = {"pose": log.pose, "velocity": log.velocity}
-    for name, arm in log.arms.items():
-        parts |= {f"contact point of arm {name}": arm.contact, f"wrench of arm {name}": arm.wrench}
-    for what, values in parts.items():
-        if values is not None and (np.abs(values[np.isfinite(values)]) > LARGEST).any():
-            row = int(np.argmax(np.nanmax(np.abs(np.where(np.isfinite(values), values, 0.0)), axis=1)))
-            raise DataError(
-                f"{log.name}: the {what} at t = {log.time[row]:g} s is beyond {LARGEST:g}; look for numbers that are "
-                "not in SI units"
-            )
 
 
 def check_steps(log: RunLog, noise: float) -> None:
