@@ -9,6 +9,7 @@ from typing import Any
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
 from estimation.agreement import against_batch
 from estimation.coasting import body_as_given, with_known_wrench
+from estimation.health import Health
 from estimation.log_noise import noise_of_log
 from estimation.replay import Replay, replay
 
@@ -106,6 +107,8 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 def _print(result: Replay, prior: Prior) -> None:
     title = f"After {result.last.time:.2f} s, health: {result.last.health}"
     print_parameters(title, result.last.parameters, "taught by this motion")
+    if result.last.health == Health.INCONSISTENT:
+        print("- the model does not fit this log, so it taught nothing: `cartgrasp discrepancy` tells what is missing")
     if result.last.covariance is not None:
         for one in identifiability(result.last, prior).untaught:
             print(f"- {one}")
