@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
-from estimation.agreement import against_batch
+from estimation.agreement import against_identify
 from estimation.coasting import body_as_given, with_known_wrench
 from estimation.health import Health
 from estimation.log_noise import noise_of_log
@@ -64,9 +64,9 @@ def run(
 
 
 def _tell_disagreements(result: Replay, log: RunLog, cart: CartModel) -> None:
-    """With a batch fit of the log. One that can't be fitted tells nothing."""
+    """With what `identify` says of the log. One that it can't fit tells nothing."""
     try:
-        told = against_batch(result.last.parameters, str(result.last.health), log, cart)
+        told = against_identify(result.last.parameters, str(result.last.health), log, cart)
     except DataError:
         return
     for words in told:

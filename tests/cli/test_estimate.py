@@ -278,7 +278,7 @@ def test_a_person_who_leans_teaches_nothing(capsys, tmp_path):
 
 @pytest.mark.skipif(not EMPS.is_file(), reason=f"the EMPS data set is not at {EMPS}")
 def test_the_real_axis():
-    """Janot, Gautier, Brunot (2019), known from a long batch fit: 95.1089 kg, offset 3.16 N."""
+    """Janot, Gautier, Brunot (2019), known from a long fit of all of it: 95.1089 kg, offset 3.16 N."""
     answer = run_apart("estimate", EMPS, "--json")
     found = parameters(answer)
     assert found["mass"]["value"] == pytest.approx(95.1089, rel=0.005)
