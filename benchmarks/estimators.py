@@ -36,7 +36,7 @@ NOTE = f"""Carts drawn from the prior that every estimator begins with, driven i
 noise on each of two hands; all are told the sensors' noise. Errors at the end are rms over the runs, `bias` their mean;
 NEES is of (m, m dx, m dy, J) and should be 1 a dimension; `lost` are runs whose numbers were no body in the end, which
 are left out of the rest. filterpy's filters have pose, velocities and parameters as their state and the wrench as an
-input with its noise in Q; the paper's knows viscous drag alone, as guessed; the batch fit sees whole logs at once. So
+input with its noise in Q; the paper's knows viscous drag alone, as guessed; `identify` sees whole logs at once. So
 does MuJoCo's `sysid`, which rolls its model out over windows of {WINDOW:g} s from smoothed motion; it has no prior but
 wide bounds, and its intervals take what is left for white noise."""
 
@@ -74,7 +74,7 @@ def _ways() -> dict[str, Way]:
     ways: dict[str, Way] = {
         "CartFilter": lambda log: _learned(log, CartFilter(guess(), arms, noise=NOISE, prior=PRIOR)),
         "RegressorEstimator": lambda log: _learned(log, RegressorEstimator(guess(), arms, noise=NOISE, prior=PRIOR)),
-        "batch fit": _identified,
+        "identify": _identified,
         "PaperFilter": lambda log: _literal(log, PaperFilter(_viscous(), arms, noise=NOISE, prior=VISCOUS)),
     }
     if find_spec("filterpy") is not None:

@@ -47,7 +47,8 @@ class Measurement:
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """One parameter in SI units; `identifiable` says whether the motion so far could teach it."""
+    """One parameter in SI units; `identifiable` says whether the motion so far taught it, which it can't have where the
+    model does not fit it."""
 
     value: float
     std: float

@@ -1,5 +1,5 @@
-"""The batch fit and the online filter held against each other: they stand on unlike ground, so where they agree both
-are believed, and where they don't somebody should look."""
+"""`identify`, least squares over the whole log, and the online filter held against each other: they stand on unlike
+ground, so where they agree both are believed, and where they don't somebody should look."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MOST_ROWS = 30_000
 
 
 def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, cart: CartModel) -> tuple[str, ...]:
-    """Where the online filter says something else of a log than a batch fit of `parameters`; of no log that is long."""
+    """Where the online filter says something else of a log than `identify` did; of no log that is long."""
     thinned = with_known_wrench(log.thinned())
     if len(thinned) > MOST_ROWS:
         return ()
@@ -32,24 +32,25 @@ def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, car
     return disagreements(parameters, last.parameters, str(last.health))
 
 
-def against_batch(
+def against_identify(
     parameters: Mapping[str, ParameterEstimate], health: str, log: RunLog, cart: CartModel
 ) -> tuple[str, ...]:
-    """Where a batch fit says something else of a log than an online filter did; of no log that is long."""
+    """Where `identify` says something else of a log than an online filter did; of no log that is long."""
     if len(log) > MOST_ROWS:
         return ()
     return disagreements(identify([log], cart).parameters, parameters, health)
 
 
 def disagreements(
-    batch: Mapping[str, ParameterEstimate], online: Mapping[str, ParameterEstimate], health: str
+    whole: Mapping[str, ParameterEstimate], online: Mapping[str, ParameterEstimate], health: str
 ) -> tuple[str, ...]:
     """In words, of parameters that at least one of the two says it was taught."""
     return tuple(
-        f"{name}: the batch fit says {_words(batch[name])}, the online filter {_words(one)} with health {health}; "
+        f"{name}: identify, by least squares over the whole log, says {_words(whole[name])}, "
+        f"the online filter {_words(one)} with health {health}; "
         "believe neither until `cartgrasp discrepancy` has told what the model lacks"
         for name, one in online.items()
-        if name in batch and (one.identifiable or batch[name].identifiable) and _apart(batch[name], one)
+        if name in whole and (one.identifiable or whole[name].identifiable) and _apart(whole[name], one)
     )
 
 

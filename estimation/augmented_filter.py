@@ -35,6 +35,7 @@ from .kernels.felt_wrench import JUMP
 from .kernels.sensor_health import noted
 from .noise import FilterNoise
 from .parameter_block import ParameterBlock
+from .parameter_report import as_taught
 from .prior import Prior
 from .shallow import shallow
 from .wrench_sensing import WrenchSensing
@@ -143,7 +144,7 @@ class AugmentedFilter:
         motion = Motion(mean[:3].copy(), mean[self.cart.velocity_slice].copy())
         block = self._physical_block
         believed = self.belief.covariance[part, part]
-        parameters = self._block.report(block, believed)
+        parameters = as_taught(self._block.report(block, believed), self._watch.health)
         theta, covariance = self._block.theta(block), self._block.model_covariance(block, believed)
         return Estimate(self.time, motion, parameters, self.health, self.cart, theta, covariance)
 

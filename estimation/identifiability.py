@@ -15,6 +15,7 @@ from cartgrasp.inertia import N_PHI, physical_jacobian
 from cartgrasp.information import WrenchNoise
 from cartgrasp.motion import Estimate
 
+from .parameter_report import ParameterReport
 from .prior import Prior, report_names
 from .teaching_motions import remedy
 
@@ -54,7 +55,8 @@ class Identifiability:
 
 
 def identifiability(estimate: Estimate, prior: Prior | None = None) -> Identifiability:
-    """Of an estimate with a covariance, against the prior that it began with."""
+    """Of an estimate with a covariance, against the prior that it began with: by what its motion could teach, even
+    where the model does not fit it."""
     if estimate.covariance is None:
         raise UsageError("identifiability: this estimate has no covariance")
     known = _Known.of(estimate, estimate.covariance, prior or Prior())
@@ -66,7 +68,7 @@ def identifiability(estimate: Estimate, prior: Prior | None = None) -> Identifia
 @dataclass(frozen=True)
 class _Known:
     """The q free ones, as they are reported: `names`, `first` standard deviations and `covariance` (q, q); `to_report`
-    (q, p) takes a change of the model's parameters to them."""
+    (q, p) takes a change of the model's parameters to them; whether each was `taught`."""
 
     estimate: Estimate
     names: tuple[str, ...]
@@ -74,6 +76,7 @@ class _Known:
     first: Array
     to_report: Array
     covariance: Array
+    taught: tuple[bool, ...]
 
     @classmethod
     def of(cls, estimate: Estimate, covariance: Array, prior: Prior) -> _Known:
@@ -83,9 +86,12 @@ class _Known:
         to_report[:N_PHI, :N_PHI] = physical_jacobian(estimate.model_parameters[:N_PHI])
         to_report = to_report[free]
         first = prior.deviations(cart)[free]
-        return cls(
-            estimate, tuple(names[k] for k in free), free, first, to_report, to_report @ covariance @ to_report.T
+        report = ParameterReport(cart, prior).of_free(
+            estimate.model_parameters, covariance, free, np.diagonal(prior.covariance(cart))[free]
         )
+        own = tuple(names[k] for k in free)
+        taught = tuple(report[name].identifiable for name in own)
+        return cls(estimate, own, free, first, to_report, to_report @ covariance @ to_report.T, taught)
 
     @property
     def std(self) -> Array:
@@ -93,7 +99,7 @@ class _Known:
 
     def groups(self) -> list[tuple[int, ...]]:
         """Of those that were not taught, the ones that are connected by large correlations."""
-        members = [i for i, name in enumerate(self.names) if not self.estimate.parameters[name].identifiable]
+        members = [i for i, taught in enumerate(self.taught) if not taught]
         correlation = self.covariance / np.outer(self.std, self.std)
         group = {i: {i} for i in members}
         for i, j in combinations(members, 2):

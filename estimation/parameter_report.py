@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import final
 
@@ -13,6 +14,7 @@ from cartgrasp.inertia import N_PHI, physical_from_phi, physical_jacobian
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
+from .health import Health
 from .prior import Prior, report_names, report_units
 
 IDENTIFIABLE_SHARE = 0.25
@@ -82,3 +84,11 @@ class WhenAsked(Mapping[str, ParameterEstimate]):
 
     def __repr__(self) -> str:
         return repr(self._found)
+
+
+def as_taught(parameters: Mapping[str, ParameterEstimate], learner: Health) -> Mapping[str, ParameterEstimate]:
+    """By an estimator that does so well. One that is inconsistent was taught nothing: its deviations hold for a model
+    that fits, and its values are of one that doesn't."""
+    if learner is not Health.INCONSISTENT:
+        return parameters
+    return WhenAsked(lambda: {name: replace(one, identifiable=False) for name, one in parameters.items()})

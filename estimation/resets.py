@@ -11,7 +11,8 @@ from .kernels.sensor_health import OUTLYING_SHARE
 HOLD_OFF = 1.5
 """s after a reset in which a load is called changed, and nothing is reset again."""
 MOST_RESETS, MEMORY = 3, 20.0
-"""So many in so long (s), and it is the model that does not fit."""
+"""So many in so long (s), and it is the model that does not fit. That is said for a hold-off longer, in which it may
+show again: else a model that never fits would be called sound for a moment."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Resets:
         """Later, with nothing new."""
         if not self.times:
             return self
-        return Resets(tuple(t for t in self.times if time - t < MEMORY), time)
+        return Resets(tuple(t for t in self.times if time - t < MEMORY + HOLD_OFF), time)
 
     def one_more(self, time: float) -> Resets:
         """Now."""
@@ -33,7 +34,7 @@ class Resets:
 
     @property
     def are_allowed(self) -> bool:
-        return self.health is Health.OK
+        return sum(self.now - t < MEMORY for t in self.times) < MOST_RESETS and not self._is_recent
 
     def health_beside(self, outlying: float) -> Health:
         """With a share of samples that are outliers."""
@@ -44,5 +45,8 @@ class Resets:
     def health(self) -> Health:
         if len(self.times) >= MOST_RESETS:
             return Health.INCONSISTENT
-        is_recent = bool(self.times) and self.now - self.times[-1] < HOLD_OFF
-        return Health.LOAD_CHANGED if is_recent else Health.OK
+        return Health.LOAD_CHANGED if self._is_recent else Health.OK
+
+    @property
+    def _is_recent(self) -> bool:
+        return bool(self.times) and self.now - self.times[-1] < HOLD_OFF

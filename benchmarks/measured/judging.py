@@ -86,7 +86,7 @@ def filter_meets(j: Judgement) -> bool | None:
     return True if meets is False and is_excused else meets
 
 
-def batch_meets(j: Judgement) -> bool | None:
+def identify_meets(j: Judgement) -> bool | None:
     return _meets(j, "identify")
 
 
@@ -148,12 +148,12 @@ def refit_is_no_worse(j: Judgement) -> bool | None:
     return bool(gap["refitted"] <= math.hypot(before, min(before, floor)))
 
 
-def filter_and_batch_agree(j: Judgement) -> bool | None:
+def filter_and_identify_agree(j: Judgement) -> bool | None:
     """Their masses, where both say that they were taught."""
-    online, batch = j.mass("estimate"), j.mass("identify")
-    if online is None or batch is None or not (j.taught("estimate") and j.taught("identify")):
+    online, whole = j.mass("estimate"), j.mass("identify")
+    if online is None or whole is None or not (j.taught("estimate") and j.taught("identify")):
         return None
-    return abs(online[0] - batch[0]) <= DEVIATIONS * math.hypot(online[1], batch[1])
+    return abs(online[0] - whole[0]) <= DEVIATIONS * math.hypot(online[1], whole[1])
 
 
 def same_names(j: Judgement) -> bool | None:
@@ -186,7 +186,7 @@ def _near(true: Interval, told: Number) -> bool:
 CRITERIA: dict[str, Callable[[Judgement], bool | None]] = {
     "all three commands end well": ended,
     "the filter's mass meets the truth, or is not taught in poor health": filter_meets,
-    "the batch fit's mass meets the truth": batch_meets,
+    "the mass of identify meets the truth": identify_meets,
     "the report's mass is true": report_holds,
     "names that must be told are told": told_what_must_be,
     "no wrong name above one half": no_wrong_name,
@@ -194,7 +194,7 @@ CRITERIA: dict[str, Callable[[Judgement], bool | None]] = {
     "nothing at a bound is taught": nothing_taught_at_a_bound,
     "nothing is taught by an inconsistent filter, nor a mass without a force": taught_in_health,
     "the refit is no worse on unseen stretches": refit_is_no_worse,
-    "filter and batch fit agree": filter_and_batch_agree,
+    "filter and identify agree": filter_and_identify_agree,
     "names as of the log as it is": same_names,
 }
 RIGHT = (ended, report_holds, told_what_must_be, no_wrong_name, values_hold)

@@ -37,7 +37,7 @@ NOTE = (
 
 
 def _said(bases: Iterable[Judgement]) -> str:
-    columns = ("log", "true", "filter: mass, kg; health", "batch: mass, kg", "report", "gap, mm", "s")
+    columns = ("log", "true", "filter: mass, kg; health", "identify: mass, kg", "report", "gap, mm", "s")
     return _table(columns, [_row(j) for j in bases])
 
 

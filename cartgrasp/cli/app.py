@@ -12,7 +12,7 @@ import typer
 from typer.exceptions import TyperException
 
 from ..errors import CartgraspError, DataError, PlantError, printable
-from .options import Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics
+from .options import Accept, Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics
 from .study_commands import study
 
 app = typer.Typer(
@@ -90,25 +90,30 @@ def estimate(
     out: Annotated[Path | None, typer.Option("--out", help="CSV file for the series over time.")] = None,
     topics: Topics = None,
     coasting: Coasting = False,
+    accept: Accept = None,
     json: Json = False,
 ) -> None:
-    """Learn mass, CoM, inertia and effects from a log, online, as the filter would while pushing."""
+    """Learn mass, CoM, inertia and effects from a log, online, as the filter would while pushing.
+
+    A log whose sensors are surely wrong is refused, as by `cartgrasp check`, unless that is accepted.
+    """
     from . import estimate as command
 
-    raise typer.Exit(command.run(log, cart, method, out, topics, json, coasting))
+    raise typer.Exit(command.run(log, cart, method, out, topics, json, coasting, accept or ()))
 
 
 @app.command()
 def check(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or the EMPS .mat.", metavar="LOG")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: what wheels, mass and arms are like.")] = None,
-    accept: Annotated[
-        list[str] | None, typer.Option("--accept", metavar="KIND", help="sign, unit, axes or frame: it is so.")
-    ] = None,
+    accept: Accept = None,
     topics: Topics = None,
     json: Json = False,
 ) -> None:
-    """Tell what a log's sensors seem to do: signs, axes, units, lags, scales, rows that no sensor measured."""
+    """Tell what a log's sensors seem to do: signs, axes, units, lags, scales, rows that no sensor measured.
+
+    What learns from logs (estimate, identify, discrepancy) asks the same before it begins.
+    """
     from . import check as command
 
     raise typer.Exit(command.run(log, cart, accept or (), topics, json))
@@ -140,12 +145,16 @@ def identify(
     out: Annotated[Path | None, typer.Option("--out", help="Folder for cart.yaml with the values put in.")] = None,
     topics: Topics = None,
     coasting: Coasting = False,
+    accept: Accept = None,
     json: Json = False,
 ) -> None:
-    """Learn mass, CoM, inertia and effects from whole logs jointly: a batch fit that a physical cart can have."""
+    """Learn mass, CoM, inertia and effects from whole logs jointly, by least squares that keep to physical carts.
+
+    Logs whose sensors are surely wrong are refused, as by `cartgrasp check`, unless that is accepted.
+    """
     from . import identify as command
 
-    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting))
+    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting, accept or ()))
 
 
 @app.command()
@@ -155,12 +164,16 @@ def discrepancy(
     out: Annotated[Path | None, typer.Option("--out", help="Folder for the report, figures and cart.yaml.")] = None,
     topics: Topics = None,
     coasting: Coasting = False,
+    accept: Accept = None,
     json: Json = False,
 ) -> None:
-    """Find where logs and the model disagree, name the missing effect, add it, and show the gap shrink."""
+    """Find where logs and the model disagree, name the missing effect, add it, and show the gap shrink.
+
+    Logs whose sensors are surely wrong are refused, as by `cartgrasp check`, unless that is accepted.
+    """
     from . import discrepancy as command
 
-    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting))
+    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting, accept or ()))
 
 
 @app.command("topics")

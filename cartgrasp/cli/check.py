@@ -9,31 +9,27 @@ from typing import Any
 
 import numpy as np
 
-from estimation.sensor_check import KINDS, REFUSED, SURE, Suspicion, check_sensors, travelled
+from estimation.sensor_check import REFUSED, SURE, Suspicion, travelled
 
 from ..cart_file import load_cart
-from ..errors import DataError, UsageError, printable
+from ..errors import printable
 from ..logs import RunLog, coasts, read_log
 from .output import print_json, print_table, say
+from .sensors import check_accepted, refuse, suspected
 
 
 def run(path: Path, cart_path: Path | None, accepted: Sequence[str], topics: Path | None, as_json: bool) -> int:
     """Raises DataError where something makes every estimate worthless, and isn't accepted."""
-    unknown = sorted(set(accepted) - set(KINDS))
-    if unknown:
-        raise UsageError(f"--accept {unknown[0]}: is no kind of suspicion; they are {', '.join(KINDS)}")
+    check_accepted(accepted)
     cart = None if cart_path is None else load_cart(cart_path)
     log = read_log(path, topics)
-    known = replace(log, arms={}) if coasts(log) else log
-    suspicions = check_sensors(known, cart)
-    document = _document(log, travelled(known), suspicions)
+    suspicions = suspected(log, cart)
+    document = _document(log, travelled(replace(log, arms={}) if coasts(log) else log), suspicions)
     if as_json:
         print_json(document)
     else:
         _print(document)
-    refused = [one for one in suspicions if one.is_refused and one.kind not in accepted]
-    if refused:
-        raise DataError(f"{log.name}: {refused[0].words}; or say --accept {refused[0].kind} if it is as it should be")
+    refuse(log, suspicions, accepted)
     return 0
 
 

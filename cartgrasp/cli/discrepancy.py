@@ -21,8 +21,9 @@ def run(
     topics: Path | None,
     as_json: bool,
     coasting: bool = False,
+    accepted: Sequence[str] = (),
 ) -> int:
-    cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
+    cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting, accepted)
     tell_given(logs, cart)
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell)

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
-from estimation.agreement import against_batch
+from estimation.agreement import against_identify
 from estimation.coasting import body_as_given, with_known_wrench
+from estimation.health import Health
 from estimation.log_noise import noise_of_log
 from estimation.replay import Replay, replay
 
@@ -21,6 +22,7 @@ from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, progress, say
+from .sensors import check_accepted, refuse_wrong_sensors
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -37,13 +39,16 @@ def run(
     topics: Path | None,
     as_json: bool,
     coasting: bool = False,
+    accepted: Sequence[str] = (),
 ) -> int:
+    check_accepted(accepted)
     cart = cart_of(path, cart_path)
     if out is not None:
         check_writable(out, path, cart_path, topics)
     log = log_of(path, topics, coasting)
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the body alone; --method filter takes it as given")
+    refuse_wrong_sensors([log], cart, accepted)
     tell_given([log], cart)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
@@ -59,9 +64,9 @@ def run(
 
 
 def _tell_disagreements(result: Replay, log: RunLog, cart: CartModel) -> None:
-    """With a batch fit of the log. One that can't be fitted tells nothing."""
+    """With what `identify` says of the log. One that it can't fit tells nothing."""
     try:
-        told = against_batch(result.last.parameters, str(result.last.health), log, cart)
+        told = against_identify(result.last.parameters, str(result.last.health), log, cart)
     except DataError:
         return
     for words in told:
@@ -102,6 +107,8 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 def _print(result: Replay, prior: Prior) -> None:
     title = f"After {result.last.time:.2f} s, health: {result.last.health}"
     print_parameters(title, result.last.parameters, "taught by this motion")
+    if result.last.health == Health.INCONSISTENT:
+        print("- the model does not fit this log, so it taught nothing: `cartgrasp discrepancy` tells what is missing")
     if result.last.covariance is not None:
         for one in identifiability(result.last, prior).untaught:
             print(f"- {one}")

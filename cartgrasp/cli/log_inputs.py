@@ -10,6 +10,7 @@ from ..logs import RunLog
 from ..model import CartModel
 from .estimate import cart_of, log_of
 from .output import check_writable, make_folder
+from .sensors import check_accepted, refuse_wrong_sensors
 
 CART = "cart.yaml"
 """What identify and discrepancy write into their folder."""
@@ -21,15 +22,20 @@ def cart_and_logs(
     out: Path | None,
     topics: Path | None = None,
     coasting: bool = False,
+    accepted: Sequence[str] = (),
 ) -> tuple[CartModel, list[RunLog]]:
     """The folder `out` is made where it is wanted, before the work whose results go there; `topics` maps all bags, and
-    `coasting` says of all logs without wrenches that nobody pushed."""
+    `coasting` says of all logs without wrenches that nobody pushed. Raises DataError for a log whose sensors are surely
+    wrong in a way that isn't `accepted`."""
+    check_accepted(accepted)
     cart = cart_of(paths[0], cart_path)
     _check_distinct(paths)
     if out is not None:
         make_folder(out)
         check_writable(out / CART, cart_path, topics, *paths)
-    return cart, [log_of(path, topics, coasting) for path in paths]
+    logs = [log_of(path, topics, coasting) for path in paths]
+    refuse_wrong_sensors(logs, cart, accepted)
+    return cart, logs
 
 
 def _check_distinct(paths: Sequence[Path]) -> None:

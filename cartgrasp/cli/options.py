@@ -14,6 +14,10 @@ Salvage = Annotated[bool, typer.Option("--salvage", metavar="", help="Read what 
 Coasting = Annotated[
     bool, typer.Option("--coasting", metavar="", help="Nobody pushes: wrenches are zero, and no sensor is off.")
 ]
+Accept = Annotated[
+    list[str] | None,
+    typer.Option("--accept", metavar="KIND", help="sign, unit, axes or frame: it is so, whatever it looks like."),
+]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all noise.")]
 Method = Literal["filter", "regressor", "paper"]
 Course = Literal["straight", "curves", "push-pull"]

@@ -61,7 +61,7 @@ _add(
 )
 _add(
     "estimators",
-    "Filter, regressor, the paper's form and the batch fit on the same logs: which is better when.",
+    "Filter, regressor, the paper's form and identify on the same logs: which is better when.",
     typer.Option("--seeds", min=2, max=100, help="Logs of each kind."),
     4,
 )

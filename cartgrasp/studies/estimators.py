@@ -1,4 +1,4 @@
-"""The estimators on the same logs: filter, regressor, the paper's form as printed, and the batch fit as a reference.
+"""The estimators on the same logs: filter, regressor, the paper's form as printed, and `identify` as a reference.
 
 A controller that knows the cart drives it along three paths, straight, in curves, and gently, with two hands; so no log
 depends on an estimator. The sensors are quiet, usual or poor, or give poses without velocities. Each estimator is told
@@ -35,13 +35,13 @@ from .parallel import run_all
 PERIOD = 0.01
 SETTLED = 1.0
 """s, from which on motions are compared."""
-FILTER, REGRESSOR, PAPER, BATCH = "filter", "regressor", "paper", "batch"
+FILTER, REGRESSOR, PAPER, IDENTIFY = "filter", "regressor", "paper", "identify"
 ONLINE: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     FILTER: CartFilter,
     REGRESSOR: RegressorEstimator,
     PAPER: PaperFilter,
 }
-WAYS = (*ONLINE, BATCH)
+WAYS = (*ONLINE, IDENTIFY)
 PATHS = {
     "straight": chain(straight(2.0, 0.6, 0.5), pause(0.5), straight(-2.0, 0.6, 0.5), pause(0.5)),
     "curves": chain(
@@ -144,7 +144,7 @@ def filter_noise(sensors: SensorNoise) -> FilterNoise:
 def answer(driven: Drive, way: str, noise: FilterNoise) -> Answer:
     """Of one estimator."""
     log, begin = driven.log, time.process_time()
-    if way == BATCH:
+    if way == IDENTIFY:
         found = identify([log], guess(), noise=noise)
         return Answer(found.parameters, "", (time.process_time() - begin) / len(log))
     told = replay(log, ONLINE[way](guess(), list(HANDS), noise=noise))

@@ -11,7 +11,7 @@ import numpy as np
 from ..frames import Array
 from ..inertia import physical_from_phi
 from .claims import Claim
-from .estimators import BATCH, FILTER, PATHS, REGRESSOR, SENSORS, WAYS, Trial, truth
+from .estimators import FILTER, IDENTIFY, PATHS, REGRESSOR, SENSORS, WAYS, Trial, truth
 
 PHYSICAL = ("mass", "com_x", "com_y", "inertia")
 COLUMNS = (
@@ -131,7 +131,7 @@ def claims(trials: Sequence[Trial]) -> list[Claim]:
         ),
         Claim(REGRESSOR, "z of 0.5 to 1.5 over all", f"{scores[REGRESSOR]:.2f}", 0.5 <= scores[REGRESSOR] <= 1.5),
         Claim(FILTER, "z of 0.5 to 1.5 over all", f"{scores[FILTER]:.2f}", 0.5 <= scores[FILTER] <= 1.5),
-        Claim(BATCH, "z of 0.5 to 1.5 over all", f"{scores[BATCH]:.2f}", 0.5 <= scores[BATCH] <= 1.5, False),
+        Claim(IDENTIFY, "z of 0.5 to 1.5 over all", f"{scores[IDENTIFY]:.2f}", 0.5 <= scores[IDENTIFY] <= 1.5, False),
         Claim(
             REGRESSOR,
             "takes less time than the filter",

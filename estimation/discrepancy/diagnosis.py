@@ -17,7 +17,7 @@ from cartgrasp.model import CartModel
 from ..end_stops import StopEstimate, end_stops
 from ..glitches import without_glitches
 from ..impacts import Impact, impacts
-from ..sensor_check import of_wrenches, put_right
+from ..sensor_check import check_sizes, of_wrenches, put_right
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, consistent, is_narrower
 from ..weak_form.rows import wrench_noise
@@ -27,7 +27,7 @@ from .flights import flights
 from .gap import Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
-from .log_check import LogCheck, check_rows, check_sizes, checked, moves, with_clock_offsets, with_suspicions
+from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments

@@ -26,8 +26,6 @@ SHORTEST = 4.0
 """s."""
 FEWEST_USED = 10
 """Rows of balances in weak form that hold all."""
-LARGEST = 1e9
-"""m, rad, m/s, N, N·m: beyond, no number is in SI units."""
 FASTEST, NOISES = 40.0, 10.0
 """m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 EIGHTHS, LEAST_HEADED = 8, 1.0
@@ -102,19 +100,6 @@ def _with_wrenches(log: RunLog) -> np.ndarray:
     if not log.arms:
         return np.zeros(len(log), dtype=bool)
     return np.asarray(np.isfinite(np.hstack(list(_of_arms(log).values()))).all(axis=1))
-
-
-def check_sizes(log: RunLog) -> None:
-    """Refuses numbers that no cart's log holds."""
-    velocity = {} if log.velocity is None else {"velocity": log.velocity}
-    for what, values in ({"pose": log.pose} | velocity | _of_arms(log)).items():
-        far = np.where(np.isfinite(values), np.abs(values), 0.0).max(axis=1)
-        if far.max() > LARGEST:
-            row = int(np.argmax(far))
-            raise DataError(
-                f"{log.name}: the {what} at t = {log.time[row]:g} s is beyond {LARGEST:g}; look for numbers that are "
-                "not in SI units"
-            )
 
 
 def check_steps(log: RunLog, noise: float) -> None:

@@ -26,7 +26,7 @@ from ..kernels.filtered_row import FilteredRow, are_known, weights
 from ..kernels.recorded_moment import DUE, FELT
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
-from ..parameter_report import ParameterReport, WhenAsked
+from ..parameter_report import ParameterReport, WhenAsked, as_taught
 from ..physical_set import PhysicalSet
 from ..prior import Prior
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
@@ -245,4 +245,4 @@ class ParameterLearner:
         if self._report is None:
             given = self.theta, self.covariance, self._free, self._first_variances
             self._report = WhenAsked(partial(self.reporter.of_free, *given))
-        return self._report
+        return as_taught(self._report, self._watch.health)

@@ -26,8 +26,8 @@ MEASURED = 12
 HOLE, COVERED = WIDTH / 5, 0.005
 """s between samples, from which on nobody knows what happened: from knot to knot. Of a window: how much the sum of its
 values may be off, where samples are missing at its ends."""
-FEWEST = 8
-"""Windows."""
+FEWEST, MOST = 8, 10_000_000
+"""Windows: more are of a clock that jumped."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,8 @@ class Windows:
         first, last = max(float(t[0]) for t in times), min(float(t[-1]) for t in times)
         width = WIDTH
         found = cls(first, last, width / (DEGREE + 1))
-        return found if slowest * MEASURED <= 2 * width and last - first > (FEWEST + DEGREE) * found.step else None
+        is_whole = (FEWEST + DEGREE) * found.step < last - first < MOST * found.step
+        return found if slowest * MEASURED <= 2 * width and is_whole else None
 
     @cached_property
     def basis(self) -> SplineBasis:

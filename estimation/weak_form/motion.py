@@ -27,6 +27,8 @@ SAMPLES_PER_KNOT = 2.0
 LONGEST_GAP = 3.0
 """Times the usual step of the samples: over a longer one nobody knows what happened."""
 FEWEST_ROWS = 12
+MOST_POINTS = 10_000_000
+"""Of the grid: more than a day at 100 Hz is a clock that jumped, and no memory holds it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +79,11 @@ def motion_of(
     first, last = (float(end) for end in np.sort(np.append(moving, time))[[0, -1]])
     if last - first < FEWEST_ROWS * KNOT_STEPS * step:
         raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
+    if not (last - first) / step < MOST_POINTS:
+        raise DataError(
+            f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too long to learn from at once; cut the log "
+            "where nothing was recorded, and look for a clock that jumps"
+        )
     grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
     noise = MotionNoise.of(log) if told is None else MotionNoise.told(told, log)
     poses = np.column_stack([log.pose[seen, :2], _unwrapped(log, seen)])

@@ -25,7 +25,10 @@ ORDER = 3
 LEAST_PENALTY = 1e-9
 """Times the data's weight: it bridges gaps."""
 LOOSE, STIFF = -9.0, 12.0
-"""Decades of penalty over the data's weight between which the likelihood is searched."""
+"""Decades of penalty between which the likelihood is searched: over the data's weight, and over that of values alone.
+Rates leave a constant free, and of a penalty that is stiffer yet rounding hides what holds it."""
+ROUNDING = 1e-14
+"""Of third differences, whose squares add up to 64 times a coefficient's: what is smaller is lost."""
 OUTLYING = 4.0
 """Standard deviations from which on a sample counts for less (Huber's weight would be 1.345; noise here is known)."""
 ROUNDS = 3
@@ -80,9 +83,17 @@ class SplineFit:
         self._designs = [basis.design(one.time, one.derivative) for one in samples]
         self._samples = tuple(samples)
         self._weights = [np.full(len(one.time), one.std**-2.0) for one in samples]
-        self._roughness = _banded((basis.differences(ORDER).T @ basis.differences(ORDER)).tocsr(), DEGREE)
+        self._roughness = self._penalised()
         self.smooth = self._robust()
         self.unbiased = self._solved(self._scale * LEAST_PENALTY)
+
+    def _penalised(self) -> Array:
+        """Third differences; and where no sample is for k coefficients, the first, at k² of what rounding loses: in
+        bends so long, third differences tell k**-6 of it."""
+        basis, unseen = self.basis, self._normal[0][-1] == 0
+        third, first, bridge = basis.differences(ORDER), basis.differences(1), unseen[1:] & unseen[:-1]
+        weight = ROUNDING * float(bridge.sum()) ** 2
+        return _banded((third.T @ third + first.T @ diags_array(weight * bridge) @ first).tocsr(), DEGREE)
 
     @cached_property
     def _scale(self) -> float:
@@ -105,6 +116,12 @@ class SplineFit:
             right += weighted.T @ one.value
         return matrix, right
 
+    @property
+    def _weight_of_values(self) -> float:
+        """On one coefficient."""
+        parts = zip(self._designs, self._samples, self._weights, strict=True)
+        return float(sum(((design**2).T @ weight).mean() for design, one, weight in parts if one.derivative == 0))
+
     def _robust(self) -> Array:
         """The smooth fit, with samples far from it weighed less, round by round."""
         coefficients = np.zeros(self.basis.count)
@@ -123,6 +140,7 @@ class SplineFit:
     def _likely_penalty(self) -> float:
         matrix, right = self._normal
         scale, free = float(np.mean(matrix[-1])), self.basis.count - ORDER
+        stiffest = STIFF + float(np.log10(self._weight_of_values / scale))
 
         def misfit(decade: float) -> float:
             penalty = scale * 10.0**decade
@@ -130,7 +148,7 @@ class SplineFit:
             explained = right @ cho_solve_banded((root, False), right)
             return float(2 * np.log(root[-1]).sum() - free * np.log(penalty) - explained)
 
-        decade = float(minimize_scalar(misfit, bounds=(LOOSE, STIFF), method="bounded").x)
+        decade = float(minimize_scalar(misfit, bounds=(LOOSE, stiffest), method="bounded").x)
         return float(scale * 10.0**decade)
 
 

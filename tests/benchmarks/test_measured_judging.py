@@ -22,7 +22,7 @@ TWO_DEGREES_DOWN = -math.tan(math.radians(2.0))
 (
     ENDED,
     FILTER,
-    BATCH,
+    IDENTIFY,
     REPORT,
     MUST,
     WRONG,
@@ -60,13 +60,13 @@ def report(*effects, mass=(105.0, 2.0), gap=(0.1, 0.05, 0.02, 0.01)):
 ROLLS = effect("rolling_resistance", coefficient=(13.5 / (105 * 9.81), 0.001))
 
 
-def judged(log, said, online=None, batch=None, health="ok", guess=110.0, base=None):
+def judged(log, said, online=None, identified=None, health="ok", guess=110.0, base=None):
     """Where nothing else is given, both fits say the report's mass."""
     mass = said["parameter_mismatch"].get("mass", {"refitted": 0.5})["refitted"]
     own = parameters(mass, identifiable=bool(said["parameter_mismatch"]))
     answers = {
         "estimate": Answer({"parameters": online or own, "health": health}, seconds=3.0),
-        "identify": Answer({"parameters": batch or own}, seconds=2.0),
+        "identify": Answer({"parameters": identified or own}, seconds=2.0),
         "discrepancy": Answer(said, seconds=8.0),
     }
     return Judgement(BY_NAME[log], Outcome(log, "as it is", guess, answers), base)
@@ -83,8 +83,11 @@ def test_what_is_right_has_no_fault():
 @pytest.mark.parametrize(
     ("fault", "found"),
     [
-        (FILTER, judged("wheelchair", report(ROLLS), online=parameters(70.0, 2.4), batch=parameters(76.0, 2.0))),
-        (BATCH, judged("wheelchair", report(ROLLS), online=parameters(128.0, 4.0), batch=parameters(135.0, 2.0))),
+        (FILTER, judged("wheelchair", report(ROLLS), online=parameters(70.0, 2.4), identified=parameters(76.0, 2.0))),
+        (
+            IDENTIFY,
+            judged("wheelchair", report(ROLLS), online=parameters(128.0, 4.0), identified=parameters(135.0, 2.0)),
+        ),
         (REPORT, judged("wheelchair", report(effect("rolling_resistance", force=(14.0, 1.0)), mass=(131.0, 40.0)))),
         (MUST, judged("wheelchair", report())),
         (WRONG, judged("wheelchair", report(ROLLS, effect("time_delay", 0.51)))),
@@ -92,7 +95,7 @@ def test_what_is_right_has_no_fault():
         (BOUND, judged("wheelchair", report(ROLLS), online=parameters(105.0, viscous_drag__linear=0.0))),
         (HEALTH, judged("wheelchair", report(ROLLS), health="inconsistent")),
         (REFIT, judged("wheelchair", report(ROLLS, gap=(0.1, 0.102, 0.02, 0.01)))),
-        (AGREE, judged("wheelchair", report(ROLLS), online=parameters(90.0, 1.0), batch=parameters(105.0, 1.0))),
+        (AGREE, judged("wheelchair", report(ROLLS), online=parameters(90.0, 1.0), identified=parameters(105.0, 1.0))),
     ],
     ids=lambda one: one if isinstance(one, str) else "",
 )
@@ -149,7 +152,7 @@ def test_on_an_incline_the_floor_falls_and_the_mass_is_given():
     assert told["end stop"] == (1.15, 0.01)
     assert judged("good cart", incline(grade=0.0349), guess=0.5).faults == (VALUES,)
     assert judged("good cart", incline(stop=1.0), guess=0.5).faults == (VALUES,)
-    taught = judged("good cart", incline(), batch=parameters(0.6, 0.01), guess=0.5)
+    taught = judged("good cart", incline(), identified=parameters(0.6, 0.01), guess=0.5)
     assert taught.faults == (HEALTH,)
 
 
@@ -165,8 +168,8 @@ def rolls(coefficient):
 @pytest.mark.parametrize(
     ("answers", "told"),
     [
-        ({"batch": parameters(11.00001)}, ["identify: mass"]),
-        ({"batch": parameters(11.00001, identifiable=False)}, []),
+        ({"identified": parameters(11.00001)}, ["identify: mass"]),
+        ({"identified": parameters(11.00001, identifiable=False)}, []),
         ({"online": parameters(660.0)}, ["estimate: mass"]),
         ({"online": parameters(100.0, viscous_drag__linear=1e-6)}, ["estimate: viscous_drag.linear"]),
         ({"online": parameters(100.0, viscous_drag__linear=0.1)}, []),
@@ -181,7 +184,7 @@ def test_a_parameter_where_a_fit_was_stopped(answers, told):
 
 def test_a_mass_at_a_share_of_the_guess_is_at_a_bound_in_a_report():
     said = report(ROLLS, mass=(30.00003, 17.0))
-    found = judged("car", said, online=parameters(240.0, 20.0), batch=parameters(235.0, 9.0), guess=300.0)
+    found = judged("car", said, online=parameters(240.0, 20.0), identified=parameters(235.0, 9.0), guess=300.0)
     assert at_a_bound(found.outcome, found.log.cart) == ["discrepancy: mass"]
     said["parameter_mismatch"]["mass"]["identifiable"] = False
     assert at_a_bound(found.outcome, found.log.cart) == []
@@ -193,7 +196,9 @@ def test_a_variant_is_judged_by_intervals_and_by_the_names_of_the_log_itself():
     assert judged("wheelchair", near, base=base).faults == ()
     assert judged("wheelchair", near).faults == (REPORT, VALUES)
     vague = report(effect("rolling_resistance", force=(14.0, 1.0)), mass=(50.0, 40.0))
-    assert judged("wheelchair", vague, online=parameters(105.0), batch=parameters(105.0), base=base).faults == (REPORT,)
+    assert judged("wheelchair", vague, online=parameters(105.0), identified=parameters(105.0), base=base).faults == (
+        REPORT,
+    )
     more = report(ROLLS, effect("force_bias"))
     assert judged("wheelchair", more, base=base).faults == (SAME,)
     tie = report(effect("stribeck_friction", confusable=["rolling_resistance"]))
@@ -208,7 +213,7 @@ def crashed(log="wheelchair"):
 def test_what_ended_badly_is_a_row_and_not_right():
     found = crashed()
     assert found.outcome.errors == ("estimate, identify, discrepancy: status 3, cartgrasp: run.csv: why",)
-    assert set(found.faults) == {ENDED, FILTER, BATCH, REPORT, MUST, SAME}
+    assert set(found.faults) == {ENDED, FILTER, IDENTIFY, REPORT, MUST, SAME}
     assert not found.is_right
 
 
@@ -222,7 +227,7 @@ def test_the_table_tells_truth_beside_what_was_said_and_counts():
     assert "| 100, 50, 20; 10 | 3 + 2 + 8 |" in rows["wheelchair"]
     assert rows[REPORT] == f"| {REPORT} | 1 of 2 | 0 of 1 |"
     assert rows[SAME] == f"| {SAME} | - | 0 of 1 |"
-    assert f"- car, as it is: {BATCH}" not in text
+    assert f"- car, as it is: {IDENTIFY}" not in text
     assert f"; {REPORT}; " in next(line for line in text.splitlines() if line.startswith("- car, as it is:"))
     assert "- wheelchair, half the rows: estimate, identify, discrepancy: status 3, cartgrasp: run.csv: why; " in text
     assert "real/new.csv" in text

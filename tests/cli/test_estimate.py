@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.measured.carts import on_a_rail
+
 from .commands import run, run_apart
 from .pushed_cart import DX, DY, HEADER, LINEAR, MASS, as_csv, pushed_cart
 
@@ -28,6 +30,7 @@ UNITS = ["kg", "m", "m", "kg·m²", "N·s/m", "N·m·s/rad"]
 ONLINE = pytest.mark.parametrize("method", ["filter", "regressor"])
 """Both sit the same exam."""
 EMPS = Path(__file__).parents[3] / "shared" / "data" / "emps" / "DATA_EMPS.mat"
+WHEELCHAIR = EMPS.parents[1] / "real" / "wheelchair" / "push.csv"
 
 
 @pytest.fixture(scope="module")
@@ -259,9 +262,23 @@ def test_a_gap_beyond_reason(capsys, tmp_path, weaving, method):
             answer.refused(3, tmp_path / "run.csv")
 
 
+@pytest.mark.skipif(not WHEELCHAIR.is_file(), reason=f"the measured log is not at {WHEELCHAIR}")
+def test_a_person_who_leans_teaches_nothing(capsys, tmp_path):
+    """On a rolling wheelchair no rigid body fits force and motion (the data's README): the filter says so, and why."""
+    cart = tmp_path / "cart.yaml"
+    on_a_rail("wheelchair", 110.0, 2.0).save(cart)
+    found = run(capsys, "estimate", WHEELCHAIR, "--cart", cart, "--json")
+    assert found.json["health"] == "inconsistent"
+    assert not any(one["identifiable"] for one in found.json["parameters"].values())
+    shown = run(capsys, "estimate", WHEELCHAIR, "--cart", cart)
+    assert "does not fit this log, so it taught nothing" in shown.out
+    assert " yes\n" not in shown.out
+    assert "mass is not identifiable" not in shown.out
+
+
 @pytest.mark.skipif(not EMPS.is_file(), reason=f"the EMPS data set is not at {EMPS}")
 def test_the_real_axis():
-    """Janot, Gautier, Brunot (2019), known from a long batch fit: 95.1089 kg, offset 3.16 N."""
+    """Janot, Gautier, Brunot (2019), known from a long fit of all of it: 95.1089 kg, offset 3.16 N."""
     answer = run_apart("estimate", EMPS, "--json")
     found = parameters(answer)
     assert found["mass"]["value"] == pytest.approx(95.1089, rel=0.005)

@@ -117,7 +117,7 @@ def late_log():
     return late, replace(log, arms={"hand": ArmLog(hand.contact, cut)})
 
 
-def test_a_batch_fit_and_a_replay_see_the_wrenches_in_time():
+def test_identify_and_a_replay_see_the_wrenches_in_time():
     """As if they had never been late; without the effect, much is left unexplained."""
     late, in_time = late_log()
     plain = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0),))

@@ -97,7 +97,7 @@ def estimate(value, std, is_taught=True):
 
 
 @pytest.mark.parametrize(
-    ("batch", "online", "told"),
+    ("whole", "online", "told"),
     [
         (estimate(20.0, 0.1), estimate(24.0, 0.1), True),
         (estimate(20.0, 0.1), estimate(20.6, 0.1), False),  # 3 %
@@ -106,7 +106,7 @@ def estimate(value, std, is_taught=True):
         (estimate(20.0, 0.1, is_taught=False), estimate(24.0, 0.1), True),
     ],
 )
-def test_a_disagreement_is_told(batch, online, told):
-    words = disagreements({"mass": batch}, {"mass": online}, "ok")
+def test_a_disagreement_is_told(whole, online, told):
+    words = disagreements({"mass": whole}, {"mass": online}, "ok")
     assert bool(words) == told
     assert all("20 ± " in one and "24 ± 0.1 kg" in one for one in words)

@@ -1,4 +1,4 @@
-"""The batch fit on logs made by the tests' own equations: unbiased, honest, and physical."""
+"""`identify` on logs made by the tests' own equations: unbiased, honest, and physical."""
 
 from dataclasses import replace
 

@@ -69,7 +69,7 @@ def test_figures():
     assert {len(row) for row in better} == {len(BETTER_COLUMNS)}
     assert {row[2:] for row in better} == {(*["2.00"] * 4, "0.50", "0.67", "regressor", "filter")}
     assert all_kept(claims(trials))
-    assert as_dict(trials[0])["answers"]["batch"]["parameters"]["mass"]["std"] == pytest.approx(0.24)
+    assert as_dict(trials[0])["answers"]["identify"]["parameters"]["mass"]["std"] == pytest.approx(0.24)
     assert truth().inertia.mass == TRUE[0]
 
 

@@ -81,3 +81,43 @@ def test_gaps_are_bridged():
     fit = SplineFit(BASIS, [Samples(TIME[kept], true[kept], 1e-4, 0)])
     assert BASIS.design(TIME) @ fit.unbiased == pytest.approx(true, abs=1e-6)
     assert BASIS.design(TIME) @ fit.smooth == pytest.approx(true, abs=1e-6)
+
+
+@pytest.mark.parametrize("std", [1e-3, 1e-2, 0.1, 1.0])
+def test_what_stands_still_stays_where_coarse_places_say(std):
+    """As a ranger shows it, in steps that hide all noise. Rates of nought, up to 10**8 times as heavy, say nothing of
+    where it is, and the penalty that is likeliest is as stiff as can be."""
+    time = 0.01 * np.arange(3201)
+    basis = SplineBasis.over(0.0, 32.0, 0.05)
+    place, rate = Samples(time, np.full(3201, 0.7), std, 0), Samples(time, np.zeros(3201), 1e-4, 1)
+    fit = SplineFit(basis, [place, rate])
+    for found in (fit.smooth, fit.unbiased):
+        assert basis.design(time) @ found == pytest.approx(0.7, abs=0.01 * std)
+
+
+@pytest.mark.parametrize("with_rate", [False, True])
+@pytest.mark.parametrize("gap", [60.0, 600.0, 6000.0])
+def test_a_gap_is_as_two_logs(gap, with_rate):
+    """In the middle of each half, five seconds from all ends, the fit is the half's own, and errs as it does."""
+    std, value, rate = 1e-3, [], []
+    times = TIME, TIME + 10.0 + gap
+    for seed, time in enumerate(times):
+        random = np.random.default_rng(seed)
+        value.append(Samples(time, 0.3 * np.sin(2 * time) + std * random.standard_normal(len(time)), std, 0))
+        rate.append(Samples(time, 0.6 * np.cos(2 * time) + std * random.standard_normal(len(time)), std, 1))
+    kinds = (value, rate) if with_rate else (value,)
+    whole = SplineBasis.over(0.0, 20.0 + gap, 0.05)
+    both = SplineFit(whole, [_joined(kind) for kind in kinds])
+    for i, time in enumerate(times):
+        alone = SplineBasis.over(time[0], time[-1], 0.05)
+        own, middle = SplineFit(alone, [kind[i] for kind in kinds]), time[500:501]
+        for found, expected in ((both.smooth, own.smooth), (both.unbiased, own.unbiased)):
+            assert whole.design(middle) @ found == pytest.approx(alone.design(middle) @ expected, abs=0.5 * std)
+    seen = whole.design(np.concatenate(times)) @ both.smooth
+    assert np.sqrt(np.mean((seen - 0.3 * np.sin(2 * np.concatenate(times))) ** 2)) < 0.4 * std
+
+
+def _joined(parts):
+    one = parts[0]
+    time, value = (np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "value"))
+    return Samples(time, value, one.std, one.derivative)
