@@ -31,7 +31,7 @@ from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets,
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
-from .refusal import WORSE
+from .refusal import refused
 from .residual import DIRECTIONS, Residual, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rivals import undecided
@@ -268,7 +268,7 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     nominal, final, steps, widest = found_in
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
-    is_worse = gap.refitted > WORSE * gap.before
+    is_worse = bool(refused(nominal, cart)) if is_moved else False
     is_refused = is_worse and not (added(final) or final.laws)
     if is_worse:
         gap = replace(gap, refitted=gap.before, after=gap.before if is_refused else gap.after)

@@ -14,9 +14,9 @@ from .model import Model
 from .rollouts import HORIZONS, rollouts
 
 WORSE = 1.05
-"""Times the first guess's error: less is nothing that anybody would see."""
+"""Times the first guess's error, where too little moves to tell a standard error."""
 SURE = 2.0
-"""Standard errors of the mean by which squares must be larger: one chance in forty."""
+"""Standard errors of the mean by which squares are larger: one chance in forty."""
 BLOCK, FEWEST = 3.0, 3
 """s, over which errors of rollouts are taken to be related; and how many such tell a standard error."""
 HORIZON = 1
@@ -37,7 +37,8 @@ def refused(model: Model, guess: CartModel) -> str:
         names = ", ".join(balances.name for balances in model.logs)
         raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
     before, after = np.sqrt(squares.mean(axis=0)) if len(squares) else (0.0, 0.0)
-    if after <= WORSE * before or _score(squares[:, 1] - squares[:, 0], block) < SURE:
+    score = _score(squares[:, 1] - squares[:, 0], block)
+    if after <= WORSE * before if score is None else score < SURE:
         return ""
     return (
         f"the fit foretells unseen stretches worse than the first guess: {1e3 * after:.1f} mm off after "
@@ -45,11 +46,11 @@ def refused(model: Model, guess: CartModel) -> str:
     )
 
 
-def _score(differences: Array, block: np.ndarray) -> float:
-    """The mean of differences (n,) over its standard error, by blocks that are independent."""
+def _score(differences: Array, block: np.ndarray) -> float | None:
+    """The mean of differences (n,) over its standard error, by blocks that are independent; None of too few."""
     names, own = np.unique(block, return_inverse=True)
     if len(names) < FEWEST:
-        return 0.0
+        return None
     centred = differences - differences.mean()
     sums = np.bincount(own, centred)
     error = np.sqrt((sums**2).sum() * len(names) / (len(names) - 1)) / len(differences)
