@@ -248,8 +248,8 @@ def _together(
     """Whitened columns (v, k, c, 2) of laws of one form."""
     raw = []
     for balances, course in zip(logs, courses, strict=True):
-        signal = np.concatenate([law.shape(course) for law in laws], axis=1)
-        raw.append(laws[0].over(balances.integrated(signal), balances, cart))
+        integrated = np.concatenate([balances.integrated(law.shape(course)) for law in laws], axis=1)
+        raw.append(laws[0].over(integrated, balances, cart))
     white = whitened(raw)
     k, c, _ = white.shape
     return np.asarray(np.moveaxis(white.reshape(k, c, len(laws), 2), 2, 0))
