@@ -146,6 +146,7 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.search": {"NEAR": "effort", "MOST_REFITTED": "effort", "MOST_STEPS": "effort"},
     "weak_form.wrenches": {"LEAST_DENSITY": "keeps solvable", "RELATIVE": "keeps solvable"},
+    "discrepancy.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},
     "discrepancy.separating": {
         "ENOUGH": "which motion is advised",

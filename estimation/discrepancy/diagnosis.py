@@ -73,7 +73,7 @@ class Diagnosis:
     def certainty(self) -> Certainty:
         known = [band for band in self.bands if band is not None]
         band = min(known, key=lambda band: band.deviation / band.mass, default=None)
-        return Certainty(self.final, band, undecided(self.steps, len(self.final.guess.parameters)))
+        return Certainty(self.final, band, undecided(self.steps, self.final, len(self.final.guess.parameters)))
 
     @cached_property
     def cart(self) -> CartModel:

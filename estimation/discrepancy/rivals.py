@@ -1,4 +1,4 @@
-"""What explains about as much as what was added: how probable each is, and how much less sure that makes the cart."""
+"""What explains about as much as what was added, or was left out: how probable it is, how unsure it makes a cart."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from cartgrasp.effects import Effect
 from cartgrasp.frames import Array
 
 from ..weak_form.fit import coordinates
+from .model import Model
 from .search import Attempt, Step
 
 CONFUSABLE = np.log(100.0)
 """Nats: by which less a rival may explain."""
 SIMPLER = 2.0
 """Nats for each number by which less something takes."""
+LONGEST = 100.0
+"""Odds: as long as any."""
 
 
 def rivals(step: Step) -> list[tuple[float, Attempt]]:
@@ -32,14 +35,20 @@ def rivals(step: Step) -> list[tuple[float, Attempt]]:
     return found
 
 
-def undecided(steps: Sequence[Step], count: int) -> Array:
-    """Covariance (count, count) of the first coordinates of a cart: mean squares of what rivals would make of them."""
+def _left_out(step: Step) -> list[tuple[float, Attempt]]:
+    """What a step without an addition was too careful to add, each with its odds against nothing."""
+    return [(float(np.exp(min(one.gain, LONGEST))), one) for one in step.attempts if one.model is not None]
+
+
+def undecided(steps: Sequence[Step], final: Model, count: int) -> Array:
+    """Covariance (count, count) of the first coordinates of a cart: mean squares of what rivals, and what was left out,
+    would make of them."""
     found = np.zeros((count, count))
     for step in steps:
-        known = rivals(step)
-        total = 1.0 + sum(odds for odds, _ in known)
+        known, base = (_left_out(step), final) if step.added is None else (rivals(step), step.added.model or final)
+        total, own = 1.0 + sum(odds for odds, _ in known), coordinates(base.cart)[:count]
         for odds, one in known:
-            if one.model is not None and step.added is not None and step.added.model is not None:
-                own, other = (coordinates(model.cart)[:count] for model in (step.added.model, one.model))
-                found += odds / total * np.outer(other - own, other - own)
+            if one.model is not None:
+                off = coordinates(one.model.cart)[:count] - own
+                found += odds / total * np.outer(off, off)
     return found
