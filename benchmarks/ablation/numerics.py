@@ -8,7 +8,7 @@ from .constants import Constant, Group
 C = Group.WORKS_OUT
 
 REASONS: dict[str, dict[str, str]] = {
-    "weak_form.balances": {"SUPPORT": "of a cubic B-spline"},
+    "weak_form.balances": {"CHUNK": "memory", "SUPPORT": "of a cubic B-spline"},
     "weak_form.band": {
         "ROW_STEPS": "grid of bands",
         "FEWEST": "rows, to be solvable",

@@ -10,7 +10,8 @@ speed that fades evenly a lag looks like a scale, and noise alone would tell the
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class Clock:
 @dataclass(frozen=True)
 class Rates:
     """Rates (m, d) at rows of a log (n,), m of them whole, and times (m,), beside what windows see of their poses
-    (d, k) and of levers (d, k, q). `sums` are those of lags that were asked for."""
+    (d, k) and of levers (d, k, q)."""
 
     windows: Windows
     there: np.ndarray
@@ -52,7 +53,6 @@ class Rates:
     seen: Array
     levers: Array
     covered: np.ndarray
-    sums: dict[float, Sums] = field(default_factory=dict)
 
     @classmethod
     def of(cls, track: Track, time: Array, rate: Array) -> Rates | None:
@@ -76,12 +76,13 @@ class Rates:
         """With other rates (n, d), at the same rows."""
         return replace(self, rate=rate[self.there])
 
-    def at(self, lag: float) -> tuple[Array, Array, float] | None:
-        """For velocities that are `lag` s late: what is seen (n,), its columns by 1/gain and by lag (n, 2), both beside
-        levers, and what noise of variance 1 adds to the latter's sum of squares. None where windows are too few."""
-        if lag not in self.sums:
-            self.sums[lag] = self.windows.on(self.time, lag)
-        sums = self.sums[lag]
+    def on(self, lag: float) -> Sums:
+        """Of velocities that are `lag` s late."""
+        return self.windows.on(self.time, lag)
+
+    def by(self, sums: Sums) -> tuple[Array, Array, float] | None:
+        """What is seen (n,), its columns by 1/gain and by lag (n, 2), both beside levers, and what noise of variance 1
+        adds to the latter's sum of squares. None where windows are too few."""
         kept = sums.covered & self.covered
         if kept.sum() < FEWEST:
             return None
@@ -92,29 +93,33 @@ class Rates:
             both = both - levers @ np.linalg.lstsq(levers, both, rcond=1e-9)[0]
         return both[:, 0], both[:, 1:], sums.rate_noise(kept)
 
-    def best(self) -> tuple[float, Array, Array] | None:
-        """Of a coarse grid of lags the one that leaves least, with what is seen and what velocities say (n,)."""
-        tried: list[tuple[float, float, Array, Array]] = []
-        for lag in np.arange(-LONGEST, LONGEST + START / 2, START):
-            found = self.at(float(lag))
+
+Best = tuple[float, Array, Array]
+"""A lag (s), with what is seen and what velocities say (n,)."""
+
+
+def best_lags(readings: Sequence[Rates]) -> list[Best | None]:
+    """Of rates at the same rows, read in several ways: for each, of a coarse grid of lags the one that leaves least."""
+    tried: list[list[tuple[float, Best]]] = [[] for _ in readings]
+    for lag in np.arange(-LONGEST, LONGEST + START / 2, START).tolist():
+        sums = readings[0].on(lag)
+        for rates, own in zip(readings, tried, strict=True):
+            found = rates.by(sums)
             if found is not None:
                 seen, z = found[0], found[1][:, 0]
                 along, size = max(float(seen @ z), 0.0), max(float(z @ z), 1e-300)
-                tried.append(((float(seen @ seen) - along**2 / size) / len(seen), float(lag), seen, z))
-        if not tried:
-            return None
-        _, lag, seen, z = min(tried, key=lambda one: one[0])
-        return lag, seen, z
+                own.append(((float(seen @ seen) - along**2 / size) / len(seen), (lag, seen, z)))
+    return [min(own, key=lambda one: one[0])[1] if own else None for own in tried]
 
 
 def clock(rates: Rates | None) -> Clock | None:
     """None where motion and log are too little to tell, or velocities are of something else."""
-    start = None if rates is None else rates.best()
+    start = None if rates is None else best_lags([rates])[0]
     if rates is None or start is None:
         return None
     lag, variance = start[0], sum(white_noise(column) ** 2 for column in rates.rate.T)
     for _ in range(ROUNDS):
-        found = rates.at(lag)
+        found = rates.by(rates.on(lag))
         if found is None:
             return None
         seen, columns, noise = found

@@ -11,7 +11,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from .clock import Clock, Rates, clock
+from .clock import Clock, Rates, best_lags, clock
 from .evidence import evidence, independent_rows, probabilities, wider
 from .suspicion import SURE, TOLD, Suspicion
 from .windows import Track
@@ -103,8 +103,7 @@ def of_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
 def _axes(velocity: Array, heading: Array, rates: Rates, sensor: Sensor) -> list[Suspicion]:
     """Of a sensor's columns, by how much of what poses do each reading explains."""
     readings, left, least = READINGS[sensor.where], [], (np.inf, np.zeros(1))
-    for _, _, turn in readings:
-        best = rates.read_as(turn(velocity, heading)[:, sensor.columns]).best()
+    for best in best_lags([rates.read_as(turn(velocity, heading)[:, sensor.columns]) for _, _, turn in readings]):
         if best is None or not best[1].any():
             return []
         _, seen, z = best

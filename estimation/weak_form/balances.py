@@ -35,6 +35,8 @@ STILL_DEVIATIONS = 2.0
 """Of the smooth speed."""
 LEVER = 0.35
 """m: half of a usual track."""
+CHUNK = 20_000
+"""Points of the grid that are worked out at once: an hour's partials would take gigabytes."""
 SUPPORT = 4
 """Row steps over which a cubic B-spline is not zero."""
 
@@ -245,12 +247,21 @@ class Balances:
         """The reduced wrench (n, f) and its slopes (n, f, p) by the parameters. What swings follows the smooth motion,
         and so it does here: else a mass that swings faster than anything seems right, for all the noise that the
         unbiased acceleration has goes with it."""
-        motion = self.motion
-        inverse = cart.inverse(state, motion.acceleration, time=motion.time)
+        whole, by_parameters = [], []
+        for first in range(0, len(state), CHUNK):
+            part = slice(first, first + CHUNK)
+            wrench, slopes = self._needed_in(part, cart, state[part])
+            whole.append(wrench)
+            by_parameters.append(slopes)
+        return np.concatenate(whole), np.concatenate(by_parameters)
+
+    def _needed_in(self, part: slice, cart: CartModel, state: Array) -> tuple[Array, Array]:
+        motion, time = self.motion, self.motion.time[part]
+        inverse = cart.inverse(state, motion.acceleration[part], time=time)
         if not cart.memory_names:
             return inverse.wrench, inverse.by_parameters
-        acting, along = cart.acting(state, time=motion.time), cart.basis_b[0]
-        noise = ((motion.acceleration - motion.smooth_acceleration) @ along)[:, None]
+        acting, along = cart.acting(state, time=time), cart.basis_b[0]
+        noise = ((motion.acceleration[part] - motion.smooth_acceleration[part]) @ along)[:, None]
         wrench = inverse.wrench + acting.swung[:, None] * noise * along
         slopes = acting.swung_by_parameters[:, None] * (noise * along)[..., None]
         return wrench, inverse.by_parameters + slopes
