@@ -12,6 +12,7 @@ not go sideways, its speed across the wheels is one more balance.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -20,6 +21,7 @@ from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
 from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects.effect import InertiaEffect
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
@@ -219,22 +221,26 @@ class Balances:
         """Speed (n,) of the axle to {b}'s left that the cart's constraint effects make of the motion."""
         if not cart.constraint_effects:
             return np.zeros(len(state))
-        rate = cart.state_rate(state, planar, time=self.motion.time)
-        heading = state[:, 2]
-        axle = float(cart.constraints.axle_x or 0.0)
-        return np.asarray(-np.sin(heading) * rate[:, 0] + np.cos(heading) * rate[:, 1] + axle * rate[:, 2])
+        axle, found = float(cart.constraints.axle_x or 0.0), []
+        for part in _chunks(len(state)):
+            x, y, yaw = cart.state_rate(state[part], planar[part], time=self.motion.time[part])[:, :3].T
+            heading = state[part, 2]
+            found.append(-np.sin(heading) * x + np.cos(heading) * y + axle * yaw)
+        return np.concatenate(found)
 
     def columns(self, cart: CartModel, effect: Effect, share: Array | None = None) -> Array:
         """How much of the residual a unit of each parameter of one more effect takes away (k, c, q), a `share` (n,) of
         it at each time; of a constraint effect, its usual size (q = 1)."""
         if isinstance(effect, ConstraintEffect):
             return self._sideways(cart, effect)
-        whole = replace(cart, effects=(*cart.effects, effect))
-        own = slice(len(cart.parameters), None)
+        is_alone = not isinstance(effect, SensorEffect | InertiaEffect)  # then it depends on the body alone
+        beside = tuple(e for e in cart.effects if isinstance(e, InertiaEffect)) if is_alone else cart.effects
+        whole = replace(cart, effects=(*beside, effect))
         if isinstance(effect, SensorEffect):
-            slopes = -self.wrenches.slopes(whole, self.expected(cart), self.wrench_densities)[..., own]
+            slopes = -self.wrenches.slopes(whole, self.expected(cart), self.wrench_densities)
         else:
-            slopes = self._needed(whole, self.state(whole))[1][..., own]
+            slopes = self._needed(whole, self.state(whole))[1]
+        slopes = slopes[..., -len(effect.parameters) :]
         if self.motion.across is not None:
             slopes = np.concatenate([slopes, np.zeros((len(slopes), 1, slopes.shape[2]))], axis=1)
         return self.integrated(slopes if share is None else share[:, None, None] * slopes)
@@ -248,8 +254,7 @@ class Balances:
         and so it does here: else a mass that swings faster than anything seems right, for all the noise that the
         unbiased acceleration has goes with it."""
         whole, by_parameters = [], []
-        for first in range(0, len(state), CHUNK):
-            part = slice(first, first + CHUNK)
+        for part in _chunks(len(state)):
             wrench, slopes = self._needed_in(part, cart, state[part])
             whole.append(wrench)
             by_parameters.append(slopes)
@@ -273,6 +278,10 @@ class Balances:
         found = np.zeros((len(aside), self.n_balances(cart), 1))
         found[:, -1, 0] = aside
         return self.integrated(found)
+
+
+def _chunks(count: int) -> Iterator[slice]:
+    return (slice(first, first + CHUNK) for first in range(0, count, CHUNK))
 
 
 @lru_cache
