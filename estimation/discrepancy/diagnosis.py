@@ -268,10 +268,10 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     nominal, final, steps, widest = found_in
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
-    is_worse = bool(refused(nominal, cart)) if is_moved else False
-    is_refused = is_worse and not (added(final) or final.laws)
-    if is_worse:
-        gap = replace(gap, refitted=gap.before, after=gap.before if is_refused else gap.after)
+    is_nominal = not (added(final) or final.laws)
+    is_refused = is_moved and is_nominal and bool(refused(nominal, cart))
+    if gap.refitted > gap.before:  # then the file's values are the better nominal model
+        gap = replace(gap, refitted=gap.before, after=gap.before if is_nominal else gap.after)
     offsets = clock_offsets(final)
     told = checks if hits else with_clock_offsets(checks, offsets)
     return Diagnosis(
