@@ -35,6 +35,7 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "weak_form.score": {
         "FOLDS": "number of folds",
+        "MOST_PIECES": "memory",
         "MOST_STRETCHES": "effort",
         "LEAST_SCALE": "keeps logs without noise finite",
     },

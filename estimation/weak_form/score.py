@@ -17,7 +17,8 @@ from cartgrasp.frames import Array
 FOLDS = 5
 PIECE, STRETCH = 0.6, 3.0
 """s."""
-MOST_STRETCHES = 20
+MOST_PIECES, MOST_STRETCHES = 1000, 20
+"""Of a log: more would only cost memory."""
 LEAST_SCALE = 1e-3
 """Of the noise by which rows are whitened: keeps logs without noise finite."""
 
@@ -33,10 +34,10 @@ class Folds:
     @classmethod
     def of(cls, time: Array, row_step: float) -> Folds:
         """Of rows at times (k,)."""
-        piece = max(PIECE, 2 * row_step)
+        duration = float(time[-1] - time[0])
+        piece = max(PIECE, 2 * row_step, duration / MOST_PIECES)
         block = ((time - time[0]) // piece).astype(int)
         kinds, block = np.unique(block, return_inverse=True)
-        duration = float(time[-1] - time[0])
         long = max(STRETCH, piece, duration / MOST_STRETCHES)
         return cls(block, kinds % FOLDS, (kinds * piece // long).astype(int))
 
