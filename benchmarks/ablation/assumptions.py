@@ -112,6 +112,6 @@ ASSUMPTIONS = (
     Constant("discrepancy.plausible", "MOST[stribeck_friction.speed]", B, inf, "largest speed of Stribeck friction"),
     Constant("discrepancy.plausible", "MOST[caster_realignment.trail]", B, inf, "longest trail of a caster"),
     Constant("discrepancy.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
-    Constant("discrepancy.candidates", "INERTIAL", B, (), "names that nobody gets who does not push"),
+    Constant("weak_form.band", "INERTIAL", B, (), "names that nobody gets who does not push"),
     Constant("discrepancy.candidates", "TURNING", B, (), "names that no cart on a rail gets"),
 )

@@ -14,8 +14,8 @@ from cartgrasp.effects.force_scale import ForceScale
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.model import CartModel
 
-INERTIAL = ("payload_change", "load_slosh")
-"""Effects that change how much a push moves a cart: where nobody pushes, less inertia only looks like less of all."""
+from ..weak_form.band import INERTIAL
+
 TURNING = ("wheel_drag_imbalance",)
 """Effects that turn a cart: on a rail they are any drag."""
 EVER = 1e12

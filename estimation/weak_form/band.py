@@ -14,6 +14,7 @@ import numpy as np
 
 from cartgrasp.effects import DirectionalDrag, Effect, FloorSlope, ForceBias, QuadraticDrag, RollingResistance
 from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from .balances import SUPPORT, Balances
@@ -33,6 +34,8 @@ LAGS = 8
 """Rows over which residuals may be correlated (Newey and West, 1987)."""
 RICH: tuple[Effect, ...] = (RollingResistance(), QuadraticDrag(), DirectionalDrag(), ForceBias(), FloorSlope())
 """What a residual is made of that says nothing about the mass."""
+INERTIAL = ("payload_change", "load_slosh")
+"""Effects that change how much a push moves a cart."""
 TRACE = 1e-6
 AS_WELL = 2.0
 """Times the least scatter: the scatter of a dozen rows is told to about a factor of two itself."""
@@ -72,8 +75,8 @@ class Band:
 
 
 def bands(balances: Balances, cart: CartModel, guess: CartModel | None = None) -> list[Band]:
-    """Of a log whose wrenches say something about the mass, with a cart's structure, of which effects that a first
-    `guess` does not have are as they are; the widest first."""
+    """Of a log whose wrenches say something about the mass, with a cart's structure, of which inertial effects that a
+    first `guess` does not have are as they are; the widest first."""
     span = float(balances.motion.time[-1] - balances.motion.time[0])
     finest = 2 * KNOT_STEPS * balances.motion.step * (1 - 1e-6)
     fit = (step for step in ROW_STEPS if finest <= step < span / (FEWEST + SUPPORT))
@@ -109,10 +112,11 @@ def _agreeing(known: list[Band]) -> list[Band]:
 
 def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
     left, slopes = balances.residual(cart)
-    given, found = {effect.name for effect in guess.effects}, {effect.key for effect in cart.effects}
-    others_of = ((e, cart.without_effect(e.key) if e.key in found else cart) for e in RICH if e.name not in given)
-    rich = [balances.columns(other, e)[:, 0] for e, other in others_of]
-    own = slopes[:, 0, : len(guess.parameters)]
+    taken = {effect.name for effect in cart.effects}
+    rich = [balances.columns(cart, e)[:, 0] for e in RICH if e.name not in taken]
+    known = {effect.key for effect in guess.effects}
+    loose = [e.key in known or e.name not in INERTIAL for e in cart.effects for _ in e.parameters]
+    own = slopes[:, 0, np.append([True] * N_PHI, loose)]
     others = np.column_stack([own[:, 1:], *rich])
     acceleration, force = own[:, 0], left[:, 0] + cart.inertia.mass * own[:, 0]
     sizes = np.linalg.norm(others, axis=0)
