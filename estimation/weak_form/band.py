@@ -116,7 +116,7 @@ def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
     rich = [balances.columns(cart, e)[:, 0] for e in RICH if e.name not in taken]
     known = {effect.key for effect in guess.effects}
     loose = [e.key in known or e.name not in INERTIAL for e in cart.effects for _ in e.parameters]
-    own = slopes[:, 0, np.append([True] * N_PHI, loose)]
+    own = slopes[:, 0, np.array([True] * N_PHI + loose)]
     others = np.column_stack([own[:, 1:], *rich])
     acceleration, force = own[:, 0], left[:, 0] + cart.inertia.mass * own[:, 0]
     sizes = np.linalg.norm(others, axis=0)

@@ -1,5 +1,7 @@
 """Bands: a share of the acceleration that no force made opens the bracket of the mass, and narrows the band."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,10 @@ def test_the_widest_is_taken_whose_mass_all_narrower_ones_have():
     assert consistent([Band(0.1, 20.0, 0.1, 5.0), narrow]) == narrow
     assert consistent([Band(0.1, 20.0, 0.1, 5.0)]) == Band(0.1, 20.0, 0.1, 5.0)
     assert consistent([]) is None
+
+
+def test_a_cart_whose_file_has_no_effect_has_bands():
+    """What drags is among the forces that say nothing about the mass."""
+    bare = replace(RAIL, effects=())
+    (widest, *_) = bands(Balances.of(on_rail(), bare), bare)
+    assert abs(widest.mass - RAIL_MASS) < 3 * widest.deviation
