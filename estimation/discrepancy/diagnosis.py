@@ -298,13 +298,18 @@ def _searched(parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], 
     known = tuple(consistent(bands(balances, cart)) for balances in parts)
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = _in_band(parts, cart, tell)
-        again = tuple(consistent(bands(balances, final.cart, cart)) for balances in final.logs)
+        again = (consistent(bands(balances, final.cart)) for balances in final.logs)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
-            return nominal, final, steps, again
+            return nominal, final, steps, _extended(final, known)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
     nominal, final, steps = _in_band(narrowed, cart, tell)
-    again = tuple(consistent(bands(balances, final.cart, cart)) for balances in final.logs)
-    return nominal, final, steps, tuple(new or old for new, old in zip(again, known, strict=True))
+    return nominal, final, steps, _extended(final, known)
+
+
+def _extended(final: Model, known: Sequence[Band | None]) -> tuple[Band | None, ...]:
+    """Each log's band, with what was found."""
+    again = (consistent(bands(balances, final.cart, final.guess)) for balances in final.logs)
+    return tuple(new or old for new, old in zip(again, known, strict=True))
 
 
 def _in_band(

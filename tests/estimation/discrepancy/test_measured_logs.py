@@ -1,0 +1,49 @@
+"""Logs that nobody here made, against what separate, simple means say of them (`benchmarks/measured/truths.py`), whatever
+the first guess of the mass."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.measured.carts import guessed
+from benchmarks.measured.logs import LOGS
+from benchmarks.measured.truths import CAR, WHEELCHAIR
+from cartgrasp.logs import read_log
+from estimation.discrepancy import diagnose
+
+DATA = Path(__file__).parents[4] / "shared" / "data"
+
+pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the measured logs are not part of the project")
+
+
+def told_of(name, guess):
+    one = next(log for log in LOGS if log.name == name)
+    cart = guessed(one.cart, guess * one.cart.inertia.mass)
+    return diagnose(read_log(DATA / one.path), cart)
+
+
+@pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])
+def test_a_person_who_rolls_a_wheelchair(guess):
+    found = told_of("wheelchair", guess)
+    (effect,) = found.effects
+    assert effect.name == "rolling_resistance"
+    mass = found.certainty.parameters["mass"]
+    assert WHEELCHAIR.mass.holds(mass.value)
+    assert not mass.identifiable
+    assert WHEELCHAIR.values["rolling force"].holds(effect.parameters["coefficient"][0] * mass.value * 9.81)
+    assert found.gap.after < found.gap.refitted <= found.gap.before
+
+
+@pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])
+def test_a_car_whose_wheel_feels_the_force(guess):
+    found = told_of("car", guess)
+    assert not found.effects
+    assert CAR.mass.holds(found.certainty.parameters["mass"].value)
+    assert found.gap.refitted <= found.gap.before
+
+
+def test_a_cart_that_stands():
+    found = told_of("still", 1.0)
+    assert found.verdict == "no_discrepancy"
+    assert not found.effects
+    assert not found.certainty.parameters["mass"].identifiable
