@@ -1,5 +1,5 @@
-"""Logs that nobody here made, against what separate, simple means say of them (`benchmarks/measured/truths.py`), whatever
-the first guess of the mass."""
+"""Logs that nobody here made, against what separate, simple means say of them (`benchmarks/measured/truths.py`),
+whatever the first guess of the mass."""
 
 from pathlib import Path
 
