@@ -261,7 +261,8 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         found = impacts(log, _as_heavy(whole, cart))
         check = checked(log, cart, whole)
         checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart))))
-        parts += flights(sensors.log, cart, found) if found else [whole]
+        between = [part for part in flights(sensors.log, cart, found) if len(part.used)] if found else []
+        parts += between or [whole]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
     found_in = _searched(parts, cart, tell) if is_moved else _at_rest(parts, cart)
@@ -302,8 +303,9 @@ def _searched(parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], 
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
             return nominal, final, steps, _extended(final, known)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
-    nominal, final, steps = _in_band(narrowed, cart, tell)
-    return nominal, final, steps, _extended(final, known)
+    long = [(b, band) for b, band in zip(narrowed, known, strict=True) if len(b.used)]
+    nominal, final, steps = _in_band([b for b, _ in long], cart, tell)
+    return nominal, final, steps, _extended(final, [band for _, band in long])
 
 
 def _extended(final: Model, known: Sequence[Band | None]) -> tuple[Band | None, ...]:

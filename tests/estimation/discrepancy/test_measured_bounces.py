@@ -32,3 +32,10 @@ def test_velocities_made_from_poses_change_nothing(name, variant):
     assert set(told) == {"floor_slope", "end_stop"}
     assert 1.7 < math.degrees(math.atan(-told["floor_slope"]["grade_x"][0])) < 2.3
     assert 1.12 < told["end_stop"]["position"][0] < 1.18
+
+
+def test_flights_that_are_too_short_to_tell_anything_are_left_out():
+    """Of a log of 25 Hz, in which the last bounces are a few rows each."""
+    change = next(variant.change for variant in VARIANTS if variant.name == "means of four")
+    found = diagnose(change(read_log(DATA / "sail.csv")), INCLINE)
+    assert {effect.name for effect in found.effects} == {"floor_slope", "end_stop"}
