@@ -3,13 +3,14 @@ its motion."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from cartgrasp.errors import DataError
-from cartgrasp.logs import RunLog, coasts
+from cartgrasp.logs import RunLog
+from cartgrasp.logs.coasting import without_idle_arms
 from cartgrasp.model import CartModel
 
 from .discrepancy.flights import pieces, rows_of
@@ -47,7 +48,7 @@ class NothingSaidError(Exception):
 
 
 def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[LogPart]:
-    known = without_glitches(without_stale(replace(log, arms={}) if coasts(log) else log), OFF)
+    known = without_glitches(without_stale(without_idle_arms(log)), OFF)
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
         for piece in _unbroken(known):

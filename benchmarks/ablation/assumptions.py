@@ -99,7 +99,7 @@ ASSUMPTIONS = (
     ),
     *_of("discrepancy.rivals", {"SIMPLER": "nats for each number that a rival takes less"}),
     *_of("discrepancy.named", {"OPEN_WORLD": "prior of a cause that the vocabulary has"}),
-    *_of("discrepancy.refusal", {"BLOCK": "time over which errors of rollouts are related"}, is_diagnosed=False),
+    *_of("discrepancy.refusal", {"BLOCK": "time over which errors of rollouts are related"}),
     *_of("discrepancy.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),
     # what is usual: the table of priors
     Constant("discrepancy.plausible", "ODDS[rolling_resistance]", B, 0.0, "log odds of rolling resistance before data"),

@@ -27,7 +27,7 @@ class Group(Enum):
 @dataclass(frozen=True)
 class Constant:
     """Of a module of `estimation`; `NAME[key]` is a number in a table. `off` switches its rule off (None: nothing
-    does, or it is no rule). `is_diagnosed` is false where the batch fit alone reads it, so that no diagnosis changes.
+    does, or it is no rule). `is_diagnosed` is false where `identify` alone reads it, so that no diagnosis changes.
     """
 
     module: str

@@ -16,7 +16,7 @@ DECIDING = (
     Constant("weak_form.band", "FAR_SHARE", A, 0.0, "share of the mass by which a narrower band's is another"),
     Constant("weak_form.band", "MOST_OPEN", A, inf, "two-way bracket of the mass beyond which a band is not searched"),
     Constant("weak_form.band", "LEAST_KNOWN", A, inf, "scatter of the mass beyond which a band says nothing"),
-    Constant("weak_form.band", "AS_WELL", A, inf, "scatter of a band that the batch fit still takes", False),
+    Constant("weak_form.band", "AS_WELL", A, inf, "scatter of a band that `identify` still takes", False),
     # what is tried
     Constant("discrepancy.screening", "LEAST_SIDE", A, 0.0, "time before and after a lasting change"),
     # what is added and dropped
@@ -40,5 +40,5 @@ DECIDING = (
     Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant("discrepancy.diagnosis", "CLOSED", A, inf, "share of the gap that may be left where effects explain it"),
     Constant("discrepancy.refusal", "WORSE", A, inf, "times the file's gap, from which on a refit is refused"),
-    Constant("discrepancy.refusal", "SURE", A, 0.0, "standard errors by which the batch fit is worse then", False),
+    Constant("discrepancy.refusal", "SURE", A, 0.0, "standard errors by which a refit is worse then"),
 )

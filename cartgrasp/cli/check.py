@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,8 @@ from estimation.sensor_check import REFUSED, SURE, Suspicion, travelled
 
 from ..cart_file import load_cart
 from ..errors import printable
-from ..logs import RunLog, coasts, read_log
+from ..logs import RunLog, read_log
+from ..logs.coasting import without_idle_arms
 from .output import print_json, print_table, say
 from .sensors import check_accepted, refuse, suspected
 
@@ -24,7 +24,7 @@ def run(path: Path, cart_path: Path | None, accepted: Sequence[str], topics: Pat
     cart = None if cart_path is None else load_cart(cart_path)
     log = read_log(path, topics)
     suspicions = suspected(log, cart)
-    document = _document(log, travelled(replace(log, arms={}) if coasts(log) else log), suspicions)
+    document = _document(log, travelled(without_idle_arms(log)), suspicions)
     if as_json:
         print_json(document)
     else:

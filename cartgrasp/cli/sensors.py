@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +10,8 @@ from estimation.glitches import without_glitches
 from estimation.sensor_check import KINDS, Suspicion, check_sensors, check_sizes
 
 from ..errors import DataError, UsageError
-from ..logs import RunLog, coasts
+from ..logs import RunLog
+from ..logs.coasting import without_idle_arms
 from ..model import CartModel
 
 
@@ -27,7 +27,7 @@ def suspected(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
     check_sizes(log)
     try:
         with np.errstate(all="ignore"):  # what sums up to more than a number holds is told as such
-            return check_sensors(without_glitches(replace(log, arms={}) if coasts(log) else log), cart)
+            return check_sensors(without_glitches(without_idle_arms(log)), cart)
     except np.linalg.LinAlgError as error:
         raise DataError(f"{log.name}: can't be looked at; look for numbers that are not in SI units") from error
 

@@ -22,6 +22,11 @@ def coasts(log: RunLog) -> bool:
     return log.coasting or not log.arms
 
 
+def without_idle_arms(log: RunLog) -> RunLog:
+    """The log, of no arm where nobody pushes."""
+    return replace(log, arms={}) if coasts(log) else log
+
+
 def is_silent(log: RunLog) -> bool:
     """Whether it has arms, of which some wrench is recorded and none is ever other than zero."""
     recorded = any(np.isfinite(arm.wrench).any() for arm in log.arms.values())

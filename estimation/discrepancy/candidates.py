@@ -29,10 +29,6 @@ class Family:
     key: str
     variants: tuple[Effect, ...]
 
-    @property
-    def gate(self) -> Gate:
-        return self.variants[0].gate
-
 
 def families(cart: CartModel, arms: Sequence[str]) -> list[Family]:
     """Every effect of the vocabulary that the cart may have beside those it has, gates open."""

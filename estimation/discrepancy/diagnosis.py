@@ -11,7 +11,8 @@ import numpy as np
 
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.inertia import Inertia
-from cartgrasp.logs import RunLog, coasts
+from cartgrasp.logs import RunLog
+from cartgrasp.logs.coasting import without_idle_arms
 from cartgrasp.model import CartModel
 
 from ..end_stops import StopEstimate, end_stops
@@ -250,22 +251,24 @@ def diagnose(
 
 
 def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None]) -> Diagnosis:
-    parts, checks, hits = list[Balances](), [], list[Impact]()
+    parts, known, checks, hits = list[Balances](), list[Band | None](), [], list[Impact]()
     for log in logs:
         tell(f"reading {log.name}")
-        check_rows(log, cart)
-        sound = without_glitches(replace(log, arms={}) if coasts(log) else log)
+        check_rows(log)
+        sound = without_glitches(without_idle_arms(log))
         check_sizes(sound)
         sensors = put_right(sound, cart)
         whole = Balances.of(sensors.log, cart)
-        found = impacts(log, _as_heavy(whole, cart))
+        band = consistent(bands(whole, cart))
+        found = impacts(log, _as_heavy(cart, band))
         check = checked(log, cart, whole)
         checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart))))
         between = [part for part in flights(sensors.log, cart, found) if len(part.used)] if found else []
         parts += between or [whole]
+        known += [consistent(bands(part, cart)) for part in between] or [band]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
-    found_in = _searched(parts, cart, tell) if is_moved else _at_rest(parts, cart)
+    found_in = _searched(parts, known, cart, tell) if is_moved else _at_rest(parts, cart)
     nominal, final, steps, widest = found_in
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
@@ -293,10 +296,11 @@ Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
 """Before and after a search, its steps, and the band of each log."""
 
 
-def _searched(parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], None]) -> Searched:
+def _searched(
+    parts: Sequence[Balances], known: Sequence[Band | None], cart: CartModel, tell: Callable[[str], None]
+) -> Searched:
     """In the widest band in which the model foretells the motion: with what it lacks, where that makes the mass the
-    same in all bands, else without."""
-    known = tuple(consistent(bands(balances, cart)) for balances in parts)
+    same in all bands, else without: in those that are `known` of the cart as it is."""
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = _in_band(parts, cart, tell)
         again = (consistent(bands(balances, final.cart)) for balances in final.logs)
@@ -328,9 +332,9 @@ def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
     return nominal, nominal, [], (None,) * len(parts)
 
 
-def _as_heavy(balances: Balances, cart: CartModel) -> CartModel:
-    """The cart with the mass that a log tells, and as much more inertia, for what a first guess should not decide."""
-    band = consistent(bands(balances, cart))
+def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:
+    """The cart with the mass that a log's band tells, and as much more inertia, for what a first guess should not
+    decide."""
     if band is None:
         return cart
     body = cart.inertia

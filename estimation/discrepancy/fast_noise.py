@@ -13,7 +13,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
-from ..weak_form.rows import wrench_noise
+from ..weak_form.rows import motion_noise, wrench_noise
 from ..weak_form.sensor_noise import MAD_TO_STD
 
 ROW_STEP = 0.1
@@ -34,7 +34,8 @@ def fast_noise(balances: Balances, cart: CartModel) -> Array:
         return known
     f = len(known)
     differences = np.diff(fine.residual(cart)[0][:, :f], 3, axis=0)[following]
-    variance = (MAD_TO_STD * np.median(np.abs(differences), axis=0)) ** 2 - _of_motion(fine, cart)
+    moved, order = motion_noise(fine, cart)
+    variance = (MAD_TO_STD * np.median(np.abs(differences), axis=0)) ** 2 - moved**2 * _passed(fine, order)
     return np.asarray(np.clip(np.sqrt(np.maximum(variance / _passed(fine, 0), 0.0)), known, MOST * known))
 
 
@@ -43,12 +44,3 @@ def _passed(balances: Balances, order: int) -> float:
     return float(
         sum(a * b * balances.overlap(order, abs(i - j)) for i, a in enumerate(THIRD) for j, b in enumerate(THIRD))
     )
-
-
-def _of_motion(balances: Balances, cart: CartModel) -> Array:
-    """Variance (f,) of the differences by the noise of the motion's sensors."""
-    noise, f = balances.motion.noise, cart.constraints.n_free
-    own = [0, 1, 2] if f == 3 else [0, 2][:f]
-    heavy = np.array([cart.inertia.mass, cart.inertia.mass, cart.inertia.phi[3]])[own]
-    std, order = (noise.pose, 2) if noise.velocity is None else (noise.velocity, 1)
-    return np.asarray((heavy * std[own]) ** 2 * balances.sample_step * _passed(balances, order))

@@ -63,7 +63,7 @@ class LogCheck:
     suspicions: tuple[Suspicion, ...] = ()
 
 
-def check_rows(log: RunLog, cart: CartModel) -> None:
+def check_rows(log: RunLog) -> None:
     """Refuses a log that is too short, or misses what is needed."""
     if len(log) < FEWEST_ROWS or log.duration < SHORTEST:
         raise DataError(

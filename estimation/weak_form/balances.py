@@ -175,9 +175,7 @@ class Balances:
     def timing(self, cart: CartModel) -> Array:
         """What the residual (k, c) lacks for each second that wrenches are late."""
         rate = np.gradient(self.wrenches.planar(cart) @ cart.basis_b, self.motion.step, axis=0)
-        if self.motion.across is not None:
-            rate = np.column_stack([rate, np.zeros(len(rate))])
-        return -self.integrated(rate)
+        return -self.integrated(self._on_all(rate))
 
     def lever(self, cart: CartModel, effect: Effect) -> Array:
         """What the residual (k, c, 1) lacks for each metre that a force effect of the cart acts to the left of where
@@ -214,8 +212,12 @@ class Balances:
         if self.motion.across is not None:
             aside = self.motion.across - self.creep(cart, state, planar)
             left = np.column_stack([left, aside])
-            slopes = np.concatenate([slopes, np.zeros((len(left), 1, slopes.shape[2]))], axis=1)
-        return self.integrated(left), self.integrated(slopes)
+        return self.integrated(left), self.integrated(self._on_all(slopes))
+
+    def _on_all(self, wrenches: Array) -> Array:
+        """Signals (n, f, ...) of the free directions in all balances (n, c, ...): the speed across has none of them."""
+        none = np.zeros((len(wrenches), 0 if self.motion.across is None else 1, *wrenches.shape[2:]))
+        return np.concatenate([wrenches, none], axis=1)
 
     def creep(self, cart: CartModel, state: Array, planar: Array) -> Array:
         """Speed (n,) of the axle to {b}'s left that the cart's constraint effects make of the motion."""
@@ -241,9 +243,7 @@ class Balances:
         else:
             slopes = self._needed(whole, self.state(whole))[1]
         slopes = slopes[..., -len(effect.parameters) :]
-        if self.motion.across is not None:
-            slopes = np.concatenate([slopes, np.zeros((len(slopes), 1, slopes.shape[2]))], axis=1)
-        return self.integrated(slopes if share is None else share[:, None, None] * slopes)
+        return self.integrated(self._on_all(slopes if share is None else share[:, None, None] * slopes))
 
     def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""

@@ -72,17 +72,14 @@ class Errors:
     @classmethod
     def of(cls, balances: Balances, cart: CartModel) -> Errors:
         """`cart` tells how much of the motion's noise a balance takes in."""
-        force, root_step = wrench_noise(balances, cart), balances.sample_step**0.5
-        noise, free = balances.motion.noise, cart.constraints.n_free
-        inertia = cart.inertia
-        own = [0, 1, 2] if free == 3 else [0, 2][:free]
-        heavy = np.array([inertia.mass, inertia.mass, inertia.phi[3]])[own]
-        densities: list[tuple[tuple[float, int], ...]] = []
-        for i in range(free):
-            std, order = (noise.pose, 2) if noise.velocity is None else (noise.velocity, 1)
-            densities.append(((float(force[i]), 0), (float(heavy[i] * std[own[i]] * root_step), order)))
+        moved, order = motion_noise(balances, cart)
+        densities: list[tuple[tuple[float, int], ...]] = [
+            ((float(force), 0), (float(own), order))
+            for force, own in zip(wrench_noise(balances, cart), moved, strict=True)
+        ]
         if balances.motion.across is not None:
-            densities.append(((LEAST_SPEED, 0), (float(noise.pose[0] * root_step), 1)))
+            sideways = balances.motion.noise.pose[0] * balances.sample_step**0.5
+            densities.append(((LEAST_SPEED, 0), (float(sideways), 1)))
         return cls(balances, tuple(densities), *model_error(balances, cart))
 
     def whitening(self, excess: Array, form: Array) -> Whitening:
@@ -203,6 +200,16 @@ def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | No
             linked = balances.used[lag:] - balances.used[: k - lag] == lag
             covariance[lag, : k - lag] += alike * off[: k - lag] * off[lag:] * linked
     return np.asarray(cholesky_banded(covariance, lower=True))
+
+
+def motion_noise(balances: Balances, cart: CartModel) -> tuple[Array, int]:
+    """Root of the density (f,) of what the noise of the motion's sensors adds to the reduced wrench, and the order of
+    the test functions' derivative through which it comes."""
+    noise, free, inertia = balances.motion.noise, cart.constraints.n_free, cart.inertia
+    own = [0, 1, 2] if free == 3 else [0, 2][:free]
+    heavy = np.array([inertia.mass, inertia.mass, inertia.phi[3]])[own]
+    std, order = (noise.pose, 2) if noise.velocity is None else (noise.velocity, 1)
+    return np.asarray(heavy * std[own] * balances.sample_step**0.5), order
 
 
 def wrench_noise(balances: Balances, cart: CartModel) -> Array:

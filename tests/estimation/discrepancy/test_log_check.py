@@ -36,7 +36,7 @@ def started(log, cart=CART):
 
 
 def check(log, cart=CART):
-    check_rows(log, cart)
+    check_rows(log)
     return checked(log, cart, Balances.of(log, cart))
 
 
