@@ -16,12 +16,9 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import ArmLog, RunLog
 
 from ..log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
+from .stale import local_change, repeats_fast
 from .suspicion import Suspicion
 
-FAST, REPEATED = 0.75, 0.05
-"""Share of the rows that go slower than those called fast; share of the latter: fewer repeats are a hiccup."""
-AROUND = 0.25
-"""s: over which speeds are compared."""
 STRAIGHT = 1e-3
 """Of the usual bend: a bend of white noise is as small in a thousandth of the rows."""
 FEWEST = 20
@@ -38,8 +35,8 @@ SLOW = 0.2
 
 
 def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
-    """Of poses and velocities of which the fresh log lacks those that repeat the ones before. Where they go fast they
-    do so as often only if a recorder wrote them again; a coarse sensor's repeat where they go slowly."""
+    """Of poses and velocities of which the fresh log lacks those that repeat the ones before, as often as a recorder
+    writes them again."""
     told = []
     pairs = {"pose": (log.pose, fresh.pose)}
     if log.velocity is not None and fresh.velocity is not None:
@@ -47,8 +44,7 @@ def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
     for where, (before, after) in pairs.items():
         there = np.asarray(np.isfinite(before).all(axis=1))
         again = ~np.asarray(np.isfinite(after[there]).all(axis=1))
-        is_fast = _is_fast(before[there], log.time[there])
-        if again[is_fast].sum() > REPEATED * max(is_fast.sum(), 1):
+        if repeats_fast(again, local_change(before[there], log.time[there])):
             words = (
                 f"{where}: {int(again.sum())} of {len(again)} rows repeat the one before while the cart moves, as a "
                 "recorder writes where nothing new has come; a diagnosis leaves them out: leave such cells blank"
@@ -56,13 +52,6 @@ def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
             factor = len(again) / max(len(again) - int(again.sum()), 1)
             told.append(Suspicion("repeated", where, 0.99, factor, words, put_right=True))
     return tuple(told)
-
-
-def _is_fast(rows: Array, time: Array) -> np.ndarray:
-    """Which rows (n,) of (n, k) change faster, over `AROUND` on either side, than most of them."""
-    first, last = (np.searchsorted(time, time + side).clip(0, len(time) - 1) for side in (-AROUND, AROUND))
-    change = np.abs(rows[last] - rows[first]).sum(axis=1)
-    return np.asarray(change > np.quantile(change, FAST)) if len(change) else np.zeros(0, dtype=bool)
 
 
 def interpolated(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:

@@ -18,12 +18,31 @@ TINY = 1e-12
 """m, rad: less is round-off."""
 RESOLVED = 1.5
 """Times the smallest step: more, after a repetition, than a sensor's resolution makes."""
+AROUND = 0.25
+"""s: over which speeds are compared."""
+FAST, REPEATED = 0.75, 0.05
+"""Share of the rows that go slower than those called fast; share of the latter: fewer repeats are a hiccup."""
+SLOW = 0.25
+"""Of a fast row's speed: where nothing goes faster, a coarse sensor repeats itself."""
 
 
 def without_stale(log: RunLog) -> RunLog:
     """The log, with poses and velocities that repeat the ones before as missing samples."""
     velocity = None if log.velocity is None else _without(log.velocity, log.time)
     return replace(log, pose=_without(log.pose, log.time), velocity=velocity)
+
+
+def repeats_fast(again: np.ndarray, change: Array) -> bool:
+    """Whether rows repeat others (n,) where a log changes fast, by its local `change` (n,): so often, a recorder wrote
+    them again; a coarse sensor repeats itself where it goes slowly."""
+    fast = change > np.quantile(change, FAST) if len(change) else np.zeros(0, dtype=bool)
+    return bool(again[fast].sum() > REPEATED * max(fast.sum(), 1))
+
+
+def local_change(rows: Array, time: Array) -> Array:
+    """By how much rows (n, k) change over `AROUND` on either side (n,), all columns together."""
+    first, last = (np.searchsorted(time, time + side).clip(0, len(time) - 1) for side in (-AROUND, AROUND))
+    return np.asarray(np.abs(rows[last] - rows[first]).sum(axis=1))
 
 
 def _without(rows: Array, time: Array) -> Array:
@@ -33,12 +52,17 @@ def _without(rows: Array, time: Array) -> Array:
     moved = (steps > TINY).any(axis=1)
     if moved.all() or not moved.any():
         return rows
-    smallest = np.min(np.where(steps > TINY, steps, np.inf), axis=0)
     new = np.flatnonzero(np.r_[True, moved])
+    first = np.flatnonzero(np.diff(new) > 1)
+    begin, after = new[first], new[first + 1]
+    is_short = time[there[after]] - time[there[begin]] < LONGEST
+    begin, after = begin[is_short], after[is_short]
+    resolution = np.min(np.where(steps > TINY, steps, np.inf), axis=0)
+    change = local_change(rows[there], time[there])
+    if not repeats_fast(np.r_[False, ~moved], change):
+        slow = change[begin] < SLOW * np.quantile(change, FAST)
+        resolution = np.maximum(resolution, steps[after[slow] - 1].max(axis=0, initial=0.0))
     found = rows.copy()
-    for k in np.flatnonzero(np.diff(new) > 1):
-        first, after = new[k], new[k + 1]
-        is_short = time[there[after]] - time[there[first]] < LONGEST
-        if is_short and (steps[after - 1] > RESOLVED * smallest).any():
-            found[there[first + 1 : after]] = np.nan
+    for k in np.flatnonzero((steps[after - 1] > RESOLVED * resolution).any(axis=1)):
+        found[there[begin[k] + 1 : after[k]]] = np.nan
     return found

@@ -86,3 +86,23 @@ def test_the_check_counts_them_and_reads_the_noise_of_the_others():
     assert twice.stale_poses == pytest.approx(2 / 3 * len(log), abs=80)  # but those at rest
     assert twice.noise.position == pytest.approx(whole.noise.position, rel=0.25)
     assert twice.distance == pytest.approx(whole.distance, rel=0.02)
+
+
+@given(
+    seed=st.integers(0, 99),
+    step=numbers(0.0003, 0.002),
+    every=st.integers(2, 4),
+    into=numbers(0.0, 1.0),
+    mean=st.booleans(),
+)
+def test_an_encoder_that_rests_is_seen_between_its_steps_too(seed, step, every, into, mean):
+    """Resampled or averaged values of an encoder lie anywhere between its steps, which are its resolution still."""
+    fine = PERIOD / every * np.arange(ROWS * every)
+    way = 0.3 * np.maximum(fine - 1.0, 0.0) ** 2 + 1e-4 * np.random.default_rng(seed).standard_normal(len(fine))
+    way = np.round(way / step) * step
+    at = (np.arange(ROWS - 1) + into) * every
+    coarse = (
+        way[: ROWS * every].reshape(ROWS, every).mean(axis=1)[:-1] if mean else np.interp(at, np.arange(len(way)), way)
+    )
+    rows = np.column_stack([coarse, np.zeros((ROWS - 1, 2))])
+    np.testing.assert_array_equal(without_stale(log_of(rows)).pose, rows)
