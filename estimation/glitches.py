@@ -14,6 +14,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
 
 from .outliers import ROWS, outlying
+from .resolution import resolution
 
 FAR = 20.0
 """Times the noise."""
@@ -43,7 +44,7 @@ def _glitches(column: Array, far: float) -> np.ndarray:
     """Where (n,) a value is far from those around it."""
     values = column[np.isfinite(column)]
     noise = float(np.median(np.abs(np.diff(values, 2)))) / 1.65 if len(values) > ROWS else 0.0
-    return outlying(column, far * noise)
+    return outlying(column, far * max(noise, resolution(values) / 12**0.5))
 
 
 def _unwrapped(heading: Array) -> Array:

@@ -12,10 +12,10 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
+from ..resolution import TINY, USUAL
+
 LONGEST = 0.25
 """s: what repeats for longer rests."""
-TINY = 1e-12
-"""m, rad: less is round-off."""
 RESOLVED = 1.5
 """Times the smallest step: more, after a repetition, than a sensor's resolution makes."""
 AROUND = 0.25
@@ -36,7 +36,11 @@ def repeats_fast(again: np.ndarray, change: Array) -> bool:
     """Whether rows repeat others (n,) where a log changes fast, by its local `change` (n,): so often, a recorder wrote
     them again; a coarse sensor repeats itself where it goes slowly."""
     fast = change > np.quantile(change, FAST) if len(change) else np.zeros(0, dtype=bool)
-    return bool(again[fast].sum() > REPEATED * max(fast.sum(), 1))
+    return _often(again, fast)
+
+
+def _often(again: np.ndarray, among: np.ndarray) -> bool:
+    return bool(again[among].sum() > REPEATED * max(among.sum(), 1))
 
 
 def local_change(rows: Array, time: Array) -> Array:
@@ -59,9 +63,11 @@ def _without(rows: Array, time: Array) -> Array:
     begin, after = begin[is_short], after[is_short]
     resolution = np.min(np.where(steps > TINY, steps, np.inf), axis=0)
     change = local_change(rows[there], time[there])
-    if not repeats_fast(np.r_[False, ~moved], change):
-        slow = change[begin] < SLOW * np.quantile(change, FAST)
-        resolution = np.maximum(resolution, steps[after[slow] - 1].max(axis=0, initial=0.0))
+    slowly = steps[after[change[begin] < SLOW * np.quantile(change, FAST)] - 1]
+    if len(slowly):
+        per_row = change * float(np.median(np.diff(time))) / (2 * AROUND)
+        if not _often(np.r_[False, ~moved], per_row > np.quantile(slowly, USUAL, axis=0).sum()):
+            resolution = np.maximum(resolution, slowly.max(axis=0))
     found = rows.copy()
     for k in np.flatnonzero((steps[after - 1] > RESOLVED * resolution).any(axis=1)):
         found[there[begin[k] + 1 : after[k]]] = np.nan

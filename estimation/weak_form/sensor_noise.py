@@ -10,6 +10,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
 from ..noise import FilterNoise
+from ..resolution import resolution
 
 NOISE_OF_DIFFERENCES, MAD_TO_STD = 20**0.5, 1.4826
 """Third differences of white noise have 20 times its variance; the median of a normal deviate's size."""
@@ -52,10 +53,8 @@ def white_noise(channel: Array) -> float:
     present = channel[np.isfinite(channel)]
     if len(present) < 8:
         return 0.0
-    jumps = np.abs(np.diff(present))
-    rounding = float(jumps[jumps > 0].min(initial=np.inf)) if (jumps > 0).any() else 0.0
     from_differences = MAD_TO_STD * float(np.median(np.abs(np.diff(present, 3)))) / NOISE_OF_DIFFERENCES
-    return max(from_differences, rounding / 12**0.5)
+    return max(from_differences, resolution(present) / 12**0.5)
 
 
 def noise_density(time: Array, channel: Array) -> float:

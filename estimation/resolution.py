@@ -1,0 +1,29 @@
+"""In what steps a sensor's values come, read off where it repeats itself.
+
+The smallest difference between values does not tell: what was resampled, averaged or printed again lies anywhere
+between two steps, and a sensor that rests still jumps from one to the next.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+TINY = 1e-12
+"""In units of the values: less is round-off."""
+USUAL = 0.75
+"""Quantile of the steps after a repetition that is called one: a few are parts of one, none is more."""
+FEWEST = 8
+"""Repetitions that tell it."""
+
+
+def resolution(column: Array) -> float:
+    """Of values (n,), NaN where missing: the usual step after a repetition; where few repeat, the smallest of all; 0
+    where none differ."""
+    steps = np.abs(np.diff(column[np.isfinite(column)]))
+    moved = steps > TINY
+    if not moved.any():
+        return 0.0
+    after = steps[1:][moved[1:] & ~moved[:-1]]
+    return float(np.quantile(after, USUAL) if len(after) >= FEWEST else steps[moved].min())
