@@ -29,7 +29,6 @@ from .log_parts import LogPart, NothingSaidError, learnable_parts
 from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
 from .weak_form.rows import Errors, Whitening
-from .weak_form.standing import standing
 
 
 @dataclass(frozen=True)
@@ -145,8 +144,8 @@ def _as_loud(model: Model) -> Model:
     """Refitted to rows whose noise is alike throughout, but where the cart stands, and as large as what is left of
     them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
     for _ in range(2):
-        errors = [replace(Errors.of(b, model.cart), unsure=standing(b, model.cart)) for b in model.logs]
-        own = tuple(one.whitening(model.noise.excess, np.zeros_like(model.noise.form)) for one in errors)
+        noise = replace(model.noise, cart=model.cart, form=np.zeros_like(model.noise.form))
+        own = noise.whitenings(model.logs)
         model = replace(model, whitenings=own)
         scale = model.score.scale
         loud = (tuple(root * s for root, s in zip(w.roots, scale, strict=True)) for w in model.whitenings)
@@ -199,7 +198,8 @@ def _excess(model: Model) -> list[float]:
     for balances in model.logs:
         left = model.left[at : at + len(balances.used)]
         at += len(balances.used)
-        white = Errors.of(balances, model.cart).whitening(*np.zeros((2, left.shape[1])))(left)
+        none, whole = np.zeros(left.shape[1]), np.ones(left.shape[1])
+        white = Errors.of(balances, model.cart).whitening(none, none, whole)(left)
         found.append(float((white**2).mean(axis=0).max()))
     return found
 

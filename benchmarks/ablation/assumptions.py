@@ -45,6 +45,7 @@ ASSUMPTIONS = (
             "SOFT_SHARE": "of its duration, in which a push rises",
             "SOFT_ONSET": "time in which a load is put on",
             "LEAST_FORM": "share by which forms are wrong at least",
+            "BELIEVED": "rows near standstill that count as if friction were as wrong there as it may be",
         },
     ),
     *_of(
@@ -63,10 +64,10 @@ ASSUMPTIONS = (
         },
     ),
     *_of("weak_form.splines", {"OUTLYING": "deviations from which on a sample counts for less"}),
-    *_of("weak_form.standing", {"MOMENT": "who turns back does not stand for as long"}, is_diagnosed=False),
     *_of(
         "discrepancy.certainty",
         {
+            "SIZE_SHARE": "of an effect's size, what its form leaves open",
             "LEAST_TIME": "half a sample: no onset is known better",
             "LEAST_PLACE": "what an edge of the floor is: none is known better",
             "FORM_SHARE": "of a length, what the form of its effect leaves open",

@@ -14,9 +14,8 @@ DECIDING = (
     # the band in which the search is made
     Constant("weak_form.band", "FAR", A, inf, "deviations by which a narrower band's mass is another"),
     Constant("weak_form.band", "FAR_SHARE", A, 0.0, "share of the mass by which a narrower band's is another"),
-    Constant("weak_form.band", "MOST_OPEN", A, inf, "two-way bracket of the mass beyond which a band is not searched"),
     Constant("weak_form.band", "LEAST_KNOWN", A, inf, "scatter of the mass beyond which a band says nothing"),
-    Constant("weak_form.band", "AS_WELL", A, inf, "scatter of a band that `identify` still takes", False),
+    Constant("weak_form.band", "AS_WELL", A, inf, "times the least deviation of a mass, in a band that is taken"),
     # what is tried
     Constant("discrepancy.screening", "LEAST_SIDE", A, 0.0, "time before and after a lasting change"),
     # what is added and dropped
@@ -36,6 +35,7 @@ DECIDING = (
         "times what is plausible that estimates may be",
     ),
     # what is said
+    Constant("discrepancy.named", "SURE", A, 0.0, "deviations from which on an effect is there, be its mass unsure"),
     Constant("discrepancy.rivals", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
     Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant("discrepancy.diagnosis", "CLOSED", A, inf, "share of the gap that may be left where effects explain it"),

@@ -34,6 +34,8 @@ FAINT = 6.0
 DOUBLINGS, POINTS = 9, 17
 LEAST_TIME, LEAST_PLACE, FORM_SHARE = 0.005, 0.02, 0.05
 """s, m: half a sample, and what an edge is; of a length, what its effect's form leaves open."""
+SIZE_SHARE = 0.03
+"""Of an effect's size: what its form leaves open, which no length of a log makes less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +120,7 @@ class Certainty:
         free = np.flatnonzero(prior.free)
         std = prior.std.copy()
         std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
+        std = np.hypot(std, SIZE_SHARE * np.abs(self._added_sizes))
         if not model.is_pushed:
             std[:N_PHI] = 0.0  # as given
         body = cart.inertia
@@ -128,6 +131,17 @@ class Certainty:
         taught = prior.free & (std * scale < TAUGHT * usual) & ~self._at_bound
         rows = zip(report_names(cart), report_units(cart), values, std * scale, taught, strict=True)
         return {n: ParameterEstimate(float(v), float(s), unit, bool(known)) for n, unit, v, s, known in rows}
+
+    @property
+    def _added_sizes(self) -> Array:
+        """Values (p,) of added effects' parameters, as far from absent as they are; nought elsewhere."""
+        known = {effect.key for effect in self.model.guess.effects}
+        found = [
+            value - parameter.absent if effect.key not in known and parameter.estimated else 0.0
+            for effect in self.cart.effects
+            for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True)
+        ]
+        return np.array([0.0] * N_PHI + found)
 
     @property
     def _at_bound(self) -> np.ndarray:
@@ -144,7 +158,7 @@ class Certainty:
         prior = self.model.prior
         first = int(prior.free.sum())
         for i, constraint in enumerate(self.model.cart.constraint_effects):
-            share = float(np.sqrt(self.covariance[first + i, first + i]))
+            share = float(np.hypot(np.sqrt(self.covariance[first + i, first + i]), SIZE_SHARE))
             found[constraint.keys[0]] = share * abs(float(constraint.values[0]))
         for _, own in self._set.values():
             found |= own

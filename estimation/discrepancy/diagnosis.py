@@ -30,7 +30,7 @@ from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets, with_suspicions
 from .model import Model
-from .named import NamedEffect, named, named_stops
+from .named import NamedEffect, named, named_stops, untaught
 from .next_experiments import next_experiments
 from .refusal import refused
 from .residual import DIRECTIONS, Residual, residuals
@@ -72,9 +72,7 @@ class Diagnosis:
 
     @cached_property
     def certainty(self) -> Certainty:
-        known = [band for band in self.bands if band is not None]
-        band = min(known, key=lambda band: band.deviation / band.mass, default=None)
-        return Certainty(self.final, band, undecided(self.steps, self.final, len(self.final.guess.parameters)))
+        return _certainty(self.final, self.steps, self.bands)
 
     @cached_property
     def cart(self) -> CartModel:
@@ -270,6 +268,8 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     is_moved = any(moves(balances) for balances in parts)
     found_in = _searched(parts, known, cart, tell) if is_moved else _at_rest(parts, cart)
     nominal, final, steps, widest = found_in
+    for key in untaught(final, _certainty(final, steps, widest)):
+        final = final.refitted(final.cart.without_effect(key)).settled()
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
     is_nominal = not (added(final) or final.laws)
@@ -330,6 +330,12 @@ def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
     """Whatever holds a cart has no name."""
     nominal = replace(Model.started(parts, cart), cart=cart)
     return nominal, nominal, [], (None,) * len(parts)
+
+
+def _certainty(final: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Certainty:
+    """By the band that tells the mass best."""
+    band = min((band for band in known if band is not None), key=lambda band: band.share, default=None)
+    return Certainty(final, band, undecided(steps, final, len(final.guess.parameters)))
 
 
 def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:

@@ -88,14 +88,16 @@ def _told(guess: CartModel, believed: Prior | None) -> dict[str, float]:
 @dataclass(frozen=True, eq=False)
 class RowNoise:
     """What rows are whitened by: of the sensors, of a cart's inertia and friction, white noise (c,) beside them, and
-    the share (c,) of what forms may be wrong by."""
+    the shares (c,) of what forms, and dry friction near standstill, may be wrong by."""
 
     cart: CartModel
     excess: Array
     form: Array
+    friction: Array
 
     def whitenings(self, logs: Sequence[Balances]) -> tuple[Whitening, ...]:
-        return tuple(Errors.of(balances, self.cart).whitening(self.excess, self.form) for balances in logs)
+        sizes = self.excess, self.form, self.friction
+        return tuple(Errors.of(balances, self.cart).whitening(*sizes) for balances in logs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +132,7 @@ class Model:
     @classmethod
     def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
-        noise = RowNoise(guess, *np.ones((2, logs[0].n_balances(guess))))
+        noise = RowNoise(guess, *np.ones((3, logs[0].n_balances(guess))))
         return cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed).settled()
 
     def settled(self) -> Model:
@@ -146,9 +148,9 @@ class Model:
         for balances in self.logs:
             parts.append((Errors.of(balances, self.cart), left[at : at + len(balances.used)]))
             at += len(balances.used)
-        excess, form = excess_noise(parts, float(self.rows.shape[2] - 1))
-        whitenings = tuple(errors.whitening(excess, form) for errors, _ in parts)
-        return replace(self, noise=RowNoise(self.cart, excess, form), whitenings=whitenings)
+        sizes = excess_noise(parts, float(self.rows.shape[2] - 1))
+        whitenings = tuple(errors.whitening(*sizes) for errors, _ in parts)
+        return replace(self, noise=RowNoise(self.cart, *sizes), whitenings=whitenings)
 
     def whitened(self, columns: Sequence[Array]) -> Array:
         """Of each log's raw columns (k, c, q), all together."""

@@ -54,6 +54,12 @@ def named(
     return tuple(found)
 
 
+def untaught(final: Model, certainty: Certainty) -> list[str]:
+    """Keys of added effects of which the logs say nothing, with a mass that is as unsure as it is."""
+    values = {effect.key: effect for effect in certainty.cart.effects}
+    return [effect.key for effect in added(final) if not _parameters(values[effect.key], certainty)]
+
+
 def _told(step: Step) -> tuple[float, tuple[str, ...]]:
     """Of what was added: its probability, and the names of what explains about as much."""
     known = rivals(step)
@@ -62,7 +68,7 @@ def _told(step: Step) -> tuple[float, tuple[str, ...]]:
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
-    """But for those of which the logs say nothing, where they say something of another."""
+    """But for those of which the logs say nothing; none, where they say nothing of any."""
     told, untaught = {}, set()
     for parameter, key, value in zip(effect.parameters, effect.keys, effect.values.tolist(), strict=True):
         known, settings = certainty.parameters[key], certainty.settings
@@ -71,7 +77,9 @@ def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, 
         if parameter.estimated and _says_nothing(parameter, value, std):
             untaught.add(parameter.name)
     estimated = {parameter.name for parameter in effect.parameters if parameter.estimated}
-    return told if untaught == estimated else {name: one for name, one in told.items() if name not in untaught}
+    if estimated and untaught == estimated:
+        return {}
+    return {name: one for name, one in told.items() if name not in untaught}
 
 
 def _says_nothing(parameter: Parameter, value: float, std: float) -> bool:

@@ -26,8 +26,6 @@ ROW_STEPS = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 of the inverse is the band's upper end (Hz)."""
 FAR, FAR_SHARE = 3.0, 0.05
 """Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
-MOST_OPEN = 0.08
-"""Of the mass: half of a bracket beyond which a model foretells too little of what moves the cart."""
 FEWEST = 12
 """Rows for each column."""
 LAGS = 8
@@ -38,7 +36,7 @@ INERTIAL = ("payload_change", "load_slosh")
 """Effects that change how much a push moves a cart."""
 TRACE = 1e-6
 AS_WELL = 2.0
-"""Times the least scatter: the scatter of a dozen rows is told to about a factor of two itself."""
+"""Times the least deviation: that of a dozen rows is told to about a factor of two itself."""
 LEAST_KNOWN = 0.25
 """Of the mass: with a larger scatter, a band says nothing of it."""
 
@@ -69,6 +67,11 @@ class Band:
         """Of the mass (kg): its scatter, half of the bracket, and by how much bands may differ that agree."""
         return float(np.linalg.norm([self.std, self.bracket, FAR_SHARE * self.mass]))
 
+    @property
+    def share(self) -> float:
+        """Of the mass: its deviation."""
+        return self.deviation / self.mass
+
     def agrees(self, narrower: Band) -> bool:
         """Whether the mass is that of a narrower band."""
         return abs(self.mass - narrower.mass) < max(FAR * narrower.std, FAR_SHARE * narrower.mass)
@@ -91,23 +94,11 @@ def is_narrower(band: Band, balances: Balances) -> bool:
 
 
 def consistent(known: list[Band]) -> Band | None:
-    """The widest band in which the model foretells the motion, with the mass of all narrower ones; where it foretells
-    too little in all of them, the widest with their mass. None of none."""
-    return next(iter(_agreeing(known)), None)
-
-
-def sharp(known: list[Band]) -> Band | None:
-    """As `consistent`, of the bands that tell the mass as well as any: where the motion's noise remembers, wide ones
-    hold more of it than of motion."""
-    agreeing = _agreeing(known)
-    least = min((band.std for band in agreeing), default=0.0)
-    return next((band for band in agreeing if band.std <= AS_WELL * least), None)
-
-
-def _agreeing(known: list[Band]) -> list[Band]:
-    """The widest first."""
+    """The widest band in which the model foretells the motion: with the mass of all narrower ones, told as well as in
+    any, for a band in which something else moves the cart says little. None of none."""
     steady = [band for i, band in enumerate(known) if all(map(band.agrees, known[i + 1 :]))]
-    return [band for band in steady if band.bracket < MOST_OPEN * band.mass] or steady
+    least = min((band.share for band in steady), default=0.0)
+    return next((band for band in steady if band.share <= AS_WELL * least), None)
 
 
 def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:

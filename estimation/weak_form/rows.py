@@ -30,6 +30,8 @@ ON_CASTERS = 0.5
 """Of a cart's weight."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
 """m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
+BELIEVED = 4.0
+"""Rows near standstill that count as if friction were as wrong there as it may be."""
 BISECTIONS = 16
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
 """Of white noise beside the sensors', and of what forms may be wrong by."""
@@ -61,12 +63,13 @@ class Whitening:
 @dataclass(frozen=True, eq=False)
 class Errors:
     """Of a log's rows: roots of the densities of white noise (each with the order of the test functions' derivative
-    through which it comes), of each balance; what the model may be off by (n, f) somewhere, and what its forms may be
-    wrong by at most everywhere (n, f)."""
+    through which it comes), of each balance; what may hold a cart that stands (n, f), and what the model's dry friction
+    may be off by at most near standstill (n, f), and its forms everywhere (n, f)."""
 
     balances: Balances
     densities: tuple[tuple[tuple[float, int], ...], ...]
-    unsure: Array
+    held: Array
+    friction: Array
     forms: Array
 
     @classmethod
@@ -82,22 +85,34 @@ class Errors:
             densities.append(((LEAST_SPEED, 0), (float(sideways), 1)))
         return cls(balances, tuple(densities), *model_error(balances, cart))
 
-    def whitening(self, excess: Array, form: Array) -> Whitening:
+    def whitening(self, excess: Array, form: Array, friction: Array) -> Whitening:
         """`excess` (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the
-        time; `form` (c,) is the share of what its forms may be wrong by."""
-        free = self.unsure.shape[1]
-        unsure = np.sqrt(self.unsure**2 + (form[:free] * self.forms) ** 2)
+        time; `form` (c,) and `friction` (c,) are the shares of what its forms, and its dry friction near standstill,
+        may be wrong by."""
+        free = self.held.shape[1]
+        unsure = np.sqrt(self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2)
         roots = []
         for i, known in enumerate(self.densities):
             parts = [*known, (float(excess[i]), 0)]
             roots.append(_root(self.balances, parts, unsure[:, i] if i < free else None))
         return Whitening(tuple(roots))
 
+    def near_standstill(self, excess: Array, form: Array) -> Array:
+        """Share of each row's variance (k, c) that the model's dry friction makes if it is as wrong as it may be."""
+        free = self.held.shape[1]
+        found = np.zeros((len(self.balances.used), len(self.densities)))
+        parts = (self.friction, self.held, form[:free] * self.forms)
+        own, *others = (self.balances.integrated(part) ** 2 for part in parts)
+        for i, known in enumerate(self.densities[:free]):
+            white = sum(d**2 * self.balances.overlap(order, 0) for d, order in (*known, (float(excess[i]), 0)))
+            found[:, i] = own[:, i] / (own[:, i] + sum(other[:, i] for other in others) + white)
+        return found
 
-def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array]:
-    """What a model may be off by (n, f), but for noise: at rest, where anything may hold a cart, Coulomb friction takes
-    whatever value holds things; and what its forms may be wrong by at most everywhere, and where casters that swing
-    round after a reversal drag nobody knows where."""
+
+def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Array]:
+    """What a model may be off by (n, f), but for noise: at rest, where anything may hold a cart; near it, where Coulomb
+    friction takes whatever value holds things; and what its forms may be wrong by at most everywhere, and where casters
+    that swing round after a reversal drag nobody knows where."""
     free = cart.constraints.n_free
     levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
     speed, weight = balances.turning_speed, FRICTION * G * cart.inertia.mass
@@ -114,7 +129,7 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array]:
         swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
     edges = edge_error(balances, cart)
     forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + edges**2 + swung**2)
-    return np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + held**2), forms
+    return held, np.hypot(own, _turned(balances, cart, levers)), forms
 
 
 def _swinging(balances: Balances) -> Array:
@@ -220,23 +235,32 @@ def wrench_noise(balances: Balances, cart: CartModel) -> Array:
     return np.asarray(np.sqrt(variance))
 
 
-def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Array, Array]:
+def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Array, Array, Array]:
     """What makes residuals (k, c) of logs as large as they are, as `Errors.whitening` takes it: white noise (c,) beside
     the sensors' and the share (c,) of what forms may be wrong by. Forms explain what they can. `used` parameters were
-    fitted to the residuals."""
+    fitted to the residuals. Last the share (c,) of what friction near standstill may be wrong by, of rows there."""
     count = parts[0][1].shape[1]
+    none, least, whole = np.full(count, LEAST_EXCESS), np.full(count, LEAST_FORM), np.ones(count)
 
     def surplus(excess: Array, form: Array) -> Array:
         total, rows = np.zeros(count), 0
         for errors, left in parts:
-            total += (errors.whitening(excess, form)(left) ** 2).sum(axis=0)
+            total += (errors.whitening(excess, form, whole)(left) ** 2).sum(axis=0)
             rows += len(left)
         return np.asarray(total / max(rows - used / count, 0.5 * rows)) - 1.0
 
-    none, whole = np.full(count, LEAST_EXCESS), np.ones(count)
-    form = _root_of(lambda share: surplus(none, share), np.full(count, LEAST_FORM), whole)
+    form = _root_of(lambda share: surplus(none, share), least, whole)
     excess = 10 ** _root_of(lambda decade: surplus(10**decade, form), np.log10(none), np.full(count, 4.0))
-    return excess, form
+    shares = [errors.near_standstill(excess, form) for errors, _ in parts]
+    rows = sum(share.sum(axis=0) for share in shares) + BELIEVED
+
+    def near_standstill(friction: Array) -> Array:
+        total = np.full(count, BELIEVED)
+        for (errors, left), share in zip(parts, shares, strict=True):
+            total += (share * errors.whitening(excess, form, friction)(left) ** 2).sum(axis=0)
+        return np.asarray(total / rows - 1.0)
+
+    return excess, form, _root_of(near_standstill, least, whole)
 
 
 def _root_of(surplus: Callable[[Array], Array], low: Array, high: Array) -> Array:

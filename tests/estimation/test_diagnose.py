@@ -139,9 +139,10 @@ def coulomb_of(diagnosis):
 
 
 def test_the_real_axis_lacks_two_frictions(axis):
-    """Reference values of the data's authors: M 95.1 kg, Fc 20.4 N, within a deviation."""
+    """Reference values of the data's authors: M 95.1 ± 0.5 kg, Fc 20.4 N, within a deviation."""
     assert [effect.name for effect in axis.effects] == ["rolling_resistance", "directional_drag"]
-    assert axis.cart.inertia.mass == pytest.approx(95.1, abs=0.5)
+    mass = axis.certainty.parameters["mass"]
+    assert abs(mass.value - 95.1) < np.hypot(mass.std, 0.5) < 1.0
     coulomb, std = coulomb_of(axis)
     assert abs(coulomb - 20.4) < std < 0.05 * coulomb
 
