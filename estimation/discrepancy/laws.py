@@ -68,74 +68,53 @@ def _sign(course: Course) -> Array:
 
 def smooth_laws(turns: bool) -> list[Law]:
     """Of what varies slowly with one variable."""
-    found = [
-        Law("speed", "cubic drag", False, lambda c: _columns(c.speed**3), 1),
-        Law(
-            "speed",
-            "drag that sets in",
-            False,
-            lambda c: _columns(
-                *(_sign(c) * np.maximum(abs(c.speed) - q * abs(c.speed).max(), 0) for q in (0.25, 0.5, 0.75))
-            ),
-            3,
-        ),
-        Law("time", "drift", False, lambda c: _columns(c.time / 60), 1),
-        Law(
-            "time",
-            "drag that warms",
-            False,
-            lambda c: _columns(_sign(c), c.speed * c.time / 60, _sign(c) * c.time / 60),
-            3,
-        ),
+    return [
+        Law(variable, form, is_moment, shape, size)
+        for variable, form, is_moment, size, shape in (ON_ALL + ON_TURNS if turns else ON_ALL)
     ]
-    if turns:
-        found += [
-            Law(
-                "heading",
-                "force",
-                False,
-                lambda c: _columns(*(f(k * c.heading) for k in (1, 2) for f in (np.cos, np.sin))),
-                4,
-            ),
-            Law(
-                "heading",
-                "drag",
-                False,
-                lambda c: _columns(*(_sign(c) * f(2 * c.heading) for f in (np.cos, np.sin))),
-                2,
-            ),
-            Law(
-                "heading",
-                "drag in proportion to speed",
-                False,
-                lambda c: _columns(*(c.speed * f(c.heading) for f in (np.cos, np.sin))),
-                2,
-            ),
-            Law("heading", "moment", True, lambda c: _columns(np.cos(c.heading), np.sin(c.heading)), 2),
-            Law("yaw rate", "drag", False, lambda c: _columns(_sign(c) * abs(c.yaw_rate)), 1),
-            Law("yaw rate", "moment", True, lambda c: _columns(c.yaw_rate * abs(c.yaw_rate)), 1),
-            Law(
-                "time",
-                "wind",
-                False,
-                lambda c: _columns(np.cos(c.heading) * c.time / 60, np.sin(c.heading) * c.time / 60),
-                2,
-            ),
-            Law(
-                "place",
-                "field",
-                False,
-                lambda c: _columns(*(a * b for a in (np.cos(c.heading), np.sin(c.heading)) for b in (c.x, c.y))),
-                4,
-            ),
-            Law("place", "drag", False, lambda c: _columns(_sign(c), _sign(c) * c.x, _sign(c) * c.y), 3),
-        ]
-    return found
+
+
+def _setting_in(c: Course) -> Array:
+    """Drag that grows from a quarter, half and three quarters of the largest speed on."""
+    most = abs(c.speed).max()
+    return _columns(*(_sign(c) * np.maximum(abs(c.speed) - share * most, 0) for share in (0.25, 0.5, 0.75)))
+
+
+def _warming(c: Course) -> Array:
+    return _columns(_sign(c), c.speed * c.time / 60, _sign(c) * c.time / 60)
+
+
+def _round(c: Course, times: int = 1) -> tuple[Array, Array]:
+    return np.cos(times * c.heading), np.sin(times * c.heading)
+
+
+def _field(c: Course) -> Array:
+    """A force of the world that changes from place to place."""
+    return _columns(*(along * at for along in _round(c) for at in (c.x, c.y)))
 
 
 def _columns(*signals: Array) -> Array:
     return np.column_stack(signals)
 
+
+ON_ALL: tuple[tuple[str, str, bool, int, Callable[[Course], Array]], ...] = (
+    ("speed", "cubic drag", False, 1, lambda c: _columns(c.speed**3)),
+    ("speed", "drag that sets in", False, 3, _setting_in),
+    ("time", "drift", False, 1, lambda c: _columns(c.time / 60)),
+    ("time", "drag that warms", False, 3, _warming),
+)
+ON_TURNS: tuple[tuple[str, str, bool, int, Callable[[Course], Array]], ...] = (
+    ("heading", "force", False, 4, lambda c: _columns(*_round(c), *_round(c, 2))),
+    ("heading", "drag", False, 2, lambda c: _columns(*(_sign(c) * one for one in _round(c, 2)))),
+    ("heading", "drag in proportion to speed", False, 2, lambda c: _columns(*(c.speed * one for one in _round(c)))),
+    ("heading", "moment", True, 2, lambda c: _columns(*_round(c))),
+    ("yaw rate", "drag", False, 1, lambda c: _columns(_sign(c) * abs(c.yaw_rate))),
+    ("yaw rate", "moment", True, 1, lambda c: _columns(c.yaw_rate * abs(c.yaw_rate))),
+    ("time", "wind", False, 2, lambda c: _columns(*(one * c.time / 60 for one in _round(c)))),
+    ("place", "field", False, 4, _field),
+    ("place", "drag", False, 3, lambda c: _columns(_sign(c), _sign(c) * c.x, _sign(c) * c.y)),
+)
+"""Variable, form, whether it is a moment, and how many columns over a course."""
 
 PERIODS = (("time", "s", 0.25, 4.0), ("way", "m", 0.25, 2.5), ("x", "m", 0.3, 2.0), ("y", "m", 0.3, 2.0))
 """Variables, and between which periods a law is looked for."""

@@ -257,7 +257,8 @@ class Model:
     def late(self, delay: float) -> Model:
         """With wrenches that were felt so much (s) before they were recorded."""
         logs = tuple(balances.late(delay) for balances in self.logs)
-        return replace(self, logs=logs, whitenings=self.noise.whitenings(logs))
+        same = all(np.array_equal(new.used, old.used) for new, old in zip(logs, self.logs, strict=True))
+        return replace(self, logs=logs, whitenings=self.whitenings if same else self.noise.whitenings(logs))
 
     @property
     def lateness(self) -> float:

@@ -18,7 +18,7 @@ from cartgrasp.model import CartModel
 from .balances import Balances
 from .rows import Whitening
 
-ROUNDS, SETTLED = 12, 0.02
+ROUNDS, SETTLED = 12, 0.05
 """Of Gauss-Newton; standard deviations by which the last moves a parameter at most."""
 MOST_STEP = 1.0
 """Of a logarithm, in one step."""

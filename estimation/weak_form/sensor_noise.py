@@ -22,7 +22,8 @@ LEAST_POSITION, LEAST_VELOCITY = 2e-6, 1e-4
 
 @dataclass(frozen=True)
 class MotionNoise:
-    """Standard deviations of one sample: of poses (3,) in m, m, rad, and of velocities (3,) where there are any."""
+    """Standard deviations of one sample: of poses (3,) in m, m, rad, and of velocities (3,) where there are any, with the
+    density of their noise: many are filtered, or made of poses."""
 
     pose: Array
     velocity: Array | None
@@ -35,8 +36,10 @@ class MotionNoise:
         pose = np.array([position, position, max(white_noise(heading), LEAST_POSITION)])
         if log.velocity is None or not np.isfinite(log.velocity).any():
             return cls(pose, None)
-        linear = max(white_noise(log.velocity[:, 0]), white_noise(log.velocity[:, 1]), LEAST_VELOCITY)
-        return cls(pose, np.array([linear, linear, max(white_noise(log.velocity[:, 2]), LEAST_VELOCITY)]))
+        root_step = float(np.median(np.diff(log.time))) ** 0.5
+        forward, left, yaw = (noise_density(log.time, column) / root_step for column in log.velocity.T)
+        linear = max(forward, left, LEAST_VELOCITY)
+        return cls(pose, np.array([linear, linear, max(yaw, LEAST_VELOCITY)]))
 
     @classmethod
     def told(cls, noise: FilterNoise, log: RunLog) -> MotionNoise:
