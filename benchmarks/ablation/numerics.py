@@ -83,6 +83,8 @@ REASONS: dict[str, dict[str, str]] = {
         "PARALLEL": "rounding",
     },
     "discrepancy.laws": {
+        "ON_ALL": "laws that are tried",
+        "ON_TURNS": "laws that are tried",
         "PERIODS": "grid of periods",
         "OVERSAMPLED": "grid of a Fourier transform",
         "KNOWN": "effort",

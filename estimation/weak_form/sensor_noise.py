@@ -22,7 +22,7 @@ LEAST_POSITION, LEAST_VELOCITY = 2e-6, 1e-4
 
 @dataclass(frozen=True)
 class MotionNoise:
-    """Standard deviations of one sample: of poses (3,) in m, m, rad, and of velocities (3,) where there are any, with the
+    """Standard deviations of one sample: of poses (3,) in m, m, rad, and of velocities (3,) where there are any, by the
     density of their noise: many are filtered, or made of poses."""
 
     pose: Array
