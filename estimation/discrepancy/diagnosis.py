@@ -275,7 +275,7 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     is_nominal = not (added(final) or final.laws)
     is_refused = is_moved and is_nominal and bool(refused(nominal, cart))
     if gap.refitted > gap.before:  # then the file's values are the better nominal model
-        gap = replace(gap, refitted=gap.before, after=gap.before if is_nominal else gap.after)
+        gap = gap.as_the_file_has_it("refitted", *(["after"] if is_nominal else []))
     offsets = clock_offsets(final)
     told = checks if hits else with_clock_offsets(checks, offsets)
     return Diagnosis(

@@ -124,7 +124,7 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
     swung = np.zeros_like(effects)
     if free > 1:
         swinging = _swinging(balances)
-        dry = replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
+        dry = _dry(cart)
         swung = ON_CASTERS * swinging[:, None] * np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
         swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
     edges = edge_error(balances, cart)
@@ -184,18 +184,23 @@ def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | 
 def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:
     """How far dry friction may be from what a model says (n, f), where a wheel, or the cart, nearly stands: half of
     how much more it changes over a small difference of velocity than it does on the way over a larger one."""
-    found = np.zeros((len(balances.motion.time), len(levers)))
-    if not cart.effects:
+    found, dry = np.zeros((len(balances.motion.time), len(levers))), _dry(cart)
+    if not dry.effects:
         return found
     for i, lever in enumerate(levers):
         faster = np.zeros(len(levers))
         faster[i] = REST_SPEED / lever
         near, far = (
-            np.abs(_effects(balances, cart, 0.0, k * faster) - _effects(balances, cart, 0.0, -k * faster)) / k
+            np.abs(_effects(balances, dry, 0.0, k * faster) - _effects(balances, dry, 0.0, -k * faster)) / k
             for k in (1, 3)
         )
         found = np.maximum(found, 0.75 * (near - far))
     return found
+
+
+def _dry(cart: CartModel) -> CartModel:
+    """Without drag in proportion to speed."""
+    return replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
 
 
 def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:

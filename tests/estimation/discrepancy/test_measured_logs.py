@@ -32,6 +32,8 @@ def test_a_person_who_rolls_a_wheelchair(guess):
     assert not mass.identifiable
     assert WHEELCHAIR.values["rolling force"].holds(effect.parameters["coefficient"][0] * mass.value * 9.81)
     assert found.gap.after < found.gap.refitted <= found.gap.before
+    told = {of: one["refitted"] for of, one in (found.gap.per_horizon | found.gap.per_coordinate).items()}
+    assert found.gap.refitted == told["1 s"] == pytest.approx(told["along"])
 
 
 @pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])
