@@ -28,6 +28,7 @@ from .discrepancy.refusal import refused
 from .log_parts import LogPart, NothingSaidError, learnable_parts
 from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
+from .weak_form.band import pooled
 from .weak_form.rows import Errors, Whitening
 
 
@@ -130,8 +131,7 @@ def _fitted(
     if why:
         fits = tuple(replace(fit, words=(*fit.words, why)) for fit in fits)
         return replace(_as_believed(logs, cart, prior, {}), logs=fits, refused=why)
-    shares = [part.band.open_share for part in parts if part.band is not None]
-    found = found.between(min(shares, default=0.0))
+    found = found.between(pooled([(part.band, part.band.open_share) for part in parts if part.band is not None]))
     values, std = found.physical()
     taught = found.taught(prior.deviations(cart))
     held = _held(logs, cart, prior)

@@ -20,7 +20,7 @@ from .impacts import impacts
 from .noise import FilterNoise
 from .sensor_check.stale import without_stale
 from .weak_form.balances import Balances
-from .weak_form.band import Band, bands, consistent
+from .weak_form.band import Band, bands, sharp
 from .weak_form.sensor_noise import MotionNoise
 
 FEWEST_ROWS = 3
@@ -91,5 +91,5 @@ def _part(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -
         balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
     except DataError as error:
         raise NothingSaidError(str(error)) from error
-    band = consistent(bands(balances, cart)) if len(balances.used) >= FEWEST_ROWS else None
+    band = sharp(bands(balances, cart)) if len(balances.used) >= FEWEST_ROWS else None
     return LogPart(index, balances if band is None else balances.every(band.row_step), band)

@@ -35,7 +35,6 @@ DECIDING = (
         "times what is plausible that estimates may be",
     ),
     # what is said
-    Constant("discrepancy.named", "SURE", A, 0.0, "deviations from which on an effect is there, be its mass unsure"),
     Constant("discrepancy.rivals", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
     Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant("discrepancy.diagnosis", "CLOSED", A, inf, "share of the gap that may be left where effects explain it"),

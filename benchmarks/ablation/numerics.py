@@ -102,6 +102,7 @@ REASONS: dict[str, dict[str, str]] = {
         "STILL_TURNING": "words on the motion",
     },
     "discrepancy.model": {"ROUNDS": "effort", "FEWEST_MEANS": "means, to be solvable"},
+    "discrepancy.named": {"SURE": "which of an effect's numbers are told"},
     "discrepancy.next_experiments": {"MORE_MOTION": "words"},
     "discrepancy.page": {
         "POLICY": "of the page",

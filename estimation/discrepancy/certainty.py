@@ -18,7 +18,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..prior import Prior, report_names, report_units
-from ..weak_form.band import Band
+from ..weak_form.band import Band, pooled
 from ..weak_form.fit import coordinates, with_coordinates
 from .model import FORM_LEVER, Model
 from .refine import is_open, moves, refined
@@ -40,17 +40,22 @@ SIZE_SHARE = 0.03
 
 @dataclass(frozen=True, eq=False)
 class Certainty:
-    """Of a model; `band` (None: nobody pushes) is the one in which it foretells most, `undecided` a covariance of its
-    first guess's coordinates beside, for what explains about as much as what it has."""
+    """Of a model; `bands` are those of logs that somebody pushed, `undecided` a covariance of its first guess's
+    coordinates beside, for what explains about as much as what it has."""
 
     model: Model
-    band: Band | None = None
+    bands: tuple[Band, ...] = ()
     undecided: Array | None = None
 
     @property
+    def band(self) -> Band | None:
+        """The one that tells the mass best."""
+        return min(self.bands, key=lambda band: band.share, default=None)
+
+    @property
     def bracket(self) -> float:
-        """Share of the mass that the band leaves open."""
-        return 0.0 if self.band is None else self.band.bracket / self.band.mass
+        """Share of the mass that the bands leave open."""
+        return pooled([(band, band.bracket / band.mass) for band in self.bands])
 
     @cached_property
     def _mass(self) -> tuple[float, float]:

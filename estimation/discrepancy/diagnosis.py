@@ -30,9 +30,9 @@ from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets, with_suspicions
 from .model import Model
-from .named import NamedEffect, named, named_stops, untaught
+from .named import NamedEffect, faded, named, named_stops
 from .next_experiments import next_experiments
-from .refusal import refused
+from .refusal import is_worse, refused
 from .residual import DIRECTIONS, Residual, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rivals import undecided
@@ -268,8 +268,7 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     is_moved = any(moves(balances) for balances in parts)
     found_in = _searched(parts, known, cart, tell) if is_moved else _at_rest(parts, cart)
     nominal, final, steps, widest = found_in
-    for key in untaught(final, _certainty(final, steps, widest)):
-        final = final.refitted(final.cart.without_effect(key)).settled()
+    final = _upheld(final, nominal, steps, widest)
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
     is_nominal = not (added(final) or final.laws)
@@ -332,10 +331,19 @@ def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
     return nominal, nominal, [], (None,) * len(parts)
 
 
+def _upheld(final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Model:
+    """Without effects of which next to nothing is left, and without the last ones as long as they make unseen stretches
+    worse."""
+    for key in faded(final, _certainty(final, steps, known)):
+        final = final.refitted(final.cart.without_effect(key)).settled()
+    while added(final) and is_worse(final, nominal):
+        final = final.refitted(final.cart.without_effect(added(final)[-1].key)).settled()
+    return final
+
+
 def _certainty(final: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Certainty:
-    """By the band that tells the mass best."""
-    band = min((band for band in known if band is not None), key=lambda band: band.share, default=None)
-    return Certainty(final, band, undecided(steps, final, len(final.guess.parameters)))
+    told = tuple(band for band in known if band is not None)
+    return Certainty(final, told, undecided(steps, final, len(final.guess.parameters)))
 
 
 def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:

@@ -132,7 +132,8 @@ class Model:
     @classmethod
     def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
-        noise = RowNoise(guess, *np.ones((3, logs[0].n_balances(guess))))
+        whole = np.ones(logs[0].n_balances(guess))
+        noise = RowNoise(guess, 0.0 * whole, 0.0 * whole, whole)
         return cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed).settled()
 
     def settled(self) -> Model:

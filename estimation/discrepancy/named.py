@@ -12,6 +12,7 @@ from cartgrasp.effects.effect import Parameter
 from ..end_stops import StopEstimate
 from .certainty import Certainty
 from .model import Model
+from .plausible import is_negligible
 from .rivals import rivals
 from .search import Step, added
 
@@ -54,10 +55,10 @@ def named(
     return tuple(found)
 
 
-def untaught(final: Model, certainty: Certainty) -> list[str]:
-    """Keys of added effects of which the logs say nothing, with a mass that is as unsure as it is."""
+def faded(final: Model, certainty: Certainty) -> list[str]:
+    """Keys of added effects of which next to nothing is left beside the mass that is told."""
     values = {effect.key: effect for effect in certainty.cart.effects}
-    return [effect.key for effect in added(final) if not _parameters(values[effect.key], certainty)]
+    return [effect.key for effect in added(final) if is_negligible(values[effect.key])]
 
 
 def _told(step: Step) -> tuple[float, tuple[str, ...]]:
@@ -68,7 +69,7 @@ def _told(step: Step) -> tuple[float, tuple[str, ...]]:
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
-    """But for those of which the logs say nothing; none, where they say nothing of any."""
+    """But for those of which the logs say nothing, where they say something of another."""
     told, untaught = {}, set()
     for parameter, key, value in zip(effect.parameters, effect.keys, effect.values.tolist(), strict=True):
         known, settings = certainty.parameters[key], certainty.settings
@@ -77,9 +78,7 @@ def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, 
         if parameter.estimated and _says_nothing(parameter, value, std):
             untaught.add(parameter.name)
     estimated = {parameter.name for parameter in effect.parameters if parameter.estimated}
-    if estimated and untaught == estimated:
-        return {}
-    return {name: one for name, one in told.items() if name not in untaught}
+    return told if untaught == estimated else {name: one for name, one in told.items() if name not in untaught}
 
 
 def _says_nothing(parameter: Parameter, value: float, std: float) -> bool:

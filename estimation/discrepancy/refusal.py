@@ -1,7 +1,9 @@
-"""Whether a refit foretells stretches that it did not see worse than the values it began with: then it is no better,
-whatever its likelihood says."""
+"""Whether a refit, or an extended model, foretells stretches that it did not see worse than what it began with: then it
+is no better, whatever its likelihood says."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,7 +11,7 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .gap import fold_carts, fold_starts
+from .gap import FOLDS, fold_carts, fold_starts
 from .model import Model
 from .rollouts import HORIZONS, rollouts
 
@@ -24,18 +26,7 @@ HORIZON = 1
 
 def refused(model: Model, guess: CartModel) -> str:
     """Why the refit is no use; empty where it is of use, or too little moves to tell."""
-    carts, pairs, blocks, count = fold_carts(model), [np.zeros((0, 2))], [np.zeros(0, dtype=int)], 0
-    for balances, k, first in fold_starts(model):
-        with np.errstate(all="ignore"):  # what runs away is told below
-            errors = [rollouts(balances, cart, first).error[:, HORIZON, :2] for cart in (guess, carts[k])]
-        pairs.append(np.stack([(e**2).sum(axis=1) for e in errors], axis=1))
-        own = ((balances.motion.time[first] - balances.motion.time[0]) // BLOCK).astype(int)
-        blocks.append(count + own)
-        count += int(own.max(initial=-1)) + 1
-    squares, block = np.concatenate(pairs), np.concatenate(blocks)
-    if not np.isfinite(squares).all():
-        names = ", ".join(balances.name for balances in model.logs)
-        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
+    squares, block = _squares(model, [guess] * FOLDS)
     before, after = np.sqrt(squares.mean(axis=0)) if len(squares) else (0.0, 0.0)
     score = _score(squares[:, 1] - squares[:, 0], block)
     if after <= WORSE * before if score is None else score < SURE:
@@ -44,6 +35,31 @@ def refused(model: Model, guess: CartModel) -> str:
         f"the fit foretells unseen stretches worse than the first guess: {1e3 * after:.1f} mm off after "
         f"{HORIZONS[HORIZON]:g} s, not {1e3 * before:.1f} mm; the first guess stays"
     )
+
+
+def is_worse(model: Model, than: Model) -> bool:
+    """Whether it foretells stretches that neither saw worse than another."""
+    squares, block = _squares(model, fold_carts(than))
+    score = _score(squares[:, 1] - squares[:, 0], block)
+    return score is not None and score >= SURE
+
+
+def _squares(model: Model, others: Sequence[CartModel]) -> tuple[Array, np.ndarray]:
+    """Of rollouts' errors (n, 2), with another cart for each fold and with the model as the rest taught it; and blocks
+    (n,) to which they belong."""
+    carts, pairs, blocks, count = fold_carts(model), [np.zeros((0, 2))], [np.zeros(0, dtype=int)], 0
+    for balances, k, first in fold_starts(model):
+        with np.errstate(all="ignore"):  # what runs away is told below
+            errors = [rollouts(balances, cart, first).error[:, HORIZON, :2] for cart in (others[k], carts[k])]
+        pairs.append(np.stack([(e**2).sum(axis=1) for e in errors], axis=1))
+        own = ((balances.motion.time[first] - balances.motion.time[0]) // BLOCK).astype(int)
+        blocks.append(count + own)
+        count += int(own.max(initial=-1)) + 1
+    squares = np.concatenate(pairs)
+    if not np.isfinite(squares).all():
+        names = ", ".join(balances.name for balances in model.logs)
+        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
+    return squares, np.concatenate(blocks)
 
 
 def _score(differences: Array, block: np.ndarray) -> float | None:

@@ -8,6 +8,7 @@ share is largest at high frequencies, so a mass that is wrong for it changes wit
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,13 +45,14 @@ LEAST_KNOWN = 0.25
 @dataclass(frozen=True)
 class Band:
     """Step (s) of a log's test functions; the mass there (kg), its scatter, half of its two-way bracket, and as much of
-    that as the noise of the motion's sensors makes."""
+    that as the noise of the motion's sensors makes; the sum of squares of the acceleration that tells it."""
 
     row_step: float
     mass: float
     std: float
     bracket: float
     of_noise: float = 0.0
+    energy: float = 1.0
 
     @property
     def open_share(self) -> float:
@@ -71,6 +73,11 @@ class Band:
     def share(self) -> float:
         """Of the mass: its deviation."""
         return self.deviation / self.mass
+
+    @property
+    def spread(self) -> float:
+        """Of the mass: its scatter and half of the bracket."""
+        return float(np.hypot(self.std, self.bracket)) / self.mass
 
     def agrees(self, narrower: Band) -> bool:
         """Whether the mass is that of a narrower band."""
@@ -96,9 +103,24 @@ def is_narrower(band: Band, balances: Balances) -> bool:
 def consistent(known: list[Band]) -> Band | None:
     """The widest band in which the model foretells the motion: with the mass of all narrower ones, told as well as in
     any, for a band in which something else moves the cart says little. None of none."""
+    return _told_as_well(known, lambda band: band.share)
+
+
+def sharp(known: list[Band]) -> Band | None:
+    """As `consistent`, where nothing but the mass is asked for: bands that agree differ by their spread alone."""
+    return _told_as_well(known, lambda band: band.spread)
+
+
+def _told_as_well(known: list[Band], unsure: Callable[[Band], float]) -> Band | None:
     steady = [band for i, band in enumerate(known) if all(map(band.agrees, known[i + 1 :]))]
-    least = min((band.share for band in steady), default=0.0)
-    return next((band for band in steady if band.share <= AS_WELL * least), None)
+    least = min(map(unsure, steady), default=0.0)
+    return next((band for band in steady if unsure(band) <= AS_WELL * least), None)
+
+
+def pooled(known: Sequence[tuple[Band, float]]) -> float:
+    """The mean of a share of each log's band, as a fit to all of them weighs logs, whose masses are wrong alike."""
+    total = sum(band.energy for band, _ in known)
+    return sum(band.energy * share for band, share in known) / total if known else 0.0
 
 
 def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
@@ -131,7 +153,7 @@ def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
     if std > LEAST_KNOWN * mass:
         return None
     noise = acceleration_noise(balances) ** 2 * len(rest)
-    return Band(balances.row_step, mass, std, excess / (2 * mass * size), mass * noise / (2 * size))
+    return Band(balances.row_step, mass, std, excess / (2 * mass * size), mass * noise / (2 * size), size)
 
 
 def acceleration_noise(balances: Balances) -> float:

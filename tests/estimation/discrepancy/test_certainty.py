@@ -39,7 +39,7 @@ def test_what_the_bracket_leaves_open_is_told():
     a standard deviation."""
     model = Model.started([Balances.of(on_rail(20.0), RAIL)], RAIL)
     closed = Certainty(model)
-    opened = Certainty(model, Band(0.1, RAIL_MASS, 1e3 * RAIL_MASS, 0.05 * RAIL_MASS))
+    opened = Certainty(model, (Band(0.1, RAIL_MASS, 1e3 * RAIL_MASS, 0.05 * RAIL_MASS),))
     ratio = opened.cart.inertia.mass / closed.cart.inertia.mass
     assert ratio == pytest.approx(1.05, rel=1e-6)
     told = opened.parameters["mass"]
@@ -56,7 +56,7 @@ def test_a_model_and_its_band_that_disagree_are_as_unsure_as_that():
     own = alone.parameters["mass"]
     share = own.std / own.value
     other = own.value * np.exp(0.2)
-    told = Certainty(model, Band(0.1, other, share * other, 0.0)).parameters["mass"]
+    told = Certainty(model, (Band(0.1, other, share * other, 0.0),)).parameters["mass"]
     weight = share**2 / (share**2 + share**2 + FAR_SHARE**2)
     assert told.value == pytest.approx(own.value * np.exp(0.2 * weight), rel=1e-3)
     assert told.std / told.value == pytest.approx(max(share, 0.1), rel=2e-3)
