@@ -271,10 +271,9 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     final = _upheld(final, nominal, steps, widest)
     tell("measuring the gap")
     gap = measured_gap(cart, nominal, final)
-    is_nominal = not (added(final) or final.laws)
-    is_refused = is_moved and is_nominal and bool(refused(nominal, cart))
+    is_refused = is_moved and not added(final) and bool(refused(final, cart))
     if gap.refitted > gap.before:  # then the file's values are the better nominal model
-        gap = gap.as_the_file_has_it("refitted", *(["after"] if is_nominal else []))
+        gap = gap.as_the_file_has_it("refitted", *(["after"] if is_refused or not (added(final) or final.laws) else []))
     offsets = clock_offsets(final)
     told = checks if hits else with_clock_offsets(checks, offsets)
     return Diagnosis(
@@ -333,10 +332,10 @@ def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
 
 def _upheld(final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Model:
     """Without effects of which next to nothing is left, and without the last ones as long as they make unseen stretches
-    worse."""
+    worse; beside laws, which no rollout has, that can't be told."""
     for key in faded(final, _certainty(final, steps, known)):
         final = final.refitted(final.cart.without_effect(key)).settled()
-    while added(final) and is_worse(final, nominal):
+    while added(final) and not final.laws and is_worse(final, nominal):
         final = final.refitted(final.cart.without_effect(added(final)[-1].key)).settled()
     return final
 

@@ -134,7 +134,8 @@ class Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
         whole = np.ones(logs[0].n_balances(guess))
         noise = RowNoise(guess, 0.0 * whole, 0.0 * whole, whole)
-        return cls(guess, guess, tuple(logs), noise, noise.whitenings(logs), believed=believed).settled()
+        own = tuple(balances.beside(guess) for balances in logs)
+        return cls(guess, guess, own, noise, noise.whitenings(own), believed=believed).settled()
 
     def settled(self) -> Model:
         """Fitted on rows whose noise is what this fit leaves."""
@@ -151,7 +152,8 @@ class Model:
             at += len(balances.used)
         sizes = excess_noise(parts, float(self.rows.shape[2] - 1))
         whitenings = tuple(errors.whitening(*sizes) for errors, _ in parts)
-        return replace(self, noise=RowNoise(self.cart, *sizes), whitenings=whitenings)
+        logs = tuple(balances.beside(self.cart) for balances in self.logs)
+        return replace(self, logs=logs, noise=RowNoise(self.cart, *sizes), whitenings=whitenings)
 
     def whitened(self, columns: Sequence[Array]) -> Array:
         """Of each log's raw columns (k, c, q), all together."""

@@ -45,7 +45,9 @@ SUPPORT = 4
 
 @dataclass(frozen=True, eq=False)
 class Balances:
-    """Of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed across."""
+    """Of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed across. The noise
+    of the motion enters with the mass of a `reference` (None: of the cart that is asked about), so that models are
+    compared by the same rows."""
 
     name: str
     motion: Motion
@@ -54,6 +56,7 @@ class Balances:
     per_row: int
     told: FilterNoise | None = None
     samples_per_knot: float | None = None
+    reference: CartModel | None = None
 
     @classmethod
     def of(
@@ -77,6 +80,14 @@ class Balances:
     @property
     def row_step(self) -> float:
         return self.per_row * self.motion.step
+
+    def beside(self, reference: CartModel) -> Balances:
+        """The same rows, with another reference."""
+        other = replace(self, reference=reference)
+        other.__dict__.update(
+            {name: self.__dict__[name] for name in ("used", "_test", "_used_test") if name in self.__dict__}
+        )
+        return other
 
     def late(self, lateness: float) -> Balances:
         """With wrenches that were felt `lateness` (s) before they were recorded."""
@@ -250,26 +261,22 @@ class Balances:
         return self._needed(cart, self.state(cart))[0]
 
     def _needed(self, cart: CartModel, state: Array) -> tuple[Array, Array]:
-        """The reduced wrench (n, f) and its slopes (n, f, p) by the parameters. What swings follows the smooth motion,
-        and so it does here: else a mass that swings faster than anything seems right, for all the noise that the
-        unbiased acceleration has goes with it."""
+        """The reduced wrench (n, f) and its slopes (n, f, p) by the parameters: along the smooth motion, and what the
+        momentum of the reference's body has beside. Were that noise the cart's own, whatever makes a body lighter, or
+        swings, would explain it (errors in variables; the smooth motion is the instrument)."""
         whole, by_parameters = [], []
         for part in _chunks(len(state)):
-            wrench, slopes = self._needed_in(part, cart, state[part])
-            whole.append(wrench)
-            by_parameters.append(slopes)
-        return np.concatenate(whole), np.concatenate(by_parameters)
+            motion = self.motion
+            inverse = cart.inverse(state[part], motion.smooth_acceleration[part], time=motion.time[part])
+            whole.append(inverse.wrench)
+            by_parameters.append(inverse.by_parameters)
+        beside = self.acceleration_noise @ mass_matrix(self.reference or cart).T
+        return np.concatenate(whole) + beside, np.concatenate(by_parameters)
 
-    def _needed_in(self, part: slice, cart: CartModel, state: Array) -> tuple[Array, Array]:
-        motion, time = self.motion, self.motion.time[part]
-        inverse = cart.inverse(state, motion.acceleration[part], time=time)
-        if not cart.memory_names:
-            return inverse.wrench, inverse.by_parameters
-        acting, along = cart.acting(state, time=time), cart.basis_b[0]
-        noise = ((motion.acceleration[part] - motion.smooth_acceleration[part]) @ along)[:, None]
-        wrench = inverse.wrench + acting.swung[:, None] * noise * along
-        slopes = acting.swung_by_parameters[:, None] * (noise * along)[..., None]
-        return wrench, inverse.by_parameters + slopes
+    @property
+    def acceleration_noise(self) -> Array:
+        """What the unbiased acceleration has beside the smooth one (n, f)."""
+        return np.asarray(self.motion.acceleration - self.motion.smooth_acceleration)
 
     def _sideways(self, cart: CartModel, effect: ConstraintEffect) -> Array:
         planar, state = self.wrenches.planar(cart), self.state(cart)
@@ -278,6 +285,13 @@ class Balances:
         found = np.zeros((len(aside), self.n_balances(cart), 1))
         found[:, -1, 0] = aside
         return self.integrated(found)
+
+
+def mass_matrix(cart: CartModel) -> Array:
+    """Of the body alone, in the free directions (f, f)."""
+    body = replace(cart, effects=())
+    free = np.zeros(cart.constraints.n_free)
+    return np.asarray(body.inverse(body.state(), free).by_acceleration)
 
 
 def _chunks(count: int) -> Iterator[slice]:

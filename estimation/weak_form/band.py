@@ -131,7 +131,8 @@ def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
     loose = [e.key in known or e.name not in INERTIAL for e in cart.effects for _ in e.parameters]
     own = slopes[:, 0, np.array([True] * N_PHI + loose)]
     others = np.column_stack([own[:, 1:], *rich])
-    acceleration, force = own[:, 0], left[:, 0] + cart.inertia.mass * own[:, 0]
+    acceleration = own[:, 0] + balances.integrated(balances.acceleration_noise[:, :1])[:, 0]
+    force = left[:, 0] + cart.inertia.mass * acceleration
     sizes = np.linalg.norm(others, axis=0)
     others = others[:, sizes > TRACE * sizes.max(initial=0.0)]
     if len(force) < FEWEST or not (np.abs(force) > 0).any() or not (np.abs(acceleration) > 0).any():

@@ -13,10 +13,15 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
+from estimation.discrepancy.certainty import Certainty
 from estimation.discrepancy.course import Course
-from estimation.discrepancy.laws import Scan
+from estimation.discrepancy.laws import Scan, smooth_laws
+from estimation.discrepancy.model import Model
+from estimation.discrepancy.search import worth
+from estimation.weak_form.balances import Balances
 
 from ..runs import simulate
+from ..weak_form.motions import TRUE, cart_of, noisy, weaving
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
 CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
@@ -133,3 +138,18 @@ def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
     direct = np.abs(np.exp(scan.frequencies[:, None] * phase) @ weight) ** 2
     assert scan.power([course], [pull]) == pytest.approx(direct, abs=0.12 * direct.max())
     assert np.argmax(scan.power([course], [pull])) == pytest.approx(np.argmax(direct), abs=1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_of_the_motion_is_explained_by_no_law_and_no_light_body(seed):
+    """A heading that is known to 2 mrad, and a yaw acceleration in proportion to it: the inertia is what the truth's
+    is, and a moment by heading explains little more. With the noise on both sides that would be 140 to 370 nats, and an
+    inertia of next to nothing."""
+    true = cart_of(TRUE)
+    log = replace(noisy(weaving(TRUE, 60.0, wobble=0.0), seed, pose=2e-3), velocity=None)
+    model = Model.started([Balances.of(log, true)], cart_of((20.0, 0.3, 0.0, 2.0, 2.0, 1.0)))
+    std = Certainty(model).parameters["inertia"].std
+    assert abs(model.cart.inertia.about_com - true.inertia.about_com) < 3 * std < 0.2
+    law = next(one for one in smooth_laws(True) if (one.name, one.form) == ("heading", "moment"))
+    more = replace(model, laws=(law,)).refitted(model.cart)
+    assert worth(model.score, more.score, None) < 30.0

@@ -20,16 +20,17 @@ def cart_of(values):
     return CartModel(Inertia(mass, (x, y), inertia), effects=(ViscousDrag(linear=linear, angular=angular),))
 
 
-def weaving(values, duration=16.0, slope=(0.0, 0.0)):
-    """A log without noise of a cart that never rests; `slope`: rise over run of the floor along x and y."""
+def weaving(values, duration=16.0, slope=(0.0, 0.0), wobble=0.3):
+    """A log without noise of a cart that never rests; `slope`: rise over run of the floor along x and y. Without a
+    `wobble` (rad/s) beside, its yaw acceleration is in proportion to its heading."""
     mass, dx, dy, inertia, linear, angular = values
     time = np.arange(0.0, duration, STEP)
     speed, rate = 0.6 + 0.4 * np.sin(0.9 * time), 0.36 * np.cos(0.9 * time)
     turn, bend = (
-        0.5 * np.cos(0.7 * time) + 0.3 * np.sin(1.9 * time),
-        -0.35 * np.sin(0.7 * time) + 0.57 * np.cos(1.9 * time),
+        0.5 * np.cos(0.7 * time) + wobble * np.sin(1.9 * time),
+        -0.35 * np.sin(0.7 * time) + 1.9 * wobble * np.cos(1.9 * time),
     )
-    heading = 0.5 / 0.7 * np.sin(0.7 * time) + 0.3 / 1.9 * (1 - np.cos(1.9 * time))
+    heading = 0.5 / 0.7 * np.sin(0.7 * time) + wobble / 1.9 * (1 - np.cos(1.9 * time))
     velocity = np.column_stack([speed * np.cos(heading), speed * np.sin(heading), turn])
     way = cumulative_simpson(velocity[:, :2], x=time, axis=0, initial=0.0)
     gravity = (
