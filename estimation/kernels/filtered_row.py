@@ -40,7 +40,7 @@ class Weights(NamedTuple):
     and what is new between them (3, n).
 
     `of_white` is the variance, 1/s, of what it makes of white noise; `shared` the part of a row's noise that is white
-    and not of the motion which the next row has, too."""
+    and not of the motion which the next row has, too: half of it at most, for the row before has as much."""
 
     linear: Array
     held: Array
@@ -121,8 +121,9 @@ class FilteredRow(NamedTuple):
 
 @entry
 def over(rows: Array) -> tuple[int, int]:
-    """Of the first block of n moments, and of those that begin up to WIDTH later: how many moments come before the
-    second of them, and how many there are; 0 where they have not been over for the LAG."""
+    """Of the first block of n moments, and of those that begin up to WIDTH later (of the first alone where no moment
+    comes so soon after it): how many moments come before the second of them, and how many there are; 0 where they have
+    not been over for the LAG."""
     n, k, end = len(rows), 0, 0
     first, last = rows[0, 0], rows[n - 1, 0]
     if last - first < BLOCK + LAG - 1e-6:
@@ -131,6 +132,7 @@ def over(rows: Array) -> tuple[int, int]:
         k += 1
     while end < n and rows[end, 0] < first + BLOCK + WIDTH - 1e-6:
         end += 1
+    end = max(end, k + 1)
     if last - rows[min(end, n) - 1, 0] < LAG - 1e-6:
         return 0, 0
     return k, end
@@ -195,7 +197,7 @@ def weights(time: Array, width: int) -> Weights:
         if i >= n:
             both += held[i] * held[i - n]
     of_motion[2] = of_motion[1] - fade * of_motion[0] - linear
-    return Weights(linear, held, of_motion, fade, of_white, both / own)
+    return Weights(linear, held, of_motion, fade, of_white, min(both / own, 0.5))
 
 
 @row_entry

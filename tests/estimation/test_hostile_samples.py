@@ -110,6 +110,23 @@ def test_sensors_with_rates_of_their_own(online):
     assert abs(mass.value - 24.0) < 3 * mass.std
 
 
+@ONLINE
+@pytest.mark.parametrize("kept", ["fifth of a second", "at random"])
+def test_rows_farther_apart_than_a_block_of_the_regression(kept, online):
+    """At 5 Hz, and with holes of 0.1 to 0.3 s among rows that come fast."""
+    log = simulate_two_hands(TRUTH, 1)
+    random = np.random.default_rng(1)
+    rows = np.arange(0, len(log), 20) if kept == "fifth of a second" else np.flatnonzero(random.random(len(log)) < 0.3)
+    samples = list(log.measurements())
+    noise = replace(NOISE, force=3.0, moment=0.15)
+    estimator = online(guess(), ["left", "right"], noise=noise, prior=KNOWN)
+    for i in rows:
+        estimate = estimator.update(samples[i])
+    mass = estimate.parameters["mass"]
+    assert mass.std < 4.0
+    assert abs(mass.value - TRUTH[0]) < 3 * mass.std
+
+
 def flags(estimator, measurements):
     return [str(estimator.update(m).health) for m in measurements]
 

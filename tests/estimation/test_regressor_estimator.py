@@ -96,6 +96,12 @@ def test_neighbours_share_the_noise_where_they_overlap():
     assert one.of_white * 0.01 == pytest.approx(np.mean(first**2), rel=0.05)
 
 
+def test_neighbours_share_half_of_the_noise_at_most_whatever_the_clock():
+    """A row's noise is what it shares with the row before and the one after, and its own: none of them is negative."""
+    time = np.array([8.52, 8.59, 8.63, 8.67, 8.69, 8.70, 8.71])
+    assert weights(time, 5).shared <= 0.5
+
+
 def test_a_row_of_the_truth_has_no_residual():
     """Hand-written dynamics, integrated; and slopes by differences."""
     truth, wrenches = integrate((*TRUTH[:-1], 0.0), lambda time, _: push(time), 1.3)
