@@ -34,7 +34,7 @@ class MotionNoise:
         heading[np.isfinite(heading)] = np.unwrap(heading[np.isfinite(heading)])
         position = max(white_noise(log.pose[:, 0]), white_noise(log.pose[:, 1]), LEAST_POSITION)
         pose = np.array([position, position, max(white_noise(heading), LEAST_POSITION)])
-        if log.velocity is None or not np.isfinite(log.velocity).any():
+        if log.velocity is None or len(log) < 2 or not np.isfinite(log.velocity).any():
             return cls(pose, None)
         root_step = float(np.median(np.diff(log.time))) ** 0.5
         forward, left, yaw = (noise_density(log.time, column) / root_step for column in log.velocity.T)

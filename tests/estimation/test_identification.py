@@ -114,6 +114,17 @@ def test_without_a_wrench_it_is_the_prior():
     assert not any(p.identifiable for p in found.parameters.values())
 
 
+@pytest.mark.parametrize("rows", [[0], [0, 400, 800]])
+def test_single_rows_return_the_prior(rows):
+    """Alone, or seconds apart: no two tell how fast rows come."""
+    log, cart = drawn(0.0, 0), guess()
+    arms = {name: ArmLog(arm.contact[rows], arm.wrench[rows]) for name, arm in log.arms.items()}
+    few = replace(log, time=log.time[rows], pose=log.pose[rows], velocity=log.velocity[rows], arms=arms)
+    found = identify([few], cart)
+    assert found.parameters["mass"].value == pytest.approx(cart.inertia.mass)
+    assert "rows have a pose" in found.logs[0].words[0]
+
+
 def test_what_is_known_stays():
     found = identify([drawn(1.0, 3)], guess(), Prior(known=frozenset({"viscous_drag"})))
     drag = found.parameters["viscous_drag.linear"]
