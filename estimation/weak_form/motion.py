@@ -94,7 +94,8 @@ def motion_of(
         from_poses.append(samples[0])
         if log.velocity is not None and noise.velocity is not None:
             known = np.isfinite(log.velocity[:, i]) & (log.time >= first) & (log.time <= last)
-            samples.append(Samples(log.time[known], log.velocity[known, i], noise.velocity[i], 1))
+            if known.any():
+                samples.append(Samples(log.time[known], log.velocity[known, i], noise.velocity[i], 1))
         fits.append(SplineFit(basis, samples))
     at, rate, bend = (basis.design(grid, k) for k in range(3))
     pose = np.column_stack([at @ fit.smooth for fit in fits])

@@ -125,6 +125,15 @@ def test_single_rows_return_the_prior(rows):
     assert "rows have a pose" in found.logs[0].words[0]
 
 
+@pytest.mark.parametrize("column", [0, 1, 2])
+def test_a_velocity_without_samples_in_one_column(column):
+    log = drawn(1.0, 3)
+    velocity = log.velocity.copy()
+    velocity[:, column] = np.nan
+    mass = identify([replace(log, velocity=velocity)], guess()).parameters["mass"]
+    assert abs(mass.value - 24.0) < 3 * mass.std < 6.0
+
+
 def test_what_is_known_stays():
     found = identify([drawn(1.0, 3)], guess(), Prior(known=frozenset({"viscous_drag"})))
     drag = found.parameters["viscous_drag.linear"]
