@@ -18,6 +18,7 @@ from .discrepancy.log_check import check_steps
 from .glitches import without_glitches
 from .impacts import impacts
 from .noise import FilterNoise
+from .sensor_check.sizes import check_sizes
 from .sensor_check.stale import without_stale
 from .weak_form.balances import Balances
 from .weak_form.band import Band, bands, sharp
@@ -49,6 +50,7 @@ class NothingSaidError(Exception):
 
 def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[LogPart]:
     known = without_glitches(without_stale(without_idle_arms(log)), OFF)
+    check_sizes(known)
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
         for piece in _unbroken(known):

@@ -114,6 +114,13 @@ def test_without_a_wrench_it_is_the_prior():
     assert not any(p.identifiable for p in found.parameters.values())
 
 
+def test_wrenches_beyond_reason_are_refused_with_their_place():
+    log = drawn(1.0, 3)
+    hand = log.arms["hand"]
+    with pytest.raises(DataError, match=r"the wrench of arm hand at t = .* is beyond"):
+        identify([replace(log, arms={"hand": ArmLog(hand.contact, 1e300 * hand.wrench)})], guess())
+
+
 @pytest.mark.parametrize("rows", [[0], [0, 400, 800]])
 def test_single_rows_return_the_prior(rows):
     """Alone, or seconds apart: no two tell how fast rows come."""
