@@ -28,13 +28,16 @@ class ParameterReport:
         self.cart = cart
         self._prior_std = prior.deviations(cart)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
+        bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
+        self._lower, self._upper = np.array(bounds).reshape(-1, 2).T
 
     def of(self, theta: Array, covariance: Array, share: Array) -> dict[str, ParameterEstimate]:
         """The model's parameters (p,) and their covariance (p, p) by name. `share` (p,) is what is left of the first
         standard deviation of the number that was estimated behind each: a deviation of a physical value also shrinks
-        where the value runs away."""
+        where the value runs away. At a bound of an effect, nothing is taught."""
         values, std = self.numbers(theta, covariance)
         learned = (share < IDENTIFIABLE_SHARE) & (std < IDENTIFIABLE_SHARE * self._prior_std)
+        learned[N_PHI:] &= (self._lower < theta[N_PHI:]) & (theta[N_PHI:] < self._upper)
         rows = zip(self._names, values.tolist(), std.tolist(), learned.tolist(), strict=True)
         return {
             name: ParameterEstimate(value, deviation, unit, known) for (name, unit), value, deviation, known in rows
