@@ -28,7 +28,7 @@ def run(path: Path, cart_path: Path | None, accepted: Sequence[str], topics: Pat
     if as_json:
         print_json(document)
     else:
-        _print(document)
+        _print(document, cart is not None)
     refuse(log, suspicions, accepted)
     return 0
 
@@ -45,7 +45,7 @@ def _document(log: RunLog, way: float, suspicions: Sequence[Suspicion]) -> dict[
     }
 
 
-def _print(document: dict[str, Any]) -> None:
+def _print(document: dict[str, Any], has_cart: bool) -> None:
     arms = ", ".join(printable(arm) for arm in document["arms"]) or "none"
     say(
         f"{document['rows']} rows over {document['span']:.1f} s at {document['rate']:.0f} Hz, "
@@ -53,6 +53,8 @@ def _print(document: dict[str, Any]) -> None:
     )
     if not document["suspicions"]:
         say("nothing is suspected of its sensors")
+        if document["arms"] and not has_cart:
+            say("wrenches and headings were not judged: say --cart cart.yaml")
         return
     rows = [[one["kind"], one["where"], f"{one['probability']:.2f}"] for one in document["suspicions"]]
     print_table(f"suspicions (from {SURE:g} on {', '.join(REFUSED)} stop)", ["kind", "where", "probability"], rows)
