@@ -91,6 +91,7 @@ class CorrectedFit:
 
 def corrected(model: Model) -> CorrectedFit:
     """From a model that is fitted already."""
+    model = replace(model, logs=tuple(balances.beside(None) for balances in model.logs))
     generator = np.random.default_rng(0)
     draws = int(np.clip(DRAWN_ROWS // len(model.rows), 1, MOST_DRAWS))
     noisy = [tuple(b.with_more_noise(model.cart, generator) for b in model.logs) for _ in range(draws)]

@@ -30,6 +30,7 @@ from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
 from .weak_form.band import pooled
 from .weak_form.rows import Errors, Whitening
+from .weak_form.standing import standing
 
 
 @dataclass(frozen=True)
@@ -144,8 +145,9 @@ def _as_loud(model: Model) -> Model:
     """Refitted to rows whose noise is alike throughout, but where the cart stands, and as large as what is left of
     them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
     for _ in range(2):
-        noise = replace(model.noise, cart=model.cart, form=np.zeros_like(model.noise.form))
-        own = noise.whitenings(model.logs)
+        none = np.zeros_like(model.noise.form)
+        errors = [replace(Errors.of(b, model.cart), held=standing(b, model.cart)) for b in model.logs]
+        own = tuple(one.whitening(model.noise.excess, none, none) for one in errors)
         model = replace(model, whitenings=own)
         scale = model.score.scale
         loud = (tuple(root * s for root, s in zip(w.roots, scale, strict=True)) for w in model.whitenings)

@@ -64,6 +64,7 @@ ASSUMPTIONS = (
         },
     ),
     *_of("weak_form.splines", {"OUTLYING": "deviations from which on a sample counts for less"}),
+    *_of("weak_form.standing", {"MOMENT": "who turns back does not stand for as long"}, is_diagnosed=False),
     *_of(
         "discrepancy.certainty",
         {

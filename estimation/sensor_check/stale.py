@@ -50,7 +50,8 @@ def local_change(rows: Array, time: Array) -> Array:
 
 
 def _without(rows: Array, time: Array) -> Array:
-    """Rows (n, k), NaN where they repeat the last one, and the next differs by more than the resolution."""
+    """Rows (n, k), NaN where they repeat the last one, and the next differs by more than the resolution and than the
+    rows around: a cart that starts does not leap."""
     there = np.flatnonzero(np.isfinite(rows).all(axis=1))
     steps = np.abs(np.diff(rows[there], axis=0))
     moved = (steps > TINY).any(axis=1)
@@ -63,12 +64,14 @@ def _without(rows: Array, time: Array) -> Array:
     begin, after = begin[is_short], after[is_short]
     resolution = np.min(np.where(steps > TINY, steps, np.inf), axis=0)
     change = local_change(rows[there], time[there])
+    per_row = change * float(np.median(np.diff(time))) / (2 * AROUND)
     slowly = steps[after[change[begin] < SLOW * np.quantile(change, FAST)] - 1]
-    if len(slowly):
-        per_row = change * float(np.median(np.diff(time))) / (2 * AROUND)
-        if not _often(np.r_[False, ~moved], per_row > np.quantile(slowly, USUAL, axis=0).sum()):
-            resolution = np.maximum(resolution, slowly.max(axis=0))
+    if len(slowly) and not _often(np.r_[False, ~moved], per_row > np.quantile(slowly, USUAL, axis=0).sum()):
+        resolution = np.maximum(resolution, slowly.max(axis=0))
+    known, at = rows[there], time[there]
+    before = np.abs(known[begin] - known[np.searchsorted(at, at[begin] - AROUND)])
+    leaps, moved_before = ((way > RESOLVED * resolution).any(axis=1) for way in (steps[after - 1], before))
     found = rows.copy()
-    for k in np.flatnonzero((steps[after - 1] > RESOLVED * resolution).any(axis=1)):
+    for k in np.flatnonzero(leaps & (moved_before | (at[begin] - at[0] < AROUND))):
         found[there[begin[k] + 1 : after[k]]] = np.nan
     return found

@@ -23,6 +23,7 @@ from scipy.sparse import csr_array
 from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
 from cartgrasp.effects.effect import InertiaEffect
 from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
@@ -46,8 +47,8 @@ SUPPORT = 4
 @dataclass(frozen=True, eq=False)
 class Balances:
     """Of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed across. The noise
-    of the motion enters with the mass of a `reference` (None: of the cart that is asked about), so that models are
-    compared by the same rows."""
+    of the motion enters with the body of a `reference`, so that models are compared by the same rows (None: with that
+    of the cart that is asked about, in what is left and in what a unit of its parameters takes away)."""
 
     name: str
     motion: Motion
@@ -81,7 +82,7 @@ class Balances:
     def row_step(self) -> float:
         return self.per_row * self.motion.step
 
-    def beside(self, reference: CartModel) -> Balances:
+    def beside(self, reference: CartModel | None) -> Balances:
         """The same rows, with another reference."""
         other = replace(self, reference=reference)
         other.__dict__.update(
@@ -270,13 +271,12 @@ class Balances:
             inverse = cart.inverse(state[part], motion.smooth_acceleration[part], time=motion.time[part])
             whole.append(inverse.wrench)
             by_parameters.append(inverse.by_parameters)
-        beside = self.acceleration_noise @ mass_matrix(self.reference or cart).T
-        return np.concatenate(whole) + beside, np.concatenate(by_parameters)
-
-    @property
-    def acceleration_noise(self) -> Array:
-        """What the unbiased acceleration has beside the smooth one (n, f)."""
-        return np.asarray(self.motion.acceleration - self.motion.smooth_acceleration)
+        wrench, slopes = np.concatenate(whole), np.concatenate(by_parameters)
+        body = replace(self.reference or cart, effects=())
+        noise = body.inverse(body.state(), self.motion.acceleration - self.motion.smooth_acceleration)
+        if self.reference is None:
+            slopes[..., :N_PHI] += noise.by_parameters
+        return wrench + noise.wrench, slopes
 
     def _sideways(self, cart: CartModel, effect: ConstraintEffect) -> Array:
         planar, state = self.wrenches.planar(cart), self.state(cart)
@@ -285,13 +285,6 @@ class Balances:
         found = np.zeros((len(aside), self.n_balances(cart), 1))
         found[:, -1, 0] = aside
         return self.integrated(found)
-
-
-def mass_matrix(cart: CartModel) -> Array:
-    """Of the body alone, in the free directions (f, f)."""
-    body = replace(cart, effects=())
-    free = np.zeros(cart.constraints.n_free)
-    return np.asarray(body.inverse(body.state(), free).by_acceleration)
 
 
 def _chunks(count: int) -> Iterator[slice]:

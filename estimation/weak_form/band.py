@@ -124,15 +124,14 @@ def pooled(known: Sequence[tuple[Band, float]]) -> float:
 
 
 def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
-    left, slopes = balances.residual(cart)
+    left, slopes = balances.beside(None).residual(cart)
     taken = {effect.name for effect in cart.effects}
     rich = [balances.columns(cart, e)[:, 0] for e in RICH if e.name not in taken]
     known = {effect.key for effect in guess.effects}
     loose = [e.key in known or e.name not in INERTIAL for e in cart.effects for _ in e.parameters]
     own = slopes[:, 0, np.array([True] * N_PHI + loose)]
     others = np.column_stack([own[:, 1:], *rich])
-    acceleration = own[:, 0] + balances.integrated(balances.acceleration_noise[:, :1])[:, 0]
-    force = left[:, 0] + cart.inertia.mass * acceleration
+    acceleration, force = own[:, 0], left[:, 0] + cart.inertia.mass * own[:, 0]
     sizes = np.linalg.norm(others, axis=0)
     others = others[:, sizes > TRACE * sizes.max(initial=0.0)]
     if len(force) < FEWEST or not (np.abs(force) > 0).any() or not (np.abs(acceleration) > 0).any():

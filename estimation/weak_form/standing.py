@@ -1,0 +1,33 @@
+"""Where a cart stands or turns back, and what may hold it there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from .balances import LEVER, Balances
+from .motion import KNOT_STEPS
+from .rows import FRICTION, HELD, LEAST_SPEED, G
+
+MOMENT = 0.3
+"""s: who turns back does not stand for as long."""
+
+
+def standing(balances: Balances, cart: CartModel) -> Array:
+    """What holds a cart that stands for longer than a moment (n, f): anything may. One that only turns back is held by
+    its drags alone, of which nobody sees when exactly they change their sign."""
+    motion = balances.motion
+    edges = np.flatnonzero(np.diff(np.r_[False, balances.turning_speed < balances.still_speed, False].astype(int)))
+    found = np.zeros((len(motion.time), cart.constraints.n_free))
+    total = balances.wrenches.planar(cart) @ cart.basis_b
+    size = np.hypot(np.sqrt((total**2).mean(axis=0)), HELD * G * cart.inertia.mass)
+    for first, last in edges.reshape(-1, 2):
+        if (last - first) * motion.step > MOMENT:
+            found[first:last] = size
+    unseen = np.abs(motion.acceleration[:, 0]) * KNOT_STEPS * motion.step / 2 + motion.rate_std[:2].max()
+    turning = np.exp(-((motion.velocity[:, 0] / np.maximum(unseen, LEAST_SPEED)) ** 2))
+    free = found.shape[1]
+    levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
+    return np.asarray(np.hypot(found, FRICTION * G * cart.inertia.mass * turning[:, None] * levers))
