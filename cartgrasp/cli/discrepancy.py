@@ -41,6 +41,8 @@ def _print(found: Diagnosis) -> None:
     print(found.sentence)
     for one in found.where[:MOST_TOLD]:
         print(f"  {one.sentence}")
+    if len(found.where) > MOST_TOLD:
+        print(f"  and {len(found.where) - MOST_TOLD} places more, told with --json and on the page of --out")
     for follows in found.unexplained["depends_on"]:
         print(f"  what is left follows {follows}")
     _print_impacts(found)
@@ -50,12 +52,26 @@ def _print(found: Diagnosis) -> None:
     ]
     print_table("Rollout error on held-out stretches, mm", ["", "nominal", "refitted", "extended", "noise alone"], rows)
     rows = [
-        [f"{e.name} {e.label}".strip(), name, f"{value:.4g}", f"{std:.2g}", unit, ", ".join(e.confusable_with)]
+        [name, f"{nominal:.4g}", f"{one.value:.4g}", f"{one.std:.2g}", one.unit, "yes" if one.identifiable else "no"]
+        for name, (nominal, one) in found.file_parameters.items()
+    ]
+    title = f"The cart, refitted {'(refused: the file stays)' if found.is_refused else 'beside what was added'}"
+    print_table(title, ["parameter", "in the file", "value", "sd", "unit", "taught"], rows)
+    rows = [
+        [
+            f"{e.name} {e.label}".strip(),
+            f"{e.probability:.2f}",
+            name,
+            f"{value:.4g}",
+            f"{std:.2g}",
+            unit,
+            ", ".join(e.confusable_with),
+        ]
         for e in found.effects
         for name, (value, std, unit) in e.parameters.items()
     ]
     if rows:
-        print_table("Added", ["effect", "parameter", "value", "sd", "unit", "not told apart from"], rows, left=2)
+        print_table("Added", ["effect", "prob.", "parameter", "value", "sd", "unit", "not told apart from"], rows)
 
 
 def _print_impacts(found: Diagnosis) -> None:

@@ -14,6 +14,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.coasting import without_idle_arms
 from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
 
 from ..end_stops import StopEstimate, end_stops
 from ..glitches import without_glitches
@@ -141,15 +142,20 @@ class Diagnosis:
         return "partly_explained" if self.laws or left > CLOSED * whole else "explained"
 
     @cached_property
-    def parameter_mismatch(self) -> dict[str, dict[str, float]]:
-        found = self.certainty.parameters
-        body, told = self.nominal_cart.inertia, {}
+    def file_parameters(self) -> dict[str, tuple[float, ParameterEstimate]]:
+        """Of the cart file: the value there, and what the logs say beside what was added."""
+        found, body = self.certainty.parameters, self.nominal_cart.inertia
         nominal = {"mass": body.mass, "com_x": body.com[0], "com_y": body.com[1], "inertia": body.about_com}
         for effect in self.nominal_cart.effects:
             nominal |= dict(zip(effect.keys, effect.values.tolist(), strict=True))
-        for name, value in nominal.items():
-            if name in found:
-                told[name] = {"nominal": float(value), "refitted": found[name].value, "std": found[name].std}
+        return {name: (float(value), found[name]) for name, value in nominal.items() if name in found}
+
+    @property
+    def parameter_mismatch(self) -> dict[str, dict[str, float]]:
+        told = {
+            name: {"nominal": nominal, "refitted": found.value, "std": found.std}
+            for name, (nominal, found) in self.file_parameters.items()
+        }
         if "viscous_drag.linear" in told:
             told["viscous_drag"] = told["viscous_drag.linear"]
         return told

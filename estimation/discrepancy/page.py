@@ -110,10 +110,12 @@ def _impacts(found: Diagnosis) -> str:
 
 def _parameters(found: Diagnosis) -> str:
     rows = [
-        [name, f"{one['nominal']:.4g}", f"{one['refitted']:.4g} ± {one['std']:.2g}"]
-        for name, one in found.parameter_mismatch.items()
+        [name, f"{nominal:.4g}", f"{one.value:.4g} ± {one.std:.2g} {one.unit}", "yes" if one.identifiable else "no"]
+        for name, (nominal, one) in found.file_parameters.items()
     ]
-    return _table(["parameter", "nominal", f"refitted {ONE_STD}"], rows)
+    words = "Refitted beside what was added. The refit was refused, and the file's values stay."
+    table = _table(["parameter", "in the file", f"refitted {ONE_STD}", "taught by these logs"], rows)
+    return f"<p>{words if found.is_refused else words.partition('. ')[0] + '.'}</p>{table}"
 
 
 def _steps(found: Diagnosis) -> str:

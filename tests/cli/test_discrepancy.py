@@ -114,6 +114,23 @@ def test_the_document_is_the_contracts(made):
     assert all({"name", "score", "verdict"} <= set(c) for step in document["steps"] for c in step["candidates"])
 
 
+def test_the_terminal_tells_the_cart_and_what_was_added(capsys, monkeypatch, made):
+    """The same numbers as the document."""
+    monkeypatch.setenv("COLUMNS", "120")
+    answer = run(capsys, "discrepancy", made.log, "--cart", made.log.parent / "cart.yaml")
+    rows = [line.split() for line in answer.out.splitlines()]
+    (mass,) = (row for row in rows if row[:1] == ["mass"])
+    told, (effect,) = made.answer.json["parameter_mismatch"]["mass"], made.answer.json["effects"]
+    assert [float(cell) for cell in mass[1:4]] == pytest.approx(
+        [told[k] for k in ("nominal", "refitted", "std")], rel=0.05
+    )
+    assert mass[4:] == ["kg", "yes"]
+    (added,) = (row for row in rows if row[:1] == ["rolling_resistance"])
+    value = effect["parameters"]["coefficient"]
+    assert float(added[1]) == pytest.approx(effect["probability"], abs=0.01)
+    assert [float(cell) for cell in added[3:5]] == pytest.approx([value["value"], value["std"]], rel=0.05)
+
+
 def test_the_folder_holds_the_same(made):
     assert {"report.json", "report.html", "cart.yaml"} <= {path.name for path in made.out.iterdir()}
     assert len(list(made.out.glob("*.svg"))) > 1
