@@ -4,7 +4,6 @@ its motion."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.logs.coasting import without_idle_arms
 from cartgrasp.model import CartModel
 
-from .discrepancy.flights import pieces, rows_of
+from .discrepancy.flights import pieces, unbroken
 from .discrepancy.log_check import check_steps
 from .glitches import without_glitches
 from .impacts import impacts
@@ -53,7 +52,7 @@ def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise
     check_sizes(known)
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
-        for piece in _unbroken(known):
+        for piece in unbroken(known, LONGEST_HOLE):
             try:
                 found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
             except NothingSaidError as error:
@@ -64,18 +63,6 @@ def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise
             why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from"
         )
     return found
-
-
-def _unbroken(log: RunLog) -> list[RunLog]:
-    """Pieces with poses throughout: what is not seen for long is no motion."""
-    seen = np.flatnonzero(np.isfinite(log.pose).all(axis=1))
-    if len(seen) < 2:
-        return [log]
-    ends = seen[np.flatnonzero(np.diff(log.time[seen]) > LONGEST_HOLE)]
-    if not len(ends):
-        return [log]
-    edges = np.concatenate([[0], ends + 1, [len(log)]])
-    return [rows_of(log, np.arange(first, last)) for first, last in pairwise(edges.tolist())]
 
 
 def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:

@@ -60,6 +60,7 @@ REASONS: dict[str, dict[str, str]] = {
         "DOUBLINGS": "range of a grid",
         "POINTS": "grid",
     },
+    "discrepancy.diagnosis": {"LONGEST_HOLE": "effort: a pause that makes two logs of one"},
     "discrepancy.changes": {"PENALTY": "change points of sentences and figures", "MOST": "effort"},
     "discrepancy.circumstances": {"SMOOTHED": "wrenches in sentences"},
     "discrepancy.clock_offset": {"UNKNOWN": "whether a lateness is told"},

@@ -25,11 +25,11 @@ from ..weak_form.band import Band, bands, consistent, is_narrower
 from ..weak_form.rows import wrench_noise
 from .certainty import Certainty
 from .clock_offset import clock_offsets
-from .flights import flights
+from .flights import flights, unbroken
 from .gap import Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
-from .log_check import LogCheck, check_rows, checked, moves, with_clock_offsets, with_suspicions
+from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, faded, named, named_stops
 from .next_experiments import next_experiments
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
 
 BEYOND_NOISE = 2.0
 """Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
+LONGEST_HOLE = 30.0
+"""s without a pose, from which on a log is two: simulations across it would only cost time."""
 CLOSED = 0.05
 """Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
 
@@ -256,7 +258,7 @@ def diagnose(
 
 def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None]) -> Diagnosis:
     parts, known, checks, hits = list[Balances](), list[Band | None](), [], list[Impact]()
-    for log in logs:
+    for log in (part for whole in logs for part in _without_holes(whole)):
         tell(f"reading {log.name}")
         check_rows(log)
         sound = without_glitches(without_idle_arms(log))
@@ -294,6 +296,15 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         is_refused,
         tuple(hits),
     )
+
+
+def _without_holes(log: RunLog) -> list[RunLog]:
+    """Logs of what a recorder that paused, or whose clock jumped, left of one."""
+    parts = unbroken(log, LONGEST_HOLE)
+    if len(parts) == 1:
+        return parts
+    named = (replace(part, name=f"{log.name}, part {i + 1}") for i, part in enumerate(parts))
+    return [part for part in named if is_long_enough(part)] or [log]
 
 
 Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]

@@ -1,9 +1,10 @@
-"""A log that is cut where the cart was hit: each part is a motion of its own."""
+"""A log that is cut where the cart was hit, or nobody saw it: each part is a motion of its own."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -46,6 +47,16 @@ def pieces(log: RunLog, impacts: Sequence[Impact]) -> list[RunLog]:
             f"{log.name}: it is hit so often that no {SHORTEST:g} s of it are left; record it between stops"
         )
     return parts
+
+
+def unbroken(log: RunLog, hole: float) -> list[RunLog]:
+    """Parts in which no more than a `hole` (s) is without a pose: what is not seen for long is no motion."""
+    seen = np.flatnonzero(np.isfinite(log.pose).all(axis=1))
+    ends = seen[np.flatnonzero(np.diff(log.time[seen]) > hole)]
+    if not len(ends):
+        return [log]
+    edges = np.concatenate([[0], ends + 1, [len(log)]])
+    return [rows_of(log, np.arange(first, last)) for first, last in pairwise(edges.tolist())]
 
 
 def rows_of(log: RunLog, own: np.ndarray) -> RunLog:

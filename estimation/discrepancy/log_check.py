@@ -63,9 +63,13 @@ class LogCheck:
     suspicions: tuple[Suspicion, ...] = ()
 
 
+def is_long_enough(log: RunLog) -> bool:
+    return len(log) >= FEWEST_ROWS and log.duration >= SHORTEST
+
+
 def check_rows(log: RunLog) -> None:
     """Refuses a log that is too short, or misses what is needed."""
-    if len(log) < FEWEST_ROWS or log.duration < SHORTEST:
+    if not is_long_enough(log):
         raise DataError(
             f"{log.name}: {len(log)} rows over {log.duration:.2f} s are too few to compare with a simulation; "
             f"record at least {FEWEST_ROWS} rows and {SHORTEST:g} s"

@@ -1,5 +1,6 @@
-"""A log is cut where the cart was hit."""
+"""A log is cut where the cart was hit, and where nobody saw it for long."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.errors import DataError
-from estimation.discrepancy.flights import NEAR, SHORTEST, TOUCH, flights
+from estimation.discrepancy import diagnose
+from estimation.discrepancy.flights import NEAR, SHORTEST, TOUCH, flights, unbroken
 from estimation.impacts import Impact
 
-from ..weak_form.motions import TRUE, cart_of, weaving
+from ..weak_form.motions import TRUE, cart_of, noisy, weaving
 
 CART, LOG = cart_of(TRUE), weaving(TRUE, 12.0)
 
@@ -60,3 +62,26 @@ def test_near_a_stop_nothing_is_believed():
 def test_a_log_that_is_hit_all_the_time_is_refused():
     with pytest.raises(DataError, match="weaving: it is hit so often"):
         flights(LOG, CART, [hit(t) for t in np.arange(0.0, 12.1, 0.8)])
+
+
+@given(hole=st.floats(0.5, 100.0), at=st.integers(100, 1100), missing=st.integers(0, 80))
+def test_no_part_has_a_hole(hole, at, missing):
+    """A clock that jumps, behind poses that are missing: every row is in one part."""
+    pose = LOG.pose.copy()
+    pose[at - missing : at] = np.nan
+    paused = replace(LOG, time=LOG.time + hole * (np.arange(len(LOG)) >= at), pose=pose)
+    parts = unbroken(paused, 1.0)
+    assert len(parts) == 1 + (hole + 0.01 * (missing + 1) > 1.0)
+    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), paused.time)
+
+
+def test_a_pause_of_an_hour_makes_two_logs():
+    """Its parts tell what they tell as two logs, and nothing is simulated in between."""
+    first, last = LOG.time < 6.0, LOG.time >= 6.0
+    log = noisy(LOG, 0)
+    paused = replace(log, time=log.time + 3600.0 * last)
+    found = diagnose(paused, CART)
+    assert [check.rows for check in found.checks] == [first.sum(), last.sum()]
+    assert [check.name for check in found.checks] == [f"{LOG.name}, part 1", f"{LOG.name}, part 2"]
+    assert found.verdict == "no_discrepancy"
+    assert found.certainty.cart.inertia.mass == pytest.approx(CART.inertia.mass, rel=0.01)

@@ -12,6 +12,7 @@ import pytest
 from cartgrasp.effects import QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
 from estimation.discrepancy.clock_offset import clock_offsets
 from estimation.discrepancy.figures import figures
 from estimation.discrepancy.isolability import isolability
@@ -65,7 +66,8 @@ def diagnosis():
         after=after,
         checks=with_clock_offsets([checked(log, CART, balances)], clock_offsets(final)),
         unexplained={"size": {}, "depends_on": ["forward force: <b>"]},
-        parameter_mismatch={"mass": {"nominal": 24.0, "refitted": 23.9, "std": 0.12}},
+        file_parameters={"mass": (24.0, ParameterEstimate(23.9, 0.12, "kg", True))},
+        is_refused=False,
         sentence=f"The model lacks rolling_resistance. {SCRIPT}",
         verdict="explained",
         gap=SimpleNamespace(**numbers, per_horizon={"1 s": numbers}, per_coordinate={"x": numbers, "heading": numbers}),
@@ -140,7 +142,7 @@ def test_every_interval_is_one_standard_deviation_and_says_so(text):
     assert row == ["rolling_resistance", "95.0 %", "directional_drag", "coefficient", "0.0201 ± 0.0007", "97 %"]
     assert head[4] == "value (± one standard deviation)"
     head, row = table(text, "parameter")
-    assert row == ["mass", "24", "23.9 ± 0.12"]
+    assert row == ["mass", "24", "23.9 ± 0.12 kg", "yes"]
     assert head[2] == "refitted (± one standard deviation)"
     for rows in Tables(text).tables:
         for row in rows[1:]:
