@@ -16,6 +16,9 @@ Where another hypothesis holds, a log likelihood ratio exceeds c with a probabil
 where it beats a mere break of the acceleration by log(N / `FALSE`) at one of N instants, and each other hypothesis by
 log(K / `FALSE`) at one of the K instants that are left; and where its jump stands as far out of the jumps that fit the
 motion everywhere else: what a log shows all the time is not sudden in it.
+
+What throws the motion back at one place again and again is one thing: three corners or more there, which turn it the
+same way, are told by the sum of their evidence.
 """
 
 from __future__ import annotations
@@ -48,6 +51,8 @@ NUMBERS = 7
 """That a hypothesis has."""
 FALSE = 0.01
 """Probability that a log without a corner has one told, for each hypothesis that may hold there."""
+ONE_PLACE, OFTEN = 0.03, 3
+"""m, rad: how well a corner's place is known; corners that make a place one where motion is thrown back."""
 FINEST = 2e-6
 """m, rad: no tracker knows a place better."""
 BLOCK = 256
@@ -110,7 +115,7 @@ def corners(track: Track, n_tracks: int = 1) -> list[Corner]:
     rest."""
     instants = track.time[np.unique((track.time - track.time[0]) // EVERY, return_index=True)[1]]
     least = math.log(n_tracks * len(instants) / FALSE)
-    found: list[Corner] = []
+    found, unsure = list[Corner](), list[Corner]()
     evidence, jumps = _scanned(track, instants, found)
     usual = float(np.median(np.abs(jumps[jumps != 0.0]))) * MAD_TO_STD if jumps.any() else 0.0
     tried = 0
@@ -119,11 +124,27 @@ def corners(track: Track, n_tracks: int = 1) -> list[Corner]:
         corner = _told(track, float(instants[best]), found)
         tried += 1
         evidence[np.abs(instants - instants[best]) < SUDDEN] = 0.0
-        if corner is not None and abs(corner.jump) > math.sqrt(2 * least) * usual:
-            found.append(corner)
-            around = (np.abs(instants - corner.time) < 2 * reach_of(track)) & (evidence > 0.0)
-            evidence[around], _ = _scanned(track, instants[around], found)
-    return sorted(corner for corner in found if corner.evidence > math.log(max(tried, 1) * n_tracks / FALSE))
+        if corner is None or abs(corner.jump) <= math.sqrt(2 * least) * usual:
+            continue
+        if corner.evidence <= -math.log(FALSE):
+            unsure.append(corner)
+            continue
+        found.append(corner)
+        around = (np.abs(instants - corner.time) < 2 * reach_of(track)) & (evidence > 0.0)
+        evidence[around], _ = _scanned(track, instants[around], found)
+    needed = math.log(max(tried, 1) * n_tracks / FALSE)
+    known = [*found, *unsure]
+    return sorted(one for one in known if one.evidence > needed or _evidence_of_place(track, one, known) > needed)
+
+
+def _evidence_of_place(track: Track, corner: Corner, known: Sequence[Corner]) -> float:
+    """Of a place where several corners turn the motion the same way as this one does; 0 where they are few."""
+    times = np.array([one.time for one in known])
+    places = np.interp([corner.time, *times], track.time, track.place)
+    alike = np.sign([one.jump for one in known]) == np.sign(corner.jump)
+    there = alike & (np.abs(places[1:] - places[0]) < ONE_PLACE)
+    evidence = np.array([one.evidence for one in known])[there]
+    return float(evidence.sum()) if len(evidence) >= OFTEN else 0.0
 
 
 def jump_at(track: Track, time: float, lasts: float) -> float:
@@ -181,8 +202,8 @@ def _scanned(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[Ar
 
 
 def _told(track: Track, instant: float, found: Sequence[Corner]) -> Corner | None:
-    """The corner near an instant, where no other hypothesis fits about as well. A break of the acceleration that comes
-    a little sooner or later is as good as a small one."""
+    """The corner near an instant, if there is one: a break of the acceleration that comes a little sooner or later is as
+    good as a small one."""
     rows, windows = _windows(track, np.array([instant]), found)
     if not len(rows):
         return None
@@ -198,8 +219,6 @@ def _told(track: Track, instant: float, found: Sequence[Corner]) -> Corner | Non
     for first, second in (_smooth(windows.time[0]), _gradual(windows.time[0]), _jumping(windows.time[0])):
         other = float(windows.squares(windows.left(first[None], second[None])[0]).min())
         evidence = min(evidence, worth / 2 * math.log(other / squares[best]))
-        if evidence <= -math.log(FALSE):
-            return None
     return Corner(instant + float(at[best, 0]), float(lasts[best, 0]), float(jumps[0, best]), evidence)
 
 

@@ -100,6 +100,18 @@ def test_bounces_are_found_with_time_place_and_speeds(rate, noise, step, lasts, 
 
 
 @settings(max_examples=12)
+@given(share=st.floats(0.85, 0.95), start=st.floats(0.0, 0.01))
+def test_what_no_single_bounce_shows_a_stop_does(share, start):
+    """At 33 Hz and in steps of 1 cm most bounces look as smooth as sudden; all of them, at one place, do not."""
+    time, way, hits = bouncing(33.3, share, flights=7)
+    found = impacts(sensed(time, way - start, step=0.01), RAIL)
+    strong = [at for at, before, after in hits if before - after > 0.6 and at < time[-1] - 0.5]
+    assert len(strong) >= 4
+    assert sum(any(abs(one.time - at) < 0.05 for one in found) for at in strong) >= len(strong) - 1
+    assert all(one.pose[0] == pytest.approx(WALL - start, abs=0.02) for one in found)
+
+
+@settings(max_examples=12)
 @given(heading=st.floats(-3.1, 3.1), seed=st.integers(0, 999), late=st.floats(0.0, 1e5))
 def test_where_a_rail_lies_and_when_does_not_matter(heading, seed, late):
     time, way, hits = bouncing(100.0, 0.7)
@@ -163,8 +175,16 @@ def slow(random):
     return {"acceleration": -0.3 * 0.4 * np.cos(0.4 * FINE + random.uniform(0, 6)) * random.uniform(0.1, 1)}
 
 
+def to_and_fro(random):
+    """Turned round at the same two places, again and again."""
+    half, speed = random.uniform(0.15, 0.5), random.uniform(0.3, 1.0)
+    phase = (FINE + random.uniform(0.5, 1.5)) % 4.0
+    turning = (np.abs(phase - 2.0) < half).astype(float) - (np.minimum(phase, 4.0 - phase) < half)
+    return {"acceleration": speed / half * turning}
+
+
 @pytest.mark.parametrize(("noise", "step"), [(0.0, 0.0), (5e-4, 0.0), (3e-3, 0.0), (0.0, 0.01)])
-@pytest.mark.parametrize("motion", [smooth_pushes, steps_of_acceleration, waves, jumps, glitches, slow])
+@pytest.mark.parametrize("motion", [smooth_pushes, steps_of_acceleration, waves, jumps, glitches, slow, to_and_fro])
 def test_what_is_not_sudden_or_no_motion_is_no_impact(motion, noise, step):
     """By design one log in a hundred has one."""
     told = [impacts(driven(noise=noise, step=step, seed=s, **motion(np.random.default_rng(s))), RAIL) for s in range(5)]
