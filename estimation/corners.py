@@ -202,8 +202,8 @@ def _scanned(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[Ar
 
 
 def _told(track: Track, instant: float, found: Sequence[Corner]) -> Corner | None:
-    """The corner near an instant, if there is one: a break of the acceleration that comes a little sooner or later is as
-    good as a small one."""
+    """The corner near an instant, if there is one: a break of the acceleration that comes a little sooner or later is
+    as good as a small one."""
     rows, windows = _windows(track, np.array([instant]), found)
     if not len(rows):
         return None
