@@ -82,7 +82,7 @@ def wheel_forces(weight, x, y, state, rate, world):
         along = abs(ex * u + ey * w)
         most = GRIP * (load[0] + load[1])
         stiffness = world.cornering / world.relaxation
-        held = most * math.tanh(stiffness * state[SIDE] / most)
+        held = most * math.tanh(stiffness * state[SIDE] / most) if most > 0.0 else 0.0  # pushed on its nose
         rate[SIDE] = sliding - along / world.relaxation * state[SIDE]
         push = -held - CARCASS * rate[SIDE]
         fx, fy = fx - push * ey, fy + push * ex

@@ -318,3 +318,12 @@ def test_mujoco_refuses_what_it_does_not_know():
     scene = replace(draw_case("quadratic_drag", 0, "straight"), in_mujoco=True)
     with pytest.raises(ValueError, match="the machine has no quadratic"):
         scene.run()
+
+
+def test_tyres_without_a_load_hold_nothing():
+    """A push high above the axle lifts it: all of the weight is on the casters."""
+    world, state, rate = BARE._replace(cornering=2000.0, relaxation=0.1), moving(0.5, 0.2), np.empty(SIZE)
+    state[W] = 0.1
+    on_its_nose = np.array([0.0, 0.0, 0.0, 0.0, 1.1 * BARE.mass * GRAVITY * BARE.caster_x])
+    find_rate(0.0, state, on_its_nose, world, rate)
+    assert np.isfinite(rate).all()
