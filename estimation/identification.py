@@ -29,8 +29,7 @@ from .log_parts import LogPart, NothingSaidError, learnable_parts
 from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
 from .weak_form.band import pooled
-from .weak_form.rows import Errors, Whitening
-from .weak_form.standing import standing
+from .weak_form.rows import Errors
 
 
 @dataclass(frozen=True)
@@ -146,12 +145,10 @@ def _as_loud(model: Model) -> Model:
     them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
     for _ in range(2):
         none = np.zeros_like(model.noise.form)
-        errors = [replace(Errors.of(b, model.cart), held=standing(b, model.cart)) for b in model.logs]
-        own = tuple(one.whitening(model.noise.excess, none, none) for one in errors)
+        own = tuple(Errors.of(b, model.cart).whitening(model.noise.excess, none, none) for b in model.logs)
         model = replace(model, whitenings=own)
         scale = model.score.scale
-        loud = (tuple(root * s for root, s in zip(w.roots, scale, strict=True)) for w in model.whitenings)
-        model = replace(model, whitenings=tuple(map(Whitening, loud))).refitted(model.cart)
+        model = replace(model, whitenings=tuple(w.louder(scale) for w in model.whitenings)).refitted(model.cart)
     return model
 
 
@@ -201,8 +198,8 @@ def _excess(model: Model) -> list[float]:
         left = model.left[at : at + len(balances.used)]
         at += len(balances.used)
         none, whole = np.zeros(left.shape[1]), np.ones(left.shape[1])
-        white = Errors.of(balances, model.cart).whitening(none, none, whole)(left)
-        found.append(float((white**2).mean(axis=0).max()))
+        whiten = Errors.of(balances, model.cart).whitening(none, none, whole)
+        found.append(float(((whiten(left) ** 2).sum(axis=0) / whiten.counts.sum(axis=0)).max()))
     return found
 
 

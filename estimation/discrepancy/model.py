@@ -87,23 +87,26 @@ def _told(guess: CartModel, believed: Prior | None) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class RowNoise:
-    """What rows are whitened by: of the sensors, of a cart's inertia and friction, white noise (c,) beside them, and
-    the shares (c,) of what forms, and dry friction near standstill, may be wrong by."""
+    """What rows are whitened by: of the sensors, of a cart's inertia and friction, white noise (c,) beside them, the
+    shares (c,) of what forms, and dry friction near standstill, may be wrong by, and what neighbours share (c,)."""
 
     cart: CartModel
     excess: Array
     form: Array
     friction: Array
+    memory: Array
 
     def whitenings(self, logs: Sequence[Balances]) -> tuple[Whitening, ...]:
-        sizes = self.excess, self.form, self.friction
+        sizes = self.excess, self.form, self.friction, self.memory
         return tuple(Errors.of(balances, self.cart).whitening(*sizes) for balances in logs)
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
     """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
-    follow and no effect of the vocabulary makes."""
+    follow and no effect of the vocabulary makes. Rows are told apart from what neighbours share where models are
+    compared; to fit one they are not, for that would weigh what changes fast, which models know least, and the
+    deviations of a fit allow for it (`certainty.py`)."""
 
     guess: CartModel
     cart: CartModel
@@ -114,6 +117,7 @@ class Model:
     wide: frozenset[str] = frozenset()
     believed: Prior | None = None
     at_bound: np.ndarray | None = None
+    compares: bool = False
 
     @property
     def is_pushed(self) -> bool:
@@ -133,7 +137,7 @@ class Model:
     def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
         whole = np.ones(logs[0].n_balances(guess))
-        noise = RowNoise(guess, 0.0 * whole, 0.0 * whole, whole)
+        noise = RowNoise(guess, 0.0 * whole, 0.0 * whole, whole, 0.0 * whole)
         own = tuple(balances.beside(guess) for balances in logs)
         return cls(guess, guess, own, noise, noise.whitenings(own), believed=believed).settled()
 
@@ -150,7 +154,8 @@ class Model:
         for balances in self.logs:
             parts.append((Errors.of(balances, self.cart), left[at : at + len(balances.used)]))
             at += len(balances.used)
-        sizes = excess_noise(parts, float(self.rows.shape[2] - 1))
+        *sizes, memory = excess_noise(parts, float(self.rows.shape[2] - 1))
+        sizes.append(memory if self.compares else 0.0 * memory)
         whitenings = tuple(errors.whitening(*sizes) for errors, _ in parts)
         logs = tuple(balances.beside(self.cart) for balances in self.logs)
         return replace(self, logs=logs, noise=RowNoise(self.cart, *sizes), whitenings=whitenings)
@@ -231,6 +236,11 @@ class Model:
         return Folds.joined([Folds.of(balances.time, balances.row_step) for balances in self.logs])
 
     @cached_property
+    def counts(self) -> Array:
+        """How many rows each block has, by balance (c, b)."""
+        return self.folds.counted(np.concatenate([whiten.counts for whiten in self.whitenings]))
+
+    @cached_property
     def sums(self) -> Array:
         """Products of the rows' columns, by balance and block."""
         return self.folds.sums(self.rows)
@@ -238,13 +248,13 @@ class Model:
     @cached_property
     def score(self) -> Score:
         start = np.ones(self.rows.shape[1])
-        return scored(self.sums, self.folds.rows, self.prior_std, self.folds, start)
+        return scored(self.sums, self.counts, self.prior_std, self.folds, start)
 
     def with_columns(self, columns: Array, std: Array) -> Score:
         """The score with whitened columns (k, c, q) more."""
         whole = np.concatenate([self.rows[..., :-1], columns, self.rows[..., -1:]], axis=2)
         start, prior = self.score.scale, np.concatenate([self.prior_std, std])
-        return scored(self.folds.sums(whole), self.folds.rows, prior, self.folds, start)
+        return scored(self.folds.sums(whole), self.counts, prior, self.folds, start)
 
     def columns_of(self, effect: Effect, share: Callable[[Array], Array] | None = None) -> tuple[Array, Array]:
         """Whitened columns (k, c, q) of an effect's amplitudes, and their prior standard deviations (q,); `share` of

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array, dia_array
+from scipy.sparse import csr_array
 
 from cartgrasp.frames import Array
 
@@ -98,10 +98,4 @@ def _means(balances: Balances, left: Array, whitening: Whitening, duration: floa
     number, stretch = np.unique(((balances.time - first) / duration).astype(int), return_inverse=True)
     share = 1.0 / np.bincount(stretch)[stretch] / weight
     mean = csr_array((share, (stretch, np.arange(len(weight)))), shape=(len(number), len(weight)))
-    spread = [np.sqrt((mean @ _factor(root)).power(2).sum(axis=1)) for root in whitening.roots]
-    return first + duration * number, np.asarray(mean @ left), np.column_stack(spread)
-
-
-def _factor(root: Array) -> dia_array:
-    """The Cholesky factor (k, k) whose diagonals, from the main one down, a whitening keeps (lags, k)."""
-    return dia_array((root, -np.arange(len(root))), shape=(root.shape[1],) * 2)
+    return first + duration * number, np.asarray(mean @ left), whitening.deviations(mean)

@@ -87,7 +87,8 @@ class Screen:
         """Of a log whose wrenches were felt earlier."""
         late = self.model.late(effect.delay)
         evidence = [
-            log_evidence(m.folds.sums(m.rows).sum(axis=1), m.prior_std, self._scale, 0.0) for m in (late, self.model)
+            log_evidence(m.folds.sums(m.rows).sum(axis=1), m.prior_std, self._scale, 0.0 * self._scale)
+            for m in (late, self.model)
         ]
         return float(evidence[0] * len(self.model.rows) / len(late.rows) - evidence[1])
 

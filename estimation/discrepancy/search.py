@@ -81,6 +81,7 @@ def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[
     """The model with all that is worth it, and what was tried on the way."""
     steps: list[Step] = []
     first = 0.0
+    model = replace(model, compares=True).rewhitened()
     for number in range(MOST_STEPS):
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model)
@@ -94,7 +95,7 @@ def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[
         if keys(more) == keys(model):
             break
         model = more
-    return resized(model).settled(), steps
+    return replace(resized(model), compares=False).settled(), steps
 
 
 def keys(model: Model) -> set[str]:

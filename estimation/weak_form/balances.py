@@ -21,11 +21,12 @@ from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
 from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
-from cartgrasp.effects.effect import InertiaEffect
-from cartgrasp.frames import Array
+from cartgrasp.effects.effect import Gate, InertiaEffect
+from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.inertia import N_PHI
 from cartgrasp.logs import RunLog
-from cartgrasp.model import CartModel
+from cartgrasp.model import CartModel, InverseDynamics
+from cartgrasp.wheels import WheelSet
 
 from ..noise import FilterNoise
 from .motion import KNOT_STEPS, Motion, motion_of
@@ -40,6 +41,8 @@ LEVER = 0.35
 """m: half of a usual track."""
 CHUNK = 20_000
 """Points of the grid that are worked out at once: an hour's partials would take gigabytes."""
+RIM = 0.1
+"""m around a region of the floor: beyond, its soft edge is not felt."""
 SUPPORT = 4
 """Row steps over which a cubic B-spline is not zero."""
 
@@ -47,13 +50,15 @@ SUPPORT = 4
 @dataclass(frozen=True, eq=False)
 class Balances:
     """Of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed across. The noise
-    of the motion enters with the body of a `reference`, so that models are compared by the same rows (None: with that
+    of the wrenches has densities whose roots are known by arm (arms, 6), N/√Hz, N·m/√Hz; that of the motion enters
+    with the body of a `reference`, so that models are compared by the same rows (None: with that
     of the cart that is asked about, in what is left and in what a unit of its parameters takes away)."""
 
     name: str
     motion: Motion
     wrenches: GridWrenches
     log: RunLog
+    wrench_densities: Array
     per_row: int
     told: FilterNoise | None = None
     samples_per_knot: float | None = None
@@ -72,7 +77,8 @@ class Balances:
         motion is as `motion_of` has it."""
         motion = motion_of(log, cart, told, samples_per_knot)
         late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
-        return cls(log.name, motion, GridWrenches.on(log, motion, late), log, 1, told, samples_per_knot).every(row_step)
+        wrenches, densities = GridWrenches.on(log, motion, late), _densities(log, told)
+        return cls(log.name, motion, wrenches, log, densities, 1, told, samples_per_knot).every(row_step)
 
     def every(self, row_step: float) -> Balances:
         """With test functions about `row_step` (s) apart."""
@@ -170,15 +176,6 @@ class Balances:
         """The transpose of `integrated`: rows (k, c) over the grid (n, c)."""
         return np.asarray(self._used_test.T @ rows)
 
-    @cached_property
-    def wrench_densities(self) -> Array:
-        """Roots of the noise densities of each arm's wrench (arms, 6), N/√Hz, N·m/√Hz."""
-        if self.told is not None:
-            one = np.sqrt(np.diagonal(self.told.wrench_covariance) * self.sample_step)
-            return np.tile(one, (len(self.log.arms), 1))
-        arms = [[noise_density(self.log.time, axis) for axis in arm.wrench.T] for arm in self.log.arms.values()]
-        return np.array(arms).reshape(-1, 6)
-
     @property
     def sample_step(self) -> float:
         """Usual step (s) of the log's samples."""
@@ -192,10 +189,9 @@ class Balances:
     def lever(self, cart: CartModel, effect: Effect) -> Array:
         """What the residual (k, c, 1) lacks for each metre that a force effect of the cart acts to the left of where
         the model says."""
-        other = cart.without_effect(effect.key)
-        force = np.zeros(len(self.motion.time))
-        for sign, each in ((1.0, cart), (-1.0, other)):
-            force += sign * each.effect_wrench(self.state(each), time=self.motion.time)[:, 0]
+        beside = (e for e in cart.effects if isinstance(e, InertiaEffect | ConstraintEffect))
+        alone = replace(cart, effects=(*beside, effect))
+        force = alone.effect_wrench(self.state(alone), time=self.motion.time)[:, 0]
         found = np.zeros((len(force), self.n_balances(cart), 1))
         found[:, cart.constraints.n_free - 1, 0] = force
         return self.integrated(found)
@@ -252,8 +248,13 @@ class Balances:
         whole = replace(cart, effects=(*beside, effect))
         if isinstance(effect, SensorEffect):
             slopes = -self.wrenches.slopes(whole, self.expected(cart), self.wrench_densities)
+        elif effect.gate is Gate.INSIDE:
+            inside = np.flatnonzero(self._is_on(effect.values[:4], cart))
+            own = self._inverse(whole, self.state(whole)[inside], inside)[1]
+            slopes = np.zeros((len(self.motion.time), *own.shape[1:]))
+            slopes[inside] = own
         else:
-            slopes = self._needed(whole, self.state(whole))[1]
+            slopes = self._inverse(whole, self.state(whole))[1]
         slopes = slopes[..., -len(effect.parameters) :]
         return self.integrated(self._on_all(slopes if share is None else share[:, None, None] * slopes))
 
@@ -261,22 +262,47 @@ class Balances:
         """The reduced wrench (n, f) that a cart's motion takes."""
         return self._needed(cart, self.state(cart))[0]
 
+    def _is_on(self, region: Array, cart: CartModel) -> np.ndarray:
+        """Whether (n,) a wheel is in a region (x, x, y, y) of the floor, or so near that its soft edge is felt."""
+        left, right, low, high = region
+        x, y = self._tracks(cart.wheel_set)
+        is_near = (x > left - RIM) & (x < right + RIM) & (y > low - RIM) & (y < high + RIM)
+        return np.asarray(is_near.any(axis=0))
+
+    def _tracks(self, wheels: WheelSet) -> Array:
+        """Where (2, w, n) wheels are on the floor."""
+        turned = np.moveaxis(rotation_planar(self.motion.pose[:, 2]), 0, -1)
+        return np.asarray(self.motion.pose.T[:2, None] + np.einsum("ijn,wj->iwn", turned, wheels.positions))
+
     def _needed(self, cart: CartModel, state: Array) -> tuple[Array, Array]:
         """The reduced wrench (n, f) and its slopes (n, f, p) by the parameters: along the smooth motion, and what the
         momentum of the reference's body has beside. Were that noise the cart's own, whatever makes a body lighter, or
         swings, would explain it (errors in variables; the smooth motion is the instrument)."""
-        whole, by_parameters = [], []
-        for part in _chunks(len(state)):
-            motion = self.motion
-            inverse = cart.inverse(state[part], motion.smooth_acceleration[part], time=motion.time[part])
+        wrench, slopes = self._inverse(cart, state)
+        if self.reference is not None:
+            return wrench + self._reference_noise, slopes
+        noise = self._momentum_noise(cart)
+        slopes[..., :N_PHI] += noise.by_parameters
+        return wrench + noise.wrench, slopes
+
+    def _inverse(self, cart: CartModel, state: Array, at: np.ndarray | None = None) -> tuple[Array, Array]:
+        """The same along the smooth motion alone, of states at points of the grid (all, unless some are given)."""
+        motion, whole, by_parameters = self.motion, [], []
+        at = np.arange(len(state)) if at is None else at
+        for part in _chunks(max(len(state), 1)):
+            inverse = cart.inverse(state[part], motion.smooth_acceleration[at[part]], time=motion.time[at[part]])
             whole.append(inverse.wrench)
             by_parameters.append(inverse.by_parameters)
-        wrench, slopes = np.concatenate(whole), np.concatenate(by_parameters)
-        body = replace(self.reference or cart, effects=())
-        noise = body.inverse(body.state(), self.motion.acceleration - self.motion.smooth_acceleration)
-        if self.reference is None:
-            slopes[..., :N_PHI] += noise.by_parameters
-        return wrench + noise.wrench, slopes
+        return np.concatenate(whole), np.concatenate(by_parameters)
+
+    @cached_property
+    def _reference_noise(self) -> Array:
+        return self._momentum_noise(self.reference).wrench if self.reference is not None else np.zeros(0)
+
+    def _momentum_noise(self, cart: CartModel) -> InverseDynamics:
+        """What the noise of the acceleration makes of a cart's body."""
+        body = replace(cart, effects=())
+        return body.inverse(body.state(), self.motion.acceleration - self.motion.smooth_acceleration)
 
     def _sideways(self, cart: CartModel, effect: ConstraintEffect) -> Array:
         planar, state = self.wrenches.planar(cart), self.state(cart)
@@ -285,6 +311,14 @@ class Balances:
         found = np.zeros((len(aside), self.n_balances(cart), 1))
         found[:, -1, 0] = aside
         return self.integrated(found)
+
+
+def _densities(log: RunLog, told: FilterNoise | None) -> Array:
+    if told is not None:
+        one = np.sqrt(np.diagonal(told.wrench_covariance) * float(np.median(np.diff(log.time))))
+        return np.tile(one, (len(log.arms), 1))
+    arms = [[noise_density(log.time, axis) for axis in arm.wrench.T] for arm in log.arms.values()]
+    return np.array(arms).reshape(-1, 6)
 
 
 def _chunks(count: int) -> Iterator[slice]:

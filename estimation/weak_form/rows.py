@@ -6,24 +6,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cholesky_banded
+from scipy.linalg import cholesky_banded, solve_banded
 from scipy.linalg.lapack import dtbtrs
+from scipy.sparse import csr_array, dia_array
 
 from cartgrasp.effects import Effect, ViscousDrag
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .balances import LEVER, STILL_SPEED, SUPPORT, Balances
+from .balances import LEVER, SUPPORT, Balances
+from .standing import FRICTION, G, standing
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
 which neighbours share."""
-G = 9.81
-HELD = 0.1
-"""Of the weight: what a hand or a chock holds at least."""
-FRICTION = 0.01
-"""Half of a usual coefficient of rolling resistance."""
 REST_SPEED, SWING_WAY = 0.05, 0.2
 """m/s, below which the paper learns nothing either; m, some four usual trails."""
 ON_CASTERS = 0.5
@@ -32,6 +29,8 @@ SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
 """m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
 BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
+LONGEST_MEMORY = 0.15
+"""s, of sensors' noise: what is remembered for longer is what a model lacks."""
 BISECTIONS = 16
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
 """Of white noise beside the sensors', and of what forms may be wrong by."""
@@ -41,32 +40,67 @@ LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """Of a log's rows: the banded Cholesky factor of each balance's covariance, in LAPACK's lower form (c, SUPPORT,
-    k)."""
+    """Of a log's rows: a `mix` (c, c) of the balances, unit lower triangular, that makes their noise independent; the
+    banded Cholesky factor of each one's covariance, in LAPACK's lower form (c, SUPPORT, k); how much of one row's noise
+    the next still has (`memory`, (c,), where it is `linked`, (k,)); and how much of each row's square (k, c) noise
+    makes: little, where anything may hold the cart and nothing does."""
 
+    mix: Array
     roots: tuple[Array, ...]
+    memory: Array
+    linked: np.ndarray
+    counts: Array
 
     def __call__(self, columns: Array) -> Array:
         """Columns (k, c, ...) whitened."""
         found = np.empty_like(columns)
+        mixed = np.moveaxis(np.tensordot(self.mix, columns, (1, 1)), 0, 1)
         for i, root in enumerate(self.roots):
-            flat = columns[:, i].reshape(len(columns), -1)
-            found[:, i] = dtbtrs(root, flat, uplo="L")[0].reshape(columns[:, i].shape)
+            white = dtbtrs(root, mixed[:, i].reshape(len(columns), -1), uplo="L")[0]
+            kept, gain = self._filter(i)
+            white[1:] = gain[1:, None] * (white[1:] - kept[1:, None] * white[:-1])
+            found[:, i] = white.reshape(columns[:, i].shape)
         return found
 
     def transposed(self, rows: Array) -> Array:
         """Rows (k, c) times the transpose of what whitens."""
-        parts = (dtbtrs(root, rows[:, [i]], uplo="L", trans="T")[0] for i, root in enumerate(self.roots))
-        return np.hstack(list(parts))
+        parts = []
+        for i, root in enumerate(self.roots):
+            kept, gain = self._filter(i)
+            pulled = gain * rows[:, i]
+            pulled[:-1] -= kept[1:] * pulled[1:]
+            parts.append(dtbtrs(root, pulled[:, None], uplo="L", trans="T")[0])
+        return np.hstack(parts) @ self.mix
+
+    def deviations(self, weights: csr_array) -> Array:
+        """Standard deviations (b, c) that noise gives to weighted sums (b, k) of raw rows."""
+        k, variances = self.counts.shape[0], []
+        for i, root in enumerate(self.roots):
+            kept, gain = self._filter(i)
+            own = weights @ dia_array((root, -np.arange(len(root))), shape=(k, k))
+            pulled = solve_banded((0, 1), np.stack([np.r_[0.0, -(kept * gain)[1:]], gain]), own.toarray().T)
+            variances.append((pulled**2).sum(axis=0))
+        return np.asarray(np.sqrt(np.column_stack(variances) @ np.linalg.inv(self.mix).T ** 2))
+
+    def _filter(self, i: int) -> tuple[Array, Array]:
+        """By how much a row's predecessor is taken off, and by how much the rest is made louder (k,)."""
+        kept = self.memory[i] * self.linked
+        return kept, (1.0 - kept**2) ** -0.5
+
+    def louder(self, times: Array) -> Whitening:
+        """Of noise that is `times` (c,) as large."""
+        return replace(self, roots=tuple(root * s for root, s in zip(self.roots, times, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Of a log's rows: roots of the densities of white noise (each with the order of the test functions' derivative
-    through which it comes), of each balance; what may hold a cart that stands (n, f), and what the model's dry friction
-    may be off by at most near standstill (n, f), and its forms everywhere (n, f)."""
+    """Of a log's rows, mixed so that their noise is independent (a force at a lever is a moment, too): roots of the
+    densities of white noise (each with the order of the test functions' derivative through which it comes), of each;
+    what may hold a cart that stands (n, f), and what the model's dry friction may be off by at most near standstill
+    (n, f), and its forms everywhere (n, f)."""
 
     balances: Balances
+    mix: Array
     densities: tuple[tuple[tuple[float, int], ...], ...]
     held: Array
     friction: Array
@@ -76,26 +110,35 @@ class Errors:
     def of(cls, balances: Balances, cart: CartModel) -> Errors:
         """`cart` tells how much of the motion's noise a balance takes in."""
         moved, order = motion_noise(balances, cart)
+        mix, variance = independent(wrench_covariance(balances, cart))
         densities: list[tuple[tuple[float, int], ...]] = [
             ((float(force), 0), (float(own), order))
-            for force, own in zip(wrench_noise(balances, cart), moved, strict=True)
+            for force, own in zip(np.sqrt(variance), _alongside(moved, mix), strict=True)
         ]
         if balances.motion.across is not None:
-            sideways = balances.motion.noise.pose[0] * balances.sample_step**0.5
-            densities.append(((LEAST_SPEED, 0), (float(sideways), 1)))
-        return cls(balances, tuple(densities), *model_error(balances, cart))
+            x, _, heading = balances.motion.noise.pose * balances.sample_step**0.5
+            turned = heading * np.sqrt((balances.motion.speed**2).mean())  # what goes ahead seems to go aside
+            densities.append(((float(np.hypot(LEAST_SPEED, turned)), 0), (float(x), 1)))
+        whole = np.eye(len(densities))
+        whole[: len(mix), : len(mix)] = mix
+        return cls(balances, whole, tuple(densities), *(_alongside(e, mix) for e in model_error(balances, cart)))
 
-    def whitening(self, excess: Array, form: Array, friction: Array) -> Whitening:
+    def whitening(self, excess: Array, form: Array, friction: Array, memory: Array | None = None) -> Whitening:
         """`excess` (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the
         time; `form` (c,) and `friction` (c,) are the shares of what its forms, and its dry friction near standstill,
-        may be wrong by."""
+        may be wrong by; `memory` (c,) is how much of a row's noise the next one still has."""
         free = self.held.shape[1]
         unsure = np.sqrt(self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2)
-        roots = []
+        counts = np.ones((len(self.balances.used), len(self.densities)))
+        held, roots = self.balances.integrated(self.held) ** 2, []
         for i, known in enumerate(self.densities):
             parts = [*known, (float(excess[i]), 0)]
-            roots.append(_root(self.balances, parts, unsure[:, i] if i < free else None))
-        return Whitening(tuple(roots))
+            covariance = _covariance(self.balances, parts, unsure[:, i] if i < free else None)
+            if i < free:
+                counts[:, i] -= held[:, i] / covariance[0]
+            roots.append(np.asarray(cholesky_banded(covariance, lower=True)))
+        none, linked = np.zeros(len(roots)), np.diff(self.balances.used, prepend=-SUPPORT) == 1
+        return Whitening(self.mix, tuple(roots), none if memory is None else memory, linked, np.maximum(counts, 0.0))
 
     def near_standstill(self, excess: Array, form: Array) -> Array:
         """Share of each row's variance (k, c) that the model's dry friction makes if it is as wrong as it may be."""
@@ -118,7 +161,6 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
     speed, weight = balances.turning_speed, FRICTION * G * cart.inertia.mass
     total = balances.wrenches.planar(cart) @ cart.basis_b
     size = np.sqrt((total**2).mean(axis=0))
-    held = np.exp(-((speed / STILL_SPEED) ** 2))[:, None] * np.hypot(size, HELD * G * cart.inertia.mass * levers)
     own = weight * np.exp(-((speed / REST_SPEED) ** 2))[:, None] * levers
     effects = np.abs(_effects(balances, cart, 0.0))
     swung = np.zeros_like(effects)
@@ -129,7 +171,7 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
         swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
     edges = edge_error(balances, cart)
     forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + edges**2 + swung**2)
-    return held, np.hypot(own, _turned(balances, cart, levers)), forms
+    return standing(balances, cart), np.hypot(own, _turned(balances, cart, levers)), forms
 
 
 def _swinging(balances: Balances) -> Array:
@@ -203,9 +245,22 @@ def _dry(cart: CartModel) -> CartModel:
     return replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
 
 
-def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
-    """Of the covariance of white noise, each part (the root of its density) through as many derivatives of the test
-    functions, and of model errors (n,) that neighbours share."""
+def independent(covariance: Array) -> tuple[Array, Array]:
+    """The unit lower triangular mix (f, f) of signals of a covariance (f, f) that makes them independent, and their
+    variances (f,)."""
+    root = np.linalg.cholesky(covariance)
+    own = np.diagonal(root)
+    return np.asarray(np.linalg.inv(root / own), dtype=float), np.asarray(own**2, dtype=float)
+
+
+def _alongside(sizes: Array, mix: Array) -> Array:
+    """Of independent errors (..., f), after a mix."""
+    return np.asarray(np.sqrt(sizes**2 @ mix.T**2))
+
+
+def _covariance(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
+    """Bands (SUPPORT, k) of the covariance of white noise, each part (the root of its density) through as many
+    derivatives of the test functions, and of model errors (n,) that neighbours share."""
     k = len(balances.used)
     covariance = np.zeros((SUPPORT, k))
     for density, order in parts:
@@ -219,7 +274,7 @@ def _root(balances: Balances, parts: list[tuple[float, int]], unsure: Array | No
             alike = balances.overlap(0, lag) / balances.overlap(0, 0)
             linked = balances.used[lag:] - balances.used[: k - lag] == lag
             covariance[lag, : k - lag] += alike * off[: k - lag] * off[lag:] * linked
-    return np.asarray(cholesky_banded(covariance, lower=True))
+    return covariance
 
 
 def motion_noise(balances: Balances, cart: CartModel) -> tuple[Array, int]:
@@ -234,25 +289,33 @@ def motion_noise(balances: Balances, cart: CartModel) -> tuple[Array, int]:
 
 def wrench_noise(balances: Balances, cart: CartModel) -> Array:
     """Root of the density of the reduced wrench's noise (f,), N/√Hz, N·m/√Hz."""
-    variance = np.full(cart.constraints.n_free, LEAST_FORCE**2)
+    return np.asarray(np.sqrt(np.diagonal(wrench_covariance(balances, cart))))
+
+
+def wrench_covariance(balances: Balances, cart: CartModel) -> Array:
+    """Of the reduced wrench's noise: its density (f, f), N²/Hz, N²·m/Hz, N²·m²/Hz."""
+    found = LEAST_FORCE**2 * np.eye(cart.constraints.n_free)
     for grasp, density in zip(balances.wrenches.grasps, balances.wrench_densities, strict=True):
-        variance += ((np.abs(cart.basis_b.T @ grasp) * density) ** 2).sum(axis=2).mean(axis=0)
-    return np.asarray(np.sqrt(variance))
+        own = (np.moveaxis(grasp, 1, 0) * density).reshape(3, -1)
+        found += cart.basis_b.T @ (own @ own.T / len(grasp)) @ cart.basis_b
+    return np.asarray(found)
 
 
-def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Array, Array, Array]:
+def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Array, Array, Array, Array]:
     """What makes residuals (k, c) of logs as large as they are, as `Errors.whitening` takes it: white noise (c,) beside
     the sensors' and the share (c,) of what forms may be wrong by. Forms explain what they can. `used` parameters were
-    fitted to the residuals. Last the share (c,) of what friction near standstill may be wrong by, of rows there."""
+    fitted to the residuals. Then the share (c,) of what friction near standstill may be wrong by, of rows there, and
+    what neighbours share (c,)."""
     count = parts[0][1].shape[1]
     none, least, whole = np.full(count, LEAST_EXCESS), np.full(count, LEAST_FORM), np.ones(count)
 
     def surplus(excess: Array, form: Array) -> Array:
-        total, rows = np.zeros(count), 0
+        total, rows = np.zeros(count), np.zeros(count)
         for errors, left in parts:
-            total += (errors.whitening(excess, form, whole)(left) ** 2).sum(axis=0)
-            rows += len(left)
-        return np.asarray(total / max(rows - used / count, 0.5 * rows)) - 1.0
+            whiten = errors.whitening(excess, form, whole)
+            total += (whiten(left) ** 2).sum(axis=0)
+            rows += whiten.counts.sum(axis=0)
+        return np.asarray(total / np.maximum(rows - used / count, 0.5 * rows + 1e-9)) - 1.0
 
     form = _root_of(lambda share: surplus(none, share), least, whole)
     excess = 10 ** _root_of(lambda decade: surplus(10**decade, form), np.log10(none), np.full(count, 4.0))
@@ -265,7 +328,22 @@ def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Ar
             total += (share * errors.whitening(excess, form, friction)(left) ** 2).sum(axis=0)
         return np.asarray(total / rows - 1.0)
 
-    return excess, form, _root_of(near_standstill, least, whole)
+    friction = _root_of(near_standstill, least, whole)
+    most = np.exp(-parts[0][0].balances.row_step / LONGEST_MEMORY)
+    memory = _memory([(errors.whitening(excess, form, friction), left) for errors, left in parts])
+    return excess, form, friction, np.minimum(memory, most)
+
+
+def _memory(parts: Sequence[tuple[Whitening, Array]]) -> Array:
+    """How much of a row's noise the next one still has (c,): by how much differences of rows two apart are larger than
+    those of neighbours. What is slow, as what a model lacks is, hardly tells in either."""
+    white = [(whiten(left), whiten.linked) for whiten, left in parts]
+    near = np.concatenate([np.diff(rows, axis=0)[linked[1:]] for rows, linked in white])
+    far = np.concatenate([(rows[2:] - rows[:-2])[linked[2:] & linked[1:-1]] for rows, linked in white])
+    if not len(far):
+        return np.zeros(white[0][0].shape[1])
+    ratio = (far**2).mean(axis=0) / np.maximum((near**2).mean(axis=0), 1e-300)
+    return np.asarray(np.clip(ratio - 1.0, 0.0, 1.0))
 
 
 def _root_of(surplus: Callable[[Array], Array], low: Array, high: Array) -> Array:

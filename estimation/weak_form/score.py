@@ -62,9 +62,9 @@ class Folds:
             found[:, b] = own.swapaxes(1, 2) @ own
         return found
 
-    @property
-    def rows(self) -> Array:
-        return np.bincount(self.block).astype(float)
+    def counted(self, counts: Array) -> Array:
+        """How many rows of each block (c, b), each as much as it counts (k, c)."""
+        return np.array([np.bincount(self.block, own) for own in counts.T])
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,32 +79,33 @@ class Score:
 
 
 def scored(sums: Array, rows: Array, prior: Array, folds: Folds, scale: Array) -> Score:
-    """Of columns whose sums (c, b, q + 1, q + 1) have the residual last; `prior` standard deviations (q,); from scales
-    (c,) near the model's."""
+    """Of columns whose sums (c, b, q + 1, q + 1), of rows (c, b), have the residual last; `prior` standard deviations
+    (q,); from scales (c,) near the model's."""
     total = sums.sum(axis=1)
     for _ in range(3):
         fit, covariance = _fit(total, prior, scale)
-        scale = _scale(total, rows.sum(), fit, covariance, scale)
+        scale = _scale(total, rows.sum(axis=1), fit, covariance, scale)
     fit, covariance = _fit(total, prior, scale)
     found = []
     for fold in (folds.pieces, folds.stretches):
         left = np.stack([sums[:, fold == f].sum(axis=1) for f in np.unique(fold)], axis=1)
-        n = np.array([rows[fold == f].sum() for f in np.unique(fold)])
-        whole = log_evidence(total[:, None], prior, scale, rows.sum())
-        without = log_evidence(total[:, None] - left, prior, scale, rows.sum() - n)
+        n = np.stack([rows[:, fold == f].sum(axis=1) for f in np.unique(fold)], axis=1)
+        every = rows.sum(axis=1, keepdims=True)
+        whole = log_evidence(total[:, None], prior, scale, every)
+        without = log_evidence(total[:, None] - left, prior, scale, every - n)
         found.append(whole - without)
     return Score(found[0], found[1], scale, fit, covariance)
 
 
 def log_evidence(total: Array, prior: Array, scale: Array, rows: Array | float) -> Array:
-    """Of sums (c, ..., q + 1, q + 1)."""
+    """Of sums (c, ..., q + 1, q + 1) of rows (c, ...)."""
     joint = np.tensordot(scale**-2.0, total, (0, 0))
     q = len(prior)
     information = joint[..., :q, :q] + np.diag(prior**-2.0)
     pull = joint[..., :q, q]
     explained = (pull * np.linalg.solve(information, pull[..., None])[..., 0]).sum(axis=-1)
     size = np.linalg.slogdet(information)[1] + 2 * np.log(prior).sum()
-    return np.asarray(-0.5 * (joint[..., q, q] - explained + size) - rows * np.log(scale).sum())
+    return np.asarray(-0.5 * (joint[..., q, q] - explained + size) - np.tensordot(np.log(scale), rows, (0, 0)))
 
 
 def _fit(total: Array, prior: Array, scale: Array) -> tuple[Array, Array]:
@@ -114,7 +115,7 @@ def _fit(total: Array, prior: Array, scale: Array) -> tuple[Array, Array]:
     return covariance @ joint[:q, q], covariance
 
 
-def _scale(total: Array, rows: float, fit: Array, covariance: Array, scale: Array) -> Array:
+def _scale(total: Array, rows: Array, fit: Array, covariance: Array, scale: Array) -> Array:
     step = np.append(-fit, 1.0)
     left = np.einsum("i,cij,j->c", step, total, step)
     q = len(fit)

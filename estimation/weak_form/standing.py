@@ -9,8 +9,14 @@ from cartgrasp.model import CartModel
 
 from .balances import LEVER, Balances
 from .motion import KNOT_STEPS
-from .rows import FRICTION, HELD, LEAST_SPEED, G
 
+G = 9.81
+HELD = 0.1
+"""Of the weight: what a hand or a chock holds at least."""
+FRICTION = 0.01
+"""Half of a usual coefficient of rolling resistance."""
+LEAST_SPEED = 1e-6
+"""m/s."""
 MOMENT = 0.3
 """s: who turns back does not stand for as long."""
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -49,10 +51,20 @@ class GridWrenches:
 
     def planar(self, cart: CartModel) -> Array:
         """The true planar wrench on the cart (n, 3) in {b} behind what is recorded."""
+        if not cart.sensor_effects:
+            return self._as_recorded
+        true = [cart.corrected_wrench(arm, own)[0] for arm, own in zip(self.arms, self.recorded, strict=True)]
+        return self._summed(true)
+
+    @cached_property
+    def _as_recorded(self) -> Array:
+        return self._summed(list(self.recorded))
+
+    def _summed(self, wrenches: Sequence[Array]) -> Array:
+        """Of the arms' (n, 6), what they are on the cart together (n, 3)."""
         value = np.zeros((len(self.time), 3))
-        for arm, grasp, recorded in zip(self.arms, self.grasps, self.recorded, strict=True):
-            true = cart.corrected_wrench(arm, recorded)[0] if cart.sensor_effects else recorded
-            value += (grasp @ true[..., None])[..., 0]
+        for grasp, wrench in zip(self.grasps, wrenches, strict=True):
+            value += (grasp @ wrench[..., None])[..., 0]
         return value
 
     def recorded_share(self, cart: CartModel, densities: Array) -> Array | None:

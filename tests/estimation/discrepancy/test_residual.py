@@ -76,10 +76,11 @@ def test_means_of_noise_are_as_large_as_their_deviations():
 def test_what_overlaps_is_not_known_twice(quiet):
     """By the whole covariance of the rows, solved for densely."""
     forward = residuals(quiet, quiet)[0]
-    (balances,), root = quiet.logs, quiet.whitenings[0].roots[0]
+    (balances,), (whiten,) = quiet.logs, quiet.whitenings
     k = len(balances.used)
-    lower = sum(np.diag(root[lag, : k - lag], -lag) for lag in range(len(root)))
-    covariance = lower @ lower.T
+    unit = np.tile(np.eye(k)[:, None, :], (1, len(whiten.roots), 1))
+    factor = np.linalg.inv(replace(whiten, counts=np.ones_like(whiten.counts))(unit)[:, 0])
+    covariance = factor @ factor.T
     own = (balances.time >= forward.start[3]) & (balances.time < forward.start[3] + forward.duration)
     mean = own / own.sum() / balances.row_step
     assert forward.std[3] == pytest.approx(np.sqrt(mean @ covariance @ mean))

@@ -1,19 +1,23 @@
 """Balances of motions that are written down: the true cart leaves nothing, and parameters come back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cartgrasp.effects import FloorSlope
+from cartgrasp.effects import FloorPatch, FloorSlope, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
+from cartgrasp.wheels import Wheel
 from estimation.weak_form.balances import Balances
 
 from ..discrepancy.logs import circles, straight
 from .motions import TRUE, cart_of, noisy, weaving
 
+WHEELS = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.7, 0.2), Wheel("caster", 0.7, -0.2))
 CARTS = st.tuples(
     st.floats(8.0, 80.0),
     st.floats(-0.2, 0.5),
@@ -128,3 +132,26 @@ def test_the_axle_goes_aside_as_its_wheels_are_mounted():
     speed = balances.integrated(balances.motion.velocity[:, 0])
     share = float(speed @ left[:, -1] / (speed @ speed))
     assert share == pytest.approx(np.sin(0.02), abs=2e-4)
+
+
+@pytest.mark.parametrize("region", [(-0.5, 1.5, -1.0, 0.4), (0.2, 0.4, -9.0, 9.0), (50.0, 51.0, 0.0, 1.0)])
+def test_a_patch_is_felt_while_a_wheel_is_on_it(region):
+    """Its column is looked for there alone: as large as by the whole inverse dynamics with it and without."""
+    cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), wheels=WHEELS)
+    balances = Balances.of(weaving(TRUE), cart).beside(cart)
+    patch = FloorPatch(*region, coefficient=0.0)
+    found = balances.columns(cart, patch)[..., -1]
+    less, more = (balances.residual(cart.with_effect(replace(patch, coefficient=c)))[0] for c in (0.0, 0.02))
+    assert found * 0.02 == pytest.approx(less - more, abs=1e-9)
+    assert (np.abs(found).max() > 0.0) == (region[0] < 50.0)
+
+
+def test_a_lever_is_a_moment_in_proportion_to_the_force():
+    """Rolling resistance that acts a metre to the left takes the forward force that it gives as a moment."""
+    drag = RollingResistance(0.03)
+    cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2), drag))
+    balances = Balances.of(weaving(TRUE), cart).beside(cart)
+    found = balances.lever(cart, drag)
+    force = balances.residual(cart.without_effect(drag.key))[0][:, 0] - balances.residual(cart)[0][:, 0]
+    assert found[:, 1, 0] == pytest.approx(-force, abs=1e-9)
+    assert (found[:, [0, 2]] == 0.0).all()

@@ -1,7 +1,12 @@
 """What rows are whitened by: where dry friction is known least, and how much forms and white noise explain."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
 
 from cartgrasp.effects import RollingResistance, WheelDragImbalance
 from cartgrasp.model import CartModel
@@ -44,18 +49,26 @@ def test_a_wheel_that_stands_drags_nobody_knows_which_way(balances):
     assert (more[away] < 0.05 * np.array([10.0, 3.0])).all()
 
 
-def told_of(balances, excess, form, friction):
-    """What is told of rows whose noise is so large: excess, form and friction (2,) of the free directions."""
-    cart = with_effect(RollingResistance(0.03))
-    errors, count = Errors.of(balances, cart), balances.n_balances(cart)
-    k, random = len(balances.used), np.random.default_rng(0)
-    white = random.standard_normal((k, count))
+def whole(whiten, k, count):
+    """What whitens all rows of all balances, as one matrix (k count, k count), each row as if it counted."""
+    unit = np.eye(k * count).reshape(k, count, -1)
+    return replace(whiten, counts=np.ones_like(whiten.counts))(unit).reshape(k * count, -1)
+
+
+def noise_of(balances, excess, form, friction, memory=0.0, seed=0):
+    """Raw rows (k, c) of such noise, and their errors."""
+    errors, count = Errors.of(balances, with_effect(RollingResistance(0.03))), balances.n_balances(cart_of(TRUE))
     sizes = (
         np.append(np.full(2, size), np.full(count - 2, least))
-        for size, least in zip((excess, form, friction), LEAST, strict=True)
+        for size, least in zip((excess, form, friction, memory), (*LEAST, 0.0), strict=True)
     )
-    unit = errors.whitening(*sizes)(np.tile(np.eye(k)[:, None, :], (1, count, 1)))
-    left = np.column_stack([np.linalg.solve(unit[:, i], white[:, i]) for i in range(count)])
+    k, white = len(balances.used), np.random.default_rng(seed).standard_normal(len(balances.used) * count)
+    return np.linalg.solve(whole(errors.whitening(*sizes), k, count), white).reshape(k, count), errors
+
+
+def told_of(balances, *sizes):
+    """What is told of rows whose noise is so large: excess, form, friction and memory (2,) of the free directions."""
+    left, errors = noise_of(balances, *sizes)
     return [one[:2] for one in excess_noise([(errors, left)], 0.0)]
 
 
@@ -65,10 +78,10 @@ LEAST = 1e-6, 0.02, 0.02
 def test_forms_explain_no_more_than_there_is(balances):
     """Rows with the sensors' noise alone leave next to nothing for what forms may be wrong by; forces that no sensor
     made are told as white noise of their density."""
-    excess, form, _ = told_of(balances, 1e-6, 0.02, 1.0)
+    excess, form, *_ = told_of(balances, 1e-6, 0.02, 1.0)
     assert (form < 0.25).all()
     assert (excess < 0.5).all()
-    excess, form, _ = told_of(balances, np.array([20.0, 5.0]), 1.0, 1.0)
+    excess, form, *_ = told_of(balances, np.array([20.0, 5.0]), 1.0, 1.0)
     assert excess == pytest.approx([20.0, 5.0], rel=0.2)
     assert form == pytest.approx(1.0)
 
@@ -76,6 +89,61 @@ def test_forms_explain_no_more_than_there_is(balances):
 @pytest.mark.parametrize("true", [0.02, 0.3, 1.0])
 def test_rows_tell_how_wrong_friction_is_near_standstill(balances, true):
     """To a factor of two: they are a few, and some count as if it were as wrong as it may be."""
-    _, _, friction = told_of(balances, 1e-6, 0.02, true)
+    _, _, friction, _ = told_of(balances, 1e-6, 0.02, true)
     assert (friction > true / 2).all()
     assert (friction < max(2 * true, 0.3)).all()
+
+
+@pytest.mark.parametrize("true", [0.0, 0.2, 0.4])
+def test_rows_tell_what_neighbours_share(balances, true):
+    """In the mean of eight logs, with a slow force beside, as a model lacks one, three times as large as the noise."""
+    slow = 3.0 * np.sin(balances.time)[:, None] * [0.3, 0.1, 0.0]
+    draws = [noise_of(balances, np.array([2.0, 0.6]), 0.02, 0.02, true, seed) for seed in range(8)]
+    found = np.array([excess_noise([(errors, left + slow)], 0.0)[3][:2] for left, errors in draws])
+    assert found.mean(axis=0) == pytest.approx(true, abs=0.08)
+
+
+def test_a_force_at_a_lever_is_no_second_witness():
+    """Noise of a force sensor 0.4 m beside {b}'s x is a moment, too: after whitening, forward force and yaw moment are
+    independent, and no louder than they may be; before, they go together."""
+    log = noisy(weaving(TRUE, 20.0), 3)
+    (name, arm), *_ = log.arms.items()
+    aside = replace(log, arms={name: replace(arm, contact=arm.contact + np.array([0.0, 0.4, 0.0]))})
+    balances, cart = Balances.of(aside, cart_of(TRUE)), cart_of(TRUE)
+    errors = Errors.of(balances, cart)
+    none = np.full(balances.n_balances(cart), 1e-9)
+    whiten = errors.whitening(none, none, none)
+    random, rows = np.random.default_rng(0), []
+    for _ in range(40):
+        size = balances.wrench_densities[0] / balances.motion.step**0.5
+        wrench = size * random.standard_normal((len(balances.motion.time), 6))
+        planar = (balances.wrenches.grasps[0] @ wrench[..., None])[..., 0] @ cart.basis_b
+        rows.append(np.pad(balances.integrated(planar), ((0, 0), (0, balances.n_balances(cart) - 2))))
+    counted = (whiten.counts[:, :2] > 0.99).all(axis=1)
+    raw, white = (np.concatenate([one[counted, :2] for one in each]) for each in (rows, map(whiten, rows)))
+    assert abs(np.corrcoef(raw.T)[0, 1]) > 0.3
+    assert abs(np.corrcoef(white.T)[0, 1]) < 0.05
+    assert (white.std(axis=0) < 1.05).all()  # the motion's noise is in the deviation, and not in the draw
+
+
+def test_rows_count_where_nothing_holds_the_cart(balances):
+    errors = Errors.of(balances, cart_of(TRUE))
+    none = np.zeros(balances.n_balances(cart_of(TRUE)))
+    counts = errors.whitening(none, none, none).counts
+    slow = np.interp(balances.time, balances.motion.time, balances.turning_speed)
+    assert (counts[slow > 0.2] > 0.99).all()
+    assert (counts >= 0.0).all()
+    assert (counts <= 1.0).all()
+
+
+@given(st.integers(0, 1000))
+@settings(max_examples=10, deadline=None)
+def test_whitening_its_transpose_and_its_deviations_are_one_matrix(balances, seed):
+    random, count = np.random.default_rng(seed), balances.n_balances(cart_of(TRUE))
+    errors, k = Errors.of(balances, cart_of(TRUE)), len(balances.used)
+    whiten = errors.whitening(*random.uniform(0.02, 1.0, (3, count)), random.uniform(0.0, 0.5, count))
+    x, y = random.standard_normal((2, k, count))
+    assert (whiten(x) * y).sum() == pytest.approx((x * whiten.transposed(y)).sum())
+    weights, matrix = random.standard_normal((3, k)), np.linalg.inv(whole(whiten, k, count))
+    spread = np.einsum("bk,kcj->bcj", weights, matrix.reshape(k, count, -1))
+    assert whiten.deviations(csr_array(weights)) == pytest.approx(np.sqrt((spread**2).sum(axis=2)))

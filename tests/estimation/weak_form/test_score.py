@@ -33,7 +33,7 @@ def residual_of(columns):
 def test_the_evidence_is_a_gaussians_density(seed):
     columns, prior, scale = problem(seed)
     sums = np.einsum("kci,kcj->cij", columns, columns)
-    found = float(log_evidence(sums, prior, scale, float(ROWS)))
+    found = float(log_evidence(sums, prior, scale, np.full(2, float(ROWS))))
     expected = multivariate_normal(cov=covariance_of(columns, prior, scale)).logpdf(residual_of(columns))
     assert found == pytest.approx(expected + ROWS * LOG_2PI, rel=1e-9)
 
@@ -46,7 +46,7 @@ def test_each_fold_is_a_conditional_density(seed):
     columns, prior, _ = problem(seed, rows)
     time = 0.1 * np.arange(rows)
     folds = Folds.of(time, 0.1)
-    found = scored(folds.sums(columns), folds.rows, prior, folds, np.ones(2))
+    found = scored(folds.sums(columns), folds.counted(np.ones((rows, 2))), prior, folds, np.ones(2))
     covariance, residual = covariance_of(columns, prior, found.scale), residual_of(columns)
     for told, of_block in ((found.pieces, folds.pieces), (found.stretches, folds.stretches)):
         kinds = np.unique(of_block)
@@ -66,7 +66,7 @@ def test_the_fit_is_the_posterior_and_the_scale_that_of_the_noise():
     noise = random.standard_normal((4000, 2)) * [0.5, 3.0]
     columns[..., -1] = columns[..., :3] @ true + noise
     folds = Folds.of(0.1 * np.arange(4000), 0.1)
-    found = scored(folds.sums(columns), folds.rows, np.full(3, 10.0), folds, np.ones(2))
+    found = scored(folds.sums(columns), folds.counted(np.ones((4000, 2))), np.full(3, 10.0), folds, np.ones(2))
     assert found.scale == pytest.approx([0.5, 3.0], rel=0.04)
     off = found.fit - true
     assert off @ np.linalg.solve(found.covariance, off) < 16.3  # of chi² with 3 degrees, in 999 of 1000
@@ -80,7 +80,7 @@ def test_the_fit_is_the_posterior_and_the_scale_that_of_the_noise():
 def test_pieces_are_dealt_in_turn_and_stretches_hang_together(duration, step):
     time = 3.0 + np.arange(0.0, duration, step)
     folds = Folds.of(time, step)
-    assert folds.rows.sum() == len(time)
+    assert folds.counted(np.ones((len(time), 1))).sum() == len(time)
     piece, stretch = folds.pieces[folds.block], folds.stretches[folds.block]
     assert set(piece) <= set(range(FOLDS))
     assert (np.diff(folds.block) >= 0).all()
@@ -99,3 +99,17 @@ def test_folds_of_several_logs_share_pieces_and_no_stretch():
     assert not set(first) & set(second)
     assert (both.pieces[both.block][:100] == one.pieces[one.block]).all()
     assert (both.pieces[both.block][100:] == other.pieces[other.block]).all()
+
+
+def test_rows_that_do_not_count_change_neither_scale_nor_density():
+    """A quarter of the rows weighed by nothing, against the problem without them."""
+    columns, prior, _ = problem(1, 400)
+    counts = np.ones((400, 2))
+    counts[100:200] = 0.0
+    time, left = 0.1 * np.arange(400), np.r_[0:100, 200:400]
+    folds = Folds.of(time, 0.1)
+    found = scored(folds.sums(columns * counts[..., None] ** 0.5), folds.counted(counts), prior, folds, np.ones(2))
+    less = Folds(folds.block[left], folds.pieces, folds.stretches)
+    other = scored(less.sums(columns[left]), less.counted(np.ones((300, 2))), prior, less, np.ones(2))
+    assert found.scale == pytest.approx(other.scale)
+    assert found.pieces == pytest.approx(other.pieces)
