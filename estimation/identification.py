@@ -141,11 +141,12 @@ def _fitted(
 
 
 def _as_loud(model: Model) -> Model:
-    """Refitted to rows whose noise is alike throughout, but where the cart stands, and as large as what is left of
-    them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
+    """Refitted to rows whose noise is alike throughout, but where the cart nearly stands, and as large as what is left
+    of them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
     for _ in range(2):
         none = np.zeros_like(model.noise.form)
-        own = tuple(Errors.of(b, model.cart).whitening(model.noise.excess, none, none) for b in model.logs)
+        sizes = model.noise.excess, none, model.noise.friction
+        own = tuple(Errors.of(b, model.cart).whitening(*sizes) for b in model.logs)
         model = replace(model, whitenings=own)
         scale = model.score.scale
         model = replace(model, whitenings=tuple(w.louder(scale) for w in model.whitenings)).refitted(model.cart)

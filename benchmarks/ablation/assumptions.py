@@ -35,9 +35,6 @@ ASSUMPTIONS = (
         {
             "FORM_SHARE": "of wrenches, by which the form of a body is wrong",
             "EFFECT_SHARE": "of an effect, by which its form is wrong",
-            "G": "gravity",
-            "HELD": "of the weight, what a hand or a chock holds",
-            "FRICTION": "half of a usual coefficient of rolling resistance: dry friction at rest",
             "REST_SPEED": "below it dry friction takes any value",
             "SWING_WAY": "way on which casters swing round",
             "ON_CASTERS": "of the weight",
@@ -46,6 +43,7 @@ ASSUMPTIONS = (
             "SOFT_ONSET": "time in which a load is put on",
             "LEAST_FORM": "share by which forms are wrong at least",
             "BELIEVED": "rows near standstill that count as if friction were as wrong there as it may be",
+            "LONGEST_MEMORY": "of sensors' noise",
         },
     ),
     *_of(
@@ -64,7 +62,15 @@ ASSUMPTIONS = (
         },
     ),
     *_of("weak_form.splines", {"OUTLYING": "deviations from which on a sample counts for less"}),
-    *_of("weak_form.standing", {"MOMENT": "who turns back does not stand for as long"}, is_diagnosed=False),
+    *_of(
+        "weak_form.standing",
+        {
+            "MOMENT": "who turns back does not stand for as long",
+            "G": "gravity",
+            "HELD": "of the weight, what a hand or a chock holds",
+            "FRICTION": "half of a usual coefficient of rolling resistance: dry friction at rest",
+        },
+    ),
     *_of(
         "discrepancy.certainty",
         {

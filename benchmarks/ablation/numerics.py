@@ -8,7 +8,7 @@ from .constants import Constant, Group
 C = Group.WORKS_OUT
 
 REASONS: dict[str, dict[str, str]] = {
-    "weak_form.balances": {"CHUNK": "memory", "SUPPORT": "of a cubic B-spline"},
+    "weak_form.balances": {"CHUNK": "memory", "SUPPORT": "of a cubic B-spline", "RIM": "beyond it a soft edge is nought"},
     "weak_form.band": {
         "ROW_STEPS": "grid of bands",
         "FEWEST": "rows, to be solvable",
@@ -32,7 +32,9 @@ REASONS: dict[str, dict[str, str]] = {
         "LEAST_EXCESS": "keeps logs without noise solvable",
         "LEAST_FORCE": "keeps logs without noise solvable",
         "LEAST_SPEED": "keeps logs without noise solvable",
+        "HUBER": "of a robust mean",
     },
+    "weak_form.standing": {"LEAST_SPEED": "keeps finite"},
     "weak_form.score": {
         "FOLDS": "number of folds",
         "MOST_PIECES": "memory",
@@ -84,6 +86,7 @@ REASONS: dict[str, dict[str, str]] = {
         "PARALLEL": "rounding",
     },
     "discrepancy.laws": {
+        "AT_HANDS": "word",
         "ON_ALL": "laws that are tried",
         "ON_TURNS": "laws that are tried",
         "PERIODS": "grid of periods",
@@ -142,6 +145,7 @@ REASONS: dict[str, dict[str, str]] = {
         "CELL": "grid of places",
         "MOST_CELLS": "grid of places",
         "RIM": "grid of places",
+        "LEAST_LEVER": "hands that are nearer push at {b}'s x",
         "HARMONICS": "grid of laws",
         "TURNS": "grid of laws",
         "LONGEST": "grid of laws",

@@ -4,7 +4,7 @@ columns over one variable. They are rivals of the effects in the same comparison
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,24 +15,50 @@ from cartgrasp.wheels import FIXED
 from ..weak_form.balances import Balances
 from .course import ROLLING, Course
 
+AT_HANDS = "at the hands"
 FORCE_STD, MOMENT_STD = 10.0, 3.0
 """N, N·m: what pushes carts about."""
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a law acts: as a moment, or as a forward force at a `lever` (m) to the left of {b}'s x: a wheel's, which
+    rolls another way than {b}'s origin, or that of the hands, whose sensors may be what follows a law."""
+
+    is_moment: bool = False
+    lever: float = 0.0
+    is_wheel: bool = False
+
+    @property
+    def shift(self) -> float:
+        """By how many metres for each rad less than {b}'s origin goes what is there."""
+        return self.lever if self.is_wheel else 0.0
+
+    @property
+    def words(self) -> str:
+        if self.is_moment:
+            return "moment"
+        if self.is_wheel:
+            return f"force at the wheel at y = {self.lever:g} m"
+        return f"force {AT_HANDS}" if self.lever else "force"
+
+
 @dataclass(frozen=True, eq=False)
 class Law:
-    """`shape` gives columns (n, q) of the forward force, or of the yaw moment, over a course. A force acts `lever` (m)
-    to the left of {b}'s x."""
+    """`shape` gives columns (n, q) of a force, or of a moment, over a course."""
 
     name: str
     form: str
-    is_moment: bool
+    place: Place
     shape: Callable[[Course], Array]
     size: int
     period: float | None = None
     unit: str = ""
     variable: str = ""
-    lever: float = 0.0
+
+    @property
+    def is_moment(self) -> bool:
+        return self.place.is_moment
 
     @property
     def key(self) -> str:
@@ -57,8 +83,8 @@ class Law:
         found = np.zeros((len(integrated), balances.n_balances(cart), integrated.shape[1]))
         last = cart.constraints.n_free - 1
         found[:, last if self.is_moment else 0] = integrated
-        if self.lever:
-            found[:, last] = -self.lever * integrated
+        if self.place.lever:
+            found[:, last] = -self.place.lever * integrated
         return found
 
 
@@ -66,12 +92,14 @@ def _sign(course: Course) -> Array:
     return np.asarray(np.tanh(course.speed / ROLLING))
 
 
-def smooth_laws(turns: bool) -> list[Law]:
-    """Of what varies slowly with one variable."""
-    return [
-        Law(variable, form, is_moment, shape, size)
+def smooth_laws(turns: bool, hands: float = 0.0) -> list[Law]:
+    """Of what varies slowly with one variable; forces, too, at a lever of the hands' (m; none: 0)."""
+    found = [
+        Law(variable, form, Place(is_moment), shape, size)
         for variable, form, is_moment, size, shape in (ON_ALL + ON_TURNS if turns else ON_ALL)
     ]
+    forces = [law for law in found if hands and not law.is_moment]
+    return found + [replace(law, form=f"{law.form} {AT_HANDS}", place=Place(lever=hands)) for law in forces]
 
 
 def _setting_in(c: Course) -> Array:
@@ -124,20 +152,15 @@ KNOWN, LIKELY = 24, 40
 """Periods of a scan of which the information is worked out, and then the gain."""
 
 
-def periodic(
-    variable: str, unit: str, period: float, harmonics: int, is_moment: bool = False, lever: float = 0.0
-) -> Law:
-    """With a `lever` (m), of the way that a wheel rolls there, and at that wheel."""
-
+def periodic(variable: str, unit: str, period: float, harmonics: int, place: Place) -> Law:
     def shape(course: Course) -> Array:
-        phase = 2 * np.pi * (getattr(course, variable) - lever * course.heading) / period
+        phase = 2 * np.pi * (getattr(course, variable) - place.shift * course.heading) / period
         along = {"x": np.cos(course.heading), "y": np.sin(course.heading)}.get(variable, np.ones_like(phase))
         return np.column_stack([along * f(k * phase) for k in range(1, harmonics + 1) for f in (np.cos, np.sin)])
 
     name = "place" if variable in "xy" else {"way": "travelled distance"}.get(variable, variable)
-    form = "moment" if is_moment else (f"force at the wheel at y = {lever:g} m" if lever else "force")
-    form += f" of {harmonics} harmonics" if harmonics > 1 else ""
-    return Law(name, form, is_moment, shape, 2 * harmonics, period, unit, variable, lever)
+    form = place.words + (f" of {harmonics} harmonics" if harmonics > 1 else "")
+    return Law(name, form, place, shape, 2 * harmonics, period, unit, variable)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,15 +169,11 @@ class Scan:
 
     variable: str
     unit: str
-    is_moment: bool
-    lever: float
+    place: Place
     frequencies: Array
 
     def laws(self, chosen: np.ndarray) -> list[Law]:
-        return [
-            periodic(self.variable, self.unit, float(1 / f), 1, self.is_moment, self.lever)
-            for f in self.frequencies[chosen]
-        ]
+        return [periodic(self.variable, self.unit, float(1 / f), 1, self.place) for f in self.frequencies[chosen]]
 
     def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:
         """How much pulls (n, f) of the residual on forces and moments along the courses go with each frequency (v,):
@@ -165,7 +184,9 @@ class Scan:
         total = np.zeros(count)
         for course, pull in zip(courses, pulls, strict=True):
             last = pull.shape[1] - 1
-            weight = pull[:, last if self.is_moment else 0] - self.lever * pull[:, last] * bool(self.lever)
+            weight = pull[:, last] if self.place.is_moment else pull[:, 0]
+            if self.place.lever:
+                weight = weight - self.place.lever * pull[:, last]
             at = (self.of(course) - first) / step
             low = np.floor(at).astype(int)
             signal = weight * {"x": np.cos(course.heading), "y": np.sin(course.heading)}.get(self.variable, 1.0)
@@ -175,11 +196,11 @@ class Scan:
         return np.asarray(np.interp(self.frequencies, np.fft.rfftfreq(count, step), found), dtype=float)
 
     def of(self, course: Course) -> Array:
-        return np.asarray(getattr(course, self.variable) - self.lever * course.heading)
+        return np.asarray(getattr(course, self.variable) - self.place.shift * course.heading)
 
 
-def scans(courses: Sequence[Course], cart: CartModel) -> list[Scan]:
-    """Those that a motion allows: periods of which it saw two at least."""
+def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> list[Scan]:
+    """Those that a motion allows: periods of which it saw two at least; with a lever of the hands' (m; none: 0)."""
     found, turns = [], cart.constraints.n_free > 1
     levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
     for variable, unit, least, most in PERIODS:
@@ -187,9 +208,10 @@ def scans(courses: Sequence[Course], cart: CartModel) -> list[Scan]:
         if span < 2 * least or (variable in "xy" and not turns):
             continue
         frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
-        forms = [(False, 0.0), (True, 0.0)] if turns else [(False, 0.0)]
-        forms += [(False, lever) for lever in levers if variable == "way"]
-        found += [Scan(variable, unit, *form, frequencies) for form in forms if len(frequencies) > 1]
+        places = [Place(), Place(is_moment=True)] if turns else [Place()]
+        places += [Place(lever=hands)] if hands else []
+        places += [Place(lever=lever, is_wheel=True) for lever in levers if variable == "way"]
+        found += [Scan(variable, unit, place, frequencies) for place in places if len(frequencies) > 1]
     return found
 
 
@@ -199,12 +221,13 @@ def scanned(
     pulls: Sequence[Array],
     gain: Callable[[Array, Array], Array],
     whitened: Callable[[Sequence[Array]], Array],
+    hands: float = 0.0,
 ) -> tuple[list[tuple[float, Law]], int]:
     """The best periods of one harmonic, each with its gain, and of how many: of each scan those with most power for
     the information that whitened columns have."""
     found, count = list[tuple[float, Law]](), 0
     courses = [Course.along(balances.motion) for balances in logs]
-    for scan in scans(courses, cart):
+    for scan in scans(courses, cart, hands):
         v = len(scan.frequencies)
         count += v
         known = np.unique(np.linspace(0, v - 1, KNOWN).astype(int))

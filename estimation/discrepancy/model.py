@@ -88,7 +88,8 @@ def _told(guess: CartModel, believed: Prior | None) -> dict[str, float]:
 @dataclass(frozen=True, eq=False)
 class RowNoise:
     """What rows are whitened by: of the sensors, of a cart's inertia and friction, white noise (c,) beside them, the
-    shares (c,) of what forms, and dry friction near standstill, may be wrong by, and what neighbours share (c,)."""
+    shares (c,) of what forms, and dry friction near standstill, may be wrong by; and, where models are compared, what
+    neighbours share (`memory`, c,)."""
 
     cart: CartModel
     excess: Array
@@ -96,9 +97,11 @@ class RowNoise:
     friction: Array
     memory: Array
 
-    def whitenings(self, logs: Sequence[Balances]) -> tuple[Whitening, ...]:
-        sizes = self.excess, self.form, self.friction, self.memory
-        return tuple(Errors.of(balances, self.cart).whitening(*sizes) for balances in logs)
+    def whitenings(self, logs: Sequence[Balances], compares: bool = False) -> tuple[Whitening, ...]:
+        return tuple(self.whitening(Errors.of(balances, self.cart), compares) for balances in logs)
+
+    def whitening(self, errors: Errors, compares: bool) -> Whitening:
+        return errors.whitening(self.excess, self.form, self.friction, self.memory if compares else None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,11 +157,10 @@ class Model:
         for balances in self.logs:
             parts.append((Errors.of(balances, self.cart), left[at : at + len(balances.used)]))
             at += len(balances.used)
-        *sizes, memory = excess_noise(parts, float(self.rows.shape[2] - 1))
-        sizes.append(memory if self.compares else 0.0 * memory)
-        whitenings = tuple(errors.whitening(*sizes) for errors, _ in parts)
+        noise = RowNoise(self.cart, *excess_noise(parts, float(self.rows.shape[2] - 1)))
+        whitenings = tuple(noise.whitening(errors, self.compares) for errors, _ in parts)
         logs = tuple(balances.beside(self.cart) for balances in self.logs)
-        return replace(self, logs=logs, noise=RowNoise(self.cart, *sizes), whitenings=whitenings)
+        return replace(self, logs=logs, noise=noise, whitenings=whitenings)
 
     def whitened(self, columns: Sequence[Array]) -> Array:
         """Of each log's raw columns (k, c, q), all together."""
@@ -271,7 +273,8 @@ class Model:
         """With wrenches that were felt so much (s) before they were recorded."""
         logs = tuple(balances.late(delay) for balances in self.logs)
         same = all(np.array_equal(new.used, old.used) for new, old in zip(logs, self.logs, strict=True))
-        return replace(self, logs=logs, whitenings=self.whitenings if same else self.noise.whitenings(logs))
+        whitenings = self.whitenings if same else self.noise.whitenings(logs, self.compares)
+        return replace(self, logs=logs, whitenings=whitenings)
 
     @property
     def lateness(self) -> float:

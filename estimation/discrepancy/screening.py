@@ -29,6 +29,8 @@ LEAST_SIDE = 1.0
 """s before and after a lasting change."""
 CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
 """m, cells along an axis, and m around all wheels' tracks."""
+LEAST_LEVER = 0.02
+"""m: hands that are nearer push at {b}'s x."""
 HARMONICS, TURNS = (1, 2, 4, 6), (1, 2, 3)
 """Of a law; and what the strongest of them may be, as a multiple of the whole turn."""
 LONGEST = {variable: most for variable, _, _, most in PERIODS}
@@ -189,18 +191,25 @@ class Screen:
         """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
         model = self.model
         taken = {law.key for law in model.laws}
-        for law in smooth_laws(model.cart.constraints.n_free > 1):
+        for law in smooth_laws(model.cart.constraints.n_free > 1, self._hands):
             if law.key not in taken:
                 yield law, 1
-        periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened)
+        periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened, self._hands)
         periods.sort(key=lambda one: -one[0])
         for _, law in periods[:KEPT]:
             best = self._tuned(law)
             for harmonics, turns in product(HARMONICS, TURNS):
                 period = turns * float(best.period or 1.0)
                 if turns <= harmonics and period <= LONGEST[best.variable]:
-                    law = periodic(best.variable, best.unit, period, harmonics, best.is_moment, best.lever)
+                    law = periodic(best.variable, best.unit, period, harmonics, best.place)
                     yield law, count
+
+    @cached_property
+    def _hands(self) -> float:
+        """The lever (m) at which a force is felt as force sensors' noise is; none where it is next to nothing."""
+        last = self.model.cart.constraints.n_free - 1
+        lever = float(np.mean([whiten.mix[last, 0] for whiten in self.model.whitenings])) if last else 0.0
+        return lever if abs(lever) > LEAST_LEVER else 0.0
 
     @cached_property
     def _pulls(self) -> list[Array]:
@@ -215,10 +224,7 @@ class Screen:
 
     def _tuned(self, law: Law) -> Law:
         """At the period nearby where one harmonic gains most."""
-        near = [
-            periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.is_moment, law.lever)
-            for share in NEARBY
-        ]
+        near = [periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.place) for share in NEARBY]
         columns = np.stack(
             [self.model.whitened([one.columns(b, self.model.cart) for b in self.model.logs]) for one in near]
         )

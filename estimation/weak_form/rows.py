@@ -16,7 +16,8 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from .balances import LEVER, SUPPORT, Balances
-from .standing import FRICTION, G, standing
+from .sensor_noise import MAD_TO_STD
+from .standing import FRICTION, G, standing, turning_back
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
@@ -31,6 +32,8 @@ BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
 LONGEST_MEMORY = 0.15
 """s, of sensors' noise: what is remembered for longer is what a model lacks."""
+HUBER = 2.0
+"""Standard deviations: what is farther off counts as if it were that far."""
 BISECTIONS = 16
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
 """Of white noise beside the sensors', and of what forms may be wrong by."""
@@ -171,7 +174,8 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
         swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
     edges = edge_error(balances, cart)
     forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + edges**2 + swung**2)
-    return standing(balances, cart), np.hypot(own, _turned(balances, cart, levers)), forms
+    dry = np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + turning_back(balances, cart) ** 2)
+    return standing(balances, cart), dry, forms
 
 
 def _swinging(balances: Balances) -> Array:
@@ -336,14 +340,19 @@ def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Ar
 
 def _memory(parts: Sequence[tuple[Whitening, Array]]) -> Array:
     """How much of a row's noise the next one still has (c,): by how much differences of rows two apart are larger than
-    those of neighbours. What is slow, as what a model lacks is, hardly tells in either."""
+    those of neighbours, most of the time. What is slow, as what a model lacks is, hardly tells in either."""
     white = [(whiten(left), whiten.linked) for whiten, left in parts]
     near = np.concatenate([np.diff(rows, axis=0)[linked[1:]] for rows, linked in white])
     far = np.concatenate([(rows[2:] - rows[:-2])[linked[2:] & linked[1:-1]] for rows, linked in white])
     if not len(far):
         return np.zeros(white[0][0].shape[1])
-    ratio = (far**2).mean(axis=0) / np.maximum((near**2).mean(axis=0), 1e-300)
-    return np.asarray(np.clip(ratio - 1.0, 0.0, 1.0))
+    return np.asarray(np.clip(_usual(far) / np.maximum(_usual(near), 1e-300) - 1.0, 0.0, 1.0))
+
+
+def _usual(differences: Array) -> Array:
+    """Mean squares (c,), of which the few that are large count as little more than usual (Huber)."""
+    sizes = np.abs(differences)
+    return np.asarray((np.minimum(sizes, HUBER * MAD_TO_STD * np.median(sizes, axis=0)) ** 2).mean(axis=0))
 
 
 def _root_of(surplus: Callable[[Array], Array], low: Array, high: Array) -> Array:

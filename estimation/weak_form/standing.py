@@ -22,8 +22,7 @@ MOMENT = 0.3
 
 
 def standing(balances: Balances, cart: CartModel) -> Array:
-    """What holds a cart that stands for longer than a moment (n, f): anything may. One that only turns back is held by
-    its drags alone, of which nobody sees when exactly they change their sign."""
+    """What holds a cart that stands for longer than a moment (n, f): anything may."""
     motion = balances.motion
     edges = np.flatnonzero(np.diff(np.r_[False, balances.turning_speed < balances.still_speed, False].astype(int)))
     found = np.zeros((len(motion.time), cart.constraints.n_free))
@@ -32,8 +31,13 @@ def standing(balances: Balances, cart: CartModel) -> Array:
     for first, last in edges.reshape(-1, 2):
         if (last - first) * motion.step > MOMENT:
             found[first:last] = size
+    return found
+
+
+def turning_back(balances: Balances, cart: CartModel) -> Array:
+    """What drags may be off by (n, f) where a cart turns back: nobody sees when exactly they change their sign."""
+    motion, free = balances.motion, cart.constraints.n_free
     unseen = np.abs(motion.acceleration[:, 0]) * KNOT_STEPS * motion.step / 2 + motion.rate_std[:2].max()
     turning = np.exp(-((motion.velocity[:, 0] / np.maximum(unseen, LEAST_SPEED)) ** 2))
-    free = found.shape[1]
     levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
-    return np.asarray(np.hypot(found, FRICTION * G * cart.inertia.mass * turning[:, None] * levers))
+    return np.asarray(FRICTION * G * cart.inertia.mass * turning[:, None] * levers)

@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.certainty import Certainty
 from estimation.discrepancy.course import Course
-from estimation.discrepancy.laws import Scan, smooth_laws
+from estimation.discrepancy.laws import Place, Scan, smooth_laws
 from estimation.discrepancy.model import Model
 from estimation.discrepancy.search import worth
 from estimation.weak_form.balances import Balances
@@ -27,12 +27,15 @@ TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
 CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
 
 
-def resisted(force, seed, duration):
-    """A log in which a cart was resisted by `force(time, truth)`; truth (n, 5) is (x, y, heading, speed, yaw rate)."""
+def resisted(force, seed, duration, moment=lambda time, truth: 0.0):
+    """A log in which a cart was resisted by `force(time, truth)` at {b}'s origin and a `moment`, against which the hand
+    pushed and turned; truth (n, 5) is (x, y, heading, speed, yaw rate)."""
     log, truth = simulate(TRUTH, seed, duration, noise=(0.0005, 0.005, 1.0))
     ((name, arm),) = log.arms.items()
     wrench = arm.wrench.copy()
-    wrench[:, 0] += force(log.time, truth)
+    more = force(log.time, truth)
+    wrench[:, 0] += more
+    wrench[:, 5] += arm.contact[:, 1] * more + moment(log.time, truth)
     return replace(log, arms={name: ArmLog(arm.contact, wrench)})
 
 
@@ -95,8 +98,15 @@ def test_seams_across_the_floor_are_found_by_their_distance():
 
 
 def test_a_floor_that_slopes_has_its_name():
-    """A force once round with the heading; recorded as what resists, 4 N of 24 kg uphill along y."""
-    found = diagnose(resisted(lambda time, truth: 4.0 * np.sin(truth[:, 2]), 3, 40.0), CART)
+    """A force once round with the heading, at the CoM; recorded as what resists, 4 N of 24 kg uphill along y."""
+
+    def force(time, truth):
+        return 4.0 * np.sin(truth[:, 2])
+
+    def moment(time, truth):
+        return 4.0 * (0.28 * np.cos(truth[:, 2]) - 0.06 * np.sin(truth[:, 2]))
+
+    found = diagnose(resisted(force, 3, 40.0, moment), CART)
     assert [effect.name for effect in found.effects] == ["floor_slope"]
     assert found.effects[0].parameters["grade_y"][0] == pytest.approx(4.0 / (24.0 * 9.81), rel=0.1)
 
@@ -131,7 +141,7 @@ def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
     place = np.column_stack([way * np.cos(heading), way * np.sin(heading)])
     course = Course(time, way, np.abs(way), heading, np.gradient(way), np.zeros(2001), place, np.abs(way))
     pull = random.standard_normal((2001, 2))
-    scan = Scan(variable, "", False, lever, np.arange(0.5, 4.0, 0.4 / 20.0))
+    scan = Scan(variable, "", Place(lever=lever, is_wheel=True), np.arange(0.5, 4.0, 0.4 / 20.0))
     weight = pull[:, 0] - lever * pull[:, 1]
     weight = weight * (np.cos(heading) if variable == "x" else 1.0)
     phase = 2j * np.pi * (getattr(course, variable) - lever * heading)

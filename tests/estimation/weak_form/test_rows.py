@@ -96,11 +96,12 @@ def test_rows_tell_how_wrong_friction_is_near_standstill(balances, true):
 
 @pytest.mark.parametrize("true", [0.0, 0.2, 0.4])
 def test_rows_tell_what_neighbours_share(balances, true):
-    """In the mean of eight logs, with a slow force beside, as a model lacks one, three times as large as the noise."""
+    """In the mean of eight logs of 200 rows, each told to 0.1 and never below nought, with a slow force beside, as a
+    model lacks one, three times as large as the noise."""
     slow = 3.0 * np.sin(balances.time)[:, None] * [0.3, 0.1, 0.0]
     draws = [noise_of(balances, np.array([2.0, 0.6]), 0.02, 0.02, true, seed) for seed in range(8)]
     found = np.array([excess_noise([(errors, left + slow)], 0.0)[3][:2] for left, errors in draws])
-    assert found.mean(axis=0) == pytest.approx(true, abs=0.08)
+    assert found.mean(axis=0) == pytest.approx(true, abs=0.12)
 
 
 def test_a_force_at_a_lever_is_no_second_witness():
