@@ -8,7 +8,11 @@ from .constants import Constant, Group
 C = Group.WORKS_OUT
 
 REASONS: dict[str, dict[str, str]] = {
-    "weak_form.balances": {"CHUNK": "memory", "SUPPORT": "of a cubic B-spline", "RIM": "beyond it a soft edge is nought"},
+    "weak_form.balances": {
+        "CHUNK": "memory",
+        "SUPPORT": "of a cubic B-spline",
+        "RIM": "beyond it a soft edge is nought",
+    },
     "weak_form.band": {
         "ROW_STEPS": "grid of bands",
         "FEWEST": "rows, to be solvable",

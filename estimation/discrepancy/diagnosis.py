@@ -22,7 +22,7 @@ from ..impacts import Impact, impacts
 from ..sensor_check import check_sizes, of_wrenches, put_right
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, consistent, is_narrower
-from ..weak_form.rows import independent, wrench_covariance
+from ..weak_form.rows import wrench_noise
 from .certainty import Certainty
 from .clock_offset import clock_offsets
 from .flights import flights, unbroken
@@ -125,8 +125,8 @@ class Diagnosis:
     def _is_noisy(self) -> bool:
         """Whether rows scatter more than the sensors' noise makes them."""
         f = self.final.cart.constraints.n_free
-        variances = [independent(wrench_covariance(balances, self.final.cart))[1] for balances in self.final.logs]
-        return bool((self.final.noise.excess[:f] > BEYOND_NOISE * np.sqrt(np.max(variances, axis=0))).any())
+        sensors = np.max([wrench_noise(balances, self.final.cart) for balances in self.final.logs], axis=0)
+        return bool((self.final.noise.excess[:f] > BEYOND_NOISE * sensors).any())
 
     @cached_property
     def is_moved(self) -> bool:

@@ -98,7 +98,7 @@ class RowNoise:
     memory: Array
 
     def whitenings(self, logs: Sequence[Balances], compares: bool = False) -> tuple[Whitening, ...]:
-        return tuple(self.whitening(Errors.of(balances, self.cart), compares) for balances in logs)
+        return tuple(self.whitening(Errors.of(balances, self.cart, compares), compares) for balances in logs)
 
     def whitening(self, errors: Errors, compares: bool) -> Whitening:
         return errors.whitening(self.excess, self.form, self.friction, self.memory if compares else None)
@@ -107,9 +107,9 @@ class RowNoise:
 @dataclass(frozen=True, eq=False)
 class Model:
     """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
-    follow and no effect of the vocabulary makes. Rows are told apart from what neighbours share where models are
-    compared; to fit one they are not, for that would weigh what changes fast, which models know least, and the
-    deviations of a fit allow for it (`certainty.py`)."""
+    follow and no effect of the vocabulary makes. Where models are compared, rows are told apart from what neighbours
+    and balances share. To fit one they are not: that would weigh what changes fast, which models know least, and hand
+    what is missing in one balance to another; the deviations of a fit allow for it (`certainty.py`)."""
 
     guess: CartModel
     cart: CartModel
@@ -155,7 +155,7 @@ class Model:
         """On rows whose noise is what this model leaves."""
         left, parts, at = self.left, [], 0
         for balances in self.logs:
-            parts.append((Errors.of(balances, self.cart), left[at : at + len(balances.used)]))
+            parts.append((Errors.of(balances, self.cart, self.compares), left[at : at + len(balances.used)]))
             at += len(balances.used)
         noise = RowNoise(self.cart, *excess_noise(parts, float(self.rows.shape[2] - 1)))
         whitenings = tuple(noise.whitening(errors, self.compares) for errors, _ in parts)

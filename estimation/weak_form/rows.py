@@ -110,10 +110,12 @@ class Errors:
     forms: Array
 
     @classmethod
-    def of(cls, balances: Balances, cart: CartModel) -> Errors:
-        """`cart` tells how much of the motion's noise a balance takes in."""
+    def of(cls, balances: Balances, cart: CartModel, is_mixed: bool = False) -> Errors:
+        """`cart` tells how much of the motion's noise a balance takes in. Balances that are not mixed are believed to
+        be independent."""
         moved, order = motion_noise(balances, cart)
-        mix, variance = independent(wrench_covariance(balances, cart))
+        covariance = wrench_covariance(balances, cart)
+        mix, variance = independent(covariance if is_mixed else np.diag(np.diagonal(covariance)))
         densities: list[tuple[tuple[float, int], ...]] = [
             ((float(force), 0), (float(own), order))
             for force, own in zip(np.sqrt(variance), _alongside(moved, mix), strict=True)

@@ -46,12 +46,15 @@ def certain(force, seed):
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_times_are_known_as_well_as_they_are_said_to_be(seed):
-    """Faint ones less well; of strong ones, the form of their rise says how well."""
+    """Faint ones less well; of strong ones, the form of their rise says how well. Errors in deviations of three pushes
+    are of chi² with three degrees: 16.3 in 999 of 1000."""
     sure, strong, vague = (certain(force, seed) for force in (40.0, 6.0, 3.0))
-    for found in (sure, strong, vague):
-        push = found.cart.effects[-1]
-        assert abs(push.start - START) < 3 * found.settings["external_push.start"]
-        assert abs(push.duration - DURATION) < 3 * found.settings["external_push.duration"]
+    for name, true in (("start", START), ("duration", DURATION)):
+        errors = [
+            (getattr(found.cart.effects[-1], name) - true) / found.settings[f"external_push.{name}"]
+            for found in (sure, strong, vague)
+        ]
+        assert np.square(errors).sum() < 16.3
     assert abs(sure.cart.effects[-1].start - START) < 0.05
     assert sure.settings["external_push.start"] < vague.settings["external_push.start"]
 
