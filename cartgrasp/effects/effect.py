@@ -208,6 +208,9 @@ class ForceEffect(Effect):
         """How far (k,) the true memory may be from the first; in proportion to it, what is believed of it fades."""
         return np.full(len(self.memory_names(wheels)), USUAL_SPREAD)
 
+    memory_is_seen: ClassVar[bool] = False
+    """Whether the motion alone tells its memory, such as a way; else it may be another than it is believed to be."""
+
     @abstractmethod
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         """The wrench (..., 3) it applies to the cart, with partials."""

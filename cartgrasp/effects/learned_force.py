@@ -91,6 +91,7 @@ class LearnedForce(CompiledForce):
     )
     signature: ClassVar[str] = "a force that one variable foretells, whatever makes it"
     searched: ClassVar[bool] = False
+    memory_is_seen: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if self.of == "pushed_force":

@@ -9,7 +9,7 @@ from cartgrasp.frames import Array
 
 from .jit import compiled
 from .situation import Own, Parts, Situation, Twist
-from .smooth import smooth_ramp, smooth_sign
+from .smooth import smooth_ramp, smooth_sign, smooth_step
 
 FORWARD_FORCE, LATERAL_FORCE, YAW_MOMENT, DRAG, WORLD_FORCE = range(5)
 """What a law acts on."""
@@ -53,13 +53,12 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
     rate, by_speed = speed, 1.0
     if own.constants[OF] == SINCE_REVERSAL:
         turn = own.constants[TURN]
-        sign, bend = smooth_sign(speed, at.smoothing_speed)
-        back, back_slope = smooth_ramp(-way, turn)
-        ahead, ahead_slope = smooth_ramp(way, turn)
-        pull = ((1.0 + sign) * back + (1.0 - sign) * ahead) / (2.0 * turn)
-        rate, by_speed = speed * (1.0 + pull), 1.0 + pull + speed * bend * (back - ahead) / (2.0 * turn)
-        slope = (1.0 - sign) * ahead_slope - (1.0 + sign) * back_slope
-        out.by_memory[0, 0] += speed * slope / (2.0 * turn)
+        forward, bend = smooth_step(speed, at.smoothing_speed)
+        below, below_slope = smooth_ramp(-way, turn)
+        above, above_slope = smooth_ramp(way, turn)
+        pull = (forward * below + (1.0 - forward) * above) / turn
+        rate, by_speed = speed * (1.0 + pull), 1.0 + pull + speed * bend * (below - above) / turn
+        out.by_memory[0, 0] += speed * ((1.0 - forward) * above_slope - forward * below_slope) / turn
     out.value[0] += rate
     out.by_velocity[0, 0] += by_speed
     out.by_velocity[0, 2] -= lever * by_speed
