@@ -55,7 +55,9 @@ TURN = 0.01
 """m: a reversal is told within some of it."""
 LONG_AGO = 2.0
 """m: of a reversal that was before the cart came to be looked at."""
-MOST_HARMONIC = 100.0
+MOST_HARMONIC, MOST_AMPLITUDES = 100.0, 400
+LEAST = 1e-6
+"""Of a period, and of a gap between knots, in the variable's unit."""
 
 
 @final
@@ -117,7 +119,7 @@ class LearnedForce(CompiledForce):
         tests = (
             ("lever", not at_wheel, "only a forward_force or a drag has one"),
             ("direction", self.acts_on != "world_force" and not along, "only a world_force or a way along it has one"),
-            ("period", self.period < 0, f"{self.period:g} is negative"),
+            ("period", self.period < LEAST, f"{self.period:g} is below {LEAST:g}"),
             ("period", self.of == "heading", "a heading repeats every turn; leave it out"),
             ("knots", bool(self.cycle), "what repeats has harmonics; leave them out"),
             ("harmonics", not self.cycle, "only what repeats has some; give a period"),
@@ -128,6 +130,9 @@ class LearnedForce(CompiledForce):
             ),
             ("knots_y", self.of != "place" or len(self.knots) < 2, "only a place with knots along x has some"),
             ("knots_y", len(self.knots_y) < 2, "two are needed"),
+            ("knots", _shortest(self.knots) < LEAST, f"two stand closer than {LEAST:g}"),
+            ("knots_y", _shortest(self.knots_y) < LEAST, f"two stand closer than {LEAST:g}"),
+            ("knots", len(self._names()) > MOST_AMPLITUDES, f"more than {MOST_AMPLITUDES} amplitudes"),
         )
         return [(name, why) for name, is_wrong, why in tests if name in given and is_wrong]
 
@@ -162,7 +167,8 @@ class LearnedForce(CompiledForce):
         lists = self.harmonics if self.cycle else (*x, *y)
         count = len(self.harmonics if self.cycle else x)
         form = ACTS_ON.index(self.acts_on), OF.index(self.of), self.direction, self.lever, self.cycle
-        return (*map(float, form), _rounded(x), _rounded(y), TURN, float(count), *lists)
+        rounded = ROUNDED * _shortest(x), ROUNDED * _shortest(y)
+        return (*map(float, form), *rounded, TURN, float(count), *lists)
 
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
         return (f"{self.key}.way",) if self.of in WAYS else ()
@@ -179,6 +185,6 @@ def _is_harmonic(k: float) -> bool:
     return k == int(k) and 1 <= k <= MOST_HARMONIC
 
 
-def _rounded(knots: tuple[float, ...]) -> float:
-    """How far corners are rounded to either side."""
-    return ROUNDED * min((b - a for a, b in pairwise(knots)), default=1.0)
+def _shortest(knots: tuple[float, ...]) -> float:
+    """Gap between two; 1 where there are none."""
+    return min((b - a for a, b in pairwise(knots)), default=1.0)

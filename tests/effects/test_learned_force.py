@@ -325,7 +325,7 @@ REFUSED = {
     "acts_on: drag\n    of: time\n    knots: [1, b]": "8:16: effects.learned_force.knots.1: 'b' is not a number",
     "acts_on: drag\n    of: time\n    knots: 3": "8:5: effects.learned_force.knots: 3 is not a list of numbers",
     "acts_on: drag\n    of: time\n    period: .nan": "8:5: effects.learned_force.period: nan is not a finite number",
-    "acts_on: drag\n    of: time\n    period: -1": "8:5: effects.learned_force.period: -1 is negative",
+    "acts_on: drag\n    of: time\n    period: -1": "8:5: effects.learned_force.period: -1 is below 1e-06",
     "acts_on: drag\n    of: time\n    period: 2\n    cos_2: 1": "9:5: .*cos_2: unknown parameter; did you mean cos_1",
     "acts_on: drag\n    of: time\n    period: 2\n    knots: [1, 2]": "9:5: .*knots: what repeats has harmonics",
     "acts_on: drag\n    of: heading\n    period: 2": "8:5: .*period: a heading repeats every turn",
@@ -336,6 +336,7 @@ REFUSED = {
     "acts_on: drag\n    of: time\n    direction: 1": "8:5: .*direction: only a world_force or a way along it",
     "acts_on: drag\n    of: time\n    knots_y: [1, 2]": "8:5: .*knots_y: only a place with knots along x",
     "acts_on: drag\n    of: place\n    knots: [1, 2]\n    knots_y: [1]": "9:5: .*knots_y: two are needed",
+    "acts_on: drag\n    of: time\n    knots: [0, 1e-9]": "8:5: .*knots: two stand closer than 1e-06",
     "acts_on: drag\n    of: time\n    value_1: many": "8:5: .*value_1: 'many' is not a number",
 }
 
@@ -344,6 +345,16 @@ REFUSED = {
 def test_mistakes_are_refused_with_their_place(entry):
     with pytest.raises(FileError, match=f"^cart.yaml:{REFUSED[entry]}"):
         cart_from_text(HEAD + entry + "\n")
+
+
+def test_a_law_may_not_have_hundreds_of_amplitudes():
+    with pytest.raises(UsageError, match=r"^learned_force\.knots: more than 400 amplitudes"):
+        LearnedForce("drag", "place", knots=range(21), knots_y=range(20))
+
+
+def test_a_law_whose_label_is_heading_has_no_caster():
+    law = LearnedForce("forward_force", "travelled_distance", period=1.0, label="heading")
+    assert ModelPlant(cart_with(law)).caster_headings is None
 
 
 def test_python_is_told_the_same():
