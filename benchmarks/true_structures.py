@@ -41,7 +41,8 @@ def refit_all(folder: Path) -> int:
 def refitted(folder: Path, truth: Mapping[str, Any]) -> dict[str, Any]:
     log, cart = read_log(folder / "run.csv"), load_cart(folder / "cart.yaml")
     found = refit([log], cart, [effect_of(one, tuple(log.arms)) for one in truth["effects"]])
-    effects = {e.key: dict(zip(e.field_names(), e.values.tolist(), strict=True)) for e in found.cart.effects}
+    names = {e.key: [p.name for p in e.parameters] for e in found.cart.effects}
+    effects = {e.key: dict(zip(names[e.key], e.values.tolist(), strict=True)) for e in found.cart.effects}
     return {"gap": found.gap, "effects": effects}
 
 

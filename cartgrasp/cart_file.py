@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from .constraints import RollingConstraints
 from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh
-from .errors import CartgraspError, FileError
+from .effects.effect import Setting
+from .errors import CartgraspError, FileError, SettingError
 from .first_guess import PHYSICAL_NAMES, FirstGuess
 from .inertia import Inertia
 from .model import CartModel
@@ -208,19 +210,46 @@ def _labels(values: Mapping[Any, Any]) -> list[Any]:
 
 
 def _effect(kind: type[Effect], label: str, numbers: Mapping[str, Any], where: Location, refuse: Any) -> Effect:
-    known = {p.name: p for p in kind.parameters}
+    try:
+        effect = kind(label=label, **_settings(kind.settings, numbers, where, refuse))
+    except SettingError as error:
+        raise refuse([*where, error.name], error.why) from error
+    known = {p.name: i for i, p in enumerate(effect.parameters)}
+    settings, values = [setting.name for setting in kind.settings], effect.values.copy()
     for key, value in numbers.items():
+        if key in settings:
+            continue
         if key not in known:
-            raise refuse([*where, key], f"unknown parameter{did_you_mean(str(key), known)}")
-        number = _number(value, [*where, key], refuse)
-        parameter = known[key]
+            raise refuse([*where, key], f"unknown parameter{did_you_mean(str(key), [*settings, *known])}")
+        number, parameter = _number(value, [*where, key], refuse), effect.parameters[known[key]]
         if not parameter.lower <= number <= parameter.upper:
             low, high = f"{parameter.lower:g}", f"{parameter.upper:g}"
             raise refuse([*where, key], f"{number:g} {parameter.unit} is outside [{low}, {high}]")
+        values[known[key]] = number
     try:
-        return kind(**{k: float(v) for k, v in numbers.items()}, label=label)
+        return effect.with_values(values)
     except CartgraspError as error:
         raise refuse(where, str(error)) from error
+
+
+def _settings(settings: Sequence[Setting], entries: Mapping[str, Any], where: Location, refuse: Any) -> dict[str, Any]:
+    """Those that stand in an effect's entries; which words it has must stand there."""
+    found: dict[str, Any] = {}
+    for setting in settings:
+        place = [*where, setting.name]
+        if setting.name not in entries:
+            if setting.words:
+                raise refuse(place, f"is missing; add one of {', '.join(setting.words)}")
+            continue
+        value = entries[setting.name]
+        if setting.is_list:
+            if not isinstance(value, list):
+                raise refuse(place, f"{value!r} is not a list of numbers")
+            value = tuple(_number(number, [*place, i], refuse) for i, number in enumerate(value))
+        elif not setting.words:
+            value = _number(value, place, refuse)
+        found[setting.name] = value
+    return found
 
 
 def _number(value: Any, where: Location, refuse: Any) -> float:
@@ -255,14 +284,23 @@ def _entries(cart: CartModel) -> dict[str, Any]:
     effects: dict[str, Any] = {}
     for effect in cart.effects:
         numbers = {p.name: float(v) for p, v in zip(effect.parameters, effect.values, strict=True)}
+        entry = _setting_entries(effect) | numbers
         own = effects.setdefault(effect.name, {})
-        own.update({effect.label: numbers} if effect.label else numbers)
+        own.update({effect.label: entry} if effect.label else entry)
     entries["effects"] = effects
     if cart.first_guess.std:
         entries["std"] = dict(cart.first_guess.std)
     if cart.first_guess.known:
         entries["known"] = list(cart.first_guess.known)
     return entries
+
+
+def _setting_entries(effect: Effect) -> dict[str, Any]:
+    """Words, and what is not as it would be unless given."""
+    usual = {item.name: item.default for item in fields(effect)}
+    values = {setting: getattr(effect, setting.name) for setting in effect.settings}
+    given = {s: value for s, value in values.items() if s.words or value != usual[s.name]}
+    return {s.name: list(value) if s.is_list else value for s, value in given.items()}
 
 
 def _wheel_entry(wheel: Wheel) -> dict[str, Any]:

@@ -151,6 +151,13 @@ class CartStructure(ABC):
         return np.concatenate([np.zeros(0), *spreads])
 
     @SharedProperty
+    def memory_is_seen(self) -> Array:
+        """Of which memories (k,) the motion alone tells."""
+        return np.array(
+            [e.memory_is_seen for e, _, own in self.force_effects for _ in range(own.start, own.stop)], bool
+        )
+
+    @SharedProperty
     def state_names(self) -> tuple[str, ...]:
         return ("x", "y", "theta", *self.constraints.velocity_names, *self.memory_names)
 

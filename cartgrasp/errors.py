@@ -46,6 +46,14 @@ class FileError(UsageError):
         super().__init__(": ".join(part for part in (str(place), key, why) if part))
 
 
+class SettingError(UsageError):
+    """A setting of something that has a key, such as an effect: `key.name: why`."""
+
+    def __init__(self, key: str, name: str, why: str) -> None:
+        self.name, self.why = name, why
+        super().__init__(f"{key}.{name}: {why}")
+
+
 class LogError(DataError):
     """A log with something that can't be accepted: `file:line: column: why`."""
 

@@ -14,10 +14,12 @@ if TYPE_CHECKING:
 
 
 class Motion(NamedTuple):
-    """Pose (..., 3) of {b} in {s} and free velocities nu (..., n_free) of the cart."""
+    """Pose (..., 3) of {b} in {s} and free velocities nu (..., n_free) of the cart; and, where somebody follows it,
+    what its effects remember (..., k)."""
 
     pose_sb: Array
     velocity: Array
+    memory: Array | None = None
 
 
 @dataclass(frozen=True)

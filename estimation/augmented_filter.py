@@ -141,7 +141,8 @@ class AugmentedFilter:
 
     def estimate(self) -> Estimate:
         mean, part = self.belief.mean, self.layout.parameters
-        motion = Motion(mean[:3].copy(), mean[self.cart.velocity_slice].copy())
+        cart = self.cart
+        motion = Motion(mean[:3].copy(), mean[cart.velocity_slice].copy(), mean[cart.memory_slice].copy())
         block = self._physical_block
         believed = self.belief.covariance[part, part]
         parameters = as_taught(self._block.report(block, believed), self._watch.health)

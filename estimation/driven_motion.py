@@ -39,7 +39,7 @@ class DrivenMotion:
         self._plan = np.array([n, k, m, len(cart.parameters), len(free), most, *free], np.int64)
         self._block = new_block(self._plan)
         self._now: Driven | None = None
-        self._pose_and_nu = self._block[:3], self._block[self._nu]
+        self._seen = self._block[:3], self._block[self._nu], self._block[cart.memory_slice]
         self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
         self.now.health[:] = no_health()
@@ -78,7 +78,7 @@ class DrivenMotion:
     def copy(self) -> Self:
         other = shallow(self)
         other._block, other._now = self._block.copy(), None
-        other._pose_and_nu = other._block[:3], other._block[self._nu]
+        other._seen = other._block[:3], other._block[self._nu], other._block[self.cart.memory_slice]
         return other
 
     def start(self, time: float, pose: Array) -> None:
@@ -100,8 +100,8 @@ class DrivenMotion:
 
     @property
     def motion(self) -> Motion:
-        pose, nu = self._pose_and_nu
-        return Motion(pose.copy(), nu.copy())
+        pose, nu, memory = self._seen
+        return Motion(pose.copy(), nu.copy(), memory.copy())
 
     def learn(self, theta: Array, covariance: Array) -> None:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""

@@ -81,10 +81,13 @@ def build_tracker(constraints: RollingConstraints, gains: Gains | None = None) -
 
 def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration: Array) -> Array:
     """Planar wrench in {b}. Friction is fed forward for the wanted velocity, so that it also breaks away from rest; and
-    what swings, as if it went along."""
+    what swings, as if it went along. Memories that nobody sees are taken to be as at first."""
     wanted = np.where(np.abs(reference.velocity) > STILL, reference.velocity, motion.velocity)
-    state = model.state(motion.pose_sb, motion.velocity)
-    feedforward = model.state(motion.pose_sb, wanted)
+    state, feedforward = (model.state(motion.pose_sb, velocity) for velocity in (motion.velocity, wanted))
+    if motion.memory is not None and len(motion.memory):
+        for each in (state, feedforward):
+            memory = each[model.memory_slice]
+            memory[:] = np.where(model.memory_is_seen, motion.memory, memory)
     reduced = model.required_wrench(state, acceleration, time=reference.time)
     here = model.acting(state, time=reference.time)
     drag = here.wrench_b - model.effect_wrench(feedforward, time=reference.time)

@@ -55,7 +55,7 @@ def _named_at_a_bound(report: Mapping[str, Any]) -> Iterator[str]:
     """Of effects that are told; what is at the value at which it is absent was not moved."""
     for effect in report.get("effects", ()):
         known = KNOWN_EFFECTS.get(effect["name"])
-        for parameter in known.parameters if known else ():
+        for parameter in known().parameters if known else ():
             told = effect["parameters"].get(parameter.name, {})
             value = told.get("value")
             moved = parameter.estimated and value is not None and value != parameter.absent

@@ -12,6 +12,7 @@ from .force_bias import ForceBias
 from .force_misalignment import ForceMisalignment
 from .force_scale import ForceScale
 from .lateral_slip import LateralSlip
+from .learned_force import LearnedForce
 from .load_slosh import LoadSlosh
 from .payload_change import PayloadChange
 from .quadratic_drag import QuadraticDrag
@@ -44,6 +45,7 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         TimeDelay,
         ExternalPush,
         EndStop,
+        LearnedForce,
     )
 }
 
@@ -63,6 +65,7 @@ __all__ = [
     "ForceScale",
     "InertiaEffect",
     "LateralSlip",
+    "LearnedForce",
     "LoadSlosh",
     "Parameter",
     "PayloadChange",

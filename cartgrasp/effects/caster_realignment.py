@@ -48,14 +48,13 @@ class CasterRealignment(CompiledForce):
     stuck_for: ClassVar[float] = 4.0
     signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
 
-    @classmethod
-    def grids(cls, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
+    def grids(self, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
         """Nobody looks for casters that are listed."""
-        return ((),) * len(cls.parameters) if wheels.is_caster.any() else super().grids(wheels)
+        return ((),) * len(self.parameters) if wheels.is_caster.any() else super().grids(wheels)
 
     @property
-    def constant(self) -> float:
-        return SMOOTHING_RATE
+    def constants(self) -> tuple[float, ...]:
+        return (SMOOTHING_RATE,)
 
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
         return tuple(f"{self.key}.heading{i + 1}" for i in range(len(wheels.pivots)))

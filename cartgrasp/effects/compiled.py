@@ -24,9 +24,9 @@ class CompiledForce(ForceEffect):
     """A force effect with a kernel under its name."""
 
     @property
-    def constant(self) -> float:
-        """The one number of the kernel that is no parameter."""
-        return 0.0
+    def constants(self) -> tuple[float, ...]:
+        """The numbers of the kernel that are no parameters."""
+        return ()
 
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         return self._contribution(situation, (memory, parameters), 0)
@@ -60,7 +60,7 @@ class CompiledForce(ForceEffect):
             raise UsageError(f"{self.key}: memory and parameters have {sizes} numbers, but {wanted} are needed")
         state = _joined(situation.pose_sb, situation.velocity_b, memory)
         point = state, situation.time, _joined(situation.phi, parameters)
-        return _dynamics(self.name, self.constant, situation.wheels, sizes), point
+        return _dynamics(self.name, self.constants, situation.wheels, sizes), point
 
 
 class CompiledInertia(InertiaEffect):
@@ -69,19 +69,19 @@ class CompiledInertia(InertiaEffect):
     def phi_change(self, time: Any, parameters: Array) -> Contribution:
         if parameters.shape[-1] != len(self.parameters):
             raise UsageError(f"{self.key}: {parameters.shape[-1]} parameters, but {len(self.parameters)} are needed")
-        dynamics = _dynamics(self.name, 0.0, NO_WHEELS, (0, parameters.shape[-1]))
+        dynamics = _dynamics(self.name, (), NO_WHEELS, (0, parameters.shape[-1]))
         point = np.zeros(6), time, _joined(np.zeros(N_PHI), parameters)
         value, by_parameters, *_ = dynamics.parts(dynamics.sums(point))
         return Contribution(value, by_parameters=by_parameters[..., N_PHI:])
 
 
 @lru_cache(maxsize=256)
-def _dynamics(name: str, constant: float, wheels: WheelSet, sizes: tuple[int, int]) -> CompiledDynamics:
+def _dynamics(name: str, constants: tuple[float, ...], wheels: WheelSet, sizes: tuple[int, int]) -> CompiledDynamics:
     from ..compiled_dynamics import CompiledDynamics
     from ..kernels.workspace import PackedEffect
 
     n_memory, n_parameters = sizes
-    effect = PackedEffect(name, slice(N_PHI, N_PHI + n_parameters), slice(0, n_memory), constant)
+    effect = PackedEffect(name, slice(N_PHI, N_PHI + n_parameters), slice(0, n_memory), constants)
     return CompiledDynamics([effect], wheels, np.eye(3), (n_memory, N_PHI + n_parameters), SMOOTHING_SPEED)
 
 

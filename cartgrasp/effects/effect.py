@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..constraints import RollingConstraints
-from ..errors import UsageError
+from ..errors import SettingError, UsageError
 from ..frames import Array
 from ..wheels import WheelSet
 
@@ -45,6 +46,28 @@ class Parameter:
     absent: float = 0.0
     estimated: bool = True
     grid: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A field of an effect that is no parameter, but says of what form it is: one of some `words`, a finite number, or
+    a list of such, which increase."""
+
+    name: str
+    words: tuple[str, ...] = ()
+    is_list: bool = False
+
+    def check(self, key: str, value: Any) -> None:
+        """Refuses what the effect called `key` can't have."""
+        if self.words:
+            if value not in self.words:
+                raise SettingError(key, self.name, f"{value!r} is none of {', '.join(self.words)}")
+            return
+        numbers = value if self.is_list else (value,)
+        if not all(math.isfinite(number) for number in numbers):
+            raise SettingError(key, self.name, f"{value} is not finite")
+        if any(b <= a for a, b in pairwise(numbers)):
+            raise SettingError(key, self.name, f"{list(value)} does not increase")
 
 
 class Gate(Enum):
@@ -106,22 +129,27 @@ class Contribution:
 
 @dataclass(frozen=True, kw_only=True)
 class Effect(ABC):
-    """Base of all. Fields named in `parameters` are the values; `label` tells several of one kind apart
-    (for a sensor effect it names the arm; empty: every arm)."""
+    """Base of all. Fields named in `parameters` are the values, those in `settings` say of what form it is; `label`
+    tells several of one kind apart (for a sensor effect it names the arm; empty: every arm). At its defaults an effect
+    is absent."""
 
     label: str = field(default="", kw_only=True)
 
     name: ClassVar[str]
-    parameters: ClassVar[tuple[Parameter, ...]]
+    settings: ClassVar[tuple[Setting, ...]] = ()
     signature: ClassVar[str]
     ordered: ClassVar[tuple[tuple[str, str], ...]] = ()
     gate: ClassVar[Gate] = Gate.ALWAYS
     searched: ClassVar[bool] = True
     """Whether a search in balances of forces offers it; else it is found by other means."""
 
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What it has numbers for; the same for all of a class, unless settings say which."""
+
     def __post_init__(self) -> None:
-        for parameter in self.parameters:
-            value = getattr(self, parameter.name)
+        for parameter, value in zip(self.parameters, self.values.tolist(), strict=True):
             if not math.isfinite(value):
                 raise UsageError(f"{self.key}.{parameter.name}: {value} is not a finite number")
             if not parameter.lower <= value <= parameter.upper:
@@ -147,10 +175,9 @@ class Effect(ABC):
     def values(self) -> Array:
         return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
 
-    @classmethod
-    def grids(cls, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
+    def grids(self, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
         """Of each parameter, where a search begins on a cart with these wheels; empty where there is none."""
-        return tuple(parameter.grid for parameter in cls.parameters)
+        return tuple(parameter.grid for parameter in self.parameters)
 
     @property
     def lateness(self) -> float:
@@ -164,10 +191,6 @@ class Effect(ABC):
             for p, value in zip(self.parameters, np.asarray(values, dtype=float).tolist(), strict=True)
         }
         return replace(self, **clipped)
-
-    @classmethod
-    def field_names(cls) -> tuple[str, ...]:
-        return tuple(f.name for f in fields(cls) if f.name != "label")
 
 
 class ForceEffect(Effect):
@@ -184,6 +207,9 @@ class ForceEffect(Effect):
     def memory_spread(self, wheels: WheelSet) -> Array:
         """How far (k,) the true memory may be from the first; in proportion to it, what is believed of it fades."""
         return np.full(len(self.memory_names(wheels)), USUAL_SPREAD)
+
+    memory_is_seen: ClassVar[bool] = False
+    """Whether the motion alone tells its memory, such as a way; else it may be another than it is believed to be."""
 
     @abstractmethod
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:

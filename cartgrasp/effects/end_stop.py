@@ -54,8 +54,8 @@ class EndStop(CompiledForce):
     searched: ClassVar[bool] = False
 
     @property
-    def constant(self) -> float:
-        return EDGE
+    def constants(self) -> tuple[float, ...]:
+        return (EDGE,)
 
     @property
     def wall(self) -> Wall | None:

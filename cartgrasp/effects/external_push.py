@@ -38,5 +38,5 @@ class ExternalPush(CompiledForce):
     signature: ClassVar[str] = "a force and moment within one short time, whatever the motion"
 
     @property
-    def constant(self) -> float:
-        return RISE
+    def constants(self) -> tuple[float, ...]:
+        return (RISE,)

@@ -43,5 +43,5 @@ class FloorPatch(CompiledForce):
     ordered: ClassVar[tuple[tuple[str, str], ...]] = (("x_min", "x_max"), ("y_min", "y_max"))
 
     @property
-    def constant(self) -> float:
-        return EDGE
+    def constants(self) -> tuple[float, ...]:
+        return (EDGE,)

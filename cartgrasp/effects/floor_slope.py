@@ -33,5 +33,5 @@ class FloorSlope(CompiledForce):
     signature: ClassVar[str] = "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
 
     @property
-    def constant(self) -> float:
-        return GRAVITY
+    def constants(self) -> tuple[float, ...]:
+        return (GRAVITY,)

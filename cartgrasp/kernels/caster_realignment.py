@@ -18,7 +18,7 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
     for k in range(len(own.memory)):
         trail = _trail(at, own, k)
         rate, by_velocity, by_heading, by_trail, by_x = _swivel(at, own, k)
-        slip, slope = smooth_sign(rate, own.constant)
+        slip, slope = smooth_sign(rate, own.constants[0])
         strength = -torque / trail * slip
         by_rate = -torque / trail * slope
         side, turned = _side(at, own, k)
@@ -53,7 +53,7 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
 def stiction(at: Situation, own: Own, columns: Array) -> int:
     for k in range(len(own.memory)):
         trail, rate = _trail(at, own, k), _swivel(at, own, k)[0]
-        slip, _ = smooth_sign(rate, own.constant)
+        slip, _ = smooth_sign(rate, own.constants[0])
         side, _ = _side(at, own, k)
         for i in range(3):
             columns[k, i] = own.parameters[0] / trail * (1.0 - slip * slip) * side[i]

@@ -201,7 +201,7 @@ def situation(m: Workspace, point: Point, twist: Twist) -> Situation:
         m.phi_by_parameters[c, c] += 1.0
     for e in range(len(m.effects)):
         kind, first, last = m.effects[e, 0], m.effects[e, 1], m.effects[e, 2]
-        own = Own(point.state[:0], point.parameters[first:last], m.constants[e])
+        own = Own(point.state[:0], point.parameters[first:last], m.constants[:0])
         add_phi_change(kind, point.time, own, m.phi, m.phi_by_parameters[:, first:last])
     carry(m.wheels, m.phi, m.gravity, (m.loads, m.carried, m.standing))
     return _carried(m, point, twist)
@@ -226,7 +226,7 @@ def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
     """Fills the sums of wrenches and of the memory's rate."""
     for e in range(len(m.effects)):
         kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
-        own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+        own = own_of(m, e, point)
         add_wrench(kind, at, own, _parts(m.wrench, m.effects[e], len(m.memory_rate)))
         if end > begin:
             add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
@@ -256,7 +256,7 @@ def sum_memory_rates(m: Workspace, point: Point, at: Situation) -> None:
     for e in range(len(m.effects)):
         kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
         if end > begin:
-            own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+            own = own_of(m, e, point)
             add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
 
 
@@ -268,7 +268,7 @@ def stictions(m: Workspace, point: Point, columns: Array) -> int:
     columns[:] = 0.0
     stuck = columns.reshape((len(columns) // 3, 3))
     for e in range(len(m.effects)):
-        own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+        own = own_of(m, e, point)
         more = add_stiction(m.effects[e, 0], at, own, stuck[count:])
         for c in range(count, count + more):
             for i in range(3):
@@ -282,14 +282,15 @@ def settle_all(m: Workspace, point: Point, at: Situation, memory: Array) -> None
     """The memory (k,) when it has come to rest."""
     copy(point.state[3 + m.basis.shape[1] :], memory)
     for e in range(len(m.effects)):
-        own = own_of(m.effects[e], m.constants[e], point, m.basis.shape[1])
+        own = own_of(m, e, point)
         settle(m.effects[e, 0], at, own, memory[m.effects[e, 3] : m.effects[e, 4]])
 
 
 @compiled
-def own_of(effect: Ints, constant: float, point: Point, n_free: int) -> Own:
-    memory = point.state[3 + n_free + effect[3] : 3 + n_free + effect[4]]
-    return Own(memory, point.parameters[effect[1] : effect[2]], constant)
+def own_of(m: Workspace, e: int, point: Point) -> Own:
+    effect, first = m.effects[e], 3 + m.basis.shape[1]
+    memory = point.state[first + effect[3] : first + effect[4]]
+    return Own(memory, point.parameters[effect[1] : effect[2]], m.constants[effect[5] : effect[6]])
 
 
 @compiled

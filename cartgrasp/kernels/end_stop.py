@@ -34,7 +34,7 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
 @compiled
 def _push(depth: float, rate: float, own: Own) -> tuple[float, float, float, float, float]:
     """The force (N) against the cart, and its partials by depth, its rate, stiffness and damping."""
-    stiffness, damping, width = own.parameters[3], own.parameters[4], own.constant
+    stiffness, damping, width = own.parameters[3], own.parameters[4], own.constants[0]
     touch, touching = smooth_step(depth, width)
     if touch == 0.0 or (stiffness == 0.0 and damping == 0.0):
         return 0.0, 0.0, 0.0, 0.0, 0.0

@@ -10,8 +10,8 @@ from .smooth import smooth_step
 @compiled
 def wrench(at: Situation, own: Own, out: Parts) -> None:
     since, duration = at.time - own.parameters[0], own.parameters[1]
-    on, on_slope = smooth_step(since, own.constant)
-    off, off_slope = smooth_step(since - duration, own.constant)
+    on, on_slope = smooth_step(since, own.constants[0])
+    off, off_slope = smooth_step(since - duration, own.constants[0])
     for i, k in ((0, 2), (2, 3)):
         strength = own.parameters[k]
         out.value[i] += (on - off) * strength

@@ -47,7 +47,7 @@ def _inside(
     cosine, sine = math.cos(at.pose[2]), math.sin(at.pose[2])
     x = cosine * at.wheels[wheel, 0] - sine * at.wheels[wheel, 1]
     y = sine * at.wheels[wheel, 0] + cosine * at.wheels[wheel, 1]
-    edges, width = own.parameters, own.constant
+    edges, width = own.parameters, own.constants[0]
     left, left_slope = smooth_step(at.pose[0] + x - edges[0], width)
     right, right_slope = smooth_step(edges[1] - at.pose[0] - x, width)
     low, low_slope = smooth_step(at.pose[1] + y - edges[2], width)

@@ -12,7 +12,7 @@ from .situation import Own, Parts, Situation
 
 @compiled
 def wrench(at: Situation, own: Own, out: Parts) -> None:
-    grade_x, grade_y, gravity = own.parameters[0], own.parameters[1], own.constant
+    grade_x, grade_y, gravity = own.parameters[0], own.parameters[1], own.constants[0]
     cosine, sine = math.cos(at.pose[2]), math.sin(at.pose[2])
     pull_x = -gravity * (cosine * grade_x + sine * grade_y)
     pull_y = -gravity * (cosine * grade_y - sine * grade_x)

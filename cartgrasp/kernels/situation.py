@@ -39,11 +39,11 @@ class Situation(NamedTuple):
 
 
 class Own(NamedTuple):
-    """Of one effect: memory (k,), parameters (q,), and the number that its class calls `constant`."""
+    """Of one effect: memory (k,), parameters (q,), and the numbers that it calls `constants`."""
 
     memory: Array
     parameters: Array
-    constant: float
+    constants: Array
 
 
 class Parts(NamedTuple):

@@ -11,6 +11,7 @@ from . import (
     external_push,
     floor_patch,
     floor_slope,
+    learned_force,
     load_slosh,
     payload_change,
     quadratic_drag,
@@ -35,6 +36,7 @@ EXTERNAL_PUSH = 9
 PAYLOAD_CHANGE = 10
 LOAD_SLOSH = 11
 END_STOP = 12
+LEARNED_FORCE = 13
 
 KINDS = {
     "viscous_drag": VISCOUS_DRAG,
@@ -50,6 +52,7 @@ KINDS = {
     "payload_change": PAYLOAD_CHANGE,
     "load_slosh": LOAD_SLOSH,
     "end_stop": END_STOP,
+    "learned_force": LEARNED_FORCE,
 }
 
 
@@ -85,6 +88,8 @@ def add_wrench(kind: int, at: Situation, own: Own, out: Parts) -> None:
         load_slosh.wrench(at, own, out)
     elif kind == END_STOP:
         end_stop.wrench(at, own, out)
+    elif kind == LEARNED_FORCE:
+        learned_force.wrench(at, own, out)
 
 
 @compiled
@@ -93,6 +98,8 @@ def add_memory_rate(kind: int, at: Situation, own: Own, out: Parts) -> None:
         caster_realignment.memory_rate(at, own, out)
     elif kind == LOAD_SLOSH:
         load_slosh.memory_rate(at, own, out)
+    elif kind == LEARNED_FORCE:
+        learned_force.memory_rate(at, own, out)
 
 
 @compiled
@@ -107,6 +114,8 @@ def add_stiction(kind: int, at: Situation, own: Own, columns: Array) -> int:
         return caster_realignment.stiction(at, own, columns)
     if kind == WHEEL_DRAG_IMBALANCE:
         return wheel_drag_imbalance.stiction(at, own, columns)
+    if kind == LEARNED_FORCE:
+        return learned_force.stiction(at, own, columns)
     return 0
 
 

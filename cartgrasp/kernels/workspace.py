@@ -15,7 +15,9 @@ from .jit import Ints, compiled
 from .situation import SWUNG
 from .vocabulary import KINDS
 
-N_SIZES = 6
+N_SIZES = 7
+N_EFFECT = 7
+"""Whole numbers of an effect."""
 N_PHI = 4
 POSE, VELOCITY, PHI, MEMORY = 1, 4, 7, 11
 """Where the partials by each begin in a row of sums, behind the value; those by parameters end it."""
@@ -24,18 +26,18 @@ N_WRENCH = SWUNG + 1
 
 
 class PackedEffect(NamedTuple):
-    """An effect with a kernel: its name, where its parameters and memory begin and end, its constant, and the root of
+    """An effect with a kernel: its name, where its parameters and memory begin and end, its constants, and the root of
     how long its stiction keeps its value (1: told as it is)."""
 
     name: str
     parameters: slice
     memory: slice
-    constant: float
+    constants: tuple[float, ...] = ()
     root: float = 1.0
 
 
 class Workspace(NamedTuple):
-    """`effects` (e, 5): kind, first and last + 1 of the parameters, and of the memory; their `constants` (e,) and the
+    """`effects` (e, 7): kind, first and last + 1 of the parameters, of the memory and of the `constants` (c,); the
     `roots` (e,) of how long their stiction keeps its value; `wheels` (n, 3) and `pivots` (k, 3) as in `Situation`;
     `basis` (3, f).
 
@@ -74,16 +76,16 @@ def pack(
 ) -> tuple[Array, Ints]:
     """`wheels` and pivots; how much memory and how many parameters; gravity and smoothing speed."""
     (table, pivots), (nm, p), nf = wheels, sizes, basis.shape[1]
-    n = 3 + nf + nm
-    ints = np.zeros(N_SIZES + 5 * len(effects), np.int64)
-    ints[:N_SIZES] = len(effects), len(table), len(pivots), nf, nm, p
+    n, constants = 3 + nf + nm, [number for effect in effects for number in effect.constants]
+    ints = np.zeros(N_SIZES + N_EFFECT * len(effects), np.int64)
+    ints[:N_SIZES] = len(effects), len(table), len(pivots), nf, nm, p, len(constants)
+    end = 0
     for effect in effects:
         if effect.name not in KINDS:
             raise UsageError(f"effects: {effect.name} has no kernel; an effect in numpy derives from ForceEffect")
-    for row, effect in zip(ints[N_SIZES:].reshape(-1, 5), effects, strict=True):
-        own, memory = effect.parameters, effect.memory
-        row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop
-    constants = [effect.constant for effect in effects]
+    for row, effect in zip(ints[N_SIZES:].reshape(-1, N_EFFECT), effects, strict=True):
+        own, memory, begin, end = effect.parameters, effect.memory, end, end + len(effect.constants)
+        row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop, begin, end
     roots = [effect.root for effect in effects]
     given = np.concatenate([common, constants, roots, table.ravel(), pivots.ravel(), basis.ravel()])
     room = sums_size(nm, p) + 6 * len(table) + nf * nf + n * (4 + n + 3 + p)
@@ -93,9 +95,9 @@ def pack(
 @compiled
 def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
     """And room (nf² + n (7 + n + p),) for a rate with all partials, and for steps."""
-    ne, nw, nv, nf, nm, p = ints[0], ints[1], ints[2], ints[3], ints[4], ints[5]
+    ne, nw, nv, nf, nm, p, nc = ints[0], ints[1], ints[2], ints[3], ints[4], ints[5], ints[6]
     width = MEMORY + nm + p
-    constants, roots, at = floats[2 : 2 + ne], floats[2 + ne : 2 + 2 * ne], 2 + 2 * ne
+    constants, roots, at = floats[2 : 2 + nc], floats[2 + nc : 2 + nc + ne], 2 + nc + ne
     wheels, at = floats[at : at + 3 * nw].reshape((nw, 3)), at + 3 * nw
     pivots, at = floats[at : at + 3 * nv].reshape((nv, 3)), at + 3 * nv
     basis, at = floats[at : at + 3 * nf].reshape((3, nf)), at + 3 * nf
@@ -108,7 +110,7 @@ def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
     loads, at = floats[at : at + nw], at + nw
     carried, at = floats[at : at + 4 * nw].reshape((nw, 4)), at + 4 * nw
     standing, at = floats[at : at + nw], at + nw
-    effects = ints[N_SIZES:].reshape((ne, 5))
+    effects = ints[N_SIZES:].reshape((ne, N_EFFECT))
     w = Workspace(
         floats[0],
         floats[1],

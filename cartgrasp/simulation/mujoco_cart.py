@@ -1,4 +1,5 @@
-"""A cart as MuJoCo sees it: chassis, fixed wheels, casters with forks, effects as MuJoCo's own mechanisms.
+"""A cart as MuJoCo sees it: chassis, fixed wheels, casters with forks, effects as MuJoCo's own mechanisms; laws, which
+name no mechanism, push from outside (`outer_forces.py`).
 
 The chassis frame is {b}. Each wheel is a sphere that touches the floor in one point, so that it doesn't
 scrub when it turns on the spot; a caster's fork swivels at its pivot and the wheel trails it. Wheels and
@@ -22,7 +23,7 @@ import mujoco
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from ..effects import Effect, PayloadChange, RollingResistance, SensorEffect, ViscousDrag
+from ..effects import Effect, ForceEffect, LearnedForce, PayloadChange, RollingResistance, SensorEffect, ViscousDrag
 from ..effects.caster_realignment import CasterRealignment
 from ..errors import PlantError
 from ..frames import Array
@@ -47,7 +48,7 @@ FRICTION_SOLREF, FRICTION_SOLIMP = (0.002, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.
 
 @dataclass(frozen=True)
 class Mechanisms:
-    """What the effects of a cart come to: damping, friction losses, instants at which mass changes."""
+    """What effects come to: damping, friction losses, instants at which mass changes, pushes from outside."""
 
     linear_damping: float = 0.0
     angular_damping: float = 0.0
@@ -56,6 +57,7 @@ class Mechanisms:
     trail: float = 0.0
     casters_x: float = 0.0
     load_times: tuple[float, ...] = ()
+    outer: tuple[ForceEffect, ...] = ()
 
 
 def _viscous_drag(has: Mechanisms, effect: ViscousDrag) -> Mechanisms:
@@ -78,11 +80,16 @@ def _payload_change(has: Mechanisms, effect: PayloadChange) -> Mechanisms:
     return replace(has, load_times=tuple(sorted({*has.load_times, effect.time})))
 
 
+def _learned_force(has: Mechanisms, effect: LearnedForce) -> Mechanisms:
+    return replace(has, outer=(*has.outer, effect))
+
+
 MECHANISMS: dict[type[Effect], Callable[[Mechanisms, Any], Mechanisms]] = {
     ViscousDrag: _viscous_drag,
     RollingResistance: _rolling_resistance,
     CasterRealignment: _caster_realignment,
     PayloadChange: _payload_change,
+    LearnedForce: _learned_force,
 }
 
 

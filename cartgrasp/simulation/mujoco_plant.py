@@ -24,6 +24,7 @@ from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
 from .mujoco_cart import RADIUS, MujocoCart, check_stands
+from .outer_forces import OuterForces
 
 LARGEST_TILT = np.radians(20.0)
 LIFT, LIFT_TIME = 0.01, 0.5
@@ -33,6 +34,8 @@ CHUNK = 10
 INSTANT = 1e-9
 """s: times closer than this are one."""
 SETTLE_TIME = 0.2
+PLANAR = [0, 1, 5]
+"""Of a spatial wrench."""
 
 
 class MujocoPlant:
@@ -68,6 +71,8 @@ class MujocoPlant:
         if velocity is not None:
             self._set_velocity(cart.basis_b @ np.asarray(velocity, dtype=float), headings)
         mujoco.mj_forward(self._model, self._data)
+        self._pushed = np.zeros(6)
+        self._outer = OuterForces(cart, self._cart.mechanisms.outer, self._whole_motion, 0.0)
 
     # --- what can be seen -----------------------------------------------------------------------------------
 
@@ -77,11 +82,16 @@ class MujocoPlant:
 
     @property
     def motion(self) -> Motion:
+        whole = self._whole_motion
+        return Motion(whole.pose_sb, self._cart.cart.constraints.free_velocity(whole.velocity))
+
+    @property
+    def _whole_motion(self) -> Motion:
+        """With (u, w, r)."""
         place = self._data.qpos[:2] if self._cart.wheels else np.array([self._data.qpos[0], 0.0])
         theta = self._start[2] + self._yaw
         position = self._start[:2] + rotation_planar(self._start[2]) @ place
-        velocity = self._cart.cart.constraints.free_velocity(self.velocity_b)
-        return Motion(np.array([*position, theta]), velocity)
+        return Motion(np.array([*position, theta]), self.velocity_b)
 
     @property
     def velocity_b(self) -> Array:
@@ -125,7 +135,7 @@ class MujocoPlant:
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
         """Pushes for `duration` (s) with wrenches that are held in {b}: they turn with the cart."""
-        self._data.ctrl[:] = _wrench_b(wrenches)
+        self._data.ctrl[:] = self._pushed = _wrench_b(wrenches)
         stop = self._time + duration
         for instant in self._cart.mechanisms.load_times:
             if self._time < instant < stop + INSTANT:
@@ -141,12 +151,20 @@ class MujocoPlant:
             self._model.opt.timestep = gap / left
         while left > 0:
             n = min(left, CHUNK)
+            if self._cart.mechanisms.outer:
+                n = 1
+                self._push_from_outside()
             with _own_reports():
                 mujoco.mj_step(self._model, self._data, n)
             left -= n
             self._time = stop - left * self._model.opt.timestep
             self._look_after(n * self._model.opt.timestep)
         self._time = stop
+
+    def _push_from_outside(self) -> None:
+        """Over the next physics step."""
+        self._data.ctrl[:] = self._pushed
+        self._data.ctrl[PLANAR] += self._outer.wrench_b(self._whole_motion, self._time)
 
     def _look_after(self, passed: float) -> None:
         """Follows the yaw over full turns; refuses a cart that tips, lifts a wheel or isn't finite."""

@@ -35,7 +35,7 @@ class ModelPlant:
         self._time = 0.0
         mass = float(cart.inertia.mass)
         self._quickness = max((effect.quickness(mass) for effect, _, _ in cart.force_effects), default=0.0)
-        self._headings = [i for i, name in enumerate(cart.state_names) if "heading" in name]
+        self._headings = [i for i, name in enumerate(cart.state_names) if name.rpartition(".")[2].startswith("heading")]
         if caster_headings is not None and self._headings:
             self._state[self._headings] = caster_headings
 

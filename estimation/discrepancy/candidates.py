@@ -74,7 +74,8 @@ def _variants(kind: type[Effect], label: str, cart: CartModel) -> Iterator[Effec
     if issubclass(kind, ConstraintEffect):
         yield kind.usual(label)
         return
-    absent = [p.absent for p in kind.parameters]
+    effect = kind(label=label)
+    absent = effect.values.tolist()
     if kind.gate is Gate.FROM:
         absent[0] = -EVER
     elif kind.gate is Gate.WHILE:
@@ -85,6 +86,6 @@ def _variants(kind: type[Effect], label: str, cart: CartModel) -> Iterator[Effec
         for delay in (0.01, 0.02, 0.03, 0.045, 0.065, 0.09, 0.13, 0.2):
             yield TimeDelay(delay, label=label)
         return
-    grids = [grid or (value,) for grid, value in zip(kind.grids(cart.wheel_set), absent, strict=True)]
+    grids = [grid or (value,) for grid, value in zip(effect.grids(cart.wheel_set), absent, strict=True)]
     for values in product(*grids):
-        yield kind(**dict(zip((p.name for p in kind.parameters), values, strict=True)), label=label)
+        yield effect.with_values(values)

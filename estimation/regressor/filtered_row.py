@@ -96,11 +96,11 @@ def left_out(cart: CartModel, noise: FilterNoise) -> LeftOut:
 
 
 def _remembering(cart: CartModel) -> Indices:
-    """Which parameters effects with a memory have, and are estimated."""
+    """Which parameters effects with a memory that nobody sees have, and are estimated."""
     found = [
         i
         for effect, own, memory in cart.force_effects
-        if memory.stop > memory.start
+        if memory.stop > memory.start and not effect.memory_is_seen
         for i, parameter in zip(range(own.start, own.stop), effect.parameters, strict=True)
         if parameter.estimated
     ]

@@ -54,7 +54,7 @@ def test_parameters_of_every_effect_fit_80_columns(capsys, monkeypatch):
     learned = {
         f"{kind.name}.{parameter.name}": ParameterEstimate(-12345.678, 0.00012345, parameter.unit, True)
         for kind in KNOWN_EFFECTS.values()
-        for parameter in kind.parameters
+        for parameter in kind().parameters
     }
     print_parameters("t", learned, "taught by this motion")
     out = capsys.readouterr().out

@@ -284,7 +284,7 @@ def test_every_kernel_has_its_own_number():
     assert len(set(KINDS.values())) == len(KINDS)
     with pytest.raises(UsageError, match="glue has no kernel"):
         pack(
-            [PackedEffect("glue", slice(4, 4), slice(0, 0), 0.0)],
+            [PackedEffect("glue", slice(4, 4), slice(0, 0))],
             (np.eye(3), np.eye(3)),
             np.eye(3),
             (0, 4),

@@ -8,16 +8,43 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
+from cartgrasp.effects import (
+    KNOWN_EFFECTS,
+    ConstraintEffect,
+    Effect,
+    ForceEffect,
+    InertiaEffect,
+    LearnedForce,
+    SensorEffect,
+)
 from cartgrasp.effects.effect import Situation
 from cartgrasp.frames import rotation_planar
 from cartgrasp.wheels import WheelSet
 from tests.core.drawn import WHEELS, no_wheel_just_lifts, numbers, phis, poses, vectors, velocities
 
-FORCE_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, ForceEffect)]
-INERTIA_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, InertiaEffect)]
-CONSTRAINT_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, ConstraintEffect)]
-SENSOR_EFFECTS = [e for e in KNOWN_EFFECTS.values() if issubclass(e, SensorEffect)]
+LAWS = (
+    LearnedForce("forward_force", "travelled_distance", lever=0.27, period=0.525, harmonics=(1, 3)),
+    LearnedForce("forward_force", "time", knots=(0.0, 2.0, 11.0, 12.5)),
+    LearnedForce("forward_force", "speed", lever=-0.3, knots=(-0.7, 0.0, 0.6)),
+    LearnedForce("lateral_force", "yaw_rate", knots=(-1.0, 0.1)),
+    LearnedForce("yaw_moment", "heading", harmonics=(1, 2)),
+    LearnedForce("yaw_moment", "since_reversal", knots=(0.05, 0.3, 1.0)),
+    LearnedForce("drag", "place", knots=(-1.0, 0.5, 2.0), knots_y=(-0.5, 1.0)),
+    LearnedForce("drag", "speed", lever=0.27, knots=(0.1, 0.5, 1.5)),
+    LearnedForce("drag", "travelled_distance", lever=-0.2, knots=(0.1, 0.4)),
+    LearnedForce("drag", "heading"),
+    LearnedForce("world_force", "place", direction=0.7, period=0.8),
+    LearnedForce("world_force", "place", direction=-2.0, knots=(-1.0, 0.3)),
+    LearnedForce("world_force", "time", direction=2.5),
+)
+"""Forms of `learned_force`, absent."""
+FIXED = [kind() for kind in KNOWN_EFFECTS.values() if kind is not LearnedForce]
+"""One, absent, of each effect whose parameters are the same for all of its class."""
+EFFECTS: list[Effect] = [*FIXED, *LAWS]
+FORCE_EFFECTS = [e for e in EFFECTS if isinstance(e, ForceEffect)]
+INERTIA_EFFECTS = [e for e in EFFECTS if isinstance(e, InertiaEffect)]
+CONSTRAINT_EFFECTS = [e for e in EFFECTS if isinstance(e, ConstraintEffect)]
+SENSOR_EFFECTS = [e for e in EFFECTS if isinstance(e, SensorEffect)]
 
 
 @dataclass(frozen=True)
@@ -42,13 +69,20 @@ class Trial:
         return getattr(self.effect, method)(situation, memory, self.values if parameters is None else parameters)
 
 
+def title(effect: Effect) -> str:
+    """Its name, and of which form it is."""
+    return " ".join(
+        [effect.name, *(str(getattr(effect, setting.name)) for setting in effect.settings if setting.words)]
+    )
+
+
 def without(effect: Effect) -> Effect:
     """The same effect at the values at which it is absent."""
     return effect.with_values([p.absent for p in effect.parameters])
 
 
 @st.composite
-def effects(draw: st.DrawFn, kind: type[Effect], at_least: float = -np.inf) -> Effect:
+def effects(draw: st.DrawFn, kind: Effect, at_least: float = -np.inf) -> Effect:
     """Values within three times the usual distance from absence, inside the bounds."""
     values = {}
     for p in kind.parameters:
@@ -62,11 +96,12 @@ def effects(draw: st.DrawFn, kind: type[Effect], at_least: float = -np.inf) -> E
         values["cornering_stiffness"] = draw(numbers(100.0, 20000.0))
     if kind.name == "end_stop":  # no bumper has a softer spring; one of 0 would have a corner there
         values["stiffness"] = draw(numbers(1000.0, 50_000.0))
-    return kind(**values, label=draw(st.sampled_from(["", "left"])))
+    label = draw(st.sampled_from(["", "left"]))
+    return replace(kind, label=label).with_values([values[p.name] for p in kind.parameters])
 
 
 @st.composite
-def trials(draw: st.DrawFn, kind: type[ForceEffect], at_least: float = -np.inf) -> Trial:
+def trials(draw: st.DrawFn, kind: ForceEffect, at_least: float = -np.inf) -> Trial:
     effect = draw(effects(kind, at_least))
     wheels = WheelSet.of(draw(st.sampled_from(WHEELS)), rolls_along_x=draw(st.booleans()))
     pose, phi = draw(poses()), draw(phis())

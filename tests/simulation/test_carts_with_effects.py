@@ -24,6 +24,10 @@ EFFECTS = {
     "lateral_slip": "{cornering_stiffness: 2000}",
     "load_slosh": "{mass: 5, frequency: 0.9, damping: 0.08}",
     "time_delay": "{delay: 0.03}",
+    "learned_force": """
+    spot: {acts_on: forward_force, of: travelled_distance, lever: 0.27, period: 0.525, cos_1: 6, sin_1: 3}
+    gusts: {acts_on: world_force, of: time, direction: 1.5, knots: [0, 1, 2, 3], value_1: 0, value_2: 8, value_3: 2}
+    patch: {acts_on: drag, of: place, knots: [0.2, 0.6, 1.0], value_1: 0, value_2: 5, value_3: 0}""",
 }
 
 
@@ -42,6 +46,8 @@ def test_a_cart_with_each_is_tracked_when_it_is_known(name, tmp_path):
     assert set(record.statuses) == {"optimal"}
     if name == "load_slosh":
         assert record.tracking_error.max() < 0.002  # 5 mm where only what does not swing is fed forward
+    if name == "learned_force":
+        assert record.tracking_error.max() < 0.001  # 2 cm where they are not fed forward
     if name == "time_delay":
         for arm, given in record.wrenches.items():
             np.testing.assert_allclose(record.log.arms[arm].wrench[3:], given[:-3], atol=1e-12)
@@ -51,7 +57,7 @@ def test_a_cart_with_each_is_tracked_when_it_is_known(name, tmp_path):
         np.testing.assert_allclose(np.arctan2(along[:, 1], along[:, 0]) - heading, 0.03, atol=1e-4)
 
 
-@pytest.mark.parametrize("name", [name for name in EFFECTS if name != "time_delay"])
+@pytest.mark.parametrize("name", ["wheel_misalignment", "lateral_slip", "load_slosh"])
 def test_mujoco_refuses_by_name_what_it_has_no_counterpart_of(name, tmp_path):
     with pytest.raises(PlantError, match=f"MuJoCo plant: {name}: no counterpart in MuJoCo"):
         scenario(tmp_path, name, plant="mujoco").build()

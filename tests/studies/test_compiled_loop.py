@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from cartgrasp.arms import Arm
-from cartgrasp.effects import CasterRealignment, ForceBias, PayloadChange, RollingResistance, ViscousDrag
+from cartgrasp.effects import (
+    CasterRealignment,
+    ForceBias,
+    LearnedForce,
+    PayloadChange,
+    RollingResistance,
+    ViscousDrag,
+)
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.sensors import SensorNoise
@@ -79,6 +86,12 @@ def agree(one, other):
 SLOW_SENSORS = SensorNoise(pose_period=0.03, velocity_period=None, wrench_period=0.02)
 WITH_CASTERS = (ViscousDrag(2.0, 0.4), RollingResistance(0.015), CasterRealignment(swivel_torque=0.1))
 LOADED = (ViscousDrag(2.0, 0.4), PayloadChange(time=2.5, mass=8.0, x=0.4, y=0.1))
+KNOWN_LAWS = (
+    ViscousDrag(2.0, 0.4),
+    LearnedForce("world_force", "time", direction=1.0, period=3.0, amplitudes=(4.0, 2.0), label="gusts"),
+    LearnedForce("drag", "place", knots=(0.3, 0.6, 0.9), amplitudes=(0.0, 4.0, 1.0), label="patch"),
+)
+FLAT_SPOT = LearnedForce("forward_force", "travelled_distance", lever=0.27, period=0.525, amplitudes=(4.0, 2.0))
 CASES = {
     "drawn": {},
     "regrasps": {"switching": 1.0},
@@ -91,6 +104,10 @@ CASES = {
     "back and forth": {
         "stretches": chain(straight(1.0, 0.5), straight(-1.0, 0.5)),
         "known": frozenset({"viscous_drag"}),
+    },
+    "laws": {
+        "truth": CartModel(Inertia(25.0, (0.3, 0.02), 2.2), effects=(*KNOWN_LAWS, FLAT_SPOT), wheels=WHEELS),
+        "guess": CartModel(Inertia(20.0, (0.3, 0.0), 2.0), effects=KNOWN_LAWS, wheels=WHEELS),
     },
     "another rate": {"period": 0.02, "plant_timestep": 0.004},
 }

@@ -1,0 +1,190 @@
+"""A law read off data where no name fits: a force that is a smooth function of one variable, or of a place.
+
+With amplitudes a (N; N·m of a yaw moment), which are the parameters, and shares w that depend on the variable s alone,
+
+    F = sum of a_k w_k(s),    and the wrench in {b} is F times
+    forward_force (1, 0, -lever),    lateral_force (0, 1, 0),    yaw_moment (0, 0, 1),
+    drag -sign(v) (1, 0, -lever),    world_force (cos(direction - theta), sin(direction - theta), 0).
+
+A forward force and a drag act `lever` to the left of {b}'s x, where the cart's forward speed is v = u - lever r: at a
+wheel, say. The sign is smoothed as that of all Coulomb forces, and interpolated amplitudes that aren't negative make a
+drag that never drives the cart. The variables:
+
+    time                 s, of the log's clock
+    travelled_distance   m: s' = v, forward less backward, from where the cart came to be looked at
+    heading              rad; it repeats every turn
+    speed                m/s: v; of drag, abs(v)
+    yaw_rate             rad/s: r
+    place                m: how far along `direction` of {s}, or, with `knots_y`, the place's x and y
+    since_reversal       m: abs(q), of a way q that counts on in the direction of motion and back over `TURN`:
+                         q' = v (1 + b / TURN), b being how far q is on the other side of 0 than v goes, rounded by TURN
+
+At q = D a reversal is told after TURN log(1 + D / TURN) on the way back, 5 cm after 2 m, whatever the speed; a stop
+counts for nothing. Before the first it has been long ago.
+
+With a `period`, the shares are cos_k and sin_k of k 2 pi s / period, k being one of `harmonics`. Without, they
+interpolate: share i is 1 at the i-th of `knots` and 0 at its neighbours, linear between, constant beyond the first and
+the last; corners are averaged over `ROUNDED` of the shortest gap to either side, with the weight 3 (1 - t²) / 4. Beside
+`knots_y` shares are products of one along x and one along y. Without period or knots the force is constant.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import ClassVar, Self, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import SettingError
+from ..frames import Array
+from ..wheels import WheelSet
+from .compiled import CompiledForce
+from .effect import Parameter, Setting
+
+ACTS_ON = ("forward_force", "lateral_force", "yaw_moment", "drag", "world_force")
+OF = ("time", "travelled_distance", "heading", "speed", "yaw_rate", "place", "since_reversal")
+"""In the order in which the kernel counts them."""
+WAYS = ("travelled_distance", "since_reversal")
+"""What is remembered."""
+ROUNDED = 0.25
+TURN = 0.01
+"""m: a reversal is told within some of it."""
+LONG_AGO = 2.0
+"""m: of a reversal that was before the cart came to be looked at."""
+MOST_HARMONIC, MOST_AMPLITUDES = 100.0, 400
+LEAST = 1e-6
+"""Of a period, and of a gap between knots, in the variable's unit."""
+
+
+@final
+@dataclass(frozen=True)
+class LearnedForce(CompiledForce):
+    """Acts on `acts_on` as a function `of` a variable, with `amplitudes` (all 0 unless given).
+
+    `direction` is in rad, of {s}; `lever` in m; `period`, `knots` and `knots_y` are in the variable's unit. Amplitudes
+    stand in the order of the parameters: pairs cos, sin of each harmonic, or one for each knot; with `knots_y`, of the
+    first knot of x all of y's come first.
+    """
+
+    acts_on: str = "forward_force"
+    of: str = "time"
+    direction: float = 0.0
+    lever: float = 0.0
+    period: float = 0.0
+    harmonics: tuple[float, ...] = (1.0,)
+    knots: tuple[float, ...] = ()
+    knots_y: tuple[float, ...] = ()
+    amplitudes: tuple[float, ...] = ()
+
+    name: ClassVar[str] = "learned_force"
+    settings: ClassVar[tuple[Setting, ...]] = (
+        Setting("acts_on", words=ACTS_ON),
+        Setting("of", words=OF),
+        Setting("direction"),
+        Setting("lever"),
+        Setting("period"),
+        Setting("harmonics", is_list=True),
+        Setting("knots", is_list=True),
+        Setting("knots_y", is_list=True),
+    )
+    signature: ClassVar[str] = "a force that one variable foretells, whatever makes it"
+    searched: ClassVar[bool] = False
+    memory_is_seen: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        if self.of == "pushed_force":
+            why = "a law of what the arms give is not worked out yet: effects see the motion, not the wrench"
+            raise SettingError(self.key, "of", why)
+        for setting in self.settings:
+            if setting.is_list:
+                object.__setattr__(self, setting.name, tuple(map(float, getattr(self, setting.name))))
+            setting.check(self.key, getattr(self, setting.name))
+        for name, why in self._misfits():
+            raise SettingError(self.key, name, why)
+        size = len(self.parameters)
+        amplitudes = tuple(map(float, self.amplitudes)) or (0.0,) * size
+        if len(amplitudes) != size:
+            raise SettingError(self.key, "amplitudes", f"{len(amplitudes)} numbers, but the law has {size}")
+        object.__setattr__(self, "amplitudes", amplitudes)
+        super().__post_init__()
+
+    def _misfits(self) -> list[tuple[str, str]]:
+        """Names of what does not go with the rest, and why."""
+        at_wheel, along = self.acts_on in ("forward_force", "drag"), self.of == "place" and not self.knots_y
+        given = {item.name for item in fields(self) if getattr(self, item.name) != item.default}
+        tests = (
+            ("lever", not at_wheel, "only a forward_force or a drag has one"),
+            ("direction", self.acts_on != "world_force" and not along, "only a world_force or a way along it has one"),
+            ("period", self.period < LEAST, f"{self.period:g} is below {LEAST:g}"),
+            ("period", self.of == "heading", "a heading repeats every turn; leave it out"),
+            ("knots", bool(self.cycle), "what repeats has harmonics; leave them out"),
+            ("harmonics", not self.cycle, "only what repeats has some; give a period"),
+            (
+                "harmonics",
+                not self.harmonics or not all(map(_is_harmonic, self.harmonics)),
+                f"some whole numbers from 1 to {MOST_HARMONIC:g}",
+            ),
+            ("knots_y", self.of != "place" or len(self.knots) < 2, "only a place with knots along x has some"),
+            ("knots_y", len(self.knots_y) < 2, "two are needed"),
+            ("knots", _shortest(self.knots) < LEAST, f"two stand closer than {LEAST:g}"),
+            ("knots_y", _shortest(self.knots_y) < LEAST, f"two stand closer than {LEAST:g}"),
+            ("knots", len(self._names()) > MOST_AMPLITUDES, f"more than {MOST_AMPLITUDES} amplitudes"),
+        )
+        return [(name, why) for name, is_wrong, why in tests if name in given and is_wrong]
+
+    @property
+    def cycle(self) -> float:
+        """After which the law repeats, in the variable's unit; 0 where it does not."""
+        return 2 * math.pi if self.of == "heading" else self.period
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        unit, typical = ("N·m", 3.0) if self.acts_on == "yaw_moment" else ("N", 10.0)
+        return tuple(Parameter(name, unit, typical) for name in self._names())
+
+    def _names(self) -> list[str]:
+        if self.cycle:
+            return [f"{part}_{k:g}" for k in self.harmonics for part in ("cos", "sin")]
+        rows, columns = range(1, max(len(self.knots), 1) + 1), range(1, len(self.knots_y) + 1)
+        return [f"value_{i}_{j}" for i in rows for j in columns] or [f"value_{i}" for i in rows]
+
+    @cached_property
+    def values(self) -> Array:
+        """The amplitudes."""
+        return np.array(self.amplitudes)
+
+    def with_values(self, values: ArrayLike) -> Self:
+        """The same law with other amplitudes (n,)."""
+        return replace(self, amplitudes=tuple(np.asarray(values, dtype=float).tolist()))
+
+    @property
+    def constants(self) -> tuple[float, ...]:
+        x, y = self.knots or (0.0,), self.knots_y or (0.0,)
+        lists = self.harmonics if self.cycle else (*x, *y)
+        count = len(self.harmonics if self.cycle else x)
+        form = ACTS_ON.index(self.acts_on), OF.index(self.of), self.direction, self.lever, self.cycle
+        rounded = ROUNDED * _shortest(x), ROUNDED * _shortest(y)
+        return (*map(float, form), *rounded, TURN, float(count), *lists)
+
+    def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
+        return (f"{self.key}.way",) if self.of in WAYS else ()
+
+    def first_memory(self, wheels: WheelSet, velocity_b: Array) -> Array:
+        began = math.copysign(LONG_AGO, velocity_b[0]) if self.of == "since_reversal" else 0.0
+        return np.full(len(self.memory_names(wheels)), began)
+
+    def memory_spread(self, wheels: WheelSet) -> Array:
+        return np.full(len(self.memory_names(wheels)), 0.001)
+
+
+def _is_harmonic(k: float) -> bool:
+    return k == int(k) and 1 <= k <= MOST_HARMONIC
+
+
+def _shortest(knots: tuple[float, ...]) -> float:
+    """Gap between two; 1 where there are none."""
+    return min((b - a for a, b in pairwise(knots)), default=1.0)
