@@ -2,6 +2,7 @@
 both, one line here, and its branch in `kernels/vocabulary.py`."""
 
 from .caster_realignment import CasterRealignment
+from .contact_offset import ContactOffset
 from .directional_drag import DirectionalDrag
 from .effect import ConstraintEffect, Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
 from .end_stop import EndStop
@@ -14,10 +15,12 @@ from .force_scale import ForceScale
 from .lateral_slip import LateralSlip
 from .load_slosh import LoadSlosh
 from .payload_change import PayloadChange
+from .pose_offset import PoseOffset
 from .quadratic_drag import QuadraticDrag
 from .rolling_resistance import RollingResistance
 from .stribeck_friction import StribeckFriction
 from .time_delay import TimeDelay
+from .tool_inertia import ToolInertia
 from .viscous_drag import ViscousDrag
 from .wheel_drag_imbalance import WheelDragImbalance
 from .wheel_misalignment import WheelMisalignment
@@ -42,6 +45,9 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         ForceScale,
         ForceMisalignment,
         TimeDelay,
+        ContactOffset,
+        ToolInertia,
+        PoseOffset,
         ExternalPush,
         EndStop,
     )
@@ -51,6 +57,7 @@ __all__ = [
     "KNOWN_EFFECTS",
     "CasterRealignment",
     "ConstraintEffect",
+    "ContactOffset",
     "DirectionalDrag",
     "Effect",
     "EndStop",
@@ -66,11 +73,13 @@ __all__ = [
     "LoadSlosh",
     "Parameter",
     "PayloadChange",
+    "PoseOffset",
     "QuadraticDrag",
     "RollingResistance",
     "SensorEffect",
     "StribeckFriction",
     "TimeDelay",
+    "ToolInertia",
     "ViscousDrag",
     "WheelDragImbalance",
     "WheelMisalignment",
