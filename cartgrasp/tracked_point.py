@@ -32,7 +32,7 @@ def carried(velocity_s: Array, heading: Array, place_a: Array) -> Array:
         return velocity_s
     x, y = np.moveaxis(_turned(heading, place_a), -1, 0)
     turn = velocity_s[..., 2]
-    return velocity_s + np.stack([-turn * y, turn * x, np.zeros_like(turn)], axis=-1)
+    return np.asarray(velocity_s + np.stack([-turn * y, turn * x, np.zeros_like(turn)], axis=-1))
 
 
 def in_frame(pose_ab: Array) -> Array:

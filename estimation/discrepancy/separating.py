@@ -130,7 +130,8 @@ def _traced(motion: TeachingMotion, cart: CartModel, hands: Hands) -> tuple[Arra
     slopes = inverse.by_parameters - late[..., None] * _lateness_slopes(cart, hands.contacts)
     for arm, recorded in hands.shared(cart, inverse.wrench).items():
         reduced = cart.basis_b.T @ grasp_map_planar(hands.contacts[arm])
-        true, by = cart.corrected_wrench(arm, recorded)
+        hand = cart.hand_motion(state[:, cart.velocity_slice], acceleration, np.asarray(hands.contacts[arm]))
+        true, by = cart.corrected_wrench(arm, recorded, hand=hand)
         value -= (true - recorded) @ reduced.T
         slopes -= reduced @ by
     return value, slopes
