@@ -22,14 +22,15 @@ LEVERS = skew(np.eye(3)[:2])
 @final
 @dataclass(frozen=True)
 class ContactOffset(SensorEffect):
-    """The hand holds at (`x`, `y`) (m, in {a}) of the recorded contact point."""
+    """The hand holds at (`x`, `y`) (m, in {a}) of the recorded contact point. `x` shows by forces across the cart, which
+    may be mostly noise where wheels bear them: a search begins with `y` alone."""
 
     x: float = 0.0
     y: float = 0.0
 
     name: ClassVar[str] = "contact_offset"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("x", "m", typical=0.03),
+        Parameter("x", "m", typical=0.03, grid=(0.0,)),
         Parameter("y", "m", typical=0.03),
     )
     signature: ClassVar[str] = "a yaw moment in proportion to one hand's force"
