@@ -22,8 +22,8 @@ LEVERS = skew(np.eye(3)[:2])
 @final
 @dataclass(frozen=True)
 class ContactOffset(SensorEffect):
-    """The hand holds at (`x`, `y`) (m, in {a}) of the recorded contact point. `x` shows by forces across the cart, which
-    may be mostly noise where wheels bear them: a search begins with `y` alone."""
+    """The hand holds at (`x`, `y`) (m, in {a}) of the recorded contact point. `x` shows by forces across the cart, of
+    which noise may be most where wheels bear them: a search begins with `y` alone."""
 
     x: float = 0.0
     y: float = 0.0
