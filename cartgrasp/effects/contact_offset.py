@@ -22,15 +22,15 @@ LEVERS = skew(np.eye(3)[:2])
 @final
 @dataclass(frozen=True)
 class ContactOffset(SensorEffect):
-    """The hand holds at (`x`, `y`) (m, in {a}) of the recorded contact point. `x` shows by forces across the cart, of
-    which noise may be most where wheels bear them: a search begins with `y` alone."""
+    """The hand holds at (`x`, `y`) (m, in {a}) of the recorded contact point. `x` acts on forces across the cart, of
+    which noise may be most where wheels bear them, and that noise is in the moment, too: it is taken as it is told."""
 
     x: float = 0.0
     y: float = 0.0
 
     name: ClassVar[str] = "contact_offset"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("x", "m", typical=0.03, grid=(0.0,)),
+        Parameter("x", "m", typical=0.03, estimated=False, grid=(0.0,)),
         Parameter("y", "m", typical=0.03),
     )
     signature: ClassVar[str] = "a yaw moment in proportion to one hand's force"

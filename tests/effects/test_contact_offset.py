@@ -65,7 +65,7 @@ def test_the_filter_and_identify_put_the_com_where_it_is():
 
 
 def test_a_known_cart_tells_where_the_hand_is():
-    body = CartModel(Inertia(24.0, (0.3, 0.05), 2.0), effects=(ViscousDrag(3.0, 1.0), ContactOffset()))
+    body = CartModel(Inertia(24.0, (0.3, 0.05), 2.0), effects=(ViscousDrag(3.0, 1.0), ContactOffset(x=0.02)))
     prior = Prior(known=frozenset({"mass", "com_x", "com_y", "inertia"}))
     found = identify([log_of()], body, prior=prior).parameters["contact_offset.y"]
     assert found.identifiable

@@ -68,7 +68,8 @@ COULOMB = {
 NOT_ESTIMATED_ONLINE = {
     *("stribeck_friction.speed", "stribeck_friction.by_wheels", "caster_realignment.trail", "payload_change.time"),
     "caster_realignment.x",
-    *("external_push.start", "external_push.duration", "time_delay.delay", "tool_inertia.z"),
+    *("external_push.start", "external_push.duration", "time_delay.delay"),
+    *("tool_inertia.z", "contact_offset.x"),
     *("wheel_misalignment.angle", "lateral_slip.cornering_stiffness"),
     *("load_slosh.frequency", "load_slosh.damping"),
     *(f"end_stop.{name}" for name in ("position", "side", "restitution", "stiffness", "damping")),
