@@ -22,6 +22,7 @@ from .first_guess import FirstGuess
 from .frames import Array
 from .inertia import N_PHI, PHI_NAMES, Inertia
 from .shared_property import SharedProperty
+from .tracked_point import composed
 from .wheels import Wheel, WheelSet
 
 N_POSE = 3
@@ -105,6 +106,25 @@ class CartStructure(ABC):
     def sensor_effects(self) -> tuple[tuple[SensorEffect, slice], ...]:
         pairs = zip(self.effects, self._slices, strict=True)
         return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
+
+    @SharedProperty
+    def feels_motion(self) -> bool:
+        """Whether what a sensor records of a wrench depends on how its hand moves."""
+        return any(effect.feels_motion for effect, _ in self.sensor_effects)
+
+    @cached_property
+    def pose_tb(self) -> Array:
+        """Where {b} is in the frame that is tracked, (3,): along all offsets, one after another."""
+        pose = np.zeros(3)
+        for effect, where in self.sensor_effects:
+            if effect.moves_pose:
+                pose = composed(pose, effect.pose_tb(self.parameters[where]))
+        return pose
+
+    @SharedProperty
+    def pose_indices(self) -> Sequence[int]:
+        """Of the parameters that move it."""
+        return [i for effect, where in self.sensor_effects if effect.moves_pose for i in range(where.start, where.stop)]
 
     @cached_property
     def constraint_effects(self) -> tuple[ConstraintEffect, ...]:

@@ -22,6 +22,7 @@ from .cart_structure import CartStructure
 from .effects import ForceEffect, InertiaEffect
 from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
+from .effects.hand_motion import AT_REST, HandMotion
 from .frames import Array
 from .inertia import N_PHI
 from .shared_property import SharedProperty
@@ -211,26 +212,35 @@ class CartModel(CartStructure):
 
     # --- sensors ---------------------------------------------------------------------------------------------
 
-    def recorded_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> Array:
-        """What the sensor of an arm records of a true wrench (..., 6) in {a}."""
+    def hand_motion(self, nu: Array, nu_rate: Array, contact_b: Array, yaw: float = 0.0) -> HandMotion:
+        """How a hand that holds at a point (..., 3) of {b} moves, at free velocities (..., f) and their rates."""
+        return HandMotion.of(nu @ self.basis_b.T, nu_rate @ self.basis_b.T, contact_b, yaw)
+
+    def recorded_wrench(
+        self, arm: str, wrench_a: Array, parameters: Array | None = None, hand: HandMotion = AT_REST
+    ) -> Array:
+        """What the sensor of an arm, whose hand moves so, records of a true wrench (..., 6) in {a}."""
         parameters = self.parameters if parameters is None else parameters
         for effect, where in self.sensor_effects:
             if effect.concerns(arm):
-                wrench_a = effect.recorded(wrench_a, parameters[..., where])
+                wrench_a = effect.recorded(wrench_a, parameters[..., where], hand)
         return wrench_a
 
     def lateness(self, arm: str) -> float:
         """How long after it was felt the sensor of an arm records a wrench, s."""
         return sum(effect.lateness for effect, _ in self.sensor_effects if effect.concerns(arm))
 
-    def corrected_wrench(self, arm: str, wrench_a: Array, parameters: Array | None = None) -> tuple[Array, Array]:
-        """The true wrench (..., 6) behind a recorded one, and its partials by the parameters (..., 6, p)."""
+    def corrected_wrench(
+        self, arm: str, wrench_a: Array, parameters: Array | None = None, hand: HandMotion = AT_REST
+    ) -> tuple[Array, Array]:
+        """The true wrench (..., 6) behind one that was recorded while the hand moved so, and its partials by the
+        parameters (..., 6, p)."""
         parameters = self.parameters if parameters is None else parameters
-        lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])
+        lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1], hand.acceleration.shape[:-1])
         by_parameters = np.zeros((*lead, 6, parameters.shape[-1]))
         for effect, where in reversed(self.sensor_effects):
             if effect.concerns(arm):
-                contribution = effect.corrected(wrench_a, parameters[..., where])
+                contribution = effect.corrected(wrench_a, parameters[..., where], hand)
                 if contribution.by_memory is not None:
                     by_parameters = contribution.by_memory @ by_parameters
                 by_parameters[..., where] += contribution.by_parameters

@@ -38,7 +38,7 @@ from .parameter_block import ParameterBlock
 from .parameter_report import as_taught
 from .prior import Prior
 from .shallow import shallow
-from .wrench_sensing import WrenchSensing
+from .wrench_sensing import Moving, WrenchSensing
 from .wrench_walk import WrenchWalk
 
 STANDS_OUT = 1.0
@@ -296,7 +296,8 @@ class AugmentedFilter:
     def _take_wrenches(self, measurement: Measurement) -> None:
         layout = self.layout
         block = self._physical_block
-        sensed = self._sensing.sense(measurement, self._block.theta(block))
+        moving = Moving(self.belief.mean[layout.motion], measurement.time)
+        sensed = self._sensing.sense(measurement, self._block.theta(block), moving)
         if sensed is None:
             return
         H = np.zeros((len(sensed.value), layout.wrench.stop))

@@ -17,6 +17,7 @@ import numpy as np
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.tracked_point import TrackedPoint
 
 from .augmented_filter import AugmentedFilter
 from .delayed_wrenches import Core, DelayedWrenches, longest_delay
@@ -75,13 +76,14 @@ class CartFilter:
         least_speed: float = 0.0,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
+        self._tracked = TrackedPoint(cart.pose_tb)
         core = core_of((cart, arms, self.noise, self.prior, yaws or {}), least_speed)
         self._samples = LateSamples(DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
 
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
-        is_taken = self._samples.take(measurement)
+        is_taken = self._samples.take(self._tracked.at_body(measurement))
         found = self.estimate
         return found if is_taken else found._replace(health=Health.CLOCK)
 

@@ -12,6 +12,7 @@ from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
+from cartgrasp.logs.body_poses import at_body
 from cartgrasp.model import CartModel
 
 from .noise import FilterNoise
@@ -28,7 +29,7 @@ def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
     """Sensor noise of this log, and a disturbance in proportion to its forces."""
     try:
         with np.errstate(over="raise", invalid="raise"):
-            return _noise(log, cart)
+            return _noise(at_body(log, cart), cart)
     except FloatingPointError as error:
         raise DataError(f"{log.name}: its numbers are too large to be SI units; mend them") from error
 

@@ -19,6 +19,7 @@ from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.inertia import N_PHI, physical_from_phi, physical_jacobian
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
+from cartgrasp.tracked_point import TrackedPoint
 
 from .noise import FilterNoise
 from .prior import PHYSICAL_UNITS, Prior
@@ -49,7 +50,7 @@ class PaperFilter:
         drags = [effect for effect in cart.effects if isinstance(effect, ViscousDrag)]
         self._sigma = np.array([sum(d.linear for d in drags)] * 2 + [sum(d.angular for d in drags)])
         self._sensing = WrenchSensing(cart, arms, yaws or {}, self.noise.wrench_covariance)
-        self._prior = prior or Prior()
+        self._prior, self._tracked = prior or Prior(), TrackedPoint(cart.pose_tb)
         self._mean = np.zeros(6 + N_PHI)
         self._covariance = np.zeros((6 + N_PHI, 6 + N_PHI))
         self._wrench_b = np.zeros(3)
@@ -57,6 +58,7 @@ class PaperFilter:
         self._diverged = False
 
     def update(self, measurement: Measurement) -> Estimate:
+        measurement = self._tracked.at_body(measurement)
         self._sensing.note_contacts(measurement)
         if np.isnan(self._time):
             self._start(measurement)

@@ -11,6 +11,7 @@ import numpy as np
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.tracked_point import TrackedPoint
 
 from .gaussian import Gaussian
 from .health import Health
@@ -35,12 +36,13 @@ class RegressorEstimator:
         yaws: Mapping[str, float] | None = None,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
+        self._tracked = TrackedPoint(cart.pose_tb)
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
             self._samples = LateSamples(ParameterLearner(cart, arms, self.noise, self.prior, yaws or {}))
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
-        is_taken = self._samples.take(measurement)
+        is_taken = self._samples.take(self._tracked.at_body(measurement))
         found = self.estimate
         return found if is_taken else found._replace(health=Health.CLOCK)
 

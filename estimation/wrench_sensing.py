@@ -1,4 +1,9 @@
-"""From the recorded wrenches of the arms to the reduced wrench `Sᵀ Σ G F` that moves the cart."""
+"""From the recorded wrenches of the arms to the reduced wrench `Sᵀ Σ G F` that moves the cart.
+
+Where sensors feel how hands move, what they record depends on the acceleration that the wrench makes. Corrected ones
+are affine in it, `W = W0 + W1 nu'`, and so is the cart's `nu' = a0 + A W`: with the motion known, `W` follows without
+a derivative of anything measured, and its slopes by the parameters with those of the cart's own.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +13,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.effects.hand_motion import AT_REST, HandMotion
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
@@ -31,6 +37,13 @@ class Hold(NamedTuple):
     reduced: Array
 
 
+class Moving(NamedTuple):
+    """A state (n,) of the cart and its time (s)."""
+
+    state: Array
+    time: float
+
+
 class Grip(NamedTuple):
     """Of n arms: what takes their wrenches (6 n,) to the reduced one, beside the noise of that, in `matrix` (f, 6 n +
     f); and room for these `wrenches`, with the `places` in it by arm."""
@@ -49,7 +62,7 @@ class WrenchSensing:
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
         self._no_grip = Grip(np.zeros((cart.constraints.n_free, cart.constraints.n_free)), np.zeros(0), {})
-        self.corrects = bool(cart.sensor_effects)
+        self.corrects, self.feels_motion = bool(cart.sensor_effects), cart.feels_motion
         self.by_parameters = np.zeros((cart.constraints.n_free, len(cart.parameters)))
 
     def copy(self) -> Self:
@@ -64,9 +77,10 @@ class WrenchSensing:
                 reduced = self.cart.basis_b.T @ grasp_map_planar(numbers, self.yaws.get(arm, 0.0))
                 self._holds[arm], self._grip = Hold(numbers, reduced), None
 
-    def gripped(self, recorded: Mapping[str, Array], parameters: Array) -> Grip:
+    def gripped(self, recorded: Mapping[str, Array], parameters: Array, moving: Moving | None = None) -> Grip:
         """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. Of no arms where
-        an arm's wrench or contact is missing: the total is then not known."""
+        an arm's wrench or contact is missing: the total is then not known. `moving` is the cart where sensors feel it
+        (None: at rest)."""
         if self._takes_all:
             self._note_arms(recorded)
         grip = self._grip = self._grip or self._gripped()
@@ -76,12 +90,15 @@ class WrenchSensing:
                 return self._no_grip
             place[:] = wrench
         if self.corrects and grip.places:
-            self._correct(grip, parameters)
+            if moving is not None and self.feels_motion:
+                self._correct_moving(grip, parameters, moving)
+            else:
+                self._correct(grip, parameters)
         return grip
 
-    def sense(self, measurement: Measurement, parameters: Array) -> SensedWrench | None:
+    def sense(self, measurement: Measurement, parameters: Array, moving: Moving | None = None) -> SensedWrench | None:
         """What all arms do together; None where that is not known."""
-        grip = self.gripped(measurement.wrenches, parameters)
+        grip = self.gripped(measurement.wrenches, parameters, moving)
         n = len(grip.wrenches)
         if n == 0:
             return None
@@ -90,11 +107,43 @@ class WrenchSensing:
         return SensedWrench(value, grip.matrix[:, n:], self.by_parameters) if is_wrench else None
 
     def _correct(self, grip: Grip, parameters: Array) -> None:
-        by = []
+        wrenches, self.by_parameters = self._corrected(grip, parameters, {})
+        grip.wrenches[:] = wrenches
+
+    def _correct_moving(self, grip: Grip, parameters: Array, moving: Moving) -> None:
+        cart, reduce = self.cart, grip.matrix[:, : len(grip.wrenches)]
+        nu = moving.state[cart.velocity_slice]
+        f = len(nu)
+        still, *unit = (
+            reduce @ self._corrected(grip, parameters, self._hands(grip, nu, rate))[0]
+            for rate in (np.zeros(f), *np.eye(f))
+        )
+        by_rate = np.array([one - still for one in unit]).T
+        push = np.zeros(3)
+        flow = cart.rate(moving.state, push, parameters, moving.time)
+        own = cart.velocity_slice
+        by_wrench = flow.by_wrench[own] @ cart.planar_wrench(np.eye(f)).T
+        solved = np.linalg.inv(np.eye(f) - by_rate @ by_wrench)
+        reduced = solved @ (still + by_rate @ flow.value[own])
+        flow = cart.rate(moving.state, cart.planar_wrench(reduced), parameters, moving.time)
+        wrenches, by_parameters = self._corrected(grip, parameters, self._hands(grip, nu, flow.value[own]))
+        grip.wrenches[:] = wrenches
+        self.by_parameters = solved @ (by_parameters + by_rate @ flow.by_parameters[own])
+
+    def _hands(self, grip: Grip, nu: Array, nu_rate: Array) -> dict[str, HandMotion]:
+        return {
+            arm: self.cart.hand_motion(nu, nu_rate, np.array(self._holds[arm].contact), self.yaws.get(arm, 0.0))
+            for arm in grip.places
+        }
+
+    def _corrected(self, grip: Grip, parameters: Array, hands: Mapping[str, HandMotion]) -> tuple[Array, Array]:
+        """The arms' wrenches (6 n,), and the reduced wrench's partials (f, p) while nothing else changes."""
+        found, by = [], []
         for arm, place in grip.places.items():
-            place[:], by_parameters = self.cart.corrected_wrench(arm, place.copy(), parameters)
+            wrench, by_parameters = self.cart.corrected_wrench(arm, place, parameters, hands.get(arm, AT_REST))
+            found.append(wrench)
             by.append(by_parameters)
-        self.by_parameters = grip.matrix[:, : len(grip.wrenches)] @ np.concatenate(by)
+        return np.concatenate(found), grip.matrix[:, : len(grip.wrenches)] @ np.concatenate(by)
 
     def _note_arms(self, recorded: Mapping[str, Array]) -> None:
         for arm in recorded:

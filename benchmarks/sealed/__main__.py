@@ -21,7 +21,7 @@ import sys
 from pathlib import Path
 
 from .baselines import METHODS, STOP, regress_all
-from .cases import CASES, MUJOCO_CASES, objection
+from .cases import CASES, MUJOCO_CASES, ROBOT_CASES, objection
 from .effects import VOCABULARY
 from .generate import generate
 from .references import DURATIONS
@@ -29,7 +29,14 @@ from .roughness import ARM_CASES, PROOF_CASES, ROUGH_CASES, ROUGHNESS, for_proof
 from .sensor_track import TRACK
 from .sizes import GUESS
 
-GROUPS = {"all": CASES, "single": tuple(VOCABULARY), "mujoco": MUJOCO_CASES, "rough": ROUGH_CASES, "arms": ARM_CASES}
+GROUPS = {
+    "all": CASES,
+    "single": tuple(VOCABULARY),
+    "mujoco": MUJOCO_CASES,
+    "rough": ROUGH_CASES,
+    "arms": ARM_CASES,
+    "robots": ROBOT_CASES,
+}
 
 
 def main() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .effects import VOCABULARY, sign, size, with_effect
 from .rails import along_rail
+from .robots import ROBOTS
 from .roughness import BARRED, ROUGHNESS, SETTINGS, parts
 from .scenes import Scene, Truth, draw_scene, random_of
 
@@ -46,6 +47,9 @@ PAIRS = (
     "load_slosh+rolling_resistance",
     "payload_change+floor_slope",
 )
+ROBOT_CASES = tuple(f"{name}{kind}" for name in ROBOTS for kind in ("", "@two_arms"))
+"""Beside the vocabulary for which the other lists were made."""
+KNOWN = {**VOCABULARY, **ROBOTS, **OUTSIDE}
 CASES = ("nothing", *VOCABULARY, *OUTSIDE, *PAIRS)
 AT_MUJOCO = "@mujoco"
 MUJOCO_CASES = tuple(
@@ -71,18 +75,16 @@ def draw_case(case: str, seed: int, motion: str, stream: str = "") -> Scene:
     if "floor_patch" in names:
         scene = replace(scene, path=scene.run()[0])
     for name in names:
-        scene = {**VOCABULARY, **OUTSIDE}[name](scene, random)
+        scene = KNOWN[name](scene, random)
     return along_rail(scene)
 
 
 def objection(case: str) -> str:
     """Why there is no such case; empty where there is."""
     names, kinds = parts(case)
-    unknown = [n for n in names if n not in {**VOCABULARY, **OUTSIDE}]
+    unknown = [n for n in names if n not in KNOWN]
     unknown += [k for k in kinds if k not in (*ROUGHNESS, *SETTINGS)]
     if unknown:
-        return (
-            f"no case {case!r}: {unknown[0]!r} is none of {', '.join((*VOCABULARY, *OUTSIDE, *ROUGHNESS, *SETTINGS))}"
-        )
+        return f"no case {case!r}: {unknown[0]!r} is none of {', '.join((*KNOWN, *ROUGHNESS, *SETTINGS))}"
     beside = [(kind, other) for kind in kinds for other in (*names, *kinds) if other in BARRED.get(kind, ())]
     return f"no case {case!r}: {beside[0][1]} makes no sense beside {beside[0][0]}" if beside else ""

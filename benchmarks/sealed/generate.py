@@ -14,6 +14,7 @@ import numpy as np
 from .carts import Believed, cart_file, guessed
 from .cases import PROOF, draw_case
 from .coasting import per_mass
+from .robots import followed, hanging
 from .rough import rough
 from .scenes import Scene, random_of
 from .sensors import csv_text, noiseless, record
@@ -107,7 +108,8 @@ def simulate(scene: Scene, random: np.random.Generator) -> tuple[list[str], np.n
     """Header and table of the log, and the truth."""
     states, rates, present, told = scene.run()
     recorded = noiseless(scene.sensors, scene.drive, present, told)
-    header, table = record(scene.sensors, scene.drive, states, recorded, random)
+    recorded += hanging(scene.sensors, scene.drive, states, rates)
+    header, table = record(scene.sensors, scene.drive, followed(scene.sensors, states), recorded, random)
     return header, table, truth_of(scene) | {"strength": strength(scene, states, rates, recorded)}
 
 

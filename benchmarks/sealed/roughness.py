@@ -24,7 +24,7 @@ ROUGHNESS: dict[str, Callable[[Scene, np.random.Generator], Scene]] = {
 """In the order in which they are put into a scene: what moves the cart first."""
 SETTINGS = ("mujoco", "two_arms")
 """What else stands behind an @."""
-OF_SENSORS = ("force_bias", "force_scale", "force_misalignment", "time_delay")
+OF_SENSORS = ("force_bias", "force_scale", "force_misalignment", "time_delay", "contact_offset", "tool_inertia")
 BARRED: dict[str, tuple[str, ...]] = {
     "rail": ("caster_realignment", "wheel_drag_imbalance", "wheel_misalignment", "lateral_slip", "mujoco"),
     "coasting": (*OF_SENSORS, "payload_change", "bursts", "leaning_load", "force_lag", "sensor_track", *SETTINGS),

@@ -26,6 +26,9 @@ class Fault:
 @dataclass(frozen=True)
 class Sensors:
     faults: dict[int, Fault] = field(default_factory=dict)
+    beside: dict[int, tuple[float, float, float]] = field(default_factory=dict)  # m, of hands from where logs have them
+    tools: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)  # kg, and m from the contact
+    tracked: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m and rad, of the frame of which poses are, in {b}
     delay: float = 0.0  # s
     force_noise: float = 3.0
     moment_noise: float = 0.2
@@ -115,7 +118,7 @@ def record(
     for arm in range(k):
         name = ("left", "right")[arm] if k > 1 else "arm"
         header += [f"{name}.{part}" for part in ("px", "py", "pz", "fx", "fy", "fz", "tx", "ty", "tz")]
-        columns += [drive.contacts[:, arm], noisy[:, arm]]
+        columns += [drive.contacts[:, arm] - np.array(sensors.beside.get(arm, (0.0, 0.0, 0.0))), noisy[:, arm]]
     table = np.column_stack(columns)
     return header, np.delete(table, _some(n, round(sensors.lost * n), random), axis=0)
 

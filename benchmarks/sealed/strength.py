@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .robots import followed
 from .scenes import Scene
 from .world import R, U, W
 
@@ -29,7 +30,9 @@ def strength(scene: Scene, states: np.ndarray, rates: np.ndarray, recorded: np.n
     nobody sees the effect better who knows the motion, the noise and the effect's form; empty where nobody pushes."""
     if not scene.arms:
         return {}
-    contacts, sensors = scene.drive.contacts, scene.sensors
+    contacts, sensors = scene.drive.contacts.copy(), scene.sensors
+    for arm, away in sensors.beside.items():
+        contacts[:, arm] -= away
     seen = planar(contacts, recorded)
     lever = (contacts[..., 0] ** 2 + contacts[..., 1] ** 2).sum(axis=1)
     k = contacts.shape[1]
@@ -51,7 +54,7 @@ def strength(scene: Scene, states: np.ndarray, rates: np.ndarray, recorded: np.n
     )
     flat = new.reshape(-1, 7)
     beside, *_ = np.linalg.lstsq(flat[:, :6], flat[:, 6], rcond=1e-9)
-    slip = float(np.sqrt((states[:, W] ** 2).mean()))
+    slip = float(np.sqrt((followed(sensors, states)[:, W] ** 2).mean()))
     return {
         "force_share": float(share[0]),
         "moment_share": float(share[1]),

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from .scenes import Scene, Truth
 from .sensors import Fault
 
@@ -28,6 +30,8 @@ IN_WORLD = {
     "wind": ("wind_x", "wind_y"),
     "oscillating_floor": ("quake",),
 }
+OFFSETS = ("contact_offset", "pose_offset")
+"""All of whose numbers are sizes."""
 INVERSE = {"lateral_slip": ("cornering",)}
 SIZES = {
     *("linear", "angular", "coefficient", "breakaway", "forward", "backward", "grade_x", "grade_y", "swivel_torque"),
@@ -45,9 +49,24 @@ def weaker(scene: Scene, share: float) -> Scene:
         world |= {name: share * world[name] for name in IN_WORLD.get(truth.name, ())}
         world |= {name: world[name] / share for name in INVERSE.get(truth.name, ())}
     faults = {arm: _less(fault, share) for arm, fault in scene.sensors.faults.items()}
-    sensors = replace(scene.sensors, faults=faults, delay=share * scene.sensors.delay)
+    own = scene.sensors
+    sensors = replace(
+        own,
+        faults=faults,
+        delay=share * own.delay,
+        beside={arm: (share * x, share * y, z) for arm, (x, y, z) in own.beside.items()},
+        tools={arm: (share * mass, *place) for arm, (mass, *place) in own.tools.items()},
+        tracked=_nearer(own.tracked, share),
+    )
     truths = tuple(_told(truth, share) for truth in scene.truths)
     return replace(scene, world=scene.world._replace(**world), sensors=sensors, truths=truths)
+
+
+def _nearer(tracked: tuple[float, float, float], share: float) -> tuple[float, float, float]:
+    """So that {b} is a share as far off in it."""
+    ahead, left, turn = tracked
+    point = share * complex(ahead, left) * np.exp(-1j * (1 - share) * turn)
+    return float(point.real), float(point.imag), share * turn
 
 
 def _less(fault: Fault, share: float) -> Fault:
@@ -62,6 +81,8 @@ def _told(truth: Truth, share: float) -> Truth:
             return value / share
         return share * value if name in SIZES else value
 
+    if truth.name in OFFSETS:
+        return replace(truth, parameters={name: share * value for name, value in truth.parameters.items()})
     parameters, roughly = (
         {name: scaled(name, value) for name, value in group.items()} for group in (truth.parameters, truth.roughly)
     )

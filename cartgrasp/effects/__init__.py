@@ -2,6 +2,7 @@
 both, one line here, and its branch in `kernels/vocabulary.py`."""
 
 from .caster_realignment import CasterRealignment
+from .contact_offset import ContactOffset
 from .directional_drag import DirectionalDrag
 from .effect import ConstraintEffect, Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
 from .end_stop import EndStop
@@ -15,10 +16,12 @@ from .lateral_slip import LateralSlip
 from .learned_force import LearnedForce
 from .load_slosh import LoadSlosh
 from .payload_change import PayloadChange
+from .pose_offset import PoseOffset
 from .quadratic_drag import QuadraticDrag
 from .rolling_resistance import RollingResistance
 from .stribeck_friction import StribeckFriction
 from .time_delay import TimeDelay
+from .tool_inertia import ToolInertia
 from .viscous_drag import ViscousDrag
 from .wheel_drag_imbalance import WheelDragImbalance
 from .wheel_misalignment import WheelMisalignment
@@ -43,6 +46,9 @@ KNOWN_EFFECTS: dict[str, type[Effect]] = {
         ForceScale,
         ForceMisalignment,
         TimeDelay,
+        ContactOffset,
+        ToolInertia,
+        PoseOffset,
         ExternalPush,
         EndStop,
         LearnedForce,
@@ -53,6 +59,7 @@ __all__ = [
     "KNOWN_EFFECTS",
     "CasterRealignment",
     "ConstraintEffect",
+    "ContactOffset",
     "DirectionalDrag",
     "Effect",
     "EndStop",
@@ -69,11 +76,13 @@ __all__ = [
     "LoadSlosh",
     "Parameter",
     "PayloadChange",
+    "PoseOffset",
     "QuadraticDrag",
     "RollingResistance",
     "SensorEffect",
     "StribeckFriction",
     "TimeDelay",
+    "ToolInertia",
     "ViscousDrag",
     "WheelDragImbalance",
     "WheelMisalignment",

@@ -23,6 +23,7 @@ from ..constraints import RollingConstraints
 from ..errors import SettingError, UsageError
 from ..frames import Array
 from ..wheels import WheelSet
+from .hand_motion import AT_REST, HandMotion
 
 SMOOTHING_SPEED = 0.002
 """m/s: below it a Coulomb force fades to zero, so that dynamics stay smooth."""
@@ -279,19 +280,27 @@ class ConstraintEffect(Effect):
 
 
 class SensorEffect(Effect):
-    """Stands between the true wrench (..., 6) in {a} and the recorded one; `label` names the arm. What arms have
-    together, such as a clock, is not `by_arm`."""
+    """Stands between the true wrench (..., 6) in {a} and the recorded one, or between the true pose and the recorded
+    one; `label` names the arm. What arms have together, such as a clock, is not `by_arm`."""
 
     by_arm: ClassVar[bool] = True
+    feels_motion: ClassVar[bool] = False
+    """Whether what is recorded depends on how the hand moves; others ignore it."""
+    moves_pose: ClassVar[bool] = False
+    """Whether another frame than {b} is tracked."""
 
     def concerns(self, arm: str) -> bool:
         return self.label in ("", arm)
 
     @abstractmethod
-    def recorded(self, wrench_a: Array, parameters: Array) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
         """What the sensor records of a true wrench."""
 
     @abstractmethod
-    def corrected(self, wrench_a: Array, parameters: Array) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
         """The true wrench behind a recorded one, with partials by parameters (..., 6, p) and, as `by_memory`,
         by the recorded wrench (..., 6, 6; None: the identity)."""
+
+    def pose_tb(self, parameters: Array) -> Array:
+        """Where {b} is in the frame that is tracked, (3,)."""
+        return np.zeros(3)

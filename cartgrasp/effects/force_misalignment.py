@@ -12,6 +12,7 @@ import numpy as np
 
 from ..frames import Array
 from .effect import Contribution, Parameter, SensorEffect
+from .hand_motion import AT_REST, HandMotion
 
 QUARTER_TURN = np.kron(np.eye(2), [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
 ALONG_Z = np.diag([0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
@@ -28,10 +29,10 @@ class ForceMisalignment(SensorEffect):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("angle", "rad", typical=0.05, lower=-np.pi, upper=np.pi),)
     signature: ClassVar[str] = "a side force in proportion to the forward force, and the other way round"
 
-    def recorded(self, wrench_a: Array, parameters: Array) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
         return np.asarray((_turn(-parameters[..., 0]) @ wrench_a[..., None])[..., 0])
 
-    def corrected(self, wrench_a: Array, parameters: Array) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
         turn = _turn(parameters[..., 0])
         value = np.asarray((turn @ wrench_a[..., None])[..., 0])
         return Contribution(value, by_memory=turn, by_parameters=QUARTER_TURN @ value[..., None])

@@ -66,7 +66,8 @@ def _tick(loop: Loop) -> _Row:
     wanted = loop.tracker.wrench_b(reference, estimate.motion, model)
     plan = loop.planner.plan_or_hold(wanted, contacts=loop.contacts.contacts(time, wanted))
     given = plan.contact_wrenches
-    felt = loop.sensors.wrenches(time, given)
+    acceleration = loop.plant.acceleration(given) if loop.sensors.cart.feels_motion else None
+    felt = loop.sensors.wrenches(time, given, acceleration)
     estimate = loop.estimator.update(felt)
     headings = getattr(loop.plant, "caster_headings", None)
     loop.plant.step(given, loop.period)

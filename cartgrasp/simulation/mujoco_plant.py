@@ -101,6 +101,17 @@ class MujocoPlant:
         planar = rotation_planar(-self._yaw) @ self._data.qvel[:2]
         return np.array([*planar, self._data.qvel[5]])
 
+    def acceleration(self, wrenches: ContactWrenches) -> Array:
+        """Rate of the free velocities (n_free,) under wrenches."""
+        self._data.ctrl[:] = _wrench_b(wrenches)
+        mujoco.mj_forward(self._model, self._data)
+        if not self._cart.wheels:
+            return np.array([self._data.qacc[0]])
+        u, w, r = self.velocity_b
+        planar = rotation_planar(-self._yaw) @ self._data.qacc[:2] + r * np.array([w, -u])
+        rate_b = np.array([*planar, self._data.qacc[5]])
+        return self._cart.cart.constraints.free_velocity(rate_b)
+
     @property
     def caster_headings(self) -> Array | None:
         """Where each caster (k,) rolls when it trails, rad in {b}, not wrapped; None without casters."""

@@ -55,6 +55,11 @@ class ModelPlant:
     def caster_headings(self) -> Array | None:
         return self._state[self._headings].copy() if self._headings else None
 
+    def acceleration(self, wrenches: ContactWrenches) -> Array:
+        """Rate of the free velocities (n_free,) under wrenches."""
+        rate = self.cart.state_rate(self._state, wrenches.wrench_b, time=self._time)
+        return np.asarray(rate[self.cart.velocity_slice])
+
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
         wrench_b, begin = wrenches.wrench_b, self._time
         n = max(1, int(np.ceil(duration / self.timestep - 1e-9)), self._stable_steps(wrench_b, duration))

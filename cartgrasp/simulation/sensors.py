@@ -1,4 +1,4 @@
-"""Sensors: seeded noise, own sample times, and what sensor effects do to recorded wrenches."""
+"""Sensors: seeded noise, own sample times, and what sensor effects do to recorded wrenches, poses and velocities."""
 
 from __future__ import annotations
 
@@ -8,9 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..contacts import ContactWrenches
+from ..effects.hand_motion import AT_REST, HandMotion
 from ..frames import Array, body_to_world
 from ..model import CartModel
 from ..motion import Measurement, Motion
+from ..tracked_point import carried, composed, inverted
+
+
+@dataclass(frozen=True)
+class Felt:
+    """What arms gave at a time (s): wrenches (6,) in {a}, and how their hands moved."""
+
+    time: float
+    wrenches: Mapping[str, Array]
+    hands: Mapping[str, HandMotion]
 
 
 @dataclass(frozen=True)
@@ -36,40 +47,58 @@ class Sensors:
         self._random = np.random.default_rng(seed)
         self._due = {"pose": 0.0, "velocity": 0.0, "wrench": 0.0}
         self._latest = sum(effect.lateness for effect, _ in cart.sensor_effects)
-        self._felt: list[tuple[float, Mapping[str, Array]]] = []
+        self._pose_bt = inverted(cart.pose_tb)
+        self._motion: Motion | None = None
+        self._felt: list[Felt] = []
 
     def motion(self, time: float, motion: Motion) -> Measurement:
         """Pose and velocity, where they are due."""
         n, draw = self.noise, self._random.standard_normal
         pose = velocity = None
+        self._motion = motion
         if self._is_due("pose", time, n.pose_period):
-            pose = motion.pose_sb + draw(3) * [n.position, n.position, n.heading]
+            pose = composed(motion.pose_sb, self._pose_bt) + draw(3) * [n.position, n.position, n.heading]
         if self._is_due("velocity", time, n.velocity_period):
             velocity_b = self.cart.basis_b @ motion.velocity
             velocity = body_to_world(motion.pose_sb[2]) @ velocity_b
+            velocity = carried(velocity, motion.pose_sb[2], self._pose_bt[:2])
             velocity = velocity + draw(3) * [n.linear_velocity, n.linear_velocity, n.yaw_rate]
         return Measurement(time, pose, velocity)
 
-    def wrenches(self, time: float, wrenches: ContactWrenches) -> Measurement:
-        """Wrenches as recorded, where they are due, and where the arms hold."""
+    def wrenches(self, time: float, wrenches: ContactWrenches, acceleration: Array | None = None) -> Measurement:
+        """Wrenches as recorded, where they are due, and where the arms hold. `acceleration` is that of the cart's free
+        velocities (n_free,) at the motion that was sensed last; None where no sensor feels it."""
         recorded = {}
-        self._felt.append((time, wrenches.wrenches))
+        self._felt.append(Felt(time, wrenches.wrenches, self._hands(wrenches, acceleration)))
         if self._is_due("wrench", time, self.noise.wrench_period):
             scale = np.repeat([self.noise.force, self.noise.moment], 3)
             for arm in wrenches.wrenches:
-                wrench_a = self._felt_at(time - self.cart.lateness(arm), arm)
-                recorded[arm] = self.cart.recorded_wrench(arm, wrench_a) + self._random.standard_normal(6) * scale
+                wrench_a, hand = self._felt_at(time - self.cart.lateness(arm), arm)
+                told = self.cart.recorded_wrench(arm, wrench_a, hand=hand)
+                recorded[arm] = told + self._random.standard_normal(6) * scale
         self._forget(time - self._latest)
         return Measurement(time, wrenches=recorded, contacts=dict(wrenches.contacts))
 
-    def _felt_at(self, time: float, arm: str) -> Array:
-        """The wrench (6,) that an arm gave, held from sample to sample; 0 before it held the cart."""
-        given = [wrenches for begin, wrenches in self._felt if begin <= time + 1e-9]
-        return given[-1].get(arm, np.zeros(6)) if given else np.zeros(6)
+    def _hands(self, given: ContactWrenches, acceleration: Array | None) -> dict[str, HandMotion]:
+        if acceleration is None or self._motion is None:
+            return {}
+        nu, yaws = self._motion.velocity, given.yaws
+        return {
+            arm: self.cart.hand_motion(nu, acceleration, contact, yaws.get(arm, 0.0))
+            for arm, contact in given.contacts.items()
+        }
+
+    def _felt_at(self, time: float, arm: str) -> tuple[Array, HandMotion]:
+        """The wrench (6,) that an arm gave, held from sample to sample, and its hand's motion; 0, at rest, before it
+        held the cart."""
+        given = [felt for felt in self._felt if felt.time <= time + 1e-9]
+        if not given:
+            return np.zeros(6), AT_REST
+        return given[-1].wrenches.get(arm, np.zeros(6)), given[-1].hands.get(arm, AT_REST)
 
     def _forget(self, time: float) -> None:
         """What is older than the sample that held at a time."""
-        while len(self._felt) > 1 and self._felt[1][0] <= time + 1e-9:
+        while len(self._felt) > 1 and self._felt[1].time <= time + 1e-9:
             self._felt.pop(0)
 
     def _is_due(self, what: str, time: float, period: float | None) -> bool:

@@ -34,7 +34,7 @@ def families(cart: CartModel, arms: Sequence[str]) -> list[Family]:
     """Every effect of the vocabulary that the cart may have beside those it has, gates open."""
     found = []
     for kind in KNOWN_EFFECTS.values():
-        if not kind.searched or (not arms and (issubclass(kind, SensorEffect) or kind.name in INERTIAL)):
+        if not kind.searched or (not arms and (kind.name in INERTIAL or is_of_wrenches(kind))):
             continue
         if cart.constraints.no_rotation and kind.name in TURNING:
             continue
@@ -42,6 +42,16 @@ def families(cart: CartModel, arms: Sequence[str]) -> list[Family]:
             variants = tuple(_variants(kind, label, cart))
             found.append(Family(variants[0].key, variants))
     return found
+
+
+def is_of_wrenches(kind: type[Effect]) -> bool:
+    """Whether it stands between true and recorded wrenches."""
+    return issubclass(kind, SensorEffect) and not kind.moves_pose
+
+
+def is_of_motion(kind: type[Effect]) -> bool:
+    """Whether it shows in the speed across the wheels, and in wrenches next to nothing."""
+    return issubclass(kind, ConstraintEffect) or (issubclass(kind, SensorEffect) and kind.moves_pose)
 
 
 def amplitudes_of(effect: Effect) -> np.ndarray:
@@ -52,7 +62,7 @@ def amplitudes_of(effect: Effect) -> np.ndarray:
 
 def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> Iterator[str]:
     taken = {effect.label for effect in cart.effects if isinstance(effect, kind)}
-    if issubclass(kind, ConstraintEffect):
+    if is_of_motion(kind):
         if not taken and cart.constraints.n_rows == 1:
             yield ""
     elif issubclass(kind, SensorEffect):

@@ -70,8 +70,8 @@ def arm_wrenches(balances: Balances, cart: CartModel, smoothed: float) -> dict[s
     record = balances.wrenches
     reach = max(1, round(smoothed / balances.motion.step))
     found = {}
-    for arm, grasp, recorded in zip(record.arms, record.grasps, record.recorded, strict=True):
-        planar = (grasp @ cart.corrected_wrench(arm, recorded)[0][..., None])[..., 0]
+    for i, (arm, grasp, recorded) in enumerate(zip(record.arms, record.grasps, record.recorded, strict=True)):
+        planar = (grasp @ record.corrected(cart, i, recorded)[0][..., None])[..., 0]
         found[arm] = _means(planar, reach)
     return found
 

@@ -61,7 +61,7 @@ def structure_prior(
             mean[i], free[i] = known[key], p.estimated
             std[i] = max(FILE_SHARE * abs(known[key]), FILE_LEAST * p.typical)
             continue
-        is_place = p.name in ("x", "y", "trail")
+        is_place = p.name in ("x", "y", "trail") and bool(p.grid)
         mean[i] = mean[i] if is_place else p.absent
         std[i] = 2 * p.typical if is_place else SIZE_STD * p.typical
         free[i] = p.estimated

@@ -94,7 +94,7 @@ def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tupl
 def rollouts(balances: Balances, cart: CartModel, first: np.ndarray) -> Rollouts:
     """How far a cart's are from the log's smooth poses."""
     at = first[:, None] + _steps(balances)
-    measured = balances.motion.pose[np.minimum(at, len(balances.motion.time) - 1)]
+    measured = balances.motion.of_body(cart).pose[np.minimum(at, len(balances.motion.time) - 1)]
     return Rollouts(_in_body(measured, rolled_out(balances, cart, first)))
 
 

@@ -12,7 +12,7 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 
 from ..weak_form.score import Score
-from .candidates import amplitudes_of, families
+from .candidates import amplitudes_of, families, is_of_motion
 from .laws import Law
 from .model import Model
 from .plausible import ODDS, is_plausible
@@ -97,6 +97,7 @@ def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[
         if keys(more) == keys(model):
             break
         model = more
+    model, steps = simplified(model, steps)
     return replace(resized(model), compares=False).settled(), steps
 
 
@@ -118,6 +119,40 @@ def _span(effect: Effect | Law | Refit) -> tuple[float, float]:
     """s: when it begins and ends."""
     assert isinstance(effect, Effect)
     return float(effect.values[0]), float(effect.values[:2].sum())
+
+
+def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
+    """With what takes fewer numbers, and shows in the speed across the wheels, too, where beside all else it explains
+    about as much: alone, what takes more may have stood in for two."""
+    for effect in added(model):
+        if not is_of_motion(type(effect)):
+            continue
+        less = model.refitted(model.cart.without_effect(effect.key))
+        own = Attempt(effect, worth(less.score, model.score, None), 1, model)
+        others = (e for family in families(less.cart, less.logs[0].wrenches.arms) for e in family.variants)
+        found = [_beside(less, e) for e in others if is_of_motion(type(e)) and len(e.parameters) < own.numbers]
+        best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
+        enough = own.gain - max(WORTH, SIMPLER * own.gain)
+        if best is not own and best.gain > enough and best.model is not None:
+            model, steps = best.model, [_with(step, best, own) for step in steps]
+    return model, steps
+
+
+def _beside(model: Model, effect: Effect) -> Attempt:
+    """An effect that acts all the time, fitted with all else."""
+    fitted = attempt(model, effect, 1).candidate
+    assert not isinstance(fitted, Law | Refit)
+    new = model.refitted(model.cart.with_effect(fitted))
+    found = next(one for one in new.cart.effects if one.key == effect.key)
+    return Attempt(found, worth(model.score, new.score, None), 1, new)
+
+
+def _with(step: Step, best: Attempt, own: Attempt) -> Step:
+    """The step that added what now is the rival of another."""
+    if step.added is None or step.added.key != own.key:
+        return step
+    rest = (one for one in step.attempts if one.key not in (best.key, own.key))
+    return Step((best, own, *rest), best)
 
 
 def keys(model: Model) -> set[str]:

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.information import WrenchNoise, reduced_noise
 from cartgrasp.model import CartModel
 
 from ..teaching_motions import DURATION, PERIOD, SPEED, TeachingMotion, teaching_motions
-from .candidates import amplitudes_of, families
+from .candidates import amplitudes_of, families, is_of_motion
 from .isolability import SHOWN
 
 ENOUGH = 0.7
@@ -55,11 +55,11 @@ class Hands:
 
 def separating(cart: CartModel, key: str, others: Sequence[str], hands: Hands) -> Manoeuvre | None:
     """For an effect of the cart, by its key, and the names of others; None where no usual motion would do, or one of
-    them acts at a time, at a place, or on the wheels' angles."""
+    them acts at a time, at a place, or on the speed across the wheels."""
     added = next(effect for effect in cart.effects if effect.key == key)
     without = replace(cart, effects=tuple(effect for effect in cart.effects if effect.key != key))
     rivals = [rivals_named(name, without, hands) for name in others]
-    if not rivals or not all(rivals) or added.gate is not Gate.ALWAYS or isinstance(added, ConstraintEffect):
+    if not rivals or not all(rivals) or added.gate is not Gate.ALWAYS or is_of_motion(type(added)):
         return None
     every = [one for group in rivals for one in group]
     known = [(motion, _apart(motion, without, added, every, hands)) for motion in _motions(cart)]
@@ -73,9 +73,7 @@ def separating(cart: CartModel, key: str, others: Sequence[str], hands: Hands) -
 def rivals_named(name: str, cart: CartModel, hands: Hands) -> list[Effect]:
     """All variants of an effect that acts all the time, and on forces."""
     every = (effect for family in families(cart, list(hands.contacts)) for effect in family.variants)
-    return [
-        one for one in every if one.name == name and one.gate is Gate.ALWAYS and not isinstance(one, ConstraintEffect)
-    ]
+    return [one for one in every if one.name == name and one.gate is Gate.ALWAYS and not is_of_motion(type(one))]
 
 
 def _motions(cart: CartModel) -> list[TeachingMotion]:
@@ -130,7 +128,8 @@ def _traced(motion: TeachingMotion, cart: CartModel, hands: Hands) -> tuple[Arra
     slopes = inverse.by_parameters - late[..., None] * _lateness_slopes(cart, hands.contacts)
     for arm, recorded in hands.shared(cart, inverse.wrench).items():
         reduced = cart.basis_b.T @ grasp_map_planar(hands.contacts[arm])
-        true, by = cart.corrected_wrench(arm, recorded)
+        hand = cart.hand_motion(state[:, cart.velocity_slice], acceleration, np.asarray(hands.contacts[arm]))
+        true, by = cart.corrected_wrench(arm, recorded, hand=hand)
         value -= (true - recorded) @ reduced.T
         slopes -= reduced @ by
     return value, slopes

@@ -31,7 +31,7 @@ from ..physical_set import PhysicalSet
 from ..prior import Prior
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..shallow import shallow
-from ..wrench_sensing import WrenchSensing
+from ..wrench_sensing import Moving, WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .load_watch import LoadWatch
 from .motion_tracker import MotionTracker
@@ -83,7 +83,8 @@ class ParameterLearner:
         if not self._started or time - self.time > LONG_GAP:
             self._start(time)
             seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
-        grip = sensing.gripped(measurement.wrenches, self.theta)
+        moving = self._moving(time) if sensing.feels_motion else None
+        grip = sensing.gripped(measurement.wrenches, self.theta, moving)
         if sensing.corrects:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
@@ -95,6 +96,11 @@ class ParameterLearner:
             self.felt, self._has_wrench = self.tracker.felt, True
         else:
             self.felt = NOTHING_FELT
+
+    def _moving(self, time: float) -> Moving:
+        """The cart as it was seen last, with memories as they were at the beginning of the block."""
+        memory = self._at_rest[0][self.cart.memory_slice] if self._memory is None else self._memory
+        return Moving(np.concatenate([*self.motion, memory]), time)
 
     @property
     def motion(self) -> Motion:

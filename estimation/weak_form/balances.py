@@ -35,6 +35,8 @@ from .wrenches import GridWrenches
 
 STILL_SPEED = 0.02
 """m/s: below it a cart may stand, and brakes, chocks and friction hold any force."""
+POSE_STEP = 1e-4
+"""m, rad: of differences by where {b} is in the frame that is tracked."""
 STILL_DEVIATIONS = 2.0
 """Of the smooth speed."""
 LEVER = 0.35
@@ -112,9 +114,14 @@ class Balances:
 
     def along(self, motion: Motion) -> Balances:
         """Of another motion on the same grid, with the rows of this one."""
-        other = replace(self, motion=motion)
-        other.__dict__["used"] = self.used
+        other = replace(self, motion=motion, wrenches=replace(self.wrenches, motion=motion))
+        other.__dict__.update(used=self.used, _test=self._test, _used_test=self._used_test)
         return other
+
+    def of_body(self, cart: CartModel) -> Balances:
+        """With {b} where a cart has it in the frame that was tracked."""
+        motion = self.motion.of_body(cart)
+        return self if motion is self.motion else self.along(motion)
 
     @property
     def turning_speed(self) -> Array:
@@ -191,7 +198,7 @@ class Balances:
         the model says."""
         beside = (e for e in cart.effects if isinstance(e, InertiaEffect | ConstraintEffect))
         alone = replace(cart, effects=(*beside, effect))
-        force = alone.effect_wrench(self.state(alone), time=self.motion.time)[:, 0]
+        force = alone.effect_wrench(self.of_body(cart)._state(alone), time=self.motion.time)[:, 0]
         found = np.zeros((len(force), self.n_balances(cart), 1))
         found[:, cart.constraints.n_free - 1, 0] = force
         return self.integrated(found)
@@ -203,13 +210,24 @@ class Balances:
 
     def state(self, cart: CartModel) -> Array:
         """Of the cart along the motion (n, s)."""
+        return self.of_body(cart)._state(cart)
+
+    def _state(self, cart: CartModel) -> Array:
         motion = self.motion
         memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
         return np.hstack([motion.pose, motion.velocity, memory])
 
     def residual(self, cart: CartModel) -> tuple[Array, Array]:
         """What is left (k, c), and how much of it a unit of each parameter takes away (k, c, p)."""
-        state = self.state(cart)
+        left, slopes = self.of_body(cart)._left(cart)
+        slopes = self._on_all(slopes)
+        for i in cart.pose_indices:
+            slopes[..., i] = self._by_pose(cart, i)
+        return self.integrated(left), self.integrated(slopes)
+
+    def _left(self, cart: CartModel) -> tuple[Array, Array]:
+        """Along this motion what is left (n, c), and the wrenches' slopes (n, f, p)."""
+        state = self._state(cart)
         needed, by_parameters = self._needed(cart, state)
         planar = self.wrenches.planar(cart)
         left = planar @ cart.basis_b - needed
@@ -218,9 +236,15 @@ class Balances:
         if share is not None:
             left, slopes = (share @ left[..., None])[..., 0], share @ slopes
         if self.motion.across is not None:
-            aside = self.motion.across - self.creep(cart, state, planar)
-            left = np.column_stack([left, aside])
-        return self.integrated(left), self.integrated(self._on_all(slopes))
+            left = np.column_stack([left, self.motion.across - self.creep(cart, state, planar)])
+        return left, slopes
+
+    def _by_pose(self, cart: CartModel, i: int) -> Array:
+        """What a unit of the i-th parameter, which moves {b} in the frame that is tracked, takes away (n, c)."""
+        step = POSE_STEP * np.eye(len(cart.parameters))[i]
+        less, more = (cart.with_parameters(cart.parameters + change) for change in (-step, step))
+        found = self.of_body(less)._left(less)[0] - self.of_body(more)._left(more)[0]
+        return np.asarray(found / (more.parameters[i] - less.parameters[i]))
 
     def _on_all(self, wrenches: Array) -> Array:
         """Signals (n, f, ...) of the free directions in all balances (n, c, ...): the speed across has none of them."""
@@ -246,21 +270,26 @@ class Balances:
         is_alone = not isinstance(effect, SensorEffect | InertiaEffect)  # then it depends on the body alone
         beside = tuple(e for e in cart.effects if isinstance(e, InertiaEffect)) if is_alone else cart.effects
         whole = replace(cart, effects=(*beside, effect))
+        own = self.of_body(cart)
         if isinstance(effect, SensorEffect):
-            slopes = -self.wrenches.slopes(whole, self.expected(cart), self.wrench_densities)
+            slopes = -own.wrenches.slopes(whole, own.expected(cart), self.wrench_densities)
         elif effect.gate is Gate.INSIDE:
-            inside = np.flatnonzero(self._is_on(effect.values[:4], cart))
-            own = self._inverse(whole, self.state(whole)[inside], inside)[1]
-            slopes = np.zeros((len(self.motion.time), *own.shape[1:]))
-            slopes[inside] = own
+            inside = np.flatnonzero(own._is_on(effect.values[:4], cart))
+            some = own._inverse(whole, own._state(whole)[inside], inside)[1]
+            slopes = np.zeros((len(self.motion.time), *some.shape[1:]))
+            slopes[inside] = some
         else:
-            slopes = self._inverse(whole, self.state(whole))[1]
-        slopes = slopes[..., -len(effect.parameters) :]
-        return self.integrated(self._on_all(slopes if share is None else share[:, None, None] * slopes))
+            slopes = own._inverse(whole, own._state(whole))[1]
+        first = slopes.shape[2] - len(effect.parameters)
+        slopes = self._on_all(slopes[..., first:])
+        for i in (i for i in whole.pose_indices if i >= first):
+            slopes[..., i - first] = self._by_pose(whole, i)
+        return self.integrated(slopes if share is None else share[:, None, None] * slopes)
 
     def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""
-        return self._needed(cart, self.state(cart))[0]
+        own = self.of_body(cart)
+        return own._needed(cart, own._state(cart))[0]
 
     def _is_on(self, region: Array, cart: CartModel) -> np.ndarray:
         """Whether (n,) a wheel is in a region (x, x, y, y) of the floor, or so near that its soft edge is felt."""

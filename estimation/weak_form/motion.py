@@ -3,7 +3,7 @@ momentum."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
+from cartgrasp.tracked_point import composed, in_frame, inverted
 
 from ..noise import FilterNoise
 from .sensor_noise import MotionNoise
@@ -32,10 +33,27 @@ MOST_POINTS = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
+class Twists:
+    """A frame's motion in its own axes, (n, 3) each: smooth velocity, acceleration unbiased and smooth, and unbiased
+    velocity (from poses alone, where there are any: recorded velocities may leave out what wheels creep)."""
+
+    velocity: Array
+    acceleration: Array
+    smooth_acceleration: Array
+    of_poses: Array
+
+    def seen_from(self, pose_ab: Array) -> Twists:
+        """Of a frame that is fixed to this one."""
+        turn = in_frame(pose_ab).T
+        return Twists(*(part @ turn for part in (getattr(self, one.name) for one in fields(self))))
+
+
+@dataclass(frozen=True, eq=False)
 class Motion:
     """At times (n,): smooth pose (n, 3) and free velocity (n, f), free acceleration (n, f), unbiased and smooth, and
-    unbiased speed across the wheels at {b}'s axle (n,; from poses alone; None without one). `seen` (n,) where sensors
-    saw it. Standard deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log."""
+    unbiased speed across the wheels at {b}'s axle (n,; None without one). `seen` (n,) where sensors saw it. Standard
+    deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log. `pose_tb` (3,) is where {b} is
+    taken to be in the frame that was tracked."""
 
     time: Array
     pose: Array
@@ -47,6 +65,39 @@ class Motion:
     noise: MotionNoise
     pose_std: Array
     rate_std: Array
+    twists: Twists
+    pose_tb: Array
+
+    @classmethod
+    def of(
+        cls,
+        cart: CartModel,
+        grid: tuple[Array, Array, np.ndarray],
+        twists: Twists,
+        noise: tuple[MotionNoise, Array, Array],
+    ) -> Motion:
+        """Of the cart in the frame that was tracked, with (time, pose, seen) on a grid."""
+        time, pose, seen = grid
+        tracked = cls(time, pose, *_freed(cart, twists), seen, *noise, twists, np.zeros(3))
+        return tracked.of_body(cart)
+
+    def of_body(self, cart: CartModel) -> Motion:
+        """With {b} where a cart has it in the frame that was tracked."""
+        if np.array_equal(cart.pose_tb, self.pose_tb):
+            return self
+        change = composed(inverted(self.pose_tb), cart.pose_tb)
+        pose, twists = composed(self.pose, change), self.twists.seen_from(change)
+        velocity, acceleration, smooth, across = _freed(cart, twists)
+        return replace(
+            self,
+            pose=pose,
+            velocity=velocity,
+            acceleration=acceleration,
+            smooth_acceleration=smooth,
+            across=across,
+            twists=twists,
+            pose_tb=cart.pose_tb,
+        )
 
     @property
     def step(self) -> float:
@@ -105,18 +156,25 @@ def motion_of(
         _acceleration(pose[:, 2], velocity_b, np.column_stack([bend @ getattr(fit, kind) for fit in fits]))
         for kind in ("unbiased", "smooth")
     )
-    free = cart.rolling.free_velocity
     gap = LONGEST_GAP * max(native, step)
     placed, moved = _near(time, grid, gap), _near(moving, grid, gap)
-    across = None
+    of_all = np.column_stack([rate @ fit.unbiased for fit in fits])
+    of_poses = of_all
     if cart.constraints.n_rows == 1:
-        of_all = np.column_stack([rate @ fit.unbiased for fit in fits])
         of_poses = np.column_stack([rate @ SplineFit(basis, [samples]).unbiased for samples in from_poses])
-        across = _across(cart, pose[:, 2], np.where(placed[:, None], of_poses, of_all))
+        of_poses = np.where(placed[:, None], of_poses, of_all)
     middle = float(np.median(time))
     std = [np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1)]
-    nu = (free(velocity_b), free(unbiased), free(smooth))
-    return Motion(grid, pose, *nu, across, placed | moved, noise, *std)
+    twists = Twists(velocity_b, unbiased, smooth, _turned(pose[:, 2], of_poses))
+    return Motion.of(cart, (grid, pose, placed | moved), twists, (noise, std[0], std[1]))
+
+
+def _freed(cart: CartModel, twists: Twists) -> tuple[Array, Array, Array, Array | None]:
+    """Of twists of {b}: free velocity, free accelerations, and the speed of the axle to its left."""
+    free, across = cart.rolling.free_velocity, None
+    if cart.constraints.n_rows == 1:
+        across = twists.of_poses[:, 1] + float(cart.constraints.axle_x or 0.0) * twists.of_poses[:, 2]
+    return free(twists.velocity), free(twists.acceleration), free(twists.smooth_acceleration), across
 
 
 def _turned(heading: Array, vectors_s: Array) -> Array:
@@ -132,13 +190,6 @@ def _acceleration(heading: Array, velocity_b: Array, bend_s: Array) -> Array:
     found[:, 0] += velocity_b[:, 2] * velocity_b[:, 1]
     found[:, 1] -= velocity_b[:, 2] * velocity_b[:, 0]
     return found
-
-
-def _across(cart: CartModel, heading: Array, rate: Array) -> Array:
-    """Speed of the axle to its left (n,), of rates (n, 3) in {s}: of poses alone where there are any, for recorded
-    velocities may leave out what wheels creep."""
-    axle = float(cart.constraints.axle_x or 0.0)
-    return np.asarray(-np.sin(heading) * rate[:, 0] + np.cos(heading) * rate[:, 1] + axle * rate[:, 2])
 
 
 def _moving_times(log: RunLog) -> Array:

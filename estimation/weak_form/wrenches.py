@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.effects.hand_motion import AT_REST
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
@@ -21,10 +22,12 @@ LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
 
 @dataclass(frozen=True, eq=False)
 class GridWrenches:
-    """Planar grasp maps (arms, n, 3, 6) and wrenches in {a} (arms, n, 6) at times (n,); `seen` (n,) where all are."""
+    """Contact points (arms, n, 3) with planar grasp maps (arms, n, 3, 6) and wrenches in {a} (arms, n, 6) at times (n,)
+    of a motion; `seen` (n,) where all are."""
 
     arms: tuple[str, ...]
-    time: Array
+    motion: Motion
+    contacts: Array
     grasps: Array
     recorded: Array
     seen: np.ndarray
@@ -32,29 +35,39 @@ class GridWrenches:
     @classmethod
     def on(cls, log: RunLog, motion: Motion, lateness: float = 0.0) -> GridWrenches:
         """Of sensors that tell what they felt `lateness` (s) ago."""
-        grasps, recorded, seen = [], [], motion.seen.copy()
+        contacts, grasps, recorded, seen = [], [], [], motion.seen.copy()
         for arm in log.arms.values():
             known = np.isfinite(arm.wrench).all(axis=1)
             mean, near = _means(log.time[known] - lateness, arm.wrench[known], motion.time, motion.step)
             contact, held = _held(log.time, arm.contact, motion.time)
+            contacts.append(contact)
             grasps.append(grasp_map_planar(contact))
             recorded.append(mean)
             seen &= near & held
         shape = len(log.arms), len(motion.time)
         return cls(
             tuple(log.arms),
-            motion.time,
+            motion,
+            np.array(contacts).reshape(*shape, 3),
             np.array(grasps).reshape(*shape, 3, 6),
             np.array(recorded).reshape(*shape, 6),
             seen,
         )
 
+    def corrected(self, cart: CartModel, arm: int, recorded: Array) -> tuple[Array, Array]:
+        """The true wrench (n, 6) behind what an arm recorded (n, 6) at these times, and its partials by the parameters
+        (n, 6, p)."""
+        hand = AT_REST
+        if cart.feels_motion:
+            motion = self.motion.of_body(cart)
+            hand = cart.hand_motion(motion.velocity, motion.smooth_acceleration, self.contacts[arm])
+        return cart.corrected_wrench(self.arms[arm], recorded, hand=hand)
+
     def planar(self, cart: CartModel) -> Array:
         """The true planar wrench on the cart (n, 3) in {b} behind what is recorded."""
         if not cart.sensor_effects:
             return self._as_recorded
-        true = [cart.corrected_wrench(arm, own)[0] for arm, own in zip(self.arms, self.recorded, strict=True)]
-        return self._summed(true)
+        return self._summed([self.corrected(cart, arm, own)[0] for arm, own in enumerate(self.recorded)])
 
     @cached_property
     def _as_recorded(self) -> Array:
@@ -62,7 +75,7 @@ class GridWrenches:
 
     def _summed(self, wrenches: Sequence[Array]) -> Array:
         """Of the arms' (n, 6), what they are on the cart together (n, 3)."""
-        value = np.zeros((len(self.time), 3))
+        value = np.zeros((len(self.motion.time), 3))
         for grasp, wrench in zip(self.grasps, wrenches, strict=True):
             value += (grasp @ wrench[..., None])[..., 0]
         return value
@@ -73,12 +86,15 @@ class GridWrenches:
         None where the two are the same."""
         if not cart.sensor_effects:
             return None
-        reduced = cart.basis_b.T @ self.grasps
+        each = cart.basis_b.T @ self.grasps, self._felt(cart)
+        recorded, acting = (np.linalg.cholesky(_covariance(reduced, densities)) for reduced in each)
+        return np.asarray(recorded @ np.linalg.inv(acting))
+
+    def _felt(self, cart: CartModel) -> Array:
+        """What takes a change of what an arm records to that of the reduced wrench that acts (arms, n, f, 6)."""
         unit, none = np.eye(6), np.zeros((6, 6))
         maps = [cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0] for arm in self.arms]
-        felt = reduced @ np.swapaxes(np.array(maps), 1, 2)[:, None]
-        recorded, acting = (np.linalg.cholesky(_covariance(each, densities)) for each in (reduced, felt))
-        return np.asarray(recorded @ np.linalg.inv(acting))
+        return np.asarray(cart.basis_b.T @ self.grasps @ np.swapaxes(np.array(maps), 1, 2)[:, None])
 
     def slopes(self, cart: CartModel, expected: Array, densities: Array) -> Array:
         """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches that
@@ -86,15 +102,15 @@ class GridWrenches:
         (n, f). By a gain or an angle they are in proportion to wrenches: to recorded ones, they would have their noise,
         and all that the model lacks, on both sides. What is left of the noise goes with no balance's."""
         f = expected.shape[1]
-        found = np.zeros((len(self.time), f, len(cart.parameters)))
+        found = np.zeros((len(self.motion.time), f, len(cart.parameters)))
         if not cart.sensor_effects:
             return found
-        reduced = cart.basis_b.T @ self.grasps
+        felt, variances = self._felt(cart), _variances(densities)
         missing = expected - self.planar(cart) @ cart.basis_b
-        share = np.linalg.solve(_covariance(reduced, densities), missing[..., None])
-        for arm, grasp, recorded, own in zip(self.arms, reduced, self.recorded, _variances(densities), strict=True):
-            nearest = recorded + own * (np.swapaxes(grasp, 1, 2) @ share)[..., 0]
-            found += grasp @ cart.corrected_wrench(arm, nearest)[1]
+        share = np.linalg.solve(_covariance(felt, densities), missing[..., None])
+        for arm, (recorded, own) in enumerate(zip(self.recorded, variances, strict=True)):
+            nearest = recorded + own * (np.swapaxes(felt[arm], 1, 2) @ share)[..., 0]
+            found += cart.basis_b.T @ self.grasps[arm] @ self.corrected(cart, arm, nearest)[1]
         return found
 
 

@@ -15,6 +15,7 @@ from scipy.optimize import lsq_linear
 from cartgrasp.cart_file import cart_from_text, cart_text
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import LearnedForce, SensorEffect
+from cartgrasp.effects.hand_motion import HandMotion
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
@@ -68,6 +69,9 @@ CONTRACT = {
     "force_misalignment": {"angle": "rad"},
     "load_slosh": {"mass": "kg", "frequency": "Hz", "damping": "-"},
     "time_delay": {"delay": "s"},
+    "contact_offset": {"x": "m", "y": "m"},
+    "tool_inertia": {"mass": "kg", "x": "m", "y": "m", "z": "m"},
+    "pose_offset": {"x": "m", "y": "m", "yaw": "rad"},
     "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
     "end_stop": {"position": "m", "restitution": "-", "stiffness": "N/m", "damping": "N·s/m"},
 }
@@ -79,6 +83,7 @@ NOT_ESTIMATED_ONLINE = {
     *("stribeck_friction.speed", "stribeck_friction.by_wheels", "caster_realignment.trail", "payload_change.time"),
     "caster_realignment.x",
     *("external_push.start", "external_push.duration", "time_delay.delay"),
+    *("tool_inertia.z", "contact_offset.x"),
     *("wheel_misalignment.angle", "lateral_slip.cornering_stiffness"),
     *("load_slosh.frequency", "load_slosh.damping"),
     *(f"end_stop.{name}" for name in ("position", "side", "restitution", "stiffness", "damping")),
@@ -199,15 +204,19 @@ def test_partials_of_a_change_of_phi(kind, data, time):
 
 
 @every_sensor
-@given(data=st.data(), wrench=spatial_wrenches)
-def test_partials_and_inverse_of_a_sensor(kind, data, wrench):
+@given(data=st.data(), wrench=spatial_wrenches, rates=vectors(8, -2.0, 2.0))
+def test_partials_and_inverse_of_a_sensor(kind, data, wrench, rates):
     effect = data.draw(effects(kind))
-    corrected = effect.corrected(wrench, effect.values)
+    hand = HandMotion.of(rates[:3], rates[3:6], np.append(rates[6:], 1.0))
+    corrected = effect.corrected(wrench, effect.values, hand)
     by_memory = np.eye(6) if corrected.by_memory is None else corrected.by_memory
-    assert_partials(by_memory, lambda w: effect.corrected(w, effect.values).value, wrench)
-    assert_partials(corrected.by_parameters, lambda v: effect.corrected(wrench, v).value, effect.values)
-    recorded = effect.recorded(wrench, effect.values)
-    np.testing.assert_allclose(effect.corrected(recorded, effect.values).value, wrench, atol=1e-12)
+    assert_partials(by_memory, lambda w: effect.corrected(w, effect.values, hand).value, wrench)
+    assert_partials(corrected.by_parameters, lambda v: effect.corrected(wrench, v, hand).value, effect.values)
+    recorded = effect.recorded(wrench, effect.values, hand)
+    np.testing.assert_allclose(effect.corrected(recorded, effect.values, hand).value, wrench, atol=1e-12)
+    at_rest = effect.corrected(wrench, effect.values).value
+    assert kind.feels_motion or np.array_equal(corrected.value, at_rest)
+    assert kind.moves_pose or not effect.pose_tb(effect.values).any()
 
 
 @every_force

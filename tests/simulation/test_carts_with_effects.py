@@ -29,11 +29,16 @@ EFFECTS = {
     gusts: {acts_on: world_force, of: time, direction: 1.5, knots: [0, 1, 2, 3], value_1: 0, value_2: 8, value_3: 2}
     patch: {acts_on: drag, of: place, knots: [0.2, 0.6, 1.0], value_1: 0, value_2: 5, value_3: 0}""",
 }
+ROBOT = {
+    "contact_offset": "{x: 0.02, y: -0.04}",
+    "tool_inertia": "{mass: 1.5, x: 0.05, y: 0.02, z: -0.03}",
+    "pose_offset": "{x: -0.06, y: 0.02, yaw: 0.03}",
+}
 
 
 def scenario(folder, *names, **changes):
     path = folder / "cart.yaml"
-    path.write_text(CART + "".join(f"  {name}: {EFFECTS[name]}\n" for name in names))
+    path.write_text(CART + "".join(f"  {name}: {(EFFECTS | ROBOT)[name]}\n" for name in names))
     choice = Choice(path, None, "curves", "model", 2, 0.6, 0.0, False, 0)
     return replace(build_scenario(replace(choice, **changes)), duration=4.0)
 
@@ -55,6 +60,23 @@ def test_a_cart_with_each_is_tracked_when_it_is_known(name, tmp_path):
         along = np.diff(record.pose[-50:, :2], axis=0)
         heading = (record.pose[-50:-1, 2] + record.pose[-49:, 2]) / 2
         np.testing.assert_allclose(np.arctan2(along[:, 1], along[:, 0]) - heading, 0.03, atol=1e-4)
+
+
+@pytest.mark.parametrize("plant", ["model", "mujoco"])
+def test_a_robot_with_all_that_is_known_of_it_is_tracked(plant, tmp_path):
+    """Poses are of the tracked point, and what its sensors weigh of the tool is there."""
+    known = scenario(tmp_path, *ROBOT, plant=plant)
+    record = known.run()
+    assert record.pose[-1, 0] > 1.0
+    assert record.tracking_error.max() < 0.03
+    assert set(record.statuses) == {"optimal"}
+    heading = record.log.pose[:, 2]
+    np.testing.assert_allclose(heading, record.pose[:, 2] - 0.03, atol=0.003)  # of noise
+    c, s = np.cos(heading), np.sin(heading)
+    there = record.log.pose[:, :2] + np.column_stack([-0.06 * c - 0.02 * s, -0.06 * s + 0.02 * c])
+    np.testing.assert_allclose(there, record.pose[:, :2], atol=0.003)
+    for arm, given in record.wrenches.items():
+        np.testing.assert_allclose(record.log.arms[arm].wrench[:, 2] - given[:, 2], 1.5 * 9.81, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["wheel_misalignment", "lateral_slip", "load_slosh"])

@@ -17,12 +17,14 @@ def straight(acceleration=0.5, duration=4.0, mass=20.0, step=0.01):
 
 def circles(angle=0.0, compliance=0.0, seed=0, mass=24.0, com_x=0.28):
     """A log of a cart that goes round in wide circles, forward and back, on wheels at an angle that creep by
-    `compliance` (rad/N) under the force that keeps them on the circle; hands give what the rigid body needs."""
+    `compliance` (rad/N) under the force that keeps them on the circle; hands give what the rigid body needs, along
+    {b}'s x."""
     random, fine = np.random.default_rng(seed), 0.0005
     time = np.arange(0, 20, fine)
     speed, turn = 0.6 * np.sin(0.5 * time), 0.5 * np.cos(0.3 * time)
     heading = np.sin(0.3 * time) * 0.5 / 0.3
-    side = -mass * (speed * turn + com_x * np.gradient(turn, time))
+    forward = mass * (np.gradient(speed, time) - com_x * turn**2) / np.cos(angle)  # along {b}'s x
+    side = -mass * (speed * turn + com_x * np.gradient(turn, time)) - forward * np.sin(angle)
     creep = compliance * np.abs(speed) * side
     towards = heading + angle
     velocity = np.column_stack(
@@ -30,7 +32,6 @@ def circles(angle=0.0, compliance=0.0, seed=0, mass=24.0, com_x=0.28):
     )
     pose = np.cumsum(velocity, axis=0) * fine
     pose[:, 2] = heading
-    forward = mass * (np.gradient(speed, time) - com_x * turn**2)
     moment = (2.2 + mass * com_x**2) * np.gradient(turn, time) + mass * com_x * speed * turn
     rows = slice(None, None, 20)
     wrench = np.zeros((len(time[rows]), 6))

@@ -1,0 +1,47 @@
+"""A tracker that follows another point of the cart than {b}'s origin, or in another direction.
+
+With {t} the frame that is tracked, the recorded pose is `pose_st = pose_sb pose_tb⁻¹`, and the recorded velocity that
+of {t}'s origin. Wrenches are recorded as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ..frames import Array
+from .effect import Contribution, Parameter, SensorEffect
+from .hand_motion import AT_REST, HandMotion
+
+
+@final
+@dataclass(frozen=True)
+class PoseOffset(SensorEffect):
+    """{b} is at (`x`, `y`) (m) in the tracked frame, turned by `yaw` (rad): `x` is negative where the tracked point is
+    ahead of {b}'s origin."""
+
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+    name: ClassVar[str] = "pose_offset"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("x", "m", typical=0.03),
+        Parameter("y", "m", typical=0.03),
+        Parameter("yaw", "rad", typical=0.03, lower=-np.pi, upper=np.pi),
+    )
+    by_arm: ClassVar[bool] = False
+    signature: ClassVar[str] = "a velocity across the wheels in proportion to the yaw rate, or to the speed"
+    moves_pose: ClassVar[bool] = True
+
+    def pose_tb(self, parameters: Array) -> Array:
+        return parameters
+
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+        return wrench_a
+
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+        lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])
+        return Contribution(np.broadcast_to(wrench_a, (*lead, 6)), by_parameters=np.zeros((*lead, 6, 3)))
