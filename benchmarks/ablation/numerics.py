@@ -12,6 +12,7 @@ REASONS: dict[str, dict[str, str]] = {
         "CHUNK": "memory",
         "SUPPORT": "of a cubic B-spline",
         "RIM": "beyond it a soft edge is nought",
+        "POSE_STEP": "of a difference",
     },
     "weak_form.band": {
         "ROW_STEPS": "grid of bands",
