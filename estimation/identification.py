@@ -30,6 +30,7 @@ from .noise import FilterNoise
 from .prior import Prior, report_names, report_units
 from .weak_form.band import pooled
 from .weak_form.rows import Errors
+from .weak_form.standing import turning_back
 
 
 @dataclass(frozen=True)
@@ -145,8 +146,8 @@ def _as_loud(model: Model) -> Model:
     of them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
     for _ in range(2):
         none = np.zeros_like(model.noise.form)
-        sizes = model.noise.excess, none, model.noise.friction
-        own = tuple(Errors.of(b, model.cart).whitening(*sizes) for b in model.logs)
+        errors = [replace(Errors.of(b, model.cart), friction=turning_back(b, model.cart)) for b in model.logs]
+        own = tuple(one.whitening(model.noise.excess, none, np.ones_like(none)) for one in errors)
         model = replace(model, whitenings=own)
         scale = model.score.scale
         model = replace(model, whitenings=tuple(w.louder(scale) for w in model.whitenings)).refitted(model.cart)
