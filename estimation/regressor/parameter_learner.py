@@ -100,7 +100,8 @@ class ParameterLearner:
     def _moving(self, time: float) -> Moving:
         """The cart as it was seen last, with memories as they were at the beginning of the block."""
         memory = self._at_rest[0][self.cart.memory_slice] if self._memory is None else self._memory
-        return Moving(np.concatenate([*self.motion, memory]), time)
+        motion = self.motion
+        return Moving(np.concatenate([motion.pose_sb, motion.velocity, memory]), time)
 
     @property
     def motion(self) -> Motion:
