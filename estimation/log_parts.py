@@ -12,15 +12,14 @@ from cartgrasp.logs import RunLog
 from cartgrasp.logs.coasting import without_idle_arms
 from cartgrasp.model import CartModel
 
-from .discrepancy.flights import pieces, unbroken
-from .discrepancy.log_check import check_steps
 from .glitches import without_glitches
 from .impacts import impacts
 from .noise import FilterNoise
-from .sensor_check.sizes import check_sizes
+from .sensor_check.sizes import check_jumps, check_sizes
 from .sensor_check.stale import without_stale
 from .weak_form.balances import Balances
 from .weak_form.band import Band, bands, sharp
+from .weak_form.flights import pieces, unbroken
 from .weak_form.sensor_noise import MotionNoise
 
 FEWEST_ROWS = 3
@@ -66,7 +65,7 @@ def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise
 
 
 def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
-    check_steps(log, float(MotionNoise.of(log).pose[0]))
+    check_jumps(log, float(MotionNoise.of(log).pose[0]))
     try:
         hits = impacts(log, cart)
         return pieces(log, hits) if hits else [log]

@@ -83,7 +83,7 @@ ASSUMPTIONS = (
     *_of("discrepancy.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
     *_of("discrepancy.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
     *_of(
-        "discrepancy.flights",
+        "weak_form.flights",
         {"TOUCH": "how long a touch lasts", "NEAR": "how near a stop a cart leans on it"},
     ),
     *_of(

@@ -83,7 +83,7 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_LOGS": "drawn",
         "FLAT": "shape of a figure",
     },
-    "discrepancy.flights": {"SHORTEST": "parts of a log that are too short to solve"},
+    "weak_form.flights": {"SHORTEST": "parts of a log that are too short to solve"},
     "discrepancy.gap": {"FOLDS": "number of folds", "DRAWS": "effort", "COORDINATES": "words"},
     "discrepancy.isolability": {
         "ALIKE": "table of what is alike",
@@ -103,8 +103,6 @@ REASONS: dict[str, dict[str, str]] = {
         "FEWEST_ROWS": "refuses a log",
         "SHORTEST": "refuses a log",
         "FEWEST_USED": "refuses a log",
-        "FASTEST": "refuses a log",
-        "NOISES": "refuses a log",
         "EIGHTHS": "words on the motion",
         "LEAST_HEADED": "words on the motion",
         "ROLLING": "words on the motion",

@@ -22,10 +22,10 @@ from ..impacts import Impact, impacts
 from ..sensor_check import check_sizes, of_wrenches, put_right
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, consistent, is_narrower
+from ..weak_form.flights import flights, unbroken
 from ..weak_form.rows import wrench_noise
 from .certainty import Certainty
 from .clock_offset import clock_offsets
-from .flights import flights, unbroken
 from .gap import Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law

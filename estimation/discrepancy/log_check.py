@@ -15,6 +15,7 @@ from cartgrasp.model import CartModel
 from ..log_noise import noise_of_log
 from ..noise import FilterNoise
 from ..sensor_check import Suspicion
+from ..sensor_check.sizes import check_jumps
 from ..sensor_check.stale import without_stale
 from ..weak_form.balances import SUPPORT, Balances
 from ..weak_form.motion import Motion
@@ -26,8 +27,6 @@ SHORTEST = 4.0
 """s."""
 FEWEST_USED = 10
 """Rows of balances in weak form that hold all."""
-FASTEST, NOISES = 40.0, 10.0
-"""m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 EIGHTHS, LEAST_HEADED = 8, 1.0
 """Of the circle; s that a cart heads into one."""
 ROLLING, STILL_TURNING = 0.015, 0.015
@@ -106,26 +105,11 @@ def _with_wrenches(log: RunLog) -> np.ndarray:
     return np.asarray(np.isfinite(np.hstack(list(_of_arms(log).values()))).all(axis=1))
 
 
-def check_steps(log: RunLog, noise: float) -> None:
-    """Refuses poses that jump beyond their noise (m)."""
-    seen = np.flatnonzero(np.isfinite(log.pose[:, :2]).all(axis=1))
-    if len(seen) < 2:
-        return
-    step = np.hypot(*np.diff(log.pose[seen, :2], axis=0).T)
-    speed = np.maximum(step - NOISES * noise, 0.0) / np.diff(log.time[seen])
-    if speed.max() > FASTEST:
-        at = int(np.argmax(speed))
-        raise DataError(
-            f"{log.name}: the cart jumps by {step[at]:.2f} m at t = {log.time[seen][at]:g} s; cut the log there, and "
-            "look for numbers that are not in SI units"
-        )
-
-
 def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
     """How late wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises DataError for poses that
     jump, too few rows that hold all, and wrenches that never change although the cart moves."""
     motion, moves, steps = balances.motion, moving(balances), np.diff(log.time)
-    check_steps(balances.log, float(motion.noise.pose[0]))
+    check_jumps(balances.log, float(motion.noise.pose[0]))
     _check_together(log, balances, bool(moves.any()))
     noise, fresh, forward = noise_of_log(balances.log, cart), without_stale(log), motion.velocity[:, 0]
     of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS

@@ -9,6 +9,8 @@ from cartgrasp.logs import RunLog
 
 LARGEST = 1e9
 """m, rad, m/s, N, N·m, and s of a whole log: beyond, no number is in SI units."""
+FASTEST, NOISES = 40.0, 10.0
+"""m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
 
 
 def check_sizes(log: RunLog) -> None:
@@ -25,3 +27,18 @@ def check_sizes(log: RunLog) -> None:
             )
     if log.duration > LARGEST:
         raise DataError(f"{log.name}: it lasts for {log.duration:.3g} s; look for times that are not in seconds")
+
+
+def check_jumps(log: RunLog, noise: float) -> None:
+    """Refuses poses that jump beyond their noise (m)."""
+    seen = np.flatnonzero(np.isfinite(log.pose[:, :2]).all(axis=1))
+    if len(seen) < 2:
+        return
+    step = np.hypot(*np.diff(log.pose[seen, :2], axis=0).T)
+    speed = np.maximum(step - NOISES * noise, 0.0) / np.diff(log.time[seen])
+    if speed.max() > FASTEST:
+        at = int(np.argmax(speed))
+        raise DataError(
+            f"{log.name}: the cart jumps by {step[at]:.2f} m at t = {log.time[seen][at]:g} s; cut the log there, and "
+            "look for numbers that are not in SI units"
+        )

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from cartgrasp.errors import DataError
 from estimation.discrepancy import diagnose
-from estimation.discrepancy.flights import NEAR, SHORTEST, TOUCH, flights, unbroken
 from estimation.impacts import Impact
+from estimation.weak_form.flights import NEAR, SHORTEST, TOUCH, flights, unbroken
 
 from ..weak_form.motions import TRUE, cart_of, noisy, weaving
 

@@ -14,7 +14,7 @@ from cartgrasp.model import CartModel
 
 from ..end_stops import end_stops
 from ..impacts import Impact
-from ..weak_form.balances import Balances
+from .balances import Balances
 
 TOUCH = 0.05
 """s on each side of an impact: a touch, and how well it is timed."""
