@@ -21,7 +21,6 @@ DECIDING = (
     # what is added and dropped
     Constant("discrepancy.search", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"),
     Constant("discrepancy.search", "SHARE", A, 0.0, "least gain as a share of the largest so far"),
-    Constant("discrepancy.search", "PULSE", A, 0.0, "least gain of a push that another overlaps, of that one's"),
     Constant("discrepancy.search", "SIMPLER", A, 0.0, "share of the best gain that a simpler candidate may lack"),
     Constant("discrepancy.search", "RESIZED", A, 0.0, "least gain of another size of an effect of the file"),
     Constant("discrepancy.search", "SURE", A, 0.0, "least gain in standard errors over stretches"),

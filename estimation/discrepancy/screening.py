@@ -14,6 +14,7 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array, rotation_planar
 
+from ..weak_form.rows import wrench_covariance
 from ..weak_form.score import log_evidence
 from .candidates import Family, amplitudes_of
 from .laws import PERIODS, Law, periodic, scanned, smooth_laws
@@ -207,8 +208,11 @@ class Screen:
     @cached_property
     def _hands(self) -> float:
         """The lever (m) at which a force is felt as force sensors' noise is; none where it is next to nothing."""
-        last = self.model.cart.constraints.n_free - 1
-        lever = float(np.mean([whiten.mix[last, 0] for whiten in self.model.whitenings])) if last else 0.0
+        cart = self.model.cart
+        if cart.constraints.n_free == 1:
+            return 0.0
+        noise = [wrench_covariance(balances, cart) for balances in self.model.logs]
+        lever = -float(np.mean([one[-1, 0] / one[0, 0] for one in noise]))
         return lever if abs(lever) > LEAST_LEVER else 0.0
 
     @cached_property

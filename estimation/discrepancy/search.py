@@ -23,8 +23,6 @@ WORTH = 10.0
 """Of the score: what is added gains so much at least, and a simpler one is taken unless another gains so much more."""
 SHARE = 0.12
 """Of the largest gain so far: what is smaller may be what the form of the first leaves."""
-PULSE = 0.25
-"""Of a push's gain: what may be left of it where it is, for a rectangle has 8/pi² of the squares of half a sine."""
 SIMPLER = 0.2
 """Of the best gain: by what less a simpler candidate is taken."""
 NEAR, MOST_REFITTED = 0.3, 5
@@ -88,37 +86,18 @@ def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model)
         best = chosen(attempts)
-        if best is None or best.model is None or best.gain < max(WORTH, SHARE * first, _left_of_pushes(steps, best)):
+        if best is None or best.model is None or best.gain < max(WORTH, SHARE * first):
             steps.append(Step(tuple(attempts), None))
             break
         steps.append(Step(tuple(attempts), best))
         first = max(first, best.gain)
-        more = dropped(searched_again(best.model.rewhitened()), WORTH).settled()
+        more = searched_again(replace(best.model, compares=False).rewhitened())
+        more = dropped(replace(more, compares=True).rewhitened(), WORTH).settled()
         if keys(more) == keys(model):
             break
         model = more
     model, steps = simplified(model, steps)
     return replace(resized(model), compares=False).settled(), steps
-
-
-def _left_of_pushes(steps: list[Step], best: Attempt) -> float:
-    """What the forms of pushes that were added may leave while a candidate lasts, if that is a push, too."""
-    pushes = [one for step in steps if (one := step.added) is not None and _lasts(one.candidate)]
-    if not _lasts(best.candidate):
-        return 0.0
-    start, end = _span(best.candidate)
-    spans = ((one.gain, *_span(one.candidate)) for one in pushes)
-    return max((PULSE * gain for gain, first, last in spans if start < last and first < end), default=0.0)
-
-
-def _lasts(candidate: Effect | Law | Refit) -> bool:
-    return isinstance(candidate, Effect) and candidate.gate.ends
-
-
-def _span(effect: Effect | Law | Refit) -> tuple[float, float]:
-    """s: when it begins and ends."""
-    assert isinstance(effect, Effect)
-    return float(effect.values[0]), float(effect.values[:2].sum())
 
 
 def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:

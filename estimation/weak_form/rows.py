@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise, product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky_banded, solve_banded
@@ -43,117 +46,142 @@ LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """Of a log's rows: a `mix` (c, c) of the balances, unit lower triangular, that makes their noise independent; the
-    banded Cholesky factor of each one's covariance, in LAPACK's lower form (c, SUPPORT, k); how much of one row's noise
-    the next still has (`memory`, (c,), where it is `linked`, (k,)); and how much of each row's square (k, c) noise
-    makes: little, where anything may hold the cart and nothing does."""
+    """Of a log's rows: banded Cholesky factors of their covariance, in LAPACK's lower form, each (SUPPORT b, k b) of b
+    balances that go together, row after row; how much of one row's noise the next still has (`memory`, (c,), where it
+    is `linked`, (k,)); and how much of each row's square (k, c) noise makes: little, where anything may hold the cart
+    and nothing does."""
 
-    mix: Array
     roots: tuple[Array, ...]
     memory: Array
     linked: np.ndarray
     counts: Array
 
+    @cached_property
+    def _parts(self) -> list[tuple[slice, Array]]:
+        """The balances of each factor."""
+        ends = np.cumsum([0, *(len(root) // SUPPORT for root in self.roots)]).tolist()
+        return [(slice(*pair), root) for pair, root in zip(pairwise(ends), self.roots, strict=True)]
+
+    @cached_property
+    def _filter(self) -> tuple[Array, Array]:
+        """By how much a row's predecessor is taken off, and by how much the rest is made louder (k, c)."""
+        kept = self.linked[:, None] * self.memory
+        return kept, (1.0 - kept**2) ** -0.5
+
     def __call__(self, columns: Array) -> Array:
         """Columns (k, c, ...) whitened."""
         found = np.empty_like(columns)
-        mixed = np.moveaxis(np.tensordot(self.mix, columns, (1, 1)), 0, 1)
-        for i, root in enumerate(self.roots):
-            white = dtbtrs(root, mixed[:, i].reshape(len(columns), -1), uplo="L")[0]
-            kept, gain = self._filter(i)
-            white[1:] = gain[1:, None] * (white[1:] - kept[1:, None] * white[:-1])
-            found[:, i] = white.reshape(columns[:, i].shape)
+        for own, root in self._parts:
+            part = columns[:, own]
+            flat = part.reshape(part.shape[0] * part.shape[1], -1)
+            found[:, own] = dtbtrs(root, flat, uplo="L")[0].reshape(part.shape)
+        kept, gain = (each.reshape(*each.shape, *[1] * (columns.ndim - 2)) for each in self._filter)
+        found[1:] = gain[1:] * (found[1:] - kept[1:] * found[:-1])
         return found
 
     def transposed(self, rows: Array) -> Array:
         """Rows (k, c) times the transpose of what whitens."""
-        parts = []
-        for i, root in enumerate(self.roots):
-            kept, gain = self._filter(i)
-            pulled = gain * rows[:, i]
-            pulled[:-1] -= kept[1:] * pulled[1:]
-            parts.append(dtbtrs(root, pulled[:, None], uplo="L", trans="T")[0])
-        return np.hstack(parts) @ self.mix
+        kept, gain = self._filter
+        pulled = gain * rows
+        pulled[:-1] -= kept[1:] * pulled[1:]
+        parts = [dtbtrs(root, pulled[:, own].reshape(-1, 1), uplo="L", trans="T")[0] for own, root in self._parts]
+        return np.hstack([part.reshape(len(rows), -1) for part in parts])
 
     def deviations(self, weights: csr_array) -> Array:
         """Standard deviations (b, c) that noise gives to weighted sums (b, k) of raw rows."""
-        k, variances = self.counts.shape[0], []
-        for i, root in enumerate(self.roots):
-            kept, gain = self._filter(i)
-            own = weights @ dia_array((root, -np.arange(len(root))), shape=(k, k))
-            pulled = solve_banded((0, 1), np.stack([np.r_[0.0, -(kept * gain)[1:]], gain]), own.toarray().T)
-            variances.append((pulled**2).sum(axis=0))
-        return np.asarray(np.sqrt(np.column_stack(variances) @ np.linalg.inv(self.mix).T ** 2))
-
-    def _filter(self, i: int) -> tuple[Array, Array]:
-        """By how much a row's predecessor is taken off, and by how much the rest is made louder (k,)."""
-        kept = self.memory[i] * self.linked
-        return kept, (1.0 - kept**2) ** -0.5
+        kept, gain = self._filter
+        bands, variances = np.stack([np.vstack([np.zeros_like(gain[:1]), -(kept * gain)[1:]]), gain]), []
+        for own, root in self._parts:
+            count, size = own.stop - own.start, root.shape[1]
+            factor = dia_array((root, -np.arange(len(root))), shape=(size, size)).tocsr()
+            for i in range(count):
+                each = (weights @ factor[i::count]).toarray().reshape(weights.shape[0], -1, count)
+                pulled = [solve_banded((0, 1), bands[..., own.start + j], each[..., j].T) for j in range(count)]
+                variances.append(np.sum(np.square(pulled), axis=(0, 1)))
+        return np.asarray(np.sqrt(np.column_stack(variances)))
 
     def louder(self, times: Array) -> Whitening:
         """Of noise that is `times` (c,) as large."""
-        return replace(self, roots=tuple(root * s for root, s in zip(self.roots, times, strict=True)))
+        roots = []
+        for own, root in self._parts:
+            row = np.add.outer(np.arange(len(root)), np.arange(root.shape[1]))
+            roots.append(root * times[own][row % (own.stop - own.start)])
+        return replace(self, roots=tuple(roots))
+
+
+class Noise(NamedTuple):
+    """White noise of the sensors in balances that go together: of wrenches, by its density (b, b), and of the motion, by
+    the root of its density (b,) and the order of the test functions' derivative through which it comes."""
+
+    wrench: Array
+    motion: Array
+    order: int
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Of a log's rows, mixed so that their noise is independent (a force at a lever is a moment, too): roots of the
-    densities of white noise (each with the order of the test functions' derivative through which it comes), of each;
-    what may hold a cart that stands (n, f), and what the model's dry friction may be off by at most near standstill
-    (n, f), and its forms everywhere (n, f)."""
+    """Of a log's rows: the sensors' noise; what may hold a cart that stands (n, f), and what the model's dry friction
+    may be off by at most near standstill (n, f), and its forms everywhere (n, f)."""
 
     balances: Balances
-    mix: Array
-    densities: tuple[tuple[tuple[float, int], ...], ...]
+    noise: tuple[Noise, ...]
     held: Array
     friction: Array
     forms: Array
 
     @classmethod
-    def of(cls, balances: Balances, cart: CartModel, is_mixed: bool = False) -> Errors:
-        """`cart` tells how much of the motion's noise a balance takes in. Balances that are not mixed are believed to
-        be independent."""
+    def of(cls, balances: Balances, cart: CartModel, are_together: bool = False) -> Errors:
+        """`cart` tells how much of the motion's noise a balance takes in. Balances that are not taken `together` are
+        believed to be independent; a force sensor's noise at a lever is a moment, too."""
         moved, order = motion_noise(balances, cart)
-        covariance = wrench_covariance(balances, cart)
-        mix, variance = independent(covariance if is_mixed else np.diag(np.diagonal(covariance)))
-        densities: list[tuple[tuple[float, int], ...]] = [
-            ((float(force), 0), (float(own), order))
-            for force, own in zip(np.sqrt(variance), _alongside(moved, mix), strict=True)
-        ]
+        wrench, noise = wrench_covariance(balances, cart), list[Noise]()
+        for own in [slice(0, len(moved))] if are_together else [slice(i, i + 1) for i in range(len(moved))]:
+            noise.append(Noise(wrench[own, own], moved[own], order))
         if balances.motion.across is not None:
             x, _, heading = balances.motion.noise.pose * balances.sample_step**0.5
             turned = heading * np.sqrt((balances.motion.speed**2).mean())  # what goes ahead seems to go aside
-            densities.append(((float(np.hypot(LEAST_SPEED, turned)), 0), (float(x), 1)))
-        whole = np.eye(len(densities))
-        whole[: len(mix), : len(mix)] = mix
-        return cls(balances, whole, tuple(densities), *(_alongside(e, mix) for e in model_error(balances, cart)))
+            noise.append(Noise(np.array([[LEAST_SPEED**2 + turned**2]]), np.array([x]), 1))
+        held, friction, forms = model_error(balances, cart)
+        edges = edge_error(balances, cart)
+        if are_together:
+            return cls(balances, tuple(noise), np.hypot(held, edges), friction, forms)
+        return cls(balances, tuple(noise), held, friction, np.hypot(forms, edges))
+
+    @cached_property
+    def white(self) -> Array:
+        """Variance (c,) that the sensors' noise gives to a row."""
+        own, overlap = [], self.balances.overlap
+        for noise in self.noise:
+            own.append(np.diagonal(noise.wrench) * overlap(0, 0) + noise.motion**2 * overlap(noise.order, 0))
+        return np.concatenate(own)
 
     def whitening(self, excess: Array, form: Array, friction: Array, memory: Array | None = None) -> Whitening:
         """`excess` (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the
         time; `form` (c,) and `friction` (c,) are the shares of what its forms, and its dry friction near standstill,
         may be wrong by; `memory` (c,) is how much of a row's noise the next one still has."""
-        free = self.held.shape[1]
+        free, balances = self.held.shape[1], self.balances
         unsure = np.sqrt(self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2)
-        counts = np.ones((len(self.balances.used), len(self.densities)))
-        held, roots = self.balances.integrated(self.held) ** 2, []
-        for i, known in enumerate(self.densities):
-            parts = [*known, (float(excess[i]), 0)]
-            covariance = _covariance(self.balances, parts, unsure[:, i] if i < free else None)
-            if i < free:
-                counts[:, i] -= held[:, i] / covariance[0]
-            roots.append(np.asarray(cholesky_banded(covariance, lower=True)))
-        none, linked = np.zeros(len(roots)), np.diff(self.balances.used, prepend=-SUPPORT) == 1
-        return Whitening(self.mix, tuple(roots), none if memory is None else memory, linked, np.maximum(counts, 0.0))
+        off = np.zeros((len(balances.used), len(excess)))
+        off[:, :free] = balances.integrated(unsure)
+        roots, first = [], 0
+        for noise in self.noise:
+            own = slice(first, first := first + len(noise.motion))
+            white = noise._replace(wrench=noise.wrench + np.diag(excess[own] ** 2))
+            roots.append(np.asarray(cholesky_banded(_covariance(balances, white, off[:, own]), lower=True)))
+        counts = np.ones_like(off)
+        whole = self.white + excess**2 * balances.overlap(0, 0) + off**2
+        counts[:, :free] -= (balances.integrated(self.held) ** 2) / whole[:, :free]
+        none, linked = np.zeros(len(excess)), np.diff(balances.used, prepend=-SUPPORT) == 1
+        return Whitening(tuple(roots), none if memory is None else memory, linked, np.maximum(counts, 0.0))
 
     def near_standstill(self, excess: Array, form: Array) -> Array:
         """Share of each row's variance (k, c) that the model's dry friction makes if it is as wrong as it may be."""
         free = self.held.shape[1]
-        found = np.zeros((len(self.balances.used), len(self.densities)))
+        found = np.zeros((len(self.balances.used), len(self.white)))
         parts = (self.friction, self.held, form[:free] * self.forms)
         own, *others = (self.balances.integrated(part) ** 2 for part in parts)
-        for i, known in enumerate(self.densities[:free]):
-            white = sum(d**2 * self.balances.overlap(order, 0) for d, order in (*known, (float(excess[i]), 0)))
-            found[:, i] = own[:, i] / (own[:, i] + sum(other[:, i] for other in others) + white)
+        white = (self.white + excess**2 * self.balances.overlap(0, 0))[:free]
+        found[:, :free] = own / (own + sum(others) + white)
         return found
 
 
@@ -174,8 +202,7 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
         dry = _dry(cart)
         swung = ON_CASTERS * swinging[:, None] * np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
         swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
-    edges = edge_error(balances, cart)
-    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + edges**2 + swung**2)
+    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + swung**2)
     dry = np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + turning_back(balances, cart) ** 2)
     return standing(balances, cart), dry, forms
 
@@ -251,36 +278,22 @@ def _dry(cart: CartModel) -> CartModel:
     return replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
 
 
-def independent(covariance: Array) -> tuple[Array, Array]:
-    """The unit lower triangular mix (f, f) of signals of a covariance (f, f) that makes them independent, and their
-    variances (f,)."""
-    root = np.linalg.cholesky(covariance)
-    own = np.diagonal(root)
-    return np.asarray(np.linalg.inv(root / own), dtype=float), np.asarray(own**2, dtype=float)
-
-
-def _alongside(sizes: Array, mix: Array) -> Array:
-    """Of independent errors (..., f), after a mix."""
-    return np.asarray(np.sqrt(sizes**2 @ mix.T**2))
-
-
-def _covariance(balances: Balances, parts: list[tuple[float, int]], unsure: Array | None = None) -> Array:
-    """Bands (SUPPORT, k) of the covariance of white noise, each part (the root of its density) through as many
-    derivatives of the test functions, and of model errors (n,) that neighbours share."""
-    k = len(balances.used)
-    covariance = np.zeros((SUPPORT, k))
-    for density, order in parts:
-        for lag in range(min(SUPPORT, k)):
-            overlap = balances.overlap(order, lag)
-            linked = balances.used[lag:] - balances.used[: k - lag] == lag
-            covariance[lag, : k - lag] += density**2 * overlap * linked
-    if unsure is not None:
-        off = balances.integrated(unsure)
-        for lag in range(min(SUPPORT, k)):
-            alike = balances.overlap(0, lag) / balances.overlap(0, 0)
-            linked = balances.used[lag:] - balances.used[: k - lag] == lag
-            covariance[lag, : k - lag] += alike * off[: k - lag] * off[lag:] * linked
-    return covariance
+def _covariance(balances: Balances, noise: Noise, off: Array) -> Array:
+    """Bands (SUPPORT b, k b) of the covariance of balances that go together: of white noise, and of model errors that
+    neighbours share, by which rows are `off` (k, b)."""
+    k, count = off.shape
+    bands = np.zeros((SUPPORT * count, k, count))
+    for lag in range(min(SUPPORT, k)):
+        same, moved = balances.overlap(0, lag), balances.overlap(noise.order, lag)
+        linked, alike = balances.used[lag:] - balances.used[: k - lag] == lag, same / balances.overlap(0, 0)
+        for i, j in product(range(count), range(count)):
+            if lag == 0 and j < i:
+                continue
+            value = np.full(k - lag, same * noise.wrench[j, i])
+            if i == j:
+                value += moved * noise.motion[i] ** 2 + alike * off[: k - lag, i] * off[lag:, i]
+            bands[lag * count + j - i, : k - lag, i] = value * linked
+    return bands.reshape(SUPPORT * count, k * count)
 
 
 def motion_noise(balances: Balances, cart: CartModel) -> tuple[Array, int]:

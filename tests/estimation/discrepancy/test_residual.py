@@ -78,7 +78,7 @@ def test_what_overlaps_is_not_known_twice(quiet):
     forward = residuals(quiet, quiet)[0]
     (balances,), (whiten,) = quiet.logs, quiet.whitenings
     k = len(balances.used)
-    unit = np.tile(np.eye(k)[:, None, :], (1, len(whiten.roots), 1))
+    unit = np.tile(np.eye(k)[:, None, :], (1, whiten.counts.shape[1], 1))
     factor = np.linalg.inv(replace(whiten, counts=np.ones_like(whiten.counts))(unit)[:, 0])
     covariance = factor @ factor.T
     own = (balances.time >= forward.start[3]) & (balances.time < forward.start[3] + forward.duration)

@@ -106,12 +106,14 @@ def test_rows_tell_what_neighbours_share(balances, true):
 
 def test_a_force_at_a_lever_is_no_second_witness():
     """Noise of a force sensor 0.4 m beside {b}'s x is a moment, too: after whitening, forward force and yaw moment are
-    independent, and no louder than they may be; before, they go together."""
+    independent, and as loud as they should be; before, they go together. The motion has no noise."""
     log = noisy(weaving(TRUE, 20.0), 3)
     (name, arm), *_ = log.arms.items()
     aside = replace(log, arms={name: replace(arm, contact=arm.contact + np.array([0.0, 0.4, 0.0]))})
     balances, cart = Balances.of(aside, cart_of(TRUE)), cart_of(TRUE)
-    errors = Errors.of(balances, cart, is_mixed=True)
+    errors = Errors.of(balances, cart, are_together=True)
+    together, *rest = errors.noise
+    errors = replace(errors, noise=(together._replace(motion=0.0 * together.motion), *rest))
     none = np.full(balances.n_balances(cart), 1e-9)
     whiten = errors.whitening(none, none, none)
     random, rows = np.random.default_rng(0), []
@@ -124,7 +126,7 @@ def test_a_force_at_a_lever_is_no_second_witness():
     raw, white = (np.concatenate([one[counted, :2] for one in each]) for each in (rows, map(whiten, rows)))
     assert abs(np.corrcoef(raw.T)[0, 1]) > 0.3
     assert abs(np.corrcoef(white.T)[0, 1]) < 0.05
-    assert (white.std(axis=0) < 1.05).all()  # the motion's noise is in the deviation, and not in the draw
+    assert white.std(axis=0) == pytest.approx(1.0, abs=0.05)
 
 
 def test_rows_count_where_nothing_holds_the_cart(balances):
@@ -141,7 +143,7 @@ def test_rows_count_where_nothing_holds_the_cart(balances):
 @settings(max_examples=10, deadline=None)
 def test_whitening_its_transpose_and_its_deviations_are_one_matrix(balances, seed):
     random, count = np.random.default_rng(seed), balances.n_balances(cart_of(TRUE))
-    errors, k = Errors.of(balances, cart_of(TRUE), is_mixed=True), len(balances.used)
+    errors, k = Errors.of(balances, cart_of(TRUE), are_together=True), len(balances.used)
     whiten = errors.whitening(*random.uniform(0.02, 1.0, (3, count)), random.uniform(0.0, 0.5, count))
     x, y = random.standard_normal((2, k, count))
     assert (whiten(x) * y).sum() == pytest.approx((x * whiten.transposed(y)).sum())
