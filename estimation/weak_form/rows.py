@@ -110,8 +110,8 @@ class Whitening:
 
 
 class Noise(NamedTuple):
-    """White noise of the sensors in balances that go together: of wrenches, by its density (b, b), and of the motion, by
-    the root of its density (b,) and the order of the test functions' derivative through which it comes."""
+    """White noise of the sensors in balances that go together: density of the wrenches' (b, b), and root of the density
+    of the motion's (b,), with the order of the test functions' derivative through which it comes."""
 
     wrench: Array
     motion: Array
@@ -130,12 +130,13 @@ class Errors:
     forms: Array
 
     @classmethod
-    def of(cls, balances: Balances, cart: CartModel, are_together: bool = False) -> Errors:
-        """`cart` tells how much of the motion's noise a balance takes in. Balances that are not taken `together` are
-        believed to be independent; a force sensor's noise at a lever is a moment, too."""
+    def of(cls, balances: Balances, cart: CartModel, compares: bool = False) -> Errors:
+        """`cart` tells how much of the motion's noise a balance takes in. Of rows by which models are compared, balances
+        go together (a force sensor's noise at a lever is a moment, too), and nothing is certain at edges of what comes
+        and goes; for a fit, balances are believed to be independent."""
         moved, order = motion_noise(balances, cart)
         wrench, noise = wrench_covariance(balances, cart), list[Noise]()
-        for own in [slice(0, len(moved))] if are_together else [slice(i, i + 1) for i in range(len(moved))]:
+        for own in [slice(0, len(moved))] if compares else [slice(i, i + 1) for i in range(len(moved))]:
             noise.append(Noise(wrench[own, own], moved[own], order))
         if balances.motion.across is not None:
             x, _, heading = balances.motion.noise.pose * balances.sample_step**0.5
@@ -143,7 +144,7 @@ class Errors:
             noise.append(Noise(np.array([[LEAST_SPEED**2 + turned**2]]), np.array([x]), 1))
         held, friction, forms = model_error(balances, cart)
         edges = edge_error(balances, cart)
-        if are_together:
+        if compares:
             return cls(balances, tuple(noise), np.hypot(held, edges), friction, forms)
         return cls(balances, tuple(noise), held, friction, np.hypot(forms, edges))
 

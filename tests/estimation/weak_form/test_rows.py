@@ -111,7 +111,7 @@ def test_a_force_at_a_lever_is_no_second_witness():
     (name, arm), *_ = log.arms.items()
     aside = replace(log, arms={name: replace(arm, contact=arm.contact + np.array([0.0, 0.4, 0.0]))})
     balances, cart = Balances.of(aside, cart_of(TRUE)), cart_of(TRUE)
-    errors = Errors.of(balances, cart, are_together=True)
+    errors = Errors.of(balances, cart, compares=True)
     together, *rest = errors.noise
     errors = replace(errors, noise=(together._replace(motion=0.0 * together.motion), *rest))
     none = np.full(balances.n_balances(cart), 1e-9)
@@ -143,7 +143,7 @@ def test_rows_count_where_nothing_holds_the_cart(balances):
 @settings(max_examples=10, deadline=None)
 def test_whitening_its_transpose_and_its_deviations_are_one_matrix(balances, seed):
     random, count = np.random.default_rng(seed), balances.n_balances(cart_of(TRUE))
-    errors, k = Errors.of(balances, cart_of(TRUE), are_together=True), len(balances.used)
+    errors, k = Errors.of(balances, cart_of(TRUE), compares=True), len(balances.used)
     whiten = errors.whitening(*random.uniform(0.02, 1.0, (3, count)), random.uniform(0.0, 0.5, count))
     x, y = random.standard_normal((2, k, count))
     assert (whiten(x) * y).sum() == pytest.approx((x * whiten.transposed(y)).sum())
