@@ -131,9 +131,9 @@ class Errors:
 
     @classmethod
     def of(cls, balances: Balances, cart: CartModel, compares: bool = False) -> Errors:
-        """`cart` tells how much of the motion's noise a balance takes in. Of rows by which models are compared, balances
-        go together (a force sensor's noise at a lever is a moment, too), and nothing is certain at edges of what comes
-        and goes; for a fit, balances are believed to be independent."""
+        """`cart` tells how much of the motion's noise a balance takes in. Where models are compared, balances go
+        together (a force sensor's noise at a lever is a moment, too), and nothing is certain at edges of what comes and
+        goes; for a fit, balances are believed to be independent."""
         moved, order = motion_noise(balances, cart)
         wrench, noise = wrench_covariance(balances, cart), list[Noise]()
         for own in [slice(0, len(moved))] if compares else [slice(i, i + 1) for i in range(len(moved))]:
