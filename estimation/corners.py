@@ -104,6 +104,17 @@ class _Windows:
         first = first - second * ab / np.maximum(aa, tiny)
         return np.asarray(y - first[..., None] * a - second[..., None] * b), first, second
 
+    def least_left(self, columns: Array, pairs: tuple[np.ndarray, np.ndarray]) -> float:
+        """The least sum of squares beside a parabola with two columns (k, n), of the pairs (v,), in one window."""
+        y, own = self.cleared(self.place[:, None])[0, 0], self.cleared(columns[None])[0]
+        (first, second), products, pull, tiny = pairs, own @ own.T, own @ y, np.finfo(float).tiny
+        aa, bb, ab = products[first, first], products[second, second], products[first, second]
+        rest = bb - ab**2 / np.maximum(aa, tiny)
+        along = pull[second] - ab * pull[first] / np.maximum(aa, tiny)
+        explained = np.where(rest > 1e-9 * bb, along**2 / np.maximum(rest, tiny), 0.0)
+        explained += pull[first] ** 2 / np.maximum(aa, tiny)
+        return max(float(y @ y - explained.max()), float(self.seen.sum() * self.noise**2))
+
     def squares(self, left: Array) -> Array:
         """Of what is left (..., n): no fit is better than places are known."""
         least = self.seen.sum(axis=-1) * self.noise**2
@@ -216,36 +227,36 @@ def _told(track: Track, instant: float, found: Sequence[Corner]) -> Corner | Non
         return None
     worth = float(_worth(left[:, best], windows.seen)[0])
     evidence = math.inf
-    for first, second in (_smooth(windows.time[0]), _gradual(windows.time[0]), _jumping(windows.time[0])):
-        other = float(windows.squares(windows.left(first[None], second[None])[0]).min())
-        evidence = min(evidence, worth / 2 * math.log(other / squares[best]))
+    for others in (_smooth(windows.time[0]), _gradual(windows.time[0]), _jumping(windows.time[0])):
+        evidence = min(evidence, worth / 2 * math.log(windows.least_left(*others) / squares[best]))
     return Corner(instant + float(at[best, 0]), float(lasts[best, 0]), float(jumps[0, best]), evidence)
 
 
-def _gradual(time: Array) -> tuple[Array, Array]:
-    """Two columns (k, n) for each pair of breaks of the acceleration."""
+Others = tuple[Array, tuple[np.ndarray, np.ndarray]]
+"""Columns (k, n), and which two of them (v,), (v,) are a hypothesis."""
+
+
+def _gradual(time: Array) -> Others:
+    """Pairs of breaks of the acceleration."""
     places = np.arange(time[0], time[-1] + BREAKS, BREAKS)
     first, second = np.triu_indices(len(places))
     apart = places[second] - places[first] > GRADUAL - BREAKS / 2
-    columns = _bent(time, places[:, None])
-    return columns[first[apart]], columns[second[apart]]
+    return _bent(time, places[:, None]), (first[apart], second[apart])
 
 
-def _smooth(time: Array) -> tuple[Array, Array]:
-    """Two columns (k, n): a cubic and a quartic, and both phases of waves."""
+def _smooth(time: Array) -> Others:
+    """A cubic and a quartic, and both phases of waves."""
     pace = 2 * np.pi / np.array(PERIODS)[:, None] * time
-    return np.vstack([time**3, np.cos(pace)]), np.vstack([time**4, np.sin(pace)])
+    each = np.arange(1 + len(PERIODS))
+    return np.vstack([time**3, np.cos(pace), time**4, np.sin(pace)]), (each, len(each) + each)
 
 
-def _jumping(time: Array) -> tuple[Array, Array]:
-    """Two columns (k, n) for each pair of jumps, and for each jump beside a break of the acceleration."""
+def _jumping(time: Array) -> Others:
+    """Pairs of jumps, and jumps beside a break of the acceleration."""
     steps = np.tri(len(time), k=-1)[:, :-1].T
-    first, second = np.triu_indices(len(steps), 1)
     bends = _bent(time, np.arange(time[0], time[-1], BREAKS)[:, None])
-    return (
-        np.concatenate([steps[first], np.repeat(steps, len(bends), axis=0)]),
-        np.concatenate([steps[second], np.tile(bends, (len(steps), 1))]),
-    )
+    first, second = np.triu_indices(len(steps), 1, len(steps) + len(bends))
+    return np.concatenate([steps, bends]), (first, second)
 
 
 def _windows(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[np.ndarray, _Windows]:

@@ -13,6 +13,7 @@ REASONS: dict[str, dict[str, str]] = {
         "SUPPORT": "of a cubic B-spline",
         "RIM": "beyond it a soft edge is nought",
         "POSE_STEP": "of a difference",
+        "THIN": "effort",
     },
     "weak_form.band": {
         "ROW_STEPS": "grid of bands",

@@ -12,7 +12,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
-from ..weak_form.balances import Balances
+from ..weak_form.balances import THIN, Balances
 from .course import ROLLING, Course
 
 AT_HANDS = "at the hands"
@@ -76,7 +76,7 @@ class Law:
 
     def columns(self, balances: Balances, cart: CartModel) -> Array:
         """Raw (k, c, q)."""
-        return self.over(balances.integrated(self.shape(Course.along(balances.motion))), balances, cart)
+        return self.over(balances.integrated(self.shape(_thin(balances))), balances, cart)
 
     def over(self, integrated: Array, balances: Balances, cart: CartModel) -> Array:
         """Columns (k, c, q) in all balances, of a signal against the test functions (k, q)."""
@@ -86,6 +86,10 @@ class Law:
         if self.place.lever:
             found[:, last] = -self.place.lever * integrated
         return found
+
+
+def _thin(balances: Balances) -> Course:
+    return Course.along(balances.motion).at(np.arange(0, len(balances.motion.time), THIN))
 
 
 def _sign(course: Course) -> Array:
@@ -226,16 +230,16 @@ def scanned(
     """The best periods of one harmonic, each with its gain, and of how many: of each scan those with most power for
     the information that whitened columns have."""
     found, count = list[tuple[float, Law]](), 0
-    courses = [Course.along(balances.motion) for balances in logs]
+    courses, thin = [Course.along(balances.motion) for balances in logs], [_thin(balances) for balances in logs]
     for scan in scans(courses, cart, hands):
         v = len(scan.frequencies)
         count += v
         known = np.unique(np.linspace(0, v - 1, KNOWN).astype(int))
-        own = _together(logs, cart, courses, scan.laws(known), whitened)
+        own = _together(logs, cart, thin, scan.laws(known), whitened)
         information = np.interp(np.arange(v), known, (own**2).sum(axis=(1, 2, 3)))
         likely = scan.power(courses, pulls) / np.maximum(information, 1e-300)
         laws = scan.laws(np.argsort(-likely)[:LIKELY])
-        gains = gain(_together(logs, cart, courses, laws, whitened), laws[0].std)
+        gains = gain(_together(logs, cart, thin, laws, whitened), laws[0].std)
         found += zip(gains.tolist(), laws, strict=True)
     return found, count
 

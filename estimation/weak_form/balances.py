@@ -43,6 +43,8 @@ LEVER = 0.35
 """m: half of a usual track."""
 CHUNK = 20_000
 """Points of the grid that are worked out at once: an hour's partials would take gigabytes."""
+THIN = 2
+"""Points of the grid from one to the next at which candidates are worked out: five in a row's step at least."""
 RIM = 0.1
 """m around a region of the floor: beyond, its soft edge is not felt."""
 SUPPORT = 4
@@ -94,13 +96,17 @@ class Balances:
         """The same rows, with another reference."""
         other = replace(self, reference=reference)
         other.__dict__.update(
-            {name: self.__dict__[name] for name in ("used", "_test", "_used_test") if name in self.__dict__}
+            {
+                name: self.__dict__[name]
+                for name in ("used", "_test", "_used_test", "_thin_test")
+                if name in self.__dict__
+            }
         )
         return other
 
     def late(self, lateness: float) -> Balances:
         """With wrenches that were felt `lateness` (s) before they were recorded."""
-        return replace(self, wrenches=GridWrenches.on(self.log, self.motion, lateness))
+        return replace(self, wrenches=self.wrenches.late(self.log, lateness))
 
     def with_more_noise(self, cart: CartModel, generator: np.random.Generator) -> Balances:
         """With the noise of its motion's sensors added once more."""
@@ -174,10 +180,14 @@ class Balances:
         1))."""
         return _overlap(order, lag) * self.row_step ** (1 - 2 * order)
 
+    @cached_property
+    def _thin_test(self) -> csr_array:
+        return csr_array(self._used_test[:, ::THIN] * THIN)
+
     def integrated(self, signals: Array) -> Array:
-        """Signals (n, ...) against the test functions (k, ...)."""
-        flat = signals.reshape(len(signals), -1)
-        return np.asarray(self._used_test @ flat).reshape(-1, *signals.shape[1:])
+        """Signals (n, ...), or those at every other point, against the test functions (k, ...)."""
+        test = self._used_test if len(signals) == len(self.motion.time) else self._thin_test
+        return np.asarray(test @ signals.reshape(len(signals), -1)).reshape(-1, *signals.shape[1:])
 
     def spread(self, rows: Array) -> Array:
         """The transpose of `integrated`: rows (k, c) over the grid (n, c)."""
@@ -198,7 +208,7 @@ class Balances:
         the model says."""
         beside = (e for e in cart.effects if isinstance(e, InertiaEffect | ConstraintEffect))
         alone = replace(cart, effects=(*beside, effect))
-        force = alone.effect_wrench(self.of_body(cart)._state(alone), time=self.motion.time)[:, 0]
+        force = alone.effect_wrench(self.of_body(cart)._state(alone)[::THIN], time=self.motion.time[::THIN])[:, 0]
         found = np.zeros((len(force), self.n_balances(cart), 1))
         found[:, cart.constraints.n_free - 1, 0] = force
         return self.integrated(found)
@@ -222,7 +232,7 @@ class Balances:
         left, slopes = self.of_body(cart)._left(cart)
         slopes = self._on_all(slopes)
         for i in cart.pose_indices:
-            slopes[..., i] = self._by_pose(cart, i)
+            slopes[..., i] = self._by_pose(cart, i, left)
         return self.integrated(left), self.integrated(slopes)
 
     def _left(self, cart: CartModel) -> tuple[Array, Array]:
@@ -239,12 +249,11 @@ class Balances:
             left = np.column_stack([left, self.motion.across - self.creep(cart, state, planar)])
         return left, slopes
 
-    def _by_pose(self, cart: CartModel, i: int) -> Array:
-        """What a unit of the i-th parameter, which moves {b} in the frame that is tracked, takes away (n, c)."""
-        step = POSE_STEP * np.eye(len(cart.parameters))[i]
-        less, more = (cart.with_parameters(cart.parameters + change) for change in (-step, step))
-        found = self.of_body(less)._left(less)[0] - self.of_body(more)._left(more)[0]
-        return np.asarray(found / (more.parameters[i] - less.parameters[i]))
+    def _by_pose(self, cart: CartModel, i: int, left: Array) -> Array:
+        """What a unit of the i-th parameter, which moves {b} in the frame that is tracked, takes away (n, c) of what is
+        left."""
+        more = cart.with_parameters(cart.parameters + POSE_STEP * np.eye(len(cart.parameters))[i])
+        return np.asarray((left - self.of_body(more)._left(more)[0]) / POSE_STEP)
 
     def _on_all(self, wrenches: Array) -> Array:
         """Signals (n, f, ...) of the free directions in all balances (n, c, ...): the speed across has none of them."""
@@ -273,17 +282,19 @@ class Balances:
         own = self.of_body(cart)
         if isinstance(effect, SensorEffect):
             slopes = -own.wrenches.slopes(whole, own.expected(cart), self.wrench_densities)
-        elif effect.gate is Gate.INSIDE:
-            inside = np.flatnonzero(own._is_on(effect.values[:4], cart))
-            some = own._inverse(whole, own._state(whole)[inside], inside)[1]
-            slopes = np.zeros((len(self.motion.time), *some.shape[1:]))
-            slopes[inside] = some
         else:
-            slopes = own._inverse(whole, own._state(whole))[1]
+            at = np.arange(0, len(self.motion.time), THIN)
+            on = own._is_on(effect.values[:4], cart)[at] if effect.gate is Gate.INSIDE else np.ones(len(at), dtype=bool)
+            some = own._inverse(whole, own._state(whole)[at[on]], at[on])[1]
+            slopes = np.zeros((len(at), *some.shape[1:]))
+            slopes[on] = some
+            share = None if share is None else share[at]
         first = slopes.shape[2] - len(effect.parameters)
         slopes = self._on_all(slopes[..., first:])
-        for i in (i for i in whole.pose_indices if i >= first):
-            slopes[..., i - first] = self._by_pose(whole, i)
+        if moved := [i for i in whole.pose_indices if i >= first]:
+            left = self.of_body(whole)._left(whole)[0]
+            for i in moved:
+                slopes[..., i - first] = self._by_pose(whole, i, left)
         return self.integrated(slopes if share is None else share[:, None, None] * slopes)
 
     def expected(self, cart: CartModel) -> Array:

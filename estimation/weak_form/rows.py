@@ -18,7 +18,7 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .balances import LEVER, SUPPORT, Balances
+from .balances import LEVER, SUPPORT, THIN, Balances
 from .sensor_noise import MAD_TO_STD
 from .standing import FRICTION, G, standing, turning_back
 
@@ -37,7 +37,7 @@ LONGEST_MEMORY = 0.15
 """s, of sensors' noise: what is remembered for longer is what a model lacks."""
 HUBER = 2.0
 """Standard deviations: what is farther off counts as if it were that far."""
-BISECTIONS = 16
+BISECTIONS = 12
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
 """Of white noise beside the sensors', and of what forms may be wrong by."""
 LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
@@ -251,10 +251,12 @@ def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:
 
 
 def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | float = 0.0) -> Array:
-    """What a cart's effects give (n, f), if it goes by a share of its velocity, and by a velocity (f,), faster."""
-    state, free = balances.state(cart), cart.constraints.n_free
+    """What a cart's effects give (n, f), as at every other point, if it goes by a share of its velocity, and by a
+    velocity (f,), faster."""
+    state, free = balances.state(cart)[::THIN], cart.constraints.n_free
     state[:, 3 : 3 + free] += share * state[:, 3 : 3 + free] + faster
-    return np.asarray(cart.effect_wrench(state, time=balances.motion.time) @ cart.basis_b)
+    found = cart.effect_wrench(state, time=balances.motion.time[::THIN]) @ cart.basis_b
+    return np.asarray(np.repeat(found, THIN, axis=0)[: len(balances.motion.time)])
 
 
 def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:

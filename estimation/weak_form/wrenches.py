@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,36 +23,37 @@ LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
 @dataclass(frozen=True, eq=False)
 class GridWrenches:
     """Contact points (arms, n, 3) with planar grasp maps (arms, n, 3, 6) and wrenches in {a} (arms, n, 6) at times (n,)
-    of a motion; `seen` (n,) where all are."""
+    of a motion; where motion and contacts are seen (`held`, (n,)), and where all is (`seen`, (n,))."""
 
     arms: tuple[str, ...]
     motion: Motion
     contacts: Array
     grasps: Array
     recorded: Array
+    held: np.ndarray
     seen: np.ndarray
 
     @classmethod
     def on(cls, log: RunLog, motion: Motion, lateness: float = 0.0) -> GridWrenches:
         """Of sensors that tell what they felt `lateness` (s) ago."""
-        contacts, grasps, recorded, seen = [], [], [], motion.seen.copy()
-        for arm in log.arms.values():
+        shape, held = (len(log.arms), len(motion.time)), motion.seen.copy()
+        contacts = np.zeros((*shape, 3))
+        for i, arm in enumerate(log.arms.values()):
+            contacts[i], own = _held(log.time, arm.contact, motion.time)
+            held &= own
+        grasps = np.array([grasp_map_planar(own) for own in contacts]).reshape(*shape, 3, 6)
+        return cls(tuple(log.arms), motion, contacts, grasps, np.zeros((*shape, 6)), held, held).late(log, lateness)
+
+    def late(self, log: RunLog, lateness: float) -> GridWrenches:
+        """Of the same log, and sensors that tell what they felt `lateness` (s) ago."""
+        recorded, seen = np.zeros_like(self.recorded), self.held.copy()
+        for i, arm in enumerate(log.arms.values()):
             known = np.isfinite(arm.wrench).all(axis=1)
-            mean, near = _means(log.time[known] - lateness, arm.wrench[known], motion.time, motion.step)
-            contact, held = _held(log.time, arm.contact, motion.time)
-            contacts.append(contact)
-            grasps.append(grasp_map_planar(contact))
-            recorded.append(mean)
-            seen &= near & held
-        shape = len(log.arms), len(motion.time)
-        return cls(
-            tuple(log.arms),
-            motion,
-            np.array(contacts).reshape(*shape, 3),
-            np.array(grasps).reshape(*shape, 3, 6),
-            np.array(recorded).reshape(*shape, 6),
-            seen,
-        )
+            recorded[i], near = _means(
+                log.time[known] - lateness, arm.wrench[known], self.motion.time, self.motion.step
+            )
+            seen &= near
+        return replace(self, recorded=recorded, seen=seen)
 
     def corrected(self, cart: CartModel, arm: int, recorded: Array) -> tuple[Array, Array]:
         """The true wrench (n, 6) behind what an arm recorded (n, 6) at these times, and its partials by the parameters

@@ -136,13 +136,14 @@ def test_the_axle_goes_aside_as_its_wheels_are_mounted():
 
 @pytest.mark.parametrize("region", [(-0.5, 1.5, -1.0, 0.4), (0.2, 0.4, -9.0, 9.0), (50.0, 51.0, 0.0, 1.0)])
 def test_a_patch_is_felt_while_a_wheel_is_on_it(region):
-    """Its column is looked for there alone: as large as by the whole inverse dynamics with it and without."""
+    """Its column is looked for there alone, at every other point: to a hundredth as large as by the whole inverse
+    dynamics with it and without."""
     cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), wheels=WHEELS)
     balances = Balances.of(weaving(TRUE), cart).beside(cart)
     patch = FloorPatch(*region, coefficient=0.0)
     found = balances.columns(cart, patch)[..., -1]
     less, more = (balances.residual(cart.with_effect(replace(patch, coefficient=c)))[0] for c in (0.0, 0.02))
-    assert found * 0.02 == pytest.approx(less - more, abs=1e-9)
+    assert found * 0.02 == pytest.approx(less - more, abs=1e-9 + 0.01 * np.abs(less - more).max())
     assert (np.abs(found).max() > 0.0) == (region[0] < 50.0)
 
 
