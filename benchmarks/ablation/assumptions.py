@@ -44,6 +44,7 @@ ASSUMPTIONS = (
             "LEAST_FORM": "share by which forms are wrong at least",
             "BELIEVED": "rows near standstill that count as if friction were as wrong there as it may be",
             "LONGEST_MEMORY": "of sensors' noise",
+            "LOUDEST": "times the noise from sample to sample: how loud a sensor may be over a row",
         },
     ),
     *_of(

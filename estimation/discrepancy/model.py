@@ -92,6 +92,7 @@ class RowNoise:
     neighbours share (`memory`, c,)."""
 
     cart: CartModel
+    loudness: float
     excess: Array
     form: Array
     friction: Array
@@ -99,6 +100,11 @@ class RowNoise:
 
     def whitenings(self, logs: Sequence[Balances], compares: bool = False) -> tuple[Whitening, ...]:
         return tuple(self.whitening(Errors.of(balances, self.cart, compares), compares) for balances in logs)
+
+    def beside(self, errors: Errors) -> Balances:
+        """Rows with this cart as their reference, and this noise."""
+        heard = errors.heard(self.excess, self.form, self.friction, self.loudness)
+        return errors.balances.beside(self.cart, heard)
 
     def whitening(self, errors: Errors, compares: bool) -> Whitening:
         return errors.whitening(self.excess, self.form, self.friction, self.memory if compares else None)
@@ -140,7 +146,7 @@ class Model:
     def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
         whole = np.ones(logs[0].n_balances(guess))
-        noise = RowNoise(guess, 0.0 * whole, 0.0 * whole, whole, 0.0 * whole)
+        noise = RowNoise(guess, 1.0, 0.0 * whole, 0.0 * whole, whole, 0.0 * whole)
         own = tuple(balances.beside(guess) for balances in logs)
         return cls(guess, guess, own, noise, noise.whitenings(own), believed=believed).settled()
 
@@ -159,7 +165,7 @@ class Model:
             at += len(balances.used)
         noise = RowNoise(self.cart, *excess_noise(parts, float(self.rows.shape[2] - 1)))
         whitenings = tuple(noise.whitening(errors, self.compares) for errors, _ in parts)
-        logs = tuple(balances.beside(self.cart) for balances in self.logs)
+        logs = tuple(noise.beside(errors) for errors, _ in parts)
         return replace(self, logs=logs, noise=noise, whitenings=whitenings)
 
     def whitened(self, columns: Sequence[Array]) -> Array:

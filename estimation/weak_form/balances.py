@@ -31,7 +31,7 @@ from cartgrasp.wheels import WheelSet
 from ..noise import FilterNoise
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
-from .wrenches import GridWrenches
+from .wrenches import Densities, GridWrenches
 
 STILL_SPEED = 0.02
 """m/s: below it a cart may stand, and brakes, chocks and friction hold any force."""
@@ -54,9 +54,10 @@ SUPPORT = 4
 @dataclass(frozen=True, eq=False)
 class Balances:
     """Of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed across. The noise
-    of the wrenches has densities whose roots are known by arm (arms, 6), N/√Hz, N·m/√Hz; that of the motion enters
-    with the body of a `reference`, so that models are compared by the same rows (None: with that
-    of the cart that is asked about, in what is left and in what a unit of its parameters takes away)."""
+    of the wrenches has densities whose roots are known by arm (arms, 6), N/√Hz, N·m/√Hz, from sample to sample; what is
+    `heard` in rows may be louder. That of the motion enters with the body of a `reference`, so that models are compared
+    by the same rows (None: with that of the cart that is asked about, in what is left and in what a unit of its
+    parameters takes away)."""
 
     name: str
     motion: Motion
@@ -67,6 +68,7 @@ class Balances:
     told: FilterNoise | None = None
     samples_per_knot: float | None = None
     reference: CartModel | None = None
+    heard: Densities | None = None
 
     @classmethod
     def of(
@@ -92,9 +94,9 @@ class Balances:
     def row_step(self) -> float:
         return self.per_row * self.motion.step
 
-    def beside(self, reference: CartModel | None) -> Balances:
-        """The same rows, with another reference."""
-        other = replace(self, reference=reference)
+    def beside(self, reference: CartModel | None, heard: Densities | None = None) -> Balances:
+        """The same rows, with another reference and noise."""
+        other = replace(self, reference=reference, heard=heard)
         other.__dict__.update(
             {
                 name: self.__dict__[name]
@@ -128,6 +130,10 @@ class Balances:
         """With {b} where a cart has it in the frame that was tracked."""
         motion = self.motion.of_body(cart)
         return self if motion is self.motion else self.along(motion)
+
+    @property
+    def _densities(self) -> Densities:
+        return self.heard or Densities(self.wrench_densities, None)
 
     @property
     def turning_speed(self) -> Array:
@@ -241,8 +247,8 @@ class Balances:
         needed, by_parameters = self._needed(cart, state)
         planar = self.wrenches.planar(cart)
         left = planar @ cart.basis_b - needed
-        slopes = by_parameters - self.wrenches.slopes(cart, needed, self.wrench_densities)
-        share = self.wrenches.recorded_share(cart, self.wrench_densities)
+        slopes = by_parameters - self.wrenches.slopes(cart, needed, self._densities)
+        share = self.wrenches.recorded_share(cart, self._densities)
         if share is not None:
             left, slopes = (share @ left[..., None])[..., 0], share @ slopes
         if self.motion.across is not None:
@@ -281,7 +287,7 @@ class Balances:
         whole = replace(cart, effects=(*beside, effect))
         own = self.of_body(cart)
         if isinstance(effect, SensorEffect):
-            slopes = -own.wrenches.slopes(whole, own.expected(cart), self.wrench_densities)
+            slopes = -own.wrenches.slopes(whole, own.expected(cart), self._densities)
         else:
             at = np.arange(0, len(self.motion.time), THIN)
             on = own._is_on(effect.values[:4], cart)[at] if effect.gate is Gate.INSIDE else np.ones(len(at), dtype=bool)

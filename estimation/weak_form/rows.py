@@ -21,6 +21,7 @@ from cartgrasp.model import CartModel
 from .balances import LEVER, SUPPORT, THIN, Balances
 from .sensor_noise import MAD_TO_STD
 from .standing import FRICTION, G, standing, turning_back
+from .wrenches import Densities
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
@@ -37,6 +38,8 @@ LONGEST_MEMORY = 0.15
 """s, of sensors' noise: what is remembered for longer is what a model lacks."""
 HUBER = 2.0
 """Standard deviations: what is farther off counts as if it were that far."""
+LOUDEST = 30.0
+"""Times as loud as from sample to sample: white noise that an amplifier passes up to a Hertz or so."""
 BISECTIONS = 12
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
 """Of white noise beside the sensors', and of what forms may be wrong by."""
@@ -120,11 +123,12 @@ class Noise(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Of a log's rows: the sensors' noise; what may hold a cart that stands (n, f), and what the model's dry friction
-    may be off by at most near standstill (n, f), and its forms everywhere (n, f)."""
+    """Of a log's rows: the sensors' noise in the free directions and across; what may hold a cart that stands (n, f),
+    and what the model's dry friction may be off by at most near standstill (n, f), and its forms everywhere (n, f)."""
 
     balances: Balances
-    noise: tuple[Noise, ...]
+    forces: tuple[Noise, ...]
+    across: tuple[Noise, ...]
     held: Array
     friction: Array
     forms: Array
@@ -135,18 +139,22 @@ class Errors:
         together (a force sensor's noise at a lever is a moment, too), and nothing is certain at edges of what comes and
         goes; for a fit, balances are believed to be independent."""
         moved, order = motion_noise(balances, cart)
-        wrench, noise = wrench_covariance(balances, cart), list[Noise]()
-        for own in [slice(0, len(moved))] if compares else [slice(i, i + 1) for i in range(len(moved))]:
-            noise.append(Noise(wrench[own, own], moved[own], order))
+        wrench, across = wrench_covariance(balances, cart), list[Noise]()
+        groups = [slice(0, len(moved))] if compares else [slice(i, i + 1) for i in range(len(moved))]
+        noise = tuple(Noise(wrench[own, own], moved[own], order) for own in groups)
         if balances.motion.across is not None:
             x, _, heading = balances.motion.noise.pose * balances.sample_step**0.5
             turned = heading * np.sqrt((balances.motion.speed**2).mean())  # what goes ahead seems to go aside
-            noise.append(Noise(np.array([[LEAST_SPEED**2 + turned**2]]), np.array([x]), 1))
+            across.append(Noise(np.array([[LEAST_SPEED**2 + turned**2]]), np.array([x]), 1))
         held, friction, forms = model_error(balances, cart)
         edges = edge_error(balances, cart)
         if compares:
-            return cls(balances, tuple(noise), np.hypot(held, edges), friction, forms)
-        return cls(balances, tuple(noise), held, friction, np.hypot(forms, edges))
+            return cls(balances, noise, tuple(across), np.hypot(held, edges), friction, forms)
+        return cls(balances, noise, tuple(across), held, friction, np.hypot(forms, edges))
+
+    @property
+    def noise(self) -> tuple[Noise, ...]:
+        return self.forces + self.across
 
     @cached_property
     def white(self) -> Array:
@@ -155,6 +163,20 @@ class Errors:
         for noise in self.noise:
             own.append(np.diagonal(noise.wrench) * overlap(0, 0) + noise.motion**2 * overlap(noise.order, 0))
         return np.concatenate(own)
+
+    def with_sensors(self, loudness: float) -> Errors:
+        """With wrenches' noise so many times as loud as from sample to sample."""
+        return replace(self, forces=tuple(one._replace(wrench=loudness**2 * one.wrench) for one in self.forces))
+
+    def heard(self, excess: Array, form: Array, friction: Array, loudness: float) -> Densities:
+        """Of white noise that is as loud as rows are, where sensors of wrenches are so many times as loud."""
+        free, balances = self.held.shape[1], self.balances
+        unsure = self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2
+        same = balances.overlap(0, 0)
+        moved = np.concatenate([one.motion**2 * balances.overlap(one.order, 0) / same for one in self.forces])
+        quiet = np.concatenate([np.diagonal(one.wrench) for one in self.forces])
+        beside = excess[:free] ** 2 + unsure * balances.row_step**2 / same - (loudness**2 - 1.0) * quiet
+        return Densities(loudness * balances.wrench_densities, moved + np.maximum(beside, 0.0))
 
     def whitening(self, excess: Array, form: Array, friction: Array, memory: Array | None = None) -> Whitening:
         """`excess` (c,) is white noise beside the sensors' (N/√Hz, N·m/√Hz, m/s/√Hz), by which a model is wrong all the
@@ -323,22 +345,27 @@ def wrench_covariance(balances: Balances, cart: CartModel) -> Array:
     return np.asarray(found)
 
 
-def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Array, Array, Array, Array]:
+def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[float, Array, Array, Array, Array]:
     """What makes residuals (k, c) of logs as large as they are, as `Errors.whitening` takes it: white noise (c,) beside
     the sensors' and the share (c,) of what forms may be wrong by. Forms explain what they can. `used` parameters were
     fitted to the residuals. Then the share (c,) of what friction near standstill may be wrong by, of rows there, and
-    what neighbours share (c,)."""
-    count = parts[0][1].shape[1]
+    what neighbours share (c,). First how many times as loud sensors of wrenches may be as from sample to sample: no
+    louder than the balance says that has least beside."""
+    count, free = parts[0][1].shape[1], parts[0][0].held.shape[1]
     none, least, whole = np.full(count, LEAST_EXCESS), np.full(count, LEAST_FORM), np.ones(count)
 
-    def surplus(excess: Array, form: Array) -> Array:
+    def surplus(excess: Array, form: Array, loudness: float = 1.0) -> Array:
         total, rows = np.zeros(count), np.zeros(count)
         for errors, left in parts:
-            whiten = errors.whitening(excess, form, whole)
+            whiten = errors.with_sensors(loudness).whitening(excess, form, whole)
             total += (whiten(left) ** 2).sum(axis=0)
             rows += whiten.counts.sum(axis=0)
         return np.asarray(total / np.maximum(rows - used / count, 0.5 * rows + 1e-9)) - 1.0
 
+    def of_sensors(loudness: Array) -> Array:
+        return np.asarray(surplus(none, least, float(loudness[0]))[:free].min(keepdims=True))
+
+    loudness = float(_root_of(of_sensors, np.ones(1), np.full(1, LOUDEST))[0])
     form = _root_of(lambda share: surplus(none, share), least, whole)
     excess = 10 ** _root_of(lambda decade: surplus(10**decade, form), np.log10(none), np.full(count, 4.0))
     shares = [errors.near_standstill(excess, form) for errors, _ in parts]
@@ -353,7 +380,7 @@ def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[Ar
     friction = _root_of(near_standstill, least, whole)
     most = np.exp(-parts[0][0].balances.row_step / LONGEST_MEMORY)
     memory = _memory([(errors.whitening(excess, form, friction), left) for errors, left in parts])
-    return excess, form, friction, np.minimum(memory, most)
+    return loudness, excess, form, friction, np.minimum(memory, most)
 
 
 def _memory(parts: Sequence[tuple[Whitening, Array]]) -> Array:

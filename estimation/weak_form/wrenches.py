@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,13 @@ from .motion import LONGEST_GAP, Motion
 
 LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
 """N/√Hz, N·m/√Hz, and of a covariance: keeps wrenches without noise, and points without an arm, solvable."""
+
+
+class Densities(NamedTuple):
+    """Of the noise of arms' wrenches, their roots (arms, 6); and of other noise of the reduced wrench (n, f)."""
+
+    arms: Array
+    others: Array | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,10 +89,9 @@ class GridWrenches:
             value += (grasp @ wrench[..., None])[..., 0]
         return value
 
-    def recorded_share(self, cart: CartModel, densities: Array) -> Array | None:
-        """By how much (n, f, f) the noise of what is recorded, of `densities` (arms, 6), changes for that of what acts,
-        where sensors are not as they should be: what is left is compared in recorded wrenches, whose noise is known.
-        None where the two are the same."""
+    def recorded_share(self, cart: CartModel, densities: Densities) -> Array | None:
+        """By how much (n, f, f) the noise of rows changes where sensors are not as they should be: what is left is
+        compared in recorded wrenches, whose noise is known (Deming's regression). None where nothing changes."""
         if not cart.sensor_effects:
             return None
         each = cart.basis_b.T @ self.grasps, self._felt(cart)
@@ -97,16 +104,16 @@ class GridWrenches:
         maps = [cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0] for arm in self.arms]
         return np.asarray(cart.basis_b.T @ self.grasps @ np.swapaxes(np.array(maps), 1, 2)[:, None])
 
-    def slopes(self, cart: CartModel, expected: Array, densities: Array) -> Array:
+    def slopes(self, cart: CartModel, expected: Array, densities: Densities) -> Array:
         """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches that
-        are most likely behind those recorded, with noise of `densities` (arms, 6), and add up to what a model expects
-        (n, f). By a gain or an angle they are in proportion to wrenches: to recorded ones, they would have their noise,
-        and all that the model lacks, on both sides. What is left of the noise goes with no balance's."""
+        are most likely behind those recorded where a model expects (n, f) of them. By a gain or an angle they are in
+        proportion to wrenches: to recorded ones, they would have their noise, and all that the model lacks, on both
+        sides. What is left of the noise goes with no balance's."""
         f = expected.shape[1]
         found = np.zeros((len(self.motion.time), f, len(cart.parameters)))
         if not cart.sensor_effects:
             return found
-        felt, variances = self._felt(cart), _variances(densities)
+        felt, variances = self._felt(cart), _variances(densities.arms)
         missing = expected - self.planar(cart) @ cart.basis_b
         share = np.linalg.solve(_covariance(felt, densities), missing[..., None])
         for arm, (recorded, own) in enumerate(zip(self.recorded, variances, strict=True)):
@@ -119,11 +126,12 @@ def _variances(densities: Array) -> Array:
     return np.asarray(densities**2 + LEAST_DENSITY**2)
 
 
-def _covariance(reduced: Array, densities: Array) -> Array:
-    """Of the sum (n, f, f) of arms' noise through reduced maps (arms, n, f, 6)."""
-    found = np.einsum("anfi,ai,angi->nfg", reduced, _variances(densities), reduced)
+def _covariance(reduced: Array, densities: Densities) -> Array:
+    """Of the sum (n, f, f) of arms' noise through reduced maps (arms, n, f, 6), and of other noise."""
+    found = np.einsum("anfi,ai,angi->nfg", reduced, _variances(densities.arms), reduced)
     least = RELATIVE * np.trace(found, axis1=1, axis2=2) + LEAST_DENSITY**2
-    return np.asarray(found + least[:, None, None] * np.eye(found.shape[1]))
+    others = np.zeros(found.shape[1]) if densities.others is None else densities.others
+    return np.asarray(found + (least[:, None] + others)[:, None] * np.eye(found.shape[1]))
 
 
 def _means(time: Array, values: Array, grid: Array, step: float) -> tuple[Array, np.ndarray]:

@@ -69,7 +69,7 @@ def noise_of(balances, excess, form, friction, memory=0.0, seed=0):
 def told_of(balances, *sizes):
     """What is told of rows whose noise is so large: excess, form, friction and memory (2,) of the free directions."""
     left, errors = noise_of(balances, *sizes)
-    return [one[:2] for one in excess_noise([(errors, left)], 0.0)]
+    return [one[:2] for one in excess_noise([(errors, left)], 0.0)[1:]]
 
 
 LEAST = 1e-6, 0.02, 0.02
@@ -100,7 +100,7 @@ def test_rows_tell_what_neighbours_share(balances, true):
     model lacks one, three times as large as the noise."""
     slow = 3.0 * np.sin(balances.time)[:, None] * [0.3, 0.1, 0.0]
     draws = [noise_of(balances, np.array([2.0, 0.6]), 0.02, 0.02, true, seed) for seed in range(8)]
-    found = np.array([excess_noise([(errors, left + slow)], 0.0)[3][:2] for left, errors in draws])
+    found = np.array([excess_noise([(errors, left + slow)], 0.0)[4][:2] for left, errors in draws])
     assert found.mean(axis=0) == pytest.approx(true, abs=0.12)
 
 
@@ -112,8 +112,8 @@ def test_a_force_at_a_lever_is_no_second_witness():
     aside = replace(log, arms={name: replace(arm, contact=arm.contact + np.array([0.0, 0.4, 0.0]))})
     balances, cart = Balances.of(aside, cart_of(TRUE)), cart_of(TRUE)
     errors = Errors.of(balances, cart, compares=True)
-    together, *rest = errors.noise
-    errors = replace(errors, noise=(together._replace(motion=0.0 * together.motion), *rest))
+    together, *rest = errors.forces
+    errors = replace(errors, forces=(together._replace(motion=0.0 * together.motion), *rest))
     none = np.full(balances.n_balances(cart), 1e-9)
     whiten = errors.whitening(none, none, none)
     random, rows = np.random.default_rng(0), []
