@@ -135,6 +135,11 @@ class Balances:
     def _densities(self) -> Densities:
         return self.heard or Densities(self.wrench_densities, None)
 
+    def _scale(self, cart: CartModel) -> float:
+        """Of the reference's body, where sensors may be such that a cart of any mass is as likely."""
+        known = self.reference is not None and cart.sensor_effects
+        return cart.inertia.mass / self.reference.inertia.mass if self.reference is not None and known else 1.0
+
     @property
     def turning_speed(self) -> Array:
         """How fast the cart and its wheels go (n,), m/s."""
@@ -247,8 +252,8 @@ class Balances:
         needed, by_parameters = self._needed(cart, state)
         planar = self.wrenches.planar(cart)
         left = planar @ cart.basis_b - needed
-        slopes = by_parameters - self.wrenches.slopes(cart, needed, self._densities)
-        share = self.wrenches.recorded_share(cart, self._densities)
+        slopes = by_parameters - self.wrenches.slopes(cart, needed, self._densities.scaled(self._scale(cart)))
+        share = self.wrenches.recorded_share(cart, self._densities, self._scale(cart))
         if share is not None:
             left, slopes = (share @ left[..., None])[..., 0], share @ slopes
         if self.motion.across is not None:
@@ -326,7 +331,7 @@ class Balances:
         swings, would explain it (errors in variables; the smooth motion is the instrument)."""
         wrench, slopes = self._inverse(cart, state)
         if self.reference is not None:
-            return wrench + self._reference_noise, slopes
+            return wrench + self._scale(cart) * self._reference_noise, slopes
         noise = self._momentum_noise(cart)
         slopes[..., :N_PHI] += noise.by_parameters
         return wrench + noise.wrench, slopes

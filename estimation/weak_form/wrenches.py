@@ -27,6 +27,10 @@ class Densities(NamedTuple):
     arms: Array
     others: Array | None
 
+    def scaled(self, size: float) -> Densities:
+        """With other noise of so many times the size."""
+        return self if self.others is None else self._replace(others=size**2 * self.others)
+
 
 @dataclass(frozen=True, eq=False)
 class GridWrenches:
@@ -89,13 +93,14 @@ class GridWrenches:
             value += (grasp @ wrench[..., None])[..., 0]
         return value
 
-    def recorded_share(self, cart: CartModel, densities: Densities) -> Array | None:
-        """By how much (n, f, f) the noise of rows changes where sensors are not as they should be: what is left is
-        compared in recorded wrenches, whose noise is known (Deming's regression). None where nothing changes."""
+    def recorded_share(self, cart: CartModel, densities: Densities, scale: float) -> Array | None:
+        """By how much (n, f, f) the noise of rows changes where sensors are not as they should be, and all but theirs
+        is so many times as large: what is left is compared in recorded wrenches, whose noise is known (Deming's
+        regression). None where nothing changes."""
         if not cart.sensor_effects:
             return None
-        each = cart.basis_b.T @ self.grasps, self._felt(cart)
-        recorded, acting = (np.linalg.cholesky(_covariance(reduced, densities)) for reduced in each)
+        recorded = np.linalg.cholesky(_covariance(cart.basis_b.T @ self.grasps, densities))
+        acting = np.linalg.cholesky(_covariance(self._felt(cart), densities.scaled(scale)))
         return np.asarray(recorded @ np.linalg.inv(acting))
 
     def _felt(self, cart: CartModel) -> Array:
