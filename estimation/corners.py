@@ -77,7 +77,7 @@ class Corner(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Windows:
+class Windows:
     """Rows (m, n) around m instants: times from each, places, and which of the rows are there."""
 
     time: Array
@@ -160,7 +160,7 @@ def _evidence_of_place(track: Track, corner: Corner, known: Sequence[Corner]) ->
 
 def jump_at(track: Track, time: float, lasts: float) -> float:
     """By how much a speed changes at a time, over a while, where it is taken to; 0 where that can't be told."""
-    rows, windows = _windows(track, np.array([time]), ())
+    rows, windows = windows_around(track, np.array([time]), ())
     if not len(rows):
         return 0.0
     bend, turn = _bent(windows.time, np.zeros(1)), turning(windows.time, np.zeros(1), np.array([lasts]))
@@ -197,7 +197,7 @@ def _scanned(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[Ar
     lasts = np.array([0.0, SUDDEN / 2, SUDDEN])[:, None]
     for start in range(0, len(instants), BLOCK):
         block = instants[start : start + BLOCK]
-        rows, windows = _windows(track, block, found)
+        rows, windows = windows_around(track, block, found)
         if not len(rows):
             continue
         time = windows.time[:, None]
@@ -215,7 +215,7 @@ def _scanned(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[Ar
 def _told(track: Track, instant: float, found: Sequence[Corner]) -> Corner | None:
     """The corner near an instant, if there is one: a break of the acceleration that comes a little sooner or later is
     as good as a small one."""
-    rows, windows = _windows(track, np.array([instant]), found)
+    rows, windows = windows_around(track, np.array([instant]), found)
     if not len(rows):
         return None
     at, lasts = np.meshgrid(np.arange(-6, 7) / 100, np.arange(0, 6) * SUDDEN / 5)
@@ -259,7 +259,7 @@ def _jumping(time: Array) -> Others:
     return np.concatenate([steps, bends]), (first, second)
 
 
-def _windows(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[np.ndarray, _Windows]:
+def windows_around(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[np.ndarray, Windows]:
     """Which of the instants (m,) have rows enough around them, and their windows."""
     reach, time = reach_of(track), track.time
     since, until = without_corner(found, instants)
@@ -276,7 +276,7 @@ def _windows(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[np
     seen = index < last[rows, None]
     index = np.minimum(index, len(time) - 1)
     places = track.place[index] - track.place[here[rows] - 1, None]
-    return rows, _Windows(np.where(seen, time[index] - instants[rows, None], 0.0), places, seen, track.noise)
+    return rows, Windows(np.where(seen, time[index] - instants[rows, None], 0.0), places, seen, track.noise)
 
 
 def _worth(left: Array, seen: np.ndarray) -> Array:

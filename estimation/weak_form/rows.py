@@ -120,6 +120,11 @@ class Noise(NamedTuple):
     motion: Array
     order: int
 
+    @property
+    def of_each(self) -> list[tuple[float, float]]:
+        """Of each balance, the wrenches' density and the root of the motion's."""
+        return list(zip(np.diagonal(self.wrench).tolist(), self.motion.tolist(), strict=True))
+
 
 @dataclass(frozen=True, eq=False)
 class Errors:
@@ -164,9 +169,10 @@ class Errors:
             own.append(np.diagonal(noise.wrench) * overlap(0, 0) + noise.motion**2 * overlap(noise.order, 0))
         return np.concatenate(own)
 
-    def with_sensors(self, loudness: float) -> Errors:
-        """With wrenches' noise so many times as loud as from sample to sample."""
-        return replace(self, forces=tuple(one._replace(wrench=loudness**2 * one.wrench) for one in self.forces))
+    def alone(self, loudness: float) -> Errors:
+        """Of each balance for itself, with wrenches' noise so many times as loud as from sample to sample."""
+        each = [(loudness**2 * w, m, one.order) for one in self.forces for w, m in one.of_each]
+        return replace(self, forces=tuple(Noise(np.array([[w]]), np.array([m]), order) for w, m, order in each))
 
     def heard(self, excess: Array, form: Array, friction: Array, loudness: float) -> Densities:
         """Of white noise that is as loud as rows are, where sensors of wrenches are so many times as loud."""
@@ -354,10 +360,10 @@ def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[fl
     count, free = parts[0][1].shape[1], parts[0][0].held.shape[1]
     none, least, whole = np.full(count, LEAST_EXCESS), np.full(count, LEAST_FORM), np.ones(count)
 
-    def surplus(excess: Array, form: Array, loudness: float = 1.0) -> Array:
+    def surplus(excess: Array, form: Array, loudness: float | None = None) -> Array:
         total, rows = np.zeros(count), np.zeros(count)
         for errors, left in parts:
-            whiten = errors.with_sensors(loudness).whitening(excess, form, whole)
+            whiten = (errors.alone(loudness) if loudness else errors).whitening(excess, form, whole)
             total += (whiten(left) ** 2).sum(axis=0)
             rows += whiten.counts.sum(axis=0)
         return np.asarray(total / np.maximum(rows - used / count, 0.5 * rows + 1e-9)) - 1.0

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cartgrasp.effects import FloorPatch, FloorSlope, RollingResistance, ViscousDrag
+from cartgrasp.effects import FloorPatch, FloorSlope, ForceScale, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.weak_form.balances import Balances
+from estimation.weak_form.rows import Errors
 
 from ..discrepancy.logs import circles, straight
 from .motions import TRUE, cart_of, noisy, weaving
@@ -82,6 +83,30 @@ def test_slopes_are_what_differences_are():
             off[i] = 0.1
             moved, _ = balances.residual(cart.with_parameters(cart.parameters + off))
             assert left - moved == pytest.approx(0.1 * slopes[..., i], abs=1e-9)
+
+
+@settings(max_examples=8, deadline=None)
+@given(gain=st.floats(0.5, 2.0), left=st.floats(0.2, 0.8))
+def test_what_only_the_mass_would_tell_is_a_tie(gain, left):
+    """A sensor with a gain, or the other one with its inverse and a body and drags that are as many times heavier: what
+    is left is the same, compared by the noise that each has."""
+    log = noisy(weaving(TRUE), 0)
+    ((_, arm),) = log.arms.items()
+    random = np.random.default_rng(0)
+    own = {
+        name: ArmLog(arm.contact, share * arm.wrench + 0.5 * random.standard_normal(arm.wrench.shape))
+        for name, share in (("left", left), ("right", 1.0 - left))
+    }
+    cart = cart_of(TRUE)
+    two = Balances.of(replace(log, arms=own), cart)
+    errors = Errors.of(two, cart)
+    two = two.beside(cart, errors.heard(*np.full((3, two.n_balances(cart)), 0.1), 1.2))
+    body, drag = cart.inertia, ViscousDrag(linear=gain * TRUE[4], angular=gain * TRUE[5])
+    heavier = CartModel(
+        Inertia(gain * body.mass, body.com, gain * body.about_com), effects=(drag, ForceScale(1 / gain, label="left"))
+    )
+    one, other = (two.residual(each)[0] for each in (cart.with_effect(ForceScale(gain, label="right")), heavier))
+    assert other == pytest.approx(one, abs=1e-6 * np.abs(one).max())
 
 
 def test_a_column_is_what_its_effect_takes_away():

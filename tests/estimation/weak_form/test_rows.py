@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 from scipy.sparse import csr_array
 
 from cartgrasp.effects import RollingResistance, WheelDragImbalance
@@ -104,29 +105,53 @@ def test_rows_tell_what_neighbours_share(balances, true):
     assert found.mean(axis=0) == pytest.approx(true, abs=0.12)
 
 
-def test_a_force_at_a_lever_is_no_second_witness():
-    """Noise of a force sensor 0.4 m beside {b}'s x is a moment, too: after whitening, forward force and yaw moment are
-    independent, and as loud as they should be; before, they go together. The motion has no noise."""
+def aside():
+    """Rows of a log whose hand holds 0.4 m beside {b}'s x, with errors whose motion has no noise."""
     log = noisy(weaving(TRUE, 20.0), 3)
     (name, arm), *_ = log.arms.items()
-    aside = replace(log, arms={name: replace(arm, contact=arm.contact + np.array([0.0, 0.4, 0.0]))})
-    balances, cart = Balances.of(aside, cart_of(TRUE)), cart_of(TRUE)
-    errors = Errors.of(balances, cart, compares=True)
+    balances = Balances.of(
+        replace(log, arms={name: replace(arm, contact=arm.contact + np.array([0.0, 0.4, 0.0]))}), cart_of(TRUE)
+    )
+    errors = Errors.of(balances, cart_of(TRUE), compares=True)
     together, *rest = errors.forces
-    errors = replace(errors, forces=(together._replace(motion=0.0 * together.motion), *rest))
-    none = np.full(balances.n_balances(cart), 1e-9)
-    whiten = errors.whitening(none, none, none)
-    random, rows = np.random.default_rng(0), []
-    for _ in range(40):
-        size = balances.wrench_densities[0] / balances.motion.step**0.5
-        wrench = size * random.standard_normal((len(balances.motion.time), 6))
-        planar = (balances.wrenches.grasps[0] @ wrench[..., None])[..., 0] @ cart.basis_b
-        rows.append(np.pad(balances.integrated(planar), ((0, 0), (0, balances.n_balances(cart) - 2))))
+    return balances, replace(errors, forces=(together._replace(motion=0.0 * together.motion), *rest))
+
+
+def drawn(balances, random, memory=0.0, forward=0.0):
+    """Raw rows (k, c) of one draw of its sensor's noise, of which a sample keeps a share (`memory`) of the last one's;
+    and of a force that no sensor made, N/√Hz."""
+    count = len(balances.motion.time)
+    wrench = lfilter([1.0], [1.0, -memory], random.standard_normal((count + 500, 6)), axis=0)[500:]
+    wrench *= balances.wrench_densities[0] / balances.motion.step**0.5
+    planar = (balances.wrenches.grasps[0] @ wrench[..., None])[..., 0] @ cart_of(TRUE).basis_b
+    planar[:, 0] += forward / balances.motion.step**0.5 * random.standard_normal(count)
+    return np.pad(balances.integrated(planar), ((0, 0), (0, balances.n_balances(cart_of(TRUE)) - 2)))
+
+
+@pytest.mark.parametrize("forward", [0.0, 0.06])
+def test_a_force_at_a_lever_is_no_second_witness(forward):
+    """Noise of a force sensor 0.4 m beside {b}'s x is a moment, too, and what a model is wrong by is not: after
+    whitening, forward force and yaw moment are independent, and as loud as they should be; before, they go together."""
+    balances, errors = aside()
+    none = np.full(balances.n_balances(cart_of(TRUE)), 1e-9)
+    whiten = errors.whitening(np.where(np.arange(len(none)) == 0, forward, none), none, none)
+    random = np.random.default_rng(0)
+    rows = [drawn(balances, random, forward=forward) for _ in range(40)]
     counted = (whiten.counts[:, :2] > 0.99).all(axis=1)
     raw, white = (np.concatenate([one[counted, :2] for one in each]) for each in (rows, map(whiten, rows)))
     assert abs(np.corrcoef(raw.T)[0, 1]) > 0.3
     assert abs(np.corrcoef(white.T)[0, 1]) < 0.05
     assert white.std(axis=0) == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize(("memory", "forward", "true"), [(0.0, 0.0, 1.0), (0.6, 0.0, 2.5), (0.0, 0.3, 1.0)])
+def test_rows_tell_how_loud_sensors_are(memory, forward, true):
+    """Noise of which a sample keeps 0.6 of the last one's has 1 / 0.4 times the root of the density, over a row; what
+    is in the forward balance alone is none of a sensor, which would be heard in the other. A mean of eight logs."""
+    balances, errors = aside()
+    random = np.random.default_rng(1)
+    told = [excess_noise([(errors, drawn(balances, random, memory, forward))], 0.0)[0] for _ in range(8)]
+    assert np.mean(told) == pytest.approx(true, rel=0.1)
 
 
 def test_rows_count_where_nothing_holds_the_cart(balances):
