@@ -98,7 +98,9 @@ class Screen:
     # --- variants ------------------------------------------------------------------------------------------------
 
     def best(self, family: Family) -> tuple[list[Effect], int]:
-        """The best few variants, and of how many."""
+        """The best few variants, and of how many; of one that is there all the time, none has to be chosen."""
+        if len(family.variants) == 1 and family.variants[0].gate is Gate.ALWAYS:
+            return list(family.variants), 1
         found: list[Found] = []
         for effect in family.variants:
             if effect.gate is Gate.INSIDE:

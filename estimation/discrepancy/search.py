@@ -154,7 +154,7 @@ def tried(model: Model) -> list[Attempt]:
     screen, found = Screen(model), []
     for family in families(model.cart, model.logs[0].wrenches.arms):
         best, count = screen.best(family)
-        own = [attempt(model, effect, count) for effect in best]
+        own = [one for effect in best if np.isfinite((one := attempt(model, effect, count)).gain)]
         if own:
             found.append(max(own, key=lambda one: one.gain))
     for effect in model.guess.effects:
