@@ -21,7 +21,6 @@ DECIDING = (
     # what is added and dropped
     Constant("discrepancy.search", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"),
     Constant("discrepancy.search", "SHARE", A, 0.0, "least gain as a share of the largest so far"),
-    Constant("discrepancy.search", "SIMPLER", A, 0.0, "share of the best gain that a simpler candidate may lack"),
     Constant("discrepancy.search", "RESIZED", A, 0.0, "least gain of another size of an effect of the file"),
     Constant("discrepancy.search", "SURE", A, 0.0, "least gain in standard errors over stretches"),
     Constant("discrepancy.model", "LONG_MEAN", A, NEVER, "means whose size divides the gain of what lasts for a while"),
@@ -35,7 +34,7 @@ DECIDING = (
         "times what is plausible that estimates may be",
     ),
     # what is said
-    Constant("discrepancy.rivals", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
+    Constant("discrepancy.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
     Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant("discrepancy.diagnosis", "CLOSED", A, inf, "share of the gap that may be left where effects explain it"),
     Constant("discrepancy.refusal", "WORSE", A, inf, "times the file's gap, from which on a refit is refused"),

@@ -156,7 +156,7 @@ REASONS: dict[str, dict[str, str]] = {
         "NEARBY": "grid of laws",
         "LARGEST": "what ran away in an integrator",
     },
-    "discrepancy.search": {"NEAR": "effort", "MOST_REFITTED": "effort", "MOST_STEPS": "effort"},
+    "discrepancy.search": {"NEAR": "effort", "MOST_REFITTED": "effort", "MOST_LAWS": "effort", "MOST_STEPS": "effort"},
     "weak_form.wrenches": {"LEAST_DENSITY": "keeps solvable", "RELATIVE": "keeps solvable"},
     "discrepancy.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},

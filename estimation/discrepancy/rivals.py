@@ -11,10 +11,8 @@ from cartgrasp.frames import Array
 
 from ..weak_form.fit import coordinates
 from .model import Model
-from .search import Attempt, Step
+from .search import CONFUSABLE, Attempt, Step
 
-CONFUSABLE = np.log(100.0)
-"""Nats: by which less a rival may explain."""
 SIMPLER = 2.0
 """Nats for each number by which less something takes."""
 LONGEST = 100.0

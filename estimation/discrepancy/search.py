@@ -23,10 +23,10 @@ WORTH = 10.0
 """Of the score: what is added gains so much at least, and a simpler one is taken unless another gains so much more."""
 SHARE = 0.12
 """Of the largest gain so far: what is smaller may be what the form of the first leaves."""
-SIMPLER = 0.2
-"""Of the best gain: by what less a simpler candidate is taken."""
-NEAR, MOST_REFITTED = 0.3, 5
-"""Of the best gain, and how many: candidates that are refined and refitted."""
+CONFUSABLE = float(np.log(100.0))
+"""Of the score: by what less a candidate explains about as much."""
+NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
+"""Of the best gain, and how many of the vocabulary and beside it: candidates that are refined and refitted."""
 RESIZED = 2.0
 """Of the score: what another size of an effect of the file gains at least."""
 SURE = 1.5
@@ -111,8 +111,7 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
         others = (e for family in families(less.cart, less.logs[0].wrenches.arms) for e in family.variants)
         found = [_beside(less, e) for e in others if is_of_motion(type(e)) and len(e.parameters) < own.numbers]
         best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
-        enough = own.gain - max(WORTH, SIMPLER * own.gain)
-        if best is not own and best.gain > enough and best.model is not None:
+        if best is not own and best.model is not None and own.gain - best.gain <= margin(best.model, model):
             model, steps = best.model, [_with(step, best, own) for step in steps]
     return model, steps
 
@@ -167,18 +166,32 @@ def tried(model: Model) -> list[Attempt]:
         found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
     found.sort(key=lambda one: -one.gain)
     enough = max(NEAR * found[0].gain, WORTH / 2)
-    near = [extended(model, screen, one) for one in found[:MOST_REFITTED] if one.gain > enough]
+    names = [one for one in found if not isinstance(one.candidate, Law)][:MOST_REFITTED]
+    laws = [one for one in found if isinstance(one.candidate, Law)][:MOST_LAWS]
+    near = [extended(model, screen, one) for one in (*names, *laws) if one.gain > enough]
     rest = [one for one in found if one.key not in {n.key for n in near}]
     return sorted(near, key=lambda one: -one.gain) + rest
 
 
 def chosen(attempts: list[Attempt]) -> Attempt | None:
-    """The simplest of those that are worth about as much as the best that somebody would call so."""
+    """The simplest of those that are not surely worth less than the best that somebody would call so (Breiman's rule)."""
     known = [one for one in attempts if one.model is not None and _may_be(one)]
-    most = max((one.gain for one in known), default=0.0)
-    enough = most - max(WORTH, SIMPLER * most)
-    alike = [one for one in known if one.gain >= enough]
+    best = max(known, key=lambda one: one.gain, default=None)
+    alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
+
+
+def _margin(one: Attempt, best: Attempt) -> float:
+    """By how much less than the best a candidate may explain; of what acts at a time or a place alone, which stretches
+    don't tell, by what a name is worth."""
+    assert one.model is not None
+    assert best.model is not None
+    return margin(one.model, best.model) if one.error and best.error else WORTH
+
+
+def margin(one: Model, best: Model) -> float:
+    """By how much less a model may explain: what chance makes of the difference from stretch to stretch."""
+    return max(CONFUSABLE, SURE * standard_error(one.score, best.score))
 
 
 def _may_be(one: Attempt) -> bool:
