@@ -174,7 +174,8 @@ def tried(model: Model) -> list[Attempt]:
 
 
 def chosen(attempts: list[Attempt]) -> Attempt | None:
-    """The simplest of those that are not surely worth less than the best that somebody would call so (Breiman's rule)."""
+    """The simplest of those that are not surely worth less than the best that somebody would call so (Breiman's rule
+    of one standard error)."""
     known = [one for one in attempts if one.model is not None and _may_be(one)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
