@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-from estimation.discrepancy.flights import flights
 from estimation.discrepancy.gap import held_out_rollouts
 from estimation.discrepancy.model import Model
 from estimation.discrepancy.search import resized, searched_again
@@ -20,6 +19,7 @@ from estimation.impacts import impacts
 from estimation.sensor_check import put_right
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import bands, consistent
+from estimation.weak_form.flights import flights
 
 
 @dataclass(frozen=True)

@@ -140,6 +140,7 @@ REASONS: dict[str, dict[str, str]] = {
         "EVERY": "effort",
         "STEP": "of the integrator",
         "STABLE": "of the integrator",
+        "LOST": "keeps finite",
         "SAMPLED": "effort",
     },
     "discrepancy.screening": {

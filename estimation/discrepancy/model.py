@@ -16,9 +16,10 @@ from cartgrasp.model import CartModel
 from ..prior import Prior, report_names
 from ..weak_form.balances import Balances
 from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
-from ..weak_form.rows import Errors, Whitening, excess_noise
+from ..weak_form.rows import Errors, excess_noise
 from ..weak_form.score import Folds, Score, scored
 from ..weak_form.sensor_noise import MAD_TO_STD
+from ..weak_form.whitening import Whitening
 from .candidates import amplitudes_of
 from .course import Course
 from .laws import Law

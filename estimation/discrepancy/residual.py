@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from cartgrasp.frames import Array
 
 from ..weak_form.balances import Balances
-from ..weak_form.rows import Whitening
+from ..weak_form.whitening import Whitening
 from .changes import changes
 from .circumstances import Circumstances
 from .model import Model

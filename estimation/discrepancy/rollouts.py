@@ -22,6 +22,8 @@ STABLE = 0.5
 """Of a step times the fastest rate: inside the region where the integrator is stable."""
 MOST_STILL = 0.2
 """Of a rollout's time: where a cart stands longer, anything may have held it."""
+LOST = 1e6
+"""m, rad: a rollout that has run away is as far off."""
 SAMPLED = 40
 """States at which stiffness is looked at."""
 
@@ -87,7 +89,7 @@ def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tupl
             last = first + k + 1
             inside = last < len(motion.time)
             inside[inside] = seen[last[inside]] == seen[first[inside]]
-            found[inside, ends.index(k + 1)] = state[inside, :3]
+            found[inside, ends.index(k + 1)] = np.clip(np.nan_to_num(state[inside, :3], nan=LOST), -LOST, LOST)
     return found
 
 

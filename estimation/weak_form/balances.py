@@ -20,7 +20,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
-from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects import ConstraintEffect, Effect, ForceScale, SensorEffect
 from cartgrasp.effects.effect import Gate, InertiaEffect
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.inertia import N_PHI
@@ -136,9 +136,10 @@ class Balances:
         return self.heard or Densities(self.wrench_densities, None)
 
     def _scale(self, cart: CartModel) -> float:
-        """Of the reference's body, where sensors may be such that a cart of any mass is as likely."""
-        known = self.reference is not None and cart.sensor_effects
-        return cart.inertia.mass / self.reference.inertia.mass if self.reference is not None and known else 1.0
+        """Of the reference's body, where gains of sensors make a cart of any mass as likely."""
+        if self.reference is None or not any(isinstance(effect, ForceScale) for effect, _ in cart.sensor_effects):
+            return 1.0
+        return cart.inertia.mass / self.reference.inertia.mass
 
     @property
     def turning_speed(self) -> Array:

@@ -16,7 +16,7 @@ from cartgrasp.inertia import N_PHI, phi_from_physical, physical_from_phi, physi
 from cartgrasp.model import CartModel
 
 from .balances import Balances
-from .rows import Whitening
+from .whitening import Whitening
 
 ROUNDS, SETTLED = 12, 0.05
 """Of Gauss-Newton; standard deviations by which the last moves a parameter at most."""
