@@ -95,30 +95,32 @@ class Windows:
     def left(self, columns: Array, others: Array) -> tuple[Array, Array, Array]:
         """What is left (m, k, n) beside parabolas with two columns each (m, k, n), and the sizes (m, k) of these."""
         y, a, b = self.cleared(self.place[:, None]), self.cleared(columns), self.cleared(others)
-        aa, bb, ab = (a * a).sum(-1), (b * b).sum(-1), (a * b).sum(-1)
-        ay, by = (a * y).sum(-1), (b * y).sum(-1)
-        tiny = np.finfo(float).tiny
-        first = ay / np.maximum(aa, tiny)
-        rest = bb - ab**2 / np.maximum(aa, tiny)
-        second = np.where(rest > 1e-9 * bb, (by - ab * first) / np.maximum(rest, tiny), 0.0)
-        first = first - second * ab / np.maximum(aa, tiny)
+        products = (a * a).sum(-1), (b * b).sum(-1), (a * b).sum(-1)
+        first, second = _sizes(products, (a * y).sum(-1), (b * y).sum(-1))
         return np.asarray(y - first[..., None] * a - second[..., None] * b), first, second
 
     def least_left(self, columns: Array, pairs: tuple[np.ndarray, np.ndarray]) -> float:
         """The least sum of squares beside a parabola with two columns (k, n), of the pairs (v,), in one window."""
         y, own = self.cleared(self.place[:, None])[0, 0], self.cleared(columns[None])[0]
-        (first, second), products, pull, tiny = pairs, own @ own.T, own @ y, np.finfo(float).tiny
-        aa, bb, ab = products[first, first], products[second, second], products[first, second]
-        rest = bb - ab**2 / np.maximum(aa, tiny)
-        along = pull[second] - ab * pull[first] / np.maximum(aa, tiny)
-        explained = np.where(rest > 1e-9 * bb, along**2 / np.maximum(rest, tiny), 0.0)
-        explained += pull[first] ** 2 / np.maximum(aa, tiny)
+        (a, b), products, pull = pairs, own @ own.T, own @ y
+        first, second = _sizes((products[a, a], products[b, b], products[a, b]), pull[a], pull[b])
+        explained = first * pull[a] + second * pull[b]
         return max(float(y @ y - explained.max()), float(self.seen.sum() * self.noise**2))
 
     def squares(self, left: Array) -> Array:
         """Of what is left (..., n): no fit is better than places are known."""
         least = self.seen.sum(axis=-1) * self.noise**2
         return np.asarray(np.maximum((left**2).sum(axis=-1), least.reshape(-1, *[1] * (left.ndim - 2))))
+
+
+def _sizes(products: tuple[Array, Array, Array], ay: Array, by: Array) -> tuple[Array, Array]:
+    """Of two columns, from their `products` aa, bb and ab and those with what they fit; of two that are alike, all is
+    the first one's."""
+    (aa, bb, ab), tiny = products, np.finfo(float).tiny
+    first = ay / np.maximum(aa, tiny)
+    rest = bb - ab**2 / np.maximum(aa, tiny)
+    second = np.where(rest > 1e-9 * bb, (by - ab * first) / np.maximum(rest, tiny), 0.0)
+    return first - second * ab / np.maximum(aa, tiny), second
 
 
 def corners(track: Track, n_tracks: int = 1) -> list[Corner]:

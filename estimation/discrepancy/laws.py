@@ -76,7 +76,7 @@ class Law:
 
     def columns(self, balances: Balances, cart: CartModel) -> Array:
         """Raw (k, c, q)."""
-        return self.over(balances.integrated(self.shape(_thin(balances))), balances, cart)
+        return self.over(balances.integrated(self.shape(_thin(Course.along(balances.motion)))), balances, cart)
 
     def over(self, integrated: Array, balances: Balances, cart: CartModel) -> Array:
         """Columns (k, c, q) in all balances, of a signal against the test functions (k, q)."""
@@ -88,8 +88,8 @@ class Law:
         return found
 
 
-def _thin(balances: Balances) -> Course:
-    return Course.along(balances.motion).at(np.arange(0, len(balances.motion.time), THIN))
+def _thin(course: Course) -> Course:
+    return course.at(np.arange(0, len(course.time), THIN))
 
 
 def _sign(course: Course) -> Array:
@@ -230,7 +230,8 @@ def scanned(
     """The best periods of one harmonic, each with its gain, and of how many: of each scan those with most power for
     the information that whitened columns have."""
     found, count = list[tuple[float, Law]](), 0
-    courses, thin = [Course.along(balances.motion) for balances in logs], [_thin(balances) for balances in logs]
+    courses = [Course.along(balances.motion) for balances in logs]
+    thin = [_thin(course) for course in courses]
     for scan in scans(courses, cart, hands):
         v = len(scan.frequencies)
         count += v

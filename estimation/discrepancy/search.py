@@ -20,7 +20,7 @@ from .refine import refined
 from .screening import Screen
 
 WORTH = 10.0
-"""Of the score: what is added gains so much at least, and a simpler one is taken unless another gains so much more."""
+"""Of the score: what is added gains so much at least, and what is simpler than what acts for a while may lack."""
 SHARE = 0.12
 """Of the largest gain so far: what is smaller may be what the form of the first leaves."""
 CONFUSABLE = float(np.log(100.0))

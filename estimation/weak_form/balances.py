@@ -96,15 +96,7 @@ class Balances:
 
     def beside(self, reference: CartModel | None, heard: Densities | None = None) -> Balances:
         """The same rows, with another reference and noise."""
-        other = replace(self, reference=reference, heard=heard)
-        other.__dict__.update(
-            {
-                name: self.__dict__[name]
-                for name in ("used", "_test", "_used_test", "_thin_test")
-                if name in self.__dict__
-            }
-        )
-        return other
+        return self._with_same_rows(replace(self, reference=reference, heard=heard))
 
     def late(self, lateness: float) -> Balances:
         """With wrenches that were felt `lateness` (s) before they were recorded."""
@@ -122,8 +114,10 @@ class Balances:
 
     def along(self, motion: Motion) -> Balances:
         """Of another motion on the same grid, with the rows of this one."""
-        other = replace(self, motion=motion, wrenches=replace(self.wrenches, motion=motion))
-        other.__dict__.update(used=self.used, _test=self._test, _used_test=self._used_test)
+        return self._with_same_rows(replace(self, motion=motion, wrenches=replace(self.wrenches, motion=motion)))
+
+    def _with_same_rows(self, other: Balances) -> Balances:
+        other.__dict__.update(used=self.used, _test=self._test, _used_test=self._used_test, _thin_test=self._thin_test)
         return other
 
     def of_body(self, cart: CartModel) -> Balances:
@@ -253,8 +247,9 @@ class Balances:
         needed, by_parameters = self._needed(cart, state)
         planar = self.wrenches.planar(cart)
         left = planar @ cart.basis_b - needed
-        slopes = by_parameters - self.wrenches.slopes(cart, needed, self._densities.scaled(self._scale(cart)))
-        share = self.wrenches.recorded_share(cart, self._densities, self._scale(cart))
+        acting = self._densities.scaled(self._scale(cart))
+        slopes = by_parameters - self.wrenches.slopes(cart, needed, acting)
+        share = self.wrenches.recorded_share(cart, self._densities, acting)
         if share is not None:
             left, slopes = (share @ left[..., None])[..., 0], share @ slopes
         if self.motion.across is not None:

@@ -55,9 +55,10 @@ class Noise(NamedTuple):
     order: int
 
     @property
-    def of_each(self) -> list[tuple[float, float]]:
-        """Of each balance, the wrenches' density and the root of the motion's."""
-        return list(zip(np.diagonal(self.wrench).tolist(), self.motion.tolist(), strict=True))
+    def apart(self) -> tuple[Noise, ...]:
+        """Of each balance for itself."""
+        each = [slice(i, i + 1) for i in range(len(self.motion))]
+        return tuple(Noise(self.wrench[own, own], self.motion[own], self.order) for own in each)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +79,7 @@ class Errors:
         together (a force sensor's noise at a lever is a moment, too), and nothing is certain at edges of what comes and
         goes; for a fit, balances are believed to be independent."""
         moved, order = motion_noise(balances, cart)
-        wrench, across = wrench_covariance(balances, cart), list[Noise]()
-        groups = [slice(0, len(moved))] if compares else [slice(i, i + 1) for i in range(len(moved))]
-        noise = tuple(Noise(wrench[own, own], moved[own], order) for own in groups)
+        together, across = Noise(wrench_covariance(balances, cart), moved, order), list[Noise]()
         if balances.motion.across is not None:
             x, _, heading = balances.motion.noise.pose * balances.sample_step**0.5
             turned = heading * np.sqrt((balances.motion.speed**2).mean())  # what goes ahead seems to go aside
@@ -88,8 +87,8 @@ class Errors:
         held, friction, forms = model_error(balances, cart)
         edges = edge_error(balances, cart)
         if compares:
-            return cls(balances, noise, tuple(across), np.hypot(held, edges), friction, forms)
-        return cls(balances, noise, tuple(across), held, friction, np.hypot(forms, edges))
+            return cls(balances, (together,), tuple(across), np.hypot(held, edges), friction, forms)
+        return cls(balances, together.apart, tuple(across), held, friction, np.hypot(forms, edges))
 
     @property
     def noise(self) -> tuple[Noise, ...]:
@@ -103,16 +102,20 @@ class Errors:
             own.append(np.diagonal(noise.wrench) * overlap(0, 0) + noise.motion**2 * overlap(noise.order, 0))
         return np.concatenate(own)
 
+    def _unsure(self, form: Array, friction: Array) -> Array:
+        """Squares (n, f) of what the model may be off by, of shares (c,) of its forms and its dry friction."""
+        free = self.held.shape[1]
+        return self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2
+
     def alone(self, loudness: float) -> Errors:
         """Of each balance for itself, with wrenches' noise so many times as loud as from sample to sample."""
-        each = [(loudness**2 * w, m, one.order) for one in self.forces for w, m in one.of_each]
-        return replace(self, forces=tuple(Noise(np.array([[w]]), np.array([m]), order) for w, m, order in each))
+        each = (own for one in self.forces for own in one.apart)
+        return replace(self, forces=tuple(own._replace(wrench=loudness**2 * own.wrench) for own in each))
 
     def heard(self, excess: Array, form: Array, friction: Array, loudness: float) -> Densities:
         """Of white noise that is as loud as rows are, where sensors of wrenches are so many times as loud."""
         free, balances = self.held.shape[1], self.balances
-        unsure = self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2
-        same = balances.overlap(0, 0)
+        same, unsure = balances.overlap(0, 0), self._unsure(form, friction)
         moved = np.concatenate([one.motion**2 * balances.overlap(one.order, 0) / same for one in self.forces])
         quiet = np.concatenate([np.diagonal(one.wrench) for one in self.forces])
         beside = excess[:free] ** 2 + unsure * balances.row_step**2 / same - (loudness**2 - 1.0) * quiet
@@ -123,9 +126,8 @@ class Errors:
         time; `form` (c,) and `friction` (c,) are the shares of what its forms, and its dry friction near standstill,
         may be wrong by; `memory` (c,) is how much of a row's noise the next one still has."""
         free, balances = self.held.shape[1], self.balances
-        unsure = np.sqrt(self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2)
         off = np.zeros((len(balances.used), len(excess)))
-        off[:, :free] = balances.integrated(unsure)
+        off[:, :free] = balances.integrated(np.sqrt(self._unsure(form, friction)))
         roots, first = [], 0
         for noise in self.noise:
             own = slice(first, first := first + len(noise.motion))

@@ -93,15 +93,15 @@ class GridWrenches:
             value += (grasp @ wrench[..., None])[..., 0]
         return value
 
-    def recorded_share(self, cart: CartModel, densities: Densities, scale: float) -> Array | None:
-        """By how much (n, f, f) the noise of rows changes where sensors are not as they should be, and all but theirs
-        is so many times as large: what is left is compared in recorded wrenches, whose noise is known (Deming's
+    def recorded_share(self, cart: CartModel, known: Densities, acting: Densities) -> Array | None:
+        """By how much (n, f, f) the noise of rows changes, from what is `known` to that of what acts, where sensors are
+        not as they should be: what is left is compared in recorded wrenches, whose noise is known (Deming's
         regression). None where nothing changes."""
         if not cart.sensor_effects:
             return None
-        recorded = np.linalg.cholesky(_covariance(cart.basis_b.T @ self.grasps, densities))
-        acting = np.linalg.cholesky(_covariance(self._felt(cart), densities.scaled(scale)))
-        return np.asarray(recorded @ np.linalg.inv(acting))
+        pairs = (cart.basis_b.T @ self.grasps, known), (self._felt(cart), acting)
+        recorded, true = (np.linalg.cholesky(_covariance(*pair)) for pair in pairs)
+        return np.asarray(recorded @ np.linalg.inv(true))
 
     def _felt(self, cart: CartModel) -> Array:
         """What takes a change of what an arm records to that of the reduced wrench that acts (arms, n, f, 6)."""
