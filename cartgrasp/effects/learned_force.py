@@ -3,12 +3,14 @@
 With amplitudes a (N; N·m of a yaw moment), which are the parameters, and shares w that depend on the variable s alone,
 
     F = sum of a_k w_k(s),    and the wrench in {b} is F times
-    forward_force (1, 0, -lever),    lateral_force (0, 1, 0),    yaw_moment (0, 0, 1),
-    drag -sign(v) (1, 0, -lever),    world_force (cos(direction - theta), sin(direction - theta), 0).
+    forward_force (1, 0, -lever),    lateral_force (0, 1, ahead),    yaw_moment (0, 0, 1),
+    drag -sign(v) (1, 0, -lever),    world_force (c, s, ahead s), c and s those of direction - theta,
+    viscous_drag -v (1, 0, -lever), of which the amplitudes are N·s/m.
 
-A forward force and a drag act `lever` to the left of {b}'s x, where the cart's forward speed is v = u - lever r: at a
-wheel, say. The sign is smoothed as that of all Coulomb forces, and interpolated amplitudes that aren't negative make a
-drag that never drives the cart. The variables:
+A forward force and drags act `lever` to the left of {b}'s x, where the cart's forward speed is v = u - lever r: at a
+wheel, say, whose way and speed a yaw moment may follow, too. Sideways and world forces act `ahead` of {b}. The sign is
+smoothed as that of all Coulomb forces, and interpolated amplitudes that aren't negative make a drag that never drives
+the cart. The variables:
 
     time                 s, of the log's clock
     travelled_distance   m: s' = v, forward less backward, from where the cart came to be looked at
@@ -45,7 +47,8 @@ from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter, Setting
 
-ACTS_ON = ("forward_force", "lateral_force", "yaw_moment", "drag", "world_force")
+ACTS_ON = ("forward_force", "lateral_force", "yaw_moment", "drag", "world_force", "viscous_drag")
+AT_A_LEVER, AHEAD = ("forward_force", "drag", "viscous_drag"), ("lateral_force", "world_force")
 OF = ("time", "travelled_distance", "heading", "speed", "yaw_rate", "place", "since_reversal")
 """In the order in which the kernel counts them."""
 WAYS = ("travelled_distance", "since_reversal")
@@ -65,15 +68,16 @@ LEAST = 1e-6
 class LearnedForce(CompiledForce):
     """Acts on `acts_on` as a function `of` a variable, with `amplitudes` (all 0 unless given).
 
-    `direction` is in rad, of {s}; `lever` in m; `period`, `knots` and `knots_y` are in the variable's unit. Amplitudes
-    stand in the order of the parameters: pairs cos, sin of each harmonic, or one for each knot; with `knots_y`, of the
-    first knot of x all of y's come first.
+    `direction` is in rad, of {s}; `lever` and `ahead` in m; `period`, `knots` and `knots_y` are in the variable's unit.
+    Amplitudes stand in the order of the parameters: pairs cos, sin of each harmonic, of which the mean is the 0th, or
+    one for each knot; with `knots_y`, of the first knot of x all of y's come first.
     """
 
     acts_on: str = "forward_force"
     of: str = "time"
     direction: float = 0.0
     lever: float = 0.0
+    ahead: float = 0.0
     period: float = 0.0
     harmonics: tuple[float, ...] = (1.0,)
     knots: tuple[float, ...] = ()
@@ -86,6 +90,7 @@ class LearnedForce(CompiledForce):
         Setting("of", words=OF),
         Setting("direction"),
         Setting("lever"),
+        Setting("ahead"),
         Setting("period"),
         Setting("harmonics", is_list=True),
         Setting("knots", is_list=True),
@@ -114,10 +119,12 @@ class LearnedForce(CompiledForce):
 
     def _misfits(self) -> list[tuple[str, str]]:
         """Names of what does not go with the rest, and why."""
-        at_wheel, along = self.acts_on in ("forward_force", "drag"), self.of == "place" and not self.knots_y
+        of_wheel = self.acts_on == "yaw_moment" and self.of in (*WAYS, "speed")
+        at_wheel, along = self.acts_on in AT_A_LEVER or of_wheel, self.of == "place" and not self.knots_y
         given = {item.name for item in fields(self) if getattr(self, item.name) != item.default}
         tests = (
-            ("lever", not at_wheel, "only a forward_force or a drag has one"),
+            ("lever", not at_wheel, f"only one of {', '.join(AT_A_LEVER)} has one"),
+            ("ahead", self.acts_on not in AHEAD, f"only one of {', '.join(AHEAD)} acts ahead"),
             ("direction", self.acts_on != "world_force" and not along, "only a world_force or a way along it has one"),
             ("period", self.period < LEAST, f"{self.period:g} is below {LEAST:g}"),
             ("period", self.of == "heading", "a heading repeats every turn; leave it out"),
@@ -126,7 +133,7 @@ class LearnedForce(CompiledForce):
             (
                 "harmonics",
                 not self.harmonics or not all(map(_is_harmonic, self.harmonics)),
-                f"some whole numbers from 1 to {MOST_HARMONIC:g}",
+                f"some whole numbers from 0 to {MOST_HARMONIC:g}",
             ),
             ("knots_y", self.of != "place" or len(self.knots) < 2, "only a place with knots along x has some"),
             ("knots_y", len(self.knots_y) < 2, "two are needed"),
@@ -143,7 +150,7 @@ class LearnedForce(CompiledForce):
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        unit, typical = ("N·m", 3.0) if self.acts_on == "yaw_moment" else ("N", 10.0)
+        unit, typical = {"yaw_moment": ("N·m", 3.0), "viscous_drag": ("N·s/m", 5.0)}.get(self.acts_on, ("N", 10.0))
         return tuple(Parameter(name, unit, typical) for name in self._names())
 
     def _names(self) -> list[str]:
@@ -161,12 +168,21 @@ class LearnedForce(CompiledForce):
         """The same law with other amplitudes (n,)."""
         return replace(self, amplitudes=tuple(np.asarray(values, dtype=float).tolist()))
 
+    def shares(self, at: ArrayLike) -> Array:
+        """What each amplitude counts for (n, a) at values of the variable (n,); with `knots_y`, at places (n, 2)."""
+        at = np.asarray(at, dtype=float).reshape(-1, 2 if self.knots_y else 1)
+        if self.cycle:
+            phase = 2 * math.pi / self.cycle * at * self.harmonics
+            return np.stack([np.cos(phase), np.sin(phase)], axis=2).reshape(len(at), -1)
+        along, across = _hats(at[:, 0], self.knots), _hats(at[:, -1], self.knots_y)
+        return np.asarray((along[:, :, None] * across[:, None, :]).reshape(len(at), -1))
+
     @property
     def constants(self) -> tuple[float, ...]:
         x, y = self.knots or (0.0,), self.knots_y or (0.0,)
         lists = self.harmonics if self.cycle else (*x, *y)
         count = len(self.harmonics if self.cycle else x)
-        form = ACTS_ON.index(self.acts_on), OF.index(self.of), self.direction, self.lever, self.cycle
+        form = ACTS_ON.index(self.acts_on), OF.index(self.of), self.direction, self.lever, self.ahead, self.cycle
         rounded = ROUNDED * _shortest(x), ROUNDED * _shortest(y)
         return (*map(float, form), *rounded, TURN, float(count), *lists)
 
@@ -182,9 +198,23 @@ class LearnedForce(CompiledForce):
 
 
 def _is_harmonic(k: float) -> bool:
-    return k == int(k) and 1 <= k <= MOST_HARMONIC
+    return k == int(k) and 0 <= k <= MOST_HARMONIC
 
 
 def _shortest(knots: tuple[float, ...]) -> float:
     """Gap between two; 1 where there are none."""
     return min((b - a for a, b in pairwise(knots)), default=1.0)
+
+
+def _hats(at: Array, knots: tuple[float, ...]) -> Array:
+    """Rounded hats (n, k) of knots; one that is 1 everywhere where there is none."""
+    climbs = [np.ones(len(at))]
+    for low, high in pairwise(knots):
+        climbs.append((_ramp(at - low, knots) - _ramp(at - high, knots)) / (high - low))
+    return np.stack([*(a - b for a, b in pairwise(climbs)), climbs[-1]], axis=1)
+
+
+def _ramp(distance: Array, knots: tuple[float, ...]) -> Array:
+    width = ROUNDED * _shortest(knots)
+    t = np.clip(distance / width, -1.0, 1.0)
+    return np.asarray(width * (0.1875 + t * (0.5 + t * (0.375 - 0.0625 * t * t))) + np.maximum(distance - width, 0.0))

@@ -11,11 +11,11 @@ from .jit import compiled
 from .situation import Own, Parts, Situation, Twist
 from .smooth import smooth_ramp, smooth_sign, smooth_step
 
-FORWARD_FORCE, LATERAL_FORCE, YAW_MOMENT, DRAG, WORLD_FORCE = range(5)
+FORWARD_FORCE, LATERAL_FORCE, YAW_MOMENT, DRAG, WORLD_FORCE, VISCOUS_DRAG = range(6)
 """What a law acts on."""
 TIME, TRAVELLED_DISTANCE, HEADING, SPEED, YAW_RATE, PLACE, SINCE_REVERSAL = range(7)
 """What it is a function of."""
-ACTS_ON, OF, DIRECTION, LEVER, PERIOD, ROUNDED, ROUNDED_Y, TURN, COUNT, FIRST = range(10)
+ACTS_ON, OF, DIRECTION, LEVER, AHEAD, PERIOD, ROUNDED, ROUNDED_Y, TURN, COUNT, FIRST = range(11)
 """Where constants stand: a period of 0 for none; how far knots of x and of y are rounded; over which way a reversal is
 told; how many knots of x there are, and where the first one is."""
 NOTHING = (0.0, 0.0, 0.0)
@@ -83,17 +83,20 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
 @compiled
 def _unit(at: Situation, constants: Array) -> tuple[Twist, Twist, Twist]:
     """The wrench of one newton, and its partials by the heading and by the forward speed where it acts."""
-    acts_on, lever = constants[ACTS_ON], constants[LEVER]
+    acts_on, lever, ahead = constants[ACTS_ON], constants[LEVER], constants[AHEAD]
     if acts_on == LATERAL_FORCE:
-        return (0.0, 1.0, 0.0), NOTHING, NOTHING
+        return (0.0, 1.0, ahead), NOTHING, NOTHING
     if acts_on == YAW_MOMENT:
         return (0.0, 0.0, 1.0), NOTHING, NOTHING
     if acts_on == WORLD_FORCE:
-        angle = constants[DIRECTION] - at.pose[2]
-        return (math.cos(angle), math.sin(angle), 0.0), (math.sin(angle), -math.cos(angle), 0.0), NOTHING
+        x, y = math.cos(constants[DIRECTION] - at.pose[2]), math.sin(constants[DIRECTION] - at.pose[2])
+        return (x, y, ahead * y), (y, -x, -ahead * x), NOTHING
     if acts_on == DRAG:
         sign, slope = smooth_sign(at.velocity[0] - lever * at.velocity[2], at.smoothing_speed)
         return (-sign, 0.0, sign * lever), NOTHING, (-slope, 0.0, slope * lever)
+    if acts_on == VISCOUS_DRAG:
+        speed = at.velocity[0] - lever * at.velocity[2]
+        return (-speed, 0.0, speed * lever), NOTHING, (-1.0, 0.0, lever)
     return (1.0, 0.0, -lever), NOTHING, NOTHING
 
 

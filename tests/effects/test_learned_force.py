@@ -124,6 +124,28 @@ def test_wind_blows_one_way_in_the_world(heading, direction):
     assert moment == 0
 
 
+@given(heading=numbers(-4, 4), direction=numbers(-4, 4))
+def test_a_force_of_the_world_may_act_ahead(heading, direction):
+    law = LearnedForce("world_force", "time", direction=direction, ahead=0.4, amplitudes=(5.0,))
+    fx, fy, moment = wrench_of(law, (0.3, 0.2, heading))
+    np.testing.assert_allclose([fx, fy], 5 * np.array([np.cos(direction - heading), np.sin(direction - heading)]))
+    assert moment == pytest.approx(0.4 * fy)
+    sideways = LearnedForce("lateral_force", "time", ahead=0.4, amplitudes=(5.0,))
+    np.testing.assert_allclose(wrench_of(sideways), [0, 5, 2])
+
+
+@given(way=numbers(-5, 5))
+def test_a_moment_may_follow_a_wheel_about_a_mean(way):
+    law = LearnedForce(
+        "yaw_moment", "travelled_distance", lever=0.3, period=0.5, harmonics=(0, 1), amplitudes=(2, 0, 1, 3)
+    )
+    phase = 2 * np.pi * way / 0.5
+    np.testing.assert_allclose(wrench_of(law, way=way), [0, 0, 2 + np.cos(phase) + 3 * np.sin(phase)], atol=1e-11)
+    cart = cart_with(law, constraints=RollingConstraints(0.0))
+    rates = cart.state_rate(cart.state((0, 0, 0), (0.7, 0.4)), np.zeros(3))
+    assert rates[cart.memory_slice] == pytest.approx([0.7 - 0.3 * 0.4])
+
+
 @given(velocity=velocities())
 def test_drag_is_against_the_motion_of_its_point(velocity):
     law = LearnedForce("drag", "speed", lever=0.3, knots=(0.0, 0.5, 1.5), amplitudes=(1.0, 2.0, 6.0))
@@ -135,6 +157,36 @@ def test_drag_is_against_the_motion_of_its_point(velocity):
     if abs(speed) > 0.05:  # the smooth sign and the smooth absolute value are low by (0.002 / speed)² / 2
         expected = -np.sign(speed) * rounded(abs(speed), (0.0, 0.5, 1.5), (1.0, 2.0, 6.0))
         assert fx == pytest.approx(expected, rel=3e-3)
+
+
+@given(velocity=velocities(), way=numbers(-5, 5))
+def test_a_viscous_drag_is_in_proportion_to_the_speed_of_its_point(velocity, way):
+    law = LearnedForce("viscous_drag", "travelled_distance", lever=0.3, knots=(-1.0, 1.0), amplitudes=(1.0, 3.0))
+    speed = velocity[0] - 0.3 * velocity[2]
+    force = -speed * rounded(way, (-1.0, 1.0), (1.0, 3.0))
+    np.testing.assert_allclose(wrench_of(law, velocity=velocity, way=way), [force, 0, -0.3 * force], atol=1e-3)
+
+
+LAWS = [
+    LearnedForce("forward_force", "time", period=1.7, harmonics=(1, 4)),
+    LearnedForce("yaw_moment", "heading", harmonics=(2,)),
+    LearnedForce("forward_force", "time", knots=(-1.0, 0.0, 1.5, 2.0)),
+    LearnedForce("lateral_force", "time", knots=(0.5,)),
+    LearnedForce("forward_force", "time"),
+    LearnedForce("lateral_force", "place", knots=(-1.0, 0.0, 2.0), knots_y=(-0.5, 1.0)),
+]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: f"{law.acts_on}, {len(law.parameters)}")
+@given(x=numbers(-3, 4), y=numbers(-2, 2))
+def test_shares_are_what_amplitudes_count_for_in_the_wrench(law, x, y):
+    """Worked out in numpy, against the kernel."""
+    at = [[x, y]] if law.knots_y else [x]
+    pose = (x, y, x) if law.of == "heading" else (x, y, 0.0)
+    component = {"forward_force": 0, "lateral_force": 1, "yaw_moment": 2}[law.acts_on]
+    count = len(law.parameters)
+    found = [wrench_of(law.with_values(one), pose, time=x)[component] for one in np.eye(count)]
+    np.testing.assert_allclose(law.shares(at), [found], atol=1e-11)
 
 
 # --- since the last reversal ---------------------------------------------------------------------------------
@@ -330,9 +382,9 @@ REFUSED = {
     "acts_on: drag\n    of: time\n    period: 2\n    knots: [1, 2]": "9:5: .*knots: what repeats has harmonics",
     "acts_on: drag\n    of: heading\n    period: 2": "8:5: .*period: a heading repeats every turn",
     "acts_on: drag\n    of: time\n    harmonics: [1, 2]": "8:5: .*harmonics: only what repeats has some",
-    "acts_on: drag\n    of: heading\n    harmonics: [1.5]": "8:5: .*harmonics: some whole numbers from 1",
-    "acts_on: drag\n    of: heading\n    harmonics: []": "8:5: .*harmonics: some whole numbers from 1",
-    "acts_on: yaw_moment\n    of: time\n    lever: 1": "8:5: .*lever: only a forward_force or a drag has one",
+    "acts_on: drag\n    of: heading\n    harmonics: [1.5]": "8:5: .*harmonics: some whole numbers from 0",
+    "acts_on: drag\n    of: heading\n    harmonics: []": "8:5: .*harmonics: some whole numbers from 0",
+    "acts_on: yaw_moment\n    of: time\n    lever: 1": "8:5: .*lever: only one of .*, viscous_drag has one",
     "acts_on: drag\n    of: time\n    direction: 1": "8:5: .*direction: only a world_force or a way along it",
     "acts_on: drag\n    of: time\n    knots_y: [1, 2]": "8:5: .*knots_y: only a place with knots along x",
     "acts_on: drag\n    of: place\n    knots: [1, 2]\n    knots_y: [1]": "9:5: .*knots_y: two are needed",
