@@ -129,7 +129,9 @@ class _Equations:
             drawn = replace(model, logs=logs).rows - model.rows
             noise += np.tensordot(weight, model.folds.sums(drawn), (0, 0)) / len(noisy)
         prior, free = model.prior, np.flatnonzero(model.prior.free)
-        information = model.prior_std**-2.0
+        information, here = model.prior_std**-2.0, np.eye(sums.shape[-1])
+        here[: len(free), -1] = -model.moved  # rows have what is left at the prior's mean
+        sums, noise = here.T @ sums @ here, here.T @ noise @ here
         pull = np.zeros(len(information))
         pull[: len(free)] = (prior.mean - coordinates(model.cart))[free] * information[: len(free)]
         return cls(model, sums, noise, pull, np.diag(information))

@@ -31,6 +31,10 @@ class StopEstimate:
     side: float
     count: int
 
+    def is_at(self, known: EndStop) -> bool:
+        """Whether it is a stop that a cart has already."""
+        return self.side == known.side and abs(self.position - known.position) < SAME
+
     def effect(self, label: str = "") -> EndStop:
         """For a cart, to bounce off."""
         return EndStop(self.position, self.side, min(max(self.restitution, 0.0), 1.0), label=label)

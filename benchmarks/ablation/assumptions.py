@@ -90,8 +90,10 @@ ASSUMPTIONS = (
     *_of(
         "discrepancy.laws",
         {
-            "FORCE_STD": "prior size of a law's force",
-            "MOMENT_STD": "prior size of a law's moment",
+            "SETTING_IN": "speeds from which on a drag may grow",
+            "SINCE": "ways since a reversal over which a drag may change",
+            "SCRUBS": "yaw rate from which on a moment no longer grows",
+            "COEFFICIENTS": "of a spline: how a drag or a wind may change with time",
         },
     ),
     *_of(
@@ -120,6 +122,9 @@ ASSUMPTIONS = (
     Constant("discrepancy.plausible", "MOST[external_push.duration]", B, inf, "longest push"),
     Constant("discrepancy.plausible", "MOST[stribeck_friction.speed]", B, inf, "largest speed of Stribeck friction"),
     Constant("discrepancy.plausible", "MOST[caster_realignment.trail]", B, inf, "longest trail of a caster"),
+    Constant("discrepancy.plausible", "LEAST[force_scale.gain]", B, 0.0, "least gain of a sensor"),
+    Constant("discrepancy.plausible", "MOST[force_scale.gain]", B, inf, "largest gain of a sensor"),
+    Constant("discrepancy.plausible", "MOST[force_misalignment.angle]", B, inf, "largest angle of a sensor"),
     Constant("discrepancy.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
     Constant("weak_form.band", "INERTIAL", B, (), "names that nobody gets who does not push"),
     Constant("discrepancy.candidates", "TURNING", B, (), "names that no cart on a rail gets"),

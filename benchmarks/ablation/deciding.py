@@ -33,10 +33,22 @@ DECIDING = (
         inf,
         "times what is plausible that estimates may be",
     ),
+    Constant("discrepancy.plausible", "LEAST_LAW", A, 0.0, "least size of a law"),
+    Constant(
+        "discrepancy.drag_floor",
+        "LEAST_SURE",
+        A,
+        inf,
+        "deviations by which a law's drag is never nought",
+    ),
     # what is said
     Constant("discrepancy.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
     Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
-    Constant("discrepancy.diagnosis", "CLOSED", A, inf, "share of the gap that may be left where effects explain it"),
-    Constant("discrepancy.refusal", "WORSE", A, inf, "times the file's gap, from which on a refit is refused"),
-    Constant("discrepancy.refusal", "SURE", A, 0.0, "standard errors by which a refit is worse then"),
+    Constant(
+        "discrepancy.diagnosis",
+        "CLOSED",
+        A,
+        inf,
+        "share of the gap that effects may leave, and a law closes",
+    ),
 )

@@ -64,11 +64,16 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.certainty": {
         "TAUGHT": "a flag that the report does not tell",
         "MOST_MOVED": "of a linear step",
+        "LEAST_LEFT": "keeps it solvable",
+        "PERIOD_STEP": "first step",
         "FAINT": "range of a grid",
         "DOUBLINGS": "range of a grid",
         "POINTS": "grid",
     },
-    "discrepancy.diagnosis": {"LONGEST_HOLE": "effort: a pause that makes two logs of one"},
+    "discrepancy.diagnosis": {
+        "LONGEST_HOLE": "effort: a pause that makes two logs of one",
+        "OTHER_CART": "a warning",
+    },
     "discrepancy.changes": {"PENALTY": "change points of sentences and figures", "MOST": "effort"},
     "discrepancy.circumstances": {"SMOOTHED": "wrenches in sentences"},
     "discrepancy.clock_offset": {"UNKNOWN": "whether a lateness is told"},
@@ -85,7 +90,12 @@ REASONS: dict[str, dict[str, str]] = {
         "FLAT": "shape of a figure",
     },
     "weak_form.flights": {"SHORTEST": "parts of a log that are too short to solve"},
-    "discrepancy.gap": {"FOLDS": "number of folds", "DRAWS": "effort", "COORDINATES": "words"},
+    "discrepancy.gap": {
+        "FOLDS": "number of folds",
+        "DRAWS": "effort",
+        "COORDINATES": "words",
+        "MOST_MOVED": "of a linear step",
+    },
     "discrepancy.isolability": {
         "ALIKE": "table of what is alike",
         "SHOWN": "table of what is alike",
@@ -93,13 +103,21 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.laws": {
         "AT_HANDS": "word",
-        "ON_ALL": "laws that are tried",
-        "ON_TURNS": "laws that are tried",
-        "PERIODS": "grid of periods",
+        "VARIABLES": "words",
+        "UNITS": "words",
+        "FINE": "knots of curves",
+        "PLACES": "knots of fields",
+        "LEAST_SPAN": "keeps knots apart",
+    },
+    "discrepancy.learned": dict.fromkeys(("FORCES", "OF_TIME", "USUAL", "TURN", "WALK"), "words"),
+    "discrepancy.periods": {
+        "SCANNED": "grid of periods",
+        "OF": "words",
         "OVERSAMPLED": "grid of a Fourier transform",
         "KNOWN": "effort",
         "LIKELY": "effort",
     },
+    "discrepancy.sentence": {"REFITTED": "whether a sentence tells of the refit"},
     "discrepancy.log_check": {
         "FEWEST_ROWS": "refuses a log",
         "SHORTEST": "refuses a log",
@@ -125,7 +143,12 @@ REASONS: dict[str, dict[str, str]] = {
         "DELAY_STEP": "first step",
         "FACTOR": "first step",
     },
-    "discrepancy.refusal": {"FEWEST": "blocks, to be solvable", "HORIZON": "the gap's"},
+    "discrepancy.refusal": {
+        "FEWEST": "blocks, to be solvable",
+        "HORIZON": "the gap's",
+        "WORSE": "of `identify`",
+        "SURE": "of `identify`",
+    },
     "discrepancy.residual": {
         "LATERAL": "word",
         "DIRECTIONS": "words",
@@ -153,12 +176,22 @@ REASONS: dict[str, dict[str, str]] = {
         "LEAST_LEVER": "hands that are nearer push at {b}'s x",
         "HARMONICS": "grid of laws",
         "TURNS": "grid of laws",
-        "LONGEST": "grid of laws",
         "NEARBY": "grid of laws",
+        "EXACT": "effort",
         "LARGEST": "what ran away in an integrator",
     },
-    "discrepancy.search": {"NEAR": "effort", "MOST_REFITTED": "effort", "MOST_LAWS": "effort", "MOST_STEPS": "effort"},
-    "weak_form.wrenches": {"LEAST_DENSITY": "keeps solvable", "RELATIVE": "keeps solvable"},
+    "discrepancy.search": {
+        "NEAR": "effort",
+        "MOST_REFITTED": "effort",
+        "MOST_LAWS": "effort",
+        "MOST_STEPS": "effort",
+        "MOST_SWAPPED": "effort",
+    },
+    "weak_form.wrenches": {
+        "LEAST_DENSITY": "keeps solvable",
+        "RELATIVE": "keeps solvable",
+        "LATEST": "a delay that nobody asks about",
+    },
     "discrepancy.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},
     "discrepancy.separating": {
@@ -167,7 +200,9 @@ REASONS: dict[str, dict[str, str]] = {
         "RIDGE": "keeps it solvable",
         "LATENESS_STEP": "of a finite difference",
     },
-    "discrepancy.verdicts": dict.fromkeys(("ADDED", "TOO_LITTLE", "SIMPLER", "BETTER", "ODD"), "words"),
+    "discrepancy.verdicts": dict.fromkeys(
+        ("ADDED", "TOO_LITTLE", "UNSTEADY", "SIMPLER", "BETTER", "RARER", "ODD"), "words"
+    ),
     "discrepancy.where": {
         "LEAST_SHARE": "which sentences are told",
         "LEAST_LIFT": "which sentences are told",

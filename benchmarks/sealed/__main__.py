@@ -21,7 +21,7 @@ import sys
 from pathlib import Path
 
 from .baselines import METHODS, STOP, regress_all
-from .cases import CASES, MUJOCO_CASES, ROBOT_CASES, objection
+from .cases import CASES, LAW_CASES, MUJOCO_CASES, ROBOT_CASES, objection
 from .effects import VOCABULARY
 from .generate import generate
 from .references import DURATIONS
@@ -36,6 +36,7 @@ GROUPS = {
     "rough": ROUGH_CASES,
     "arms": ARM_CASES,
     "robots": ROBOT_CASES,
+    "laws": LAW_CASES,
 }
 
 

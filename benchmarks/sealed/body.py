@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from .compiling import compiled
+from .foreign import foreign_wrench
 from .wheels import wheel_forces
 from .world import BOB, BOB_RATE, GRAVITY, LEAN, LEAN_RATE, THETA, R, U, W, X, Y
 
@@ -113,6 +114,9 @@ def air_and_hands(time, state, world):
     if world.push_force != 0.0 and 0.0 <= since < 1.0:
         shape = math.sin(math.pi * since) if world.push_half_sine > 0.0 else 1.0
         fx, tau = fx + shape * world.push_force, tau + shape * world.push_moment
+    if world.law > 0.0:
+        gx, gy, turn = foreign_wrench(time, state, world)
+        fx, fy, tau = fx + gx, fy + gy, tau + turn
     return fx, fy, tau
 
 

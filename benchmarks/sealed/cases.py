@@ -4,10 +4,12 @@ these with a cart that MuJoCo simulates; all of it rough on purpose, too."""
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from .effects import VOCABULARY, sign, size, with_effect
+from .lawful import FOREIGN
 from .rails import along_rail
 from .robots import ROBOTS
 from .roughness import BARRED, ROUGHNESS, SETTINGS, parts
@@ -37,6 +39,10 @@ def oscillating_floor(scene: Scene, random: np.random.Generator) -> Scene:
 
 
 OUTSIDE = {f.__name__: f for f in (flat_spot, wind, oscillating_floor)}
+LAWS = {name: partial(one.put_into, name) for name, one in FOREIGN.items()}
+BESIDE = "rolling_resistance"
+"""A name that a law may stand beside."""
+LAW_CASES = tuple(f"{name}{beside}" for name in (*OUTSIDE, *LAWS) for beside in ("", f"+{BESIDE}"))
 PAIRS = (
     "rolling_resistance+floor_slope",
     "floor_patch+force_bias",
@@ -49,7 +55,7 @@ PAIRS = (
 )
 ROBOT_CASES = tuple(f"{name}{kind}" for name in ROBOTS for kind in ("", "@two_arms"))
 """Beside the vocabulary for which the other lists were made."""
-KNOWN = {**VOCABULARY, **ROBOTS, **OUTSIDE}
+KNOWN = {**VOCABULARY, **ROBOTS, **OUTSIDE, **LAWS}
 CASES = ("nothing", *VOCABULARY, *OUTSIDE, *PAIRS)
 AT_MUJOCO = "@mujoco"
 MUJOCO_CASES = tuple(

@@ -9,13 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from .lawful import AS_WELL, FOLLOWS
+
 PARAMETERS, DRAG = ("mass", "com_x", "com_y", "inertia"), ("linear", "angular")
 CLOSE_DRAG = 0.25
 """A drag that the cart file lacks counts as found when it is refitted this near, as a share."""
-CLOSE_PERIOD = 0.1
+CLOSE_PERIOD = 0.02
 MOST = 0.5
-FOLLOWS = {"flat_spot": ("travelled distance", "m"), "wind": ("time", "s"), "oscillating_floor": ("time", "s")}
-"""What the residual of an effect without a name depends on, and the unit of its period."""
+LAW = "learned_force"
+CLOSES = 0.8
+"""Of the squared held-out gap above the noise, what a law closes at least."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +100,9 @@ class Judgement:
 
     @property
     def wrong_names(self) -> tuple[str, ...]:
-        return tuple(name for name in self.names if name not in self.true_names | self.tolerated)
+        """A law is none where a force has no name."""
+        right = self.true_names | self.tolerated | self._as_well | ({LAW} if self.kind == "outside" else set())
+        return tuple(name for name in self.names if name not in right)
 
     @cached_property
     def sets(self) -> tuple[frozenset[str], ...]:
@@ -133,7 +138,7 @@ class Judgement:
         """What this log asks for: nothing, the names, or that something without a name is left."""
         if self.kind == "nothing":
             return self.called_nothing
-        return self.called_unexplained if self.kind == "outside" else self.exact
+        return self.law_right if self.kind == "outside" else self.exact
 
     @property
     def within(self) -> bool:
@@ -147,13 +152,14 @@ class Judgement:
         return bool(self.names) or self.report["verdict"] == "no_discrepancy"
 
     @property
-    def called_unexplained(self) -> bool:
-        return self.report is not None and not self._effects and self.report["verdict"] == "unexplained"
-
-    @property
     def partly(self) -> bool:
         """Something is left unexplained, whatever was named beside it."""
         return self.report is not None and self.report["verdict"] in ("unexplained", "partly_explained")
+
+    @property
+    def laws(self) -> list[Mapping[str, Any]]:
+        """That were found."""
+        return [effect["law"] for effect in self._effects if effect["name"] == LAW]
 
     @property
     def period_right(self) -> bool | None:
@@ -161,17 +167,34 @@ class Judgement:
         wanted = next((e["parameters"]["period"] for e in self.truth["effects"] if "period" in e["parameters"]), None)
         if wanted is None or self.report is None:
             return None
-        unexplained = self.report.get("unexplained", {})
-        if unexplained.get("period_unit", self._follows[1]) != self._follows[1]:
-            return False
-        said = unexplained.get("period")
-        return any(abs(v - wanted) < CLOSE_PERIOD * wanted for v in numbers(said))
+        periods = [law["period"] for law in self.laws if law["period"] and law["period"]["unit"] == self._follows[1]]
+        return any(abs(one["value"] - wanted) < CLOSE_PERIOD * wanted for one in periods)
 
     @property
-    def dependence_right(self) -> bool:
-        """Whether what is left is said to follow what it does follow."""
-        told = (self.report or {}).get("unexplained", {}).get("depends_on", [])
-        return any(self._follows[0] in one for one in told)
+    def variable_right(self) -> bool:
+        """Whether a law is of what the force follows, or a name says as much."""
+        return bool(set(self.names) & self._as_well) or any(law["of"] == self._follows[0] for law in self.laws)
+
+    @property
+    def closed(self) -> float | None:
+        """Of the squared held-out gap above the noise; None where most of it is noise."""
+        gap = (self.report or {}).get("gap")
+        if not gap or not self.stands_out:
+            return None
+        noise = gap["noise_floor"] ** 2
+        return float((gap["refitted"] ** 2 - gap["after"] ** 2) / max(gap["refitted"] ** 2 - noise, 1e-12))
+
+    @property
+    def law_right(self) -> bool:
+        """The variable, its period, and most of the gap, with what is beside."""
+        closed = self.closed
+        return (
+            self.variable_right
+            and self.period_right is not False
+            and (closed is None or closed >= CLOSES)
+            and self.true_names <= set(self.names)
+            and not self.wrong_names
+        )
 
     @property
     def probabilities(self) -> list[tuple[float, bool]]:
@@ -236,8 +259,17 @@ class Judgement:
         return {**true, **groups}
 
     @property
+    def _outside(self) -> list[str]:
+        return [e["name"] for e in self.truth["effects"] if e["outside"]]
+
+    @property
     def _follows(self) -> tuple[str, str]:
-        return next(FOLLOWS[e["name"]] for e in self.truth["effects"] if e["outside"])
+        return FOLLOWS[self._outside[0]]
+
+    @property
+    def _as_well(self) -> set[str]:
+        """Names that say as much as a law of what has none."""
+        return set[str]().union(*(AS_WELL.get(name, set()) for name in self._outside))
 
     @property
     def _effects(self) -> list[Mapping[str, Any]]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from .arms import by_arm
 from .calibration import coverage, duration, reliability
-from .judging import Estimate, Judgement
+from .judging import CLOSES, Estimate, Judgement
 from .soundness import by_roughness, soundness, totals, waits
 
 NONE = "(none)"
@@ -110,12 +110,20 @@ def rates(judgements: Sequence[Judgement]) -> str:
             rate("pair: both in the reported sets", pair, lambda j: j.within),
             rate("pair: one named at least", pair, lambda j: j.true_names & set(j.names)),
             rate("nothing: false alarms", nothing, lambda j: not j.called_nothing),
-            rate("outside: unexplained and no name", outside, lambda j: j.called_unexplained),
-            rate("outside: something left unexplained", outside, lambda j: j.partly),
-            rate("outside: what it follows is told", outside, lambda j: j.dependence_right),
-            f"{'outside: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
+            rate("law: of the right variable", outside, lambda j: j.variable_right),
+            rate("law: four fifths of the gap closed", [j for j in outside if j.closed is not None], _closes),
+            rate("law: a wrong name", outside, lambda j: bool(j.wrong_names)),
+            rate(
+                "law: the name beside it", [j for j in outside if j.true_names], lambda j: j.true_names <= set(j.names)
+            ),
+            rate("law: all of it right", outside, lambda j: j.law_right),
+            f"{'law: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
         ]
     )
+
+
+def _closes(judgement: Judgement) -> bool:
+    return judgement.closed is not None and judgement.closed >= CLOSES
 
 
 def by_strength(judgements: Sequence[Judgement]) -> str:

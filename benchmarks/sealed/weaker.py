@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .lawful import FOREIGN
 from .scenes import Scene, Truth
 from .sensors import Fault
 
@@ -29,6 +30,7 @@ IN_WORLD = {
     "flat_spot": ("flat_force",),
     "wind": ("wind_x", "wind_y"),
     "oscillating_floor": ("quake",),
+    **dict.fromkeys(FOREIGN, ("law_size",)),
 }
 OFFSETS = ("contact_offset", "pose_offset")
 """All of whose numbers are sizes."""

@@ -73,6 +73,10 @@ class World(NamedTuple):
     lean_per_force: float = 0.0  # m/N, how far it leans ahead under a steady push
     lean_frequency: float = 1.0  # Hz
     lean_damping: float = 0.7  # of critical
+    law: float = 0.0  # kind of a force without a name (`foreign.py`), its size and two numbers
+    law_size: float = 0.0
+    law_a: float = 1.0
+    law_b: float = 0.0
 
 
 X, Y, THETA, U, W, R, CASTER, BOB, BOB_RATE, BRISTLE, SIDE, WAY = 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 14, 15

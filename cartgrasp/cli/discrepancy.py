@@ -11,7 +11,7 @@ from .estimate import tell_given
 from .log_inputs import cart_and_logs
 from .output import print_json, print_table, say, stages
 
-MOST_TOLD = 5
+MOST_TOLD, MOST_WHERE = 5, 2
 
 
 def run(
@@ -39,10 +39,10 @@ def run(
 
 def _print(found: Diagnosis) -> None:
     print(found.sentence)
-    for one in found.where[:MOST_TOLD]:
+    for one in found.where[:MOST_WHERE]:
         print(f"  {one.sentence}")
-    if len(found.where) > MOST_TOLD:
-        print(f"  and {len(found.where) - MOST_TOLD} places more, told with --json and on the page of --out")
+    if len(found.where) > MOST_WHERE:
+        print(f"  and {len(found.where) - MOST_WHERE} conditions more, told with --json and on the page of --out")
     for follows in found.unexplained["depends_on"]:
         print(f"  what is left follows {follows}")
     _print_impacts(found)
@@ -72,6 +72,8 @@ def _print(found: Diagnosis) -> None:
     ]
     if rows:
         print_table("Added", ["effect", "prob.", "parameter", "value", "sd", "unit", "not told apart from"], rows)
+    for experiment in found.next_experiments[:MOST_WHERE]:
+        print(f"next: {experiment}")
 
 
 def _print_impacts(found: Diagnosis) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
+
+import numpy as np
 
 from ..errors import UsageError
 from ..logs import RunLog
@@ -34,6 +37,7 @@ def cart_and_logs(
         make_folder(out)
         check_writable(out / CART, cart_path, topics, *paths)
     logs = [log_of(path, topics, coasting) for path in paths]
+    _check_other_rows(paths, logs)
     refuse_wrong_sensors(logs, cart, accepted)
     return cart, logs
 
@@ -45,3 +49,10 @@ def _check_distinct(paths: Sequence[Path]) -> None:
         if path.resolve() in seen:
             raise UsageError(f"{path}: is given twice; name each log once")
         seen.add(path.resolve())
+
+
+def _check_other_rows(paths: Sequence[Path], logs: Sequence[RunLog]) -> None:
+    """Nor may a copy."""
+    for (path, log), (other, same) in combinations(zip(paths, logs, strict=True), 2):
+        if np.array_equal(log.time, same.time) and np.array_equal(log.pose, same.pose, equal_nan=True):
+            raise UsageError(f"{other}: holds the rows of {path}; give each run once")

@@ -72,10 +72,17 @@ def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> Iterato
             if kind is not ForceScale or len(left) > 1:  # were all wrong, the cart would be another
                 yield from left
     elif not taken or kind.gate.n_parameters:
-        yield next(label for label in _numbered() if label not in taken)
+        yield free_label(kind, cart)
 
 
-def _numbered() -> Iterator[str]:
+def free_label(kind: type[Effect], cart: CartModel) -> str:
+    """That no effect of this kind has."""
+    taken = {effect.label for effect in cart.effects if isinstance(effect, kind)}
+    return next(label for label in numbered() if label not in taken)
+
+
+def numbered() -> Iterator[str]:
+    """Labels: none, then 2, 3 and so on."""
     yield ""
     yield from map(str, count(2))
 

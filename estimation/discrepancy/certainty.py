@@ -20,6 +20,8 @@ from cartgrasp.motion import ParameterEstimate
 from ..prior import Prior, report_names, report_units
 from ..weak_form.band import Band, pooled
 from ..weak_form.fit import coordinates, with_coordinates
+from .laws import Law
+from .learned import LearnedLaw, learned
 from .model import FORM_LEVER, Model
 from .refine import is_open, moves, refined
 from .screening import Screen
@@ -28,12 +30,16 @@ from .soft_push import begun_earlier, soft_gain, with_impulse_of
 TAUGHT = 0.25
 """Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
 MOST_MOVED = 1.0
-"""Of a coordinate (a logarithm, m): what goes farther with the middle of a bracket is no linear matter any more."""
+"""Of the logarithm of the mass: what goes farther with the middle of a bracket is no linear matter any more."""
 FAINT = 6.0
 """Nats below the best: what is less likely counts for nothing."""
 DOUBLINGS, POINTS = 9, 17
 LEAST_TIME, LEAST_PLACE, FORM_SHARE = 0.005, 0.02, 0.05
 """s, m: half a sample, and what an edge is; of a length, what its effect's form leaves open."""
+LEAST_LEFT = 0.05
+"""Of a stretch's residual, that a fit leaves: what it tells alone scatters no more."""
+PERIOD_STEP = 1e-4
+"""Of a period: where a search for how well it is known begins."""
 SIZE_SHARE = 0.03
 """Of an effect's size: what its form leaves open, which no length of a log makes less."""
 
@@ -73,14 +79,43 @@ class Certainty:
     @cached_property
     def cart(self) -> CartModel:
         """The model's, with the mass that is told, and all else as it goes with that."""
-        cart, prior = self._with_spans(self.model.cart), self.model.prior
-        if not prior.free[0]:
-            return cart
-        free = np.flatnonzero(prior.free)
-        along = self.model.score.covariance[: len(free), 0] / self.model.score.covariance[0, 0]
+        cart, free = self._with_spans(self.model.cart), np.flatnonzero(self.model.prior.free)
         z = coordinates(cart)
-        z[free] += np.clip(along * (self._mass[0] - z[0]), -MOST_MOVED, MOST_MOVED)
+        z[free] += self._moved[: len(free)]
         return with_coordinates(cart, z)
+
+    @cached_property
+    def _moved(self) -> Array:
+        """By how much the numbers of the rows' columns (q,) are others with the mass that is told."""
+        score = self.model.score
+        if not self.model.prior.free[0]:
+            return 0.0 * score.fit
+        along = score.covariance[:, 0] / score.covariance[0, 0]
+        return np.asarray(along * np.clip(self._mass[0] - coordinates(self.model.cart)[0], -MOST_MOVED, MOST_MOVED))
+
+    @cached_property
+    def laws(self) -> tuple[tuple[str, LearnedLaw], ...]:
+        """The model's laws as forces, each with the law's key."""
+        model, cart, found = self.model, self.cart, list[tuple[str, LearnedLaw]]()
+        numbers, motions = model.score.fit + self._moved, model.motions
+        for law, place in zip(model.laws, model.law_places, strict=True):
+            of, std = self.covariance[place, place], self._period_std(law)
+            for force in learned(law, numbers[place], of, cart, std, motions):
+                cart = cart.with_effect(force.effect)
+                found.append((law.key, force))
+        return tuple(found)
+
+    def _period_std(self, law: Law) -> float:
+        """In the variable's unit; 0 of what does not repeat."""
+        if law.period is None:
+            return 0.0
+        period, rest = law.period, tuple(one for one in self.model.laws if one is not law)
+        screen = Screen(replace(self.model, laws=rest).refitted(self.model.cart))
+
+        def gain(distance: float) -> float:
+            return screen.of_law(law.repeating(period + distance)) if period + distance > period / 2 else -np.inf
+
+        return _spread(gain, PERIOD_STEP * period)
 
     def _with_spans(self, cart: CartModel) -> CartModel:
         """With pushes that begin and end where they most likely do."""
@@ -105,15 +140,20 @@ class Certainty:
     @cached_property
     def _covariance(self) -> Array:
         """Of the rows' columns (q, q): the larger of what noise makes of them, and what stretches scatter (a sandwich
-        estimator, White 1980, with clusters)."""
+        estimator with clusters, whose residuals are as much larger as the fit makes them smaller: CR2, Bell and
+        McCaffrey 2002)."""
         model, score = self.model, self.model.score
         kept = np.tensordot(score.scale**-2.0, model.sums, (0, 0))
         q = len(score.fit)
         pulls = kept[:, :q, q] - kept[:, :q, :q] @ score.fit
         groups = model.folds.stretches
-        clusters = np.array([pulls[groups == group].sum(axis=0) for group in np.unique(groups)])
-        count = len(clusters)
-        scatter = score.covariance @ (clusters.T @ clusters) @ score.covariance * count / max(count - 1, 1)
+        steps, root = [], np.linalg.cholesky(score.covariance)
+        for group in np.unique(groups):
+            own = groups == group
+            share, axes = np.linalg.eigh(root.T @ kept[own, :q, :q].sum(axis=0) @ root)
+            pull = axes.T @ root.T @ pulls[own].sum(axis=0)
+            steps.append(root @ axes @ (pull / np.sqrt(np.maximum(1.0 - share, LEAST_LEFT))))
+        scatter = np.array(steps).T @ np.array(steps)
         stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
         return np.asarray(score.covariance * np.outer(stretch, stretch))
 
@@ -187,12 +227,11 @@ class Certainty:
             whole = refined(begun_earlier(none), softly)
             if softly(whole) > gain(none):
                 gain, none, effect = softly, whole, with_impulse_of(effect, whole)
-        best = gain(none)
         found = dict[str, float]()
         for which in dict.fromkeys(move.which for move in moves(effect)):
             unit = effect.parameters[which].unit
             size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
-            spread = _spread(gain, none, which, size, best)
+            spread = _spread(partial(_gain_at, gain, none, which), size)
             least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
                 name = effect.parameters[which].name
@@ -201,14 +240,17 @@ class Certainty:
         return effect, found
 
 
-def _spread(gain_of: Callable[[Effect], float], effect: Effect, which: int, size: float, best: float) -> float:
+def _gain_at(gain: Callable[[Effect], float], effect: Effect, which: int, distance: float) -> float:
+    """With one setting farther by a distance."""
+    values = effect.values.copy()
+    values[which] += distance
+    return gain(effect.with_values(values)) if is_open(effect, values) else -np.inf
+
+
+def _spread(gain: Callable[[float], float], size: float) -> float:
     """Root of the mean square distance of a setting from the best, weighed by how likely it is there: a log in which
     nothing happens for a while does not tell when it began."""
-
-    def gain(distance: float) -> float:
-        values = effect.values.copy()
-        values[which] += distance
-        return gain_of(effect.with_values(values)) if is_open(effect, values) else -np.inf
+    best = gain(0.0)
 
     def reach(step: float) -> float:
         for _ in range(DOUBLINGS):

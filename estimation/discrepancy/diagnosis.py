@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cartgrasp.effects import EndStop
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
@@ -24,21 +25,22 @@ from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, consistent, is_narrower
 from ..weak_form.flights import flights, unbroken
 from ..weak_form.rows import wrench_noise
+from .candidates import free_label
 from .certainty import Certainty
 from .clock_offset import clock_offsets
-from .gap import Gap, held_out_rollouts, measured_gap
+from .gap import Gap, file_rollouts, floor_rollouts, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, faded, named, named_stops
 from .next_experiments import next_experiments
-from .refusal import is_worse, refused
-from .residual import DIRECTIONS, Residual, residuals
+from .residual import Residual, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rivals import undecided
-from .rollouts import starts
+from .rollouts import Rollouts, starts
 from .search import Step, added, search
+from .sentence import sentence
 from .where import Disagreement, where
 
 if TYPE_CHECKING:
@@ -48,14 +50,17 @@ BEYOND_NOISE = 2.0
 """Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
 LONGEST_HOLE = 30.0
 """s without a pose, from which on a log is two: simulations across it would only cost time."""
+OTHER_CART = 3.0
+"""Standard deviations between masses of logs: they are of different loads."""
 CLOSED = 0.05
-"""Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
+"""Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it, and what a law
+closes at least."""
 
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What came out. `nominal` is the cart refitted, `final` extended; `is_refused` says that the refit foretold unseen
-    stretches worse than the file's values, which stay."""
+    stretches worse than the file's values, which stay; `withdrawn` are laws that did."""
 
     nominal_cart: CartModel
     checks: tuple[LogCheck, ...]
@@ -67,11 +72,13 @@ class Diagnosis:
     gap: Gap
     is_refused: bool
     impacts: tuple[Impact, ...] = ()
+    withdrawn: tuple[Law, ...] = ()
 
     @cached_property
     def stops(self) -> tuple[StopEstimate, ...]:
-        """What the cart ran against several times."""
-        return end_stops(self.impacts)
+        """What the cart ran against several times, but for what its file knows."""
+        known = [effect for effect in self.nominal_cart.effects if isinstance(effect, EndStop)]
+        return tuple(stop for stop in end_stops(self.impacts) if not any(map(stop.is_at, known)))
 
     @cached_property
     def certainty(self) -> Certainty:
@@ -81,17 +88,16 @@ class Diagnosis:
     def cart(self) -> CartModel:
         """The extended model."""
         cart = self.nominal_cart if self.is_refused else self.certainty.cart
-        for i, stop in enumerate(self.stops):
-            cart = cart.with_effect(stop.effect(label=str(i + 1) if i else ""))
+        for _, law in self.certainty.laws:
+            cart = cart.with_effect(law.effect)
+        for stop in self.stops:
+            cart = cart.with_effect(stop.effect(label=free_label(EndStop, cart)))
         return cart
 
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:
-        return (*named(self.steps, self.final, self.certainty, self.shares), *named_stops(self.stops))
-
-    @property
-    def laws(self) -> tuple[Law, ...]:
-        return self.final.laws
+        stops = named_stops(self.stops, self.nominal_cart)
+        return (*named(self.steps, self.final, self.certainty, self.shares), *stops)
 
     @cached_property
     def before(self) -> tuple[Residual, ...]:
@@ -119,7 +125,7 @@ class Diagnosis:
     def disagrees(self) -> bool:
         """Whether the refitted nominal model is farther from the logs than noise, or follows something."""
         beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor and self._is_noisy
-        return bool(self.effects or self.laws or beyond)
+        return bool(self.effects or beyond)
 
     @property
     def _is_noisy(self) -> bool:
@@ -141,7 +147,7 @@ class Diagnosis:
             return "unexplained"
         gap, noise = self.gap, BEYOND_NOISE * self.gap.noise_floor
         left, whole = gap.after**2 - noise**2, max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
-        return "partly_explained" if self.laws or left > CLOSED * whole else "explained"
+        return "partly_explained" if left > CLOSED * whole else "explained"
 
     @cached_property
     def file_parameters(self) -> dict[str, tuple[float, ParameterEstimate]]:
@@ -164,66 +170,43 @@ class Diagnosis:
 
     @cached_property
     def unexplained(self) -> dict[str, Any]:
-        """What the final model leaves: root mean square size by coordinate, and what it depends on."""
-        f = self.nominal_cart.constraints.n_free
-        sizes = {}
-        for residual in self.after:
-            sizes[residual.coordinate] = residual.size if self.verdict in ("unexplained", "partly_explained") else 0.0
-        for law in self.laws:
-            coordinate = DIRECTIONS[f][f - 1 if law.is_moment else 0]
-            sizes[coordinate] = max(sizes[coordinate], self.size_of(law))
-        told: dict[str, Any] = {"size": sizes, "depends_on": [law.words for law in self.laws]}
-        periods = [(law.period, law.unit) for law in self.laws if law.period is not None]
-        if periods:
-            told["period"], told["period_unit"] = periods[0]
+        """What the final model leaves: root mean square size by coordinate, and what it may follow, though that made
+        unseen stretches no better."""
+        is_left = self.verdict in ("unexplained", "partly_explained")
+        told: dict[str, Any] = {
+            "size": {residual.coordinate: residual.size if is_left else 0.0 for residual in self.after},
+            "depends_on": [law.words for law in self.withdrawn],
+        }
+        for law in self.withdrawn:
+            if law.period is not None:
+                told.setdefault("period", law.period)
+                told.setdefault("period_unit", law.unit)
         return told
-
-    def size_of(self, law: Law) -> float:
-        """Root mean square force (N) or moment (N·m) of a law of the final model."""
-        return self.final.law_size(law)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the logs' sensors seem to do, in words, what makes estimates worthless first."""
         told = [(check.name, one) for check in self.checks for one in check.suspicions]
-        return tuple(f"{name}: {one.words}" for name, one in sorted(told, key=lambda pair: not pair[1].is_refused))
+        sensors = (f"{name}: {one.words}" for name, one in sorted(told, key=lambda pair: not pair[1].is_refused))
+        return (*sensors, *self._of_several_carts)
+
+    @property
+    def _of_several_carts(self) -> Iterator[str]:
+        """Logs whose masses are not those of one cart."""
+        known = [(b.name, band) for b, band in zip(self.final.logs, self.bands, strict=True) if band is not None]
+        if len(known) > 1:
+            (light, least), (heavy, most) = (end(known, key=_mass) for end in (min, max))
+            if most.mass - least.mass > OTHER_CART * float(np.hypot(least.deviation, most.deviation)):
+                told = (f"{b.mass:.3g} ± {b.deviation:.2g} kg" for b in (least, most))
+                yield (
+                    f"{light} and {heavy} tell of {' and of '.join(told)}: if the cart carried different loads, "
+                    "compare each log alone"
+                )
 
     @property
     def sentence(self) -> str:
         """The verdict, for people."""
-        wrong = [one.words for check in self.checks for one in check.suspicions if one.is_refused]
-        return (
-            f"{self._of_model} But nothing of this holds if sensors are wrong: {'; '.join(wrong)}."
-            if wrong
-            else self._of_model
-        )
-
-    @property
-    def _of_model(self) -> str:
-        gap, names = self.gap, ", ".join(effect.name for effect in self.effects)
-        shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
-        floor = f"noise alone makes {1e3 * gap.noise_floor:.1f} mm"
-        kept = (
-            " The refit foretold unseen stretches worse than the file's values, which stay." if self.is_refused else ""
-        )
-        if not self.nominal.is_pushed:
-            mass = self.nominal_cart.inertia.mass
-            kept += f" Nobody pushes: the mass ({mass:g} kg) can't be learned and is as given; forces are told for it."
-        follows = f" What is left follows {' and '.join(law.name for law in self.laws)}." if self.laws else ""
-        if not self.is_moved:
-            return f"Nothing moves, so nothing is learned and the file's values stay; {floor}.{kept}"
-        if self.verdict == "no_discrepancy":
-            return f"Simulation and measurement agree: {1e3 * gap.refitted:.1f} mm after 1 s, and {floor}.{kept}"
-        if self.verdict == "unexplained":
-            return (
-                f"They disagree, and no known effect explains it: {1e3 * gap.refitted:.1f} mm after 1 s, while {floor}."
-                f"{follows}{kept}"
-            )
-        them = "it" if len(self.effects) == 1 else "them"
-        if self.verdict == "explained":
-            return f"The model lacks {names}: with {them} {shrinks}; {floor}.{kept}"
-        part = f"which {'explains' if len(self.effects) == 1 else 'explain'} a part"
-        return f"The model lacks {names}, {part}: with {them} {shrinks}; {floor}.{follows}{kept}"
+        return sentence(self)
 
     @cached_property
     def next_experiments(self) -> tuple[str, ...]:
@@ -276,12 +259,12 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
     is_moved = any(moves(balances) for balances in parts)
     found_in = _searched(parts, known, cart, tell) if is_moved else _at_rest(parts, cart)
     nominal, final, steps, widest = found_in
-    final = _upheld(final, nominal, steps, widest)
+    final, withdrawn = _upheld(final, nominal, steps, widest)
     tell("measuring the gap")
-    gap = measured_gap(cart, nominal, final)
-    is_refused = is_moved and not added(final) and bool(refused(final, cart))
+    gap = measured_gap(nominal, final)
+    is_refused = is_moved and not (added(final) or final.laws) and gap.refitted > gap.before
     if gap.refitted > gap.before:  # then the file's values are the better nominal model
-        gap = gap.as_the_file_has_it("refitted", *(["after"] if is_refused or not (added(final) or final.laws) else []))
+        gap = gap.as_the_file_has_it("refitted", *(["after"] if is_refused else []))
     offsets = clock_offsets(final)
     told = checks if hits else with_clock_offsets(checks, offsets)
     return Diagnosis(
@@ -295,6 +278,7 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         gap,
         is_refused,
         tuple(hits),
+        withdrawn,
     )
 
 
@@ -305,6 +289,10 @@ def _without_holes(log: RunLog) -> list[RunLog]:
         return parts
     named = (replace(part, name=f"{log.name}, part {i + 1}") for i, part in enumerate(parts))
     return [part for part in named if is_long_enough(part)] or [log]
+
+
+def _mass(known: tuple[str, Band]) -> float:
+    return known[1].mass
 
 
 Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
@@ -347,14 +335,33 @@ def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
     return nominal, nominal, [], (None,) * len(parts)
 
 
-def _upheld(final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Model:
-    """Without effects of which next to nothing is left, and without the last ones as long as they make unseen stretches
-    worse; beside laws, which no rollout has, that can't be told."""
+def _upheld(
+    final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
+) -> tuple[Model, tuple[Law, ...]]:
+    """Without effects of which next to nothing is left, without laws that close next to nothing of the gap, and without
+    the last ones as long as unseen stretches are predicted no better with them than by what is known, or refitted, and
+    farther off than noise; and the laws that were withdrawn."""
     for key in faded(final, _certainty(final, steps, known)):
         final = final.refitted(final.cart.without_effect(key)).settled()
-    while added(final) and not final.laws and is_worse(final, nominal):
-        final = final.refitted(final.cart.without_effect(added(final)[-1].key)).settled()
-    return final
+    laws = final.laws
+    if not (laws or added(final)):
+        return final, ()
+    best = min(_error(file_rollouts(nominal)), _error(held_out_rollouts(nominal)))
+    floor = _error(floor_rollouts(final))
+    whole, least = max(best**2 - floor**2, 0.0), max(best, floor)
+    for law in laws:
+        less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
+        if _error(held_out_rollouts(less)) ** 2 - _error(held_out_rollouts(final)) ** 2 < CLOSED * whole:
+            final = less
+    while (final.laws or added(final)) and _error(held_out_rollouts(final)) >= least:
+        cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
+        final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
+    return final, tuple(law for law in laws if law not in final.laws)
+
+
+def _error(rolled: Rollouts) -> float:
+    """After a second; endless where none goes so far."""
+    return float(np.nan_to_num(rolled.gaps()[1], nan=np.inf)) if len(rolled.error) else np.inf
 
 
 def _certainty(final: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Certainty:

@@ -22,6 +22,8 @@ from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, star
 FOLDS = 3
 """Every third stretch is simulated with what the others teach, in turn."""
 DRAWS = 3
+MOST_MOVED = 1.0
+"""Of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
 COORDINATES = ("along", "across", "heading")
 
 
@@ -50,6 +52,11 @@ class Gap:
         return {"metric": "root mean square distance after a 1 s rollout on held-out stretches, m", **asdict(self)}
 
 
+def file_rollouts(model: Model) -> Rollouts:
+    """With the first guess."""
+    return joined([rollouts(balances, model.guess, starts(balances)) for balances in model.logs])
+
+
 def held_out_rollouts(model: Model) -> Rollouts:
     """Each stretch with a cart that was fitted to the others."""
     carts = fold_carts(model)
@@ -73,22 +80,22 @@ def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
 
 def floor_rollouts(model: Model) -> Rollouts:
     """What noise alone would do to a right model."""
-    generator, found = np.random.default_rng(0), []
+    generator, found, whole = np.random.default_rng(0), [], model.with_laws(model.cart, model.score.fit)
     for balances in model.logs:
-        noise = fast_noise(balances, model.cart)
+        noise = fast_noise(balances, whole)
         found += [noise_rollouts(balances, model.cart, noise, generator) for _ in range(DRAWS)]
     return joined(found)
 
 
-def measured_gap(guess: CartModel, nominal: Model, final: Model) -> Gap:
+def measured_gap(nominal: Model, final: Model) -> Gap:
     """Of the cart as it was believed, refitted and extended. Where nothing moves, all is noise."""
     if not any(len(starts(balances)) for balances in nominal.logs):
         return _at_rest(nominal)
     rolled = {
-        "before": joined([rollouts(balances, guess, starts(balances)) for balances in nominal.logs]),
+        "before": file_rollouts(nominal),
         "refitted": held_out_rollouts(nominal),
         "after": held_out_rollouts(final),
-        "noise_floor": floor_rollouts(final),
+        "noise_floor": min(floor_rollouts(nominal), floor_rollouts(final), key=lambda one: float(one.gaps()[1])),
     }
     gaps = {name: one.gaps() for name, one in rolled.items()}
     horizons = {
@@ -113,21 +120,23 @@ def _at_rest(model: Model) -> Gap:
 
 
 def _without(model: Model, fold: int) -> CartModel:
-    """The model's cart as the stretches of other folds teach it; what happens once stays as it is."""
-    prior, z, q = model.prior, coordinates(model.cart), len(model.prior_std)
-    free = np.flatnonzero(prior.free)
+    """The model's cart, with its laws, as the stretches of other folds teach it; what happens once stays as it is."""
+    z, q, free = coordinates(model.cart), len(model.prior_std), np.flatnonzero(model.prior.free)
     kept = model.sums[:, model.folds.stretches % FOLDS != fold].sum(axis=1)
     joint = np.tensordot(model.score.scale**-2.0, kept, (0, 0))
-    information, pull = joint[:q, :q] + np.diag(model.prior_std**-2.0), joint[:q, q]
-    pull[: len(free)] -= (z[free] - prior.mean[free]) / prior.std[free] ** 2
+    information, here = joint[:q, :q] + np.diag(model.prior_std**-2.0), np.zeros(q)
+    here[: len(free)] = model.moved
     own = np.flatnonzero(np.append(~_once(model.cart)[free], np.ones(q - len(free), dtype=bool)))
     step = np.zeros(q)
-    step[own] = np.linalg.solve(information[np.ix_(own, own)], pull[own])
-    z[free] += np.clip(step[: len(free)], -1.0, 1.0)
+    step[own] = np.linalg.solve(information[np.ix_(own, own)], (joint[:q, q] - information @ here)[own])
+    far = np.abs(step[: len(free)])[free < N_PHI].max(initial=0.0)
+    step /= max(far / MOST_MOVED, 1.0)
+    z[free] += step[: len(free)]
     cart = with_coordinates(model.cart, z)
     sizes = zip(model.cart.constraint_effects, step[len(free) :], strict=False)
     changed = {effect.key: effect.scaled(1.0 + float(more)) for effect, more in sizes}
-    return replace(cart, effects=tuple(changed.get(effect.key, effect) for effect in cart.effects))
+    cart = replace(cart, effects=tuple(changed.get(effect.key, effect) for effect in cart.effects))
+    return model.with_laws(cart, step)
 
 
 def _once(cart: CartModel) -> np.ndarray:

@@ -1,64 +1,103 @@
-"""What a log may follow that no effect of the vocabulary makes: forces, drags and moments as linear functions of a few
-columns over one variable. They are rivals of the effects in the same comparison."""
+"""What a log may follow that no effect of the vocabulary makes: forces, drags and moments as functions of one variable,
+or of a place, with few numbers. They are rivals of the effects in the same comparison."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import BSpline
 
+from cartgrasp.effects import LearnedForce
+from cartgrasp.effects.learned_force import AT_A_LEVER
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
-from cartgrasp.wheels import FIXED
 
-from ..weak_form.balances import THIN, Balances
-from .course import ROLLING, Course
+from ..weak_form.balances import Balances
+from ..weak_form.motion import Motion
+from .candidates import free_label
+from .course import Course
 
+VARIABLES = {
+    "travelled_distance": "travelled distance",
+    "yaw_rate": "yaw rate",
+    "since_reversal": "way since a reversal",
+}
+"""In words, where these are others than the effect's."""
+UNITS = {"time": "s", "heading": "rad", "speed": "m/s", "yaw_rate": "rad/s"}
+"""Of variables; of all others, m."""
 AT_HANDS = "at the hands"
-FORCE_STD, MOMENT_STD = 10.0, 3.0
-"""N, N·m: what pushes carts about."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a law acts: as a moment, or as a forward force at a `lever` (m) to the left of {b}'s x: a wheel's, which
-    rolls another way than {b}'s origin, or that of the hands, whose sensors may be what follows a law."""
-
-    is_moment: bool = False
-    lever: float = 0.0
-    is_wheel: bool = False
-
-    @property
-    def shift(self) -> float:
-        """By how many metres for each rad less than {b}'s origin goes what is there."""
-        return self.lever if self.is_wheel else 0.0
-
-    @property
-    def words(self) -> str:
-        if self.is_moment:
-            return "moment"
-        if self.is_wheel:
-            return f"force at the wheel at y = {self.lever:g} m"
-        return f"force {AT_HANDS}" if self.lever else "force"
+SETTING_IN = (0.25, 0.5, 0.75)
+"""Of the largest speed: from where on a drag grows."""
+SINCE = (0.02, 0.1, 0.3, 1.0)
+"""m since a reversal: knots of drags that it changes."""
+SCRUBS = 0.15
+"""Of the largest yaw rate: from where on a moment no longer grows."""
+FINE = np.linspace(-0.1, 1.1, 13)
+"""Of what a variable goes through: knots of smooth curves."""
+COEFFICIENTS = 5
+"""Of a cubic spline: what a curve may be."""
+PLACES = np.linspace(-1.25, 1.25, 6)
+"""Of half of what x and y go through: knots of fields."""
+LEAST_SPAN = 0.1
+"""In the variable's unit: nothing is a law of what goes less far."""
 
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """`shape` gives columns (n, q) of a force, or of a moment, over a course."""
+    """Learned forces whose amplitudes, one force's after another's, are a `basis` (a, q) times a few numbers."""
 
-    name: str
     form: str
-    place: Place
-    shape: Callable[[Course], Array]
-    size: int
-    period: float | None = None
-    unit: str = ""
-    variable: str = ""
+    effects: tuple[LearnedForce, ...]
+    basis: Array
+
+    @classmethod
+    def free(cls, form: str, effect: LearnedForce) -> Law:
+        """Every amplitude of one force is a number of its own."""
+        return cls(form, (effect,), np.eye(len(effect.parameters)))
+
+    @property
+    def of(self) -> str:
+        return self.effects[0].of
+
+    @property
+    def name(self) -> str:
+        """Of what it is a function, in words."""
+        return VARIABLES.get(self.of, self.of)
+
+    @property
+    def kind(self) -> tuple[Any, ...]:
+        """What and where it acts on, and of what it is a function."""
+        first = self.effects[0]
+        return first.acts_on, first.of, first.lever, first.direction, len(self.effects)
 
     @property
     def is_moment(self) -> bool:
-        return self.place.is_moment
+        return self.effects[0].acts_on == "yaw_moment"
+
+    @property
+    def period(self) -> float | None:
+        return self.effects[0].period or None
+
+    @property
+    def unit(self) -> str:
+        """Of the variable."""
+        return UNITS.get(self.of, "m")
+
+    @property
+    def size(self) -> int:
+        return int(self.basis.shape[1])
+
+    @property
+    def has_constant(self) -> bool:
+        """Whether it may be the same everywhere."""
+        if self.effects[0].cycle or self.size == 1:
+            return False
+        ones = np.ones(len(self.basis))
+        return bool(np.allclose(self.basis @ np.linalg.lstsq(self.basis, ones)[0], ones))
 
     @property
     def key(self) -> str:
@@ -68,195 +107,145 @@ class Law:
     def words(self) -> str:
         """For people."""
         period = f" with a period of {self.period:.3g} {self.unit}" if self.period else ""
-        return f"{'yaw moment' if self.is_moment else 'forward force'}: {self.name}{period} ({self.form})"
+        return f"the {self.name}{period} ({self.effects[0].acts_on.replace('_', ' ')}: {self.form})"
 
     @property
     def std(self) -> Array:
-        return np.full(self.size, MOMENT_STD if self.is_moment else FORCE_STD)
+        """Of a number's prior."""
+        return np.full(self.size, self.effects[0].parameters[0].typical)
+
+    def repeating(self, period: float) -> Law:
+        """With another period (in the variable's unit)."""
+        return replace(self, effects=tuple(replace(effect, period=period) for effect in self.effects))
 
     def columns(self, balances: Balances, cart: CartModel) -> Array:
-        """Raw (k, c, q)."""
-        return self.over(balances.integrated(self.shape(_thin(Course.along(balances.motion)))), balances, cart)
+        """What a unit of each number takes away of the residual (k, c, q)."""
+        return np.concatenate([balances.columns(cart, effect) for effect in self.effects], axis=2) @ self.basis
 
-    def over(self, integrated: Array, balances: Balances, cart: CartModel) -> Array:
-        """Columns (k, c, q) in all balances, of a signal against the test functions (k, q)."""
-        found = np.zeros((len(integrated), balances.n_balances(cart), integrated.shape[1]))
-        last = cart.constraints.n_free - 1
-        found[:, last if self.is_moment else 0] = integrated
-        if self.place.lever:
-            found[:, last] = -self.place.lever * integrated
-        return found
-
-
-def _thin(course: Course) -> Course:
-    return course.at(np.arange(0, len(course.time), THIN))
+    def sized(self, numbers: ArrayLike) -> tuple[LearnedForce, ...]:
+        """The forces of such numbers (q,)."""
+        amplitudes, found = self.basis @ np.asarray(numbers, dtype=float), list[LearnedForce]()
+        for effect in self.effects:
+            own, amplitudes = np.split(amplitudes, [len(effect.parameters)])
+            found.append(effect.with_values(own))
+        return tuple(found)
 
 
-def _sign(course: Course) -> Array:
-    return np.asarray(np.tanh(course.speed / ROLLING))
+def seen_values(effect: LearnedForce, motions: Sequence[Motion]) -> Array:
+    """Values of an effect's variable along motions (n,); of places with knots of y (n, 2)."""
+    return np.concatenate([_values(effect, motion) for motion in motions])
 
 
-def smooth_laws(turns: bool, hands: float = 0.0) -> list[Law]:
-    """Of what varies slowly with one variable; forces, too, at a lever of the hands' (m; none: 0)."""
-    found = [
-        Law(variable, form, Place(is_moment), shape, size)
-        for variable, form, is_moment, size, shape in (ON_ALL + ON_TURNS if turns else ON_ALL)
+def _values(effect: LearnedForce, motion: Motion) -> Array:
+    course = Course.along(motion)
+    if effect.of == "place":
+        along = np.array([np.cos(effect.direction), np.sin(effect.direction)])
+        return course.place if effect.knots_y else course.place @ along
+    turned = effect.lever * course.yaw_rate
+    found = {
+        "time": motion.time,
+        "travelled_distance": course.way - effect.lever * (course.heading - course.heading[0]),
+        "heading": course.heading,
+        "speed": np.abs(course.speed - turned) if effect.acts_on == "drag" else course.speed - turned,
+        "yaw_rate": course.yaw_rate,
+        "since_reversal": course.since_reversal,
+    }[effect.of]
+    return np.asarray(np.nan_to_num(found, posinf=found[np.isfinite(found)].max(initial=2.0)))
+
+
+def labelled(effect: LearnedForce, cart: CartModel) -> LearnedForce:
+    """With a label that no law of the cart has."""
+    return replace(effect, label=free_label(LearnedForce, cart))
+
+
+def smooth_laws(motions: Sequence[Motion], cart: CartModel, lever: float = 0.0) -> list[Law]:
+    """Of what varies slowly with one variable along motions; drags and forward forces, too, at a lever of the hands'
+    (m; none: 0), whose sensors may be what follows it; forces of the world at {b} and at the CoM."""
+    found = list(_on_all(motions))
+    if cart.constraints.n_free > 1:
+        found += [*_on_turns(motions), *_of_world(motions, 0.0), *_of_world(motions, float(cart.inertia.com[0]))]
+    at_hands = [law for law in found if lever and law.effects[0].acts_on in AT_A_LEVER]
+    return found + [
+        replace(law, form=f"{law.form} {AT_HANDS}", effects=tuple(replace(e, lever=lever) for e in law.effects))
+        for law in at_hands
     ]
-    forces = [law for law in found if hands and not law.is_moment]
-    return found + [replace(law, form=f"{law.form} {AT_HANDS}", place=Place(lever=hands)) for law in forces]
 
 
-def _setting_in(c: Course) -> Array:
-    """Drag that grows from a quarter, half and three quarters of the largest speed on."""
-    most = abs(c.speed).max()
-    return _columns(*(_sign(c) * np.maximum(abs(c.speed) - share * most, 0) for share in (0.25, 0.5, 0.75)))
+def _on_all(motions: Sequence[Motion]) -> Iterator[Law]:
+    low, high = _span([m.time for m in motions])
+    most = _span([np.abs(m.velocity[:, 0]) for m in motions])[1]
+    steps = np.append(0.0, (*SETTING_IN, 1.0))
+    setting_in = (np.maximum(steps - share, 0.0) / (1.0 - share) for share in SETTING_IN)
+    time, curves = low + (high - low) * FINE, _splines(FINE)
+    yield Law.free("the same at all", LearnedForce("drag", "speed"))
+    yield _knotted("cubic drag", "drag", "speed", most * FINE, FINE**3)
+    yield _knotted("drag that sets in", "drag", "speed", most * steps, *setting_in)
+    yield _knotted("drift", "forward_force", "time", time, FINE)
+    yield _knotted("drag that warms", "drag", "time", time, *curves)
+    yield _knotted("viscous drag that warms", "viscous_drag", "time", time, *curves)
+    yield _knotted("drag", "drag", "since_reversal", np.array(SINCE), *np.eye(len(SINCE))[:-1])
 
 
-def _warming(c: Course) -> Array:
-    return _columns(_sign(c), c.speed * c.time / 60, _sign(c) * c.time / 60)
+def _on_turns(motions: Sequence[Motion]) -> Iterator[Law]:
+    both = np.append(-FINE[:1:-1], FINE[1:])
+    most = _span([np.abs(m.velocity[:, -1]) for m in motions])[1]
+    yield Law.free("force", LearnedForce("forward_force", "heading", harmonics=(1, 2)))
+    yield Law.free("drag", LearnedForce("drag", "heading", harmonics=(2,)))
+    yield Law.free("drag, another one way", LearnedForce("drag", "heading", harmonics=(1, 2)))
+    yield Law.free("viscous drag", LearnedForce("viscous_drag", "heading", harmonics=(1, 2)))
+    yield Law.free("moment", LearnedForce("yaw_moment", "heading"))
+    yield _knotted("drag", "drag", "yaw_rate", most * both, np.abs(both))
+    yield _knotted("viscous drag", "viscous_drag", "yaw_rate", most * both, np.abs(both))
+    yield _knotted("moment", "yaw_moment", "yaw_rate", most * both, both * np.abs(both), np.clip(both / SCRUBS, -1, 1))
+    knots, plane, bowl = _fields(motions)
+    yield Law("drag", (replace(knots, acts_on="drag"),), plane)
+    yield Law("curved drag", (replace(knots, acts_on="drag"),), bowl)
 
 
-def _round(c: Course, times: int = 1) -> tuple[Array, Array]:
-    return np.cos(times * c.heading), np.sin(times * c.heading)
+def _of_world(motions: Sequence[Motion], ahead: float) -> Iterator[Law]:
+    low, high = _span([m.time for m in motions])
+    times = tuple((low + (high - low) * FINE).tolist())
+    wind = LearnedForce("world_force", "time", ahead=ahead, knots=times)
+    field, plane, bowl = _fields(motions)
+    field = replace(field, acts_on="world_force", ahead=ahead)
+    yield _both_ways("wind", wind, FINE[:, None])
+    yield _both_ways("wind that turns", wind, _splines(FINE).T)
+    yield _both_ways("field", field, plane)
+    yield _both_ways("curved field", field, bowl)
 
 
-def _field(c: Course) -> Array:
-    """A force of the world that changes from place to place."""
-    return _columns(*(along * at for along in _round(c) for at in (c.x, c.y)))
+def _fields(motions: Sequence[Motion]) -> tuple[LearnedForce, Array, Array]:
+    """A force over the places of motions, and bases (a, q) of planes and of parabolas."""
+    x, y = (_around(_span([m.pose[:, i] for m in motions])) for i in range(2))
+    across, along = (part.ravel() for part in np.meshgrid(PLACES, PLACES, indexing="ij"))
+    plane = np.stack([np.ones_like(along), across, along], axis=1)
+    bowl = np.column_stack([plane, across**2, across * along, along**2])
+    return LearnedForce("lateral_force", "place", knots=tuple(x.tolist()), knots_y=tuple(y.tolist())), plane, bowl
 
 
-def _columns(*signals: Array) -> Array:
-    return np.column_stack(signals)
+def _splines(at: Array) -> Array:
+    """Cubic splines (q, n) between 0 and 1."""
+    inside = np.linspace(0.0, 1.0, COEFFICIENTS - 2)
+    knots = np.concatenate([[0.0] * 3, inside, [1.0] * 3])
+    return np.asarray(BSpline.design_matrix(np.clip(at, 0.0, 1.0), knots, 3).toarray().T)
 
 
-ON_ALL: tuple[tuple[str, str, bool, int, Callable[[Course], Array]], ...] = (
-    ("speed", "cubic drag", False, 1, lambda c: _columns(c.speed**3)),
-    ("speed", "drag that sets in", False, 3, _setting_in),
-    ("time", "drift", False, 1, lambda c: _columns(c.time / 60)),
-    ("time", "drag that warms", False, 3, _warming),
-)
-ON_TURNS: tuple[tuple[str, str, bool, int, Callable[[Course], Array]], ...] = (
-    ("heading", "force", False, 4, lambda c: _columns(*_round(c), *_round(c, 2))),
-    ("heading", "drag", False, 2, lambda c: _columns(*(_sign(c) * one for one in _round(c, 2)))),
-    ("heading", "drag in proportion to speed", False, 2, lambda c: _columns(*(c.speed * one for one in _round(c)))),
-    ("heading", "moment", True, 2, lambda c: _columns(*_round(c))),
-    ("yaw rate", "drag", False, 1, lambda c: _columns(_sign(c) * abs(c.yaw_rate))),
-    ("yaw rate", "moment", True, 1, lambda c: _columns(c.yaw_rate * abs(c.yaw_rate))),
-    ("time", "wind", False, 2, lambda c: _columns(*(one * c.time / 60 for one in _round(c)))),
-    ("place", "field", False, 4, _field),
-    ("place", "drag", False, 3, lambda c: _columns(_sign(c), _sign(c) * c.x, _sign(c) * c.y)),
-)
-"""Variable, form, whether it is a moment, and how many columns over a course."""
-
-PERIODS = (("time", "s", 0.25, 4.0), ("way", "m", 0.25, 2.5), ("x", "m", 0.3, 2.0), ("y", "m", 0.3, 2.0))
-"""Variables, and between which periods a law is looked for."""
-OVERSAMPLED = 16
-"""Points of a Fourier transform's grid in the shortest period."""
-KNOWN, LIKELY = 24, 40
-"""Periods of a scan of which the information is worked out, and then the gain."""
+def _knotted(form: str, acts_on: str, of: str, knots: Array, *shapes: Array) -> Law:
+    """A force that interpolates shapes (a,) at knots."""
+    return Law(form, (LearnedForce(acts_on, of, knots=tuple(knots.tolist())),), np.array(shapes, dtype=float).T)
 
 
-def periodic(variable: str, unit: str, period: float, harmonics: int, place: Place) -> Law:
-    def shape(course: Course) -> Array:
-        phase = 2 * np.pi * (getattr(course, variable) - place.shift * course.heading) / period
-        along = {"x": np.cos(course.heading), "y": np.sin(course.heading)}.get(variable, np.ones_like(phase))
-        return np.column_stack([along * f(k * phase) for k in range(1, harmonics + 1) for f in (np.cos, np.sin)])
-
-    name = "place" if variable in "xy" else {"way": "travelled distance"}.get(variable, variable)
-    form = place.words + (f" of {harmonics} harmonics" if harmonics > 1 else "")
-    return Law(name, form, place, shape, 2 * harmonics, period, unit, variable)
+def _both_ways(form: str, effect: LearnedForce, basis: Array) -> Law:
+    """A force of the world along x, and one along y, each with a basis."""
+    return Law(form, (effect, replace(effect, direction=np.pi / 2)), np.kron(np.eye(2), basis).astype(float))
 
 
-@dataclass(frozen=True, eq=False)
-class Scan:
-    """Of periodic laws of one form between two periods, as many as `frequencies` (v,) of the variable."""
-
-    variable: str
-    unit: str
-    place: Place
-    frequencies: Array
-
-    def laws(self, chosen: np.ndarray) -> list[Law]:
-        return [periodic(self.variable, self.unit, float(1 / f), 1, self.place) for f in self.frequencies[chosen]]
-
-    def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:
-        """How much pulls (n, f) of the residual on forces and moments along the courses go with each frequency (v,):
-        by a fast Fourier transform of pulls over the variable, each shared by the two nearest of its grid's points."""
-        step = 1 / (OVERSAMPLED * self.frequencies[-1])
-        first = min(float(self.of(c).min()) for c in courses)
-        count = round(1 / (step * float(np.diff(self.frequencies[:2])[0])))
-        total = np.zeros(count)
-        for course, pull in zip(courses, pulls, strict=True):
-            last = pull.shape[1] - 1
-            weight = pull[:, last] if self.place.is_moment else pull[:, 0]
-            if self.place.lever:
-                weight = weight - self.place.lever * pull[:, last]
-            at = (self.of(course) - first) / step
-            low = np.floor(at).astype(int)
-            signal = weight * {"x": np.cos(course.heading), "y": np.sin(course.heading)}.get(self.variable, 1.0)
-            for where, share in ((low, 1 - (at - low)), (low + 1, at - low)):
-                total += np.bincount(where % count, weights=signal * share, minlength=count)
-        found = np.abs(np.fft.rfft(total)) ** 2
-        return np.asarray(np.interp(self.frequencies, np.fft.rfftfreq(count, step), found), dtype=float)
-
-    def of(self, course: Course) -> Array:
-        return np.asarray(getattr(course, self.variable) - self.place.shift * course.heading)
+def _around(ends: Array) -> Array:
+    """Knots of a field."""
+    return np.asarray(np.mean(ends) + np.diff(ends) / 2 * PLACES)
 
 
-def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> list[Scan]:
-    """Those that a motion allows: periods of which it saw two at least; with a lever of the hands' (m; none: 0)."""
-    found, turns = [], cart.constraints.n_free > 1
-    levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
-    for variable, unit, least, most in PERIODS:
-        span = max(float(np.ptp(getattr(c, variable))) for c in courses)
-        if span < 2 * least or (variable in "xy" and not turns):
-            continue
-        frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
-        places = [Place(), Place(is_moment=True)] if turns else [Place()]
-        places += [Place(lever=hands)] if hands else []
-        places += [Place(lever=lever, is_wheel=True) for lever in levers if variable == "way"]
-        found += [Scan(variable, unit, place, frequencies) for place in places if len(frequencies) > 1]
-    return found
-
-
-def scanned(
-    logs: Sequence[Balances],
-    cart: CartModel,
-    pulls: Sequence[Array],
-    gain: Callable[[Array, Array], Array],
-    whitened: Callable[[Sequence[Array]], Array],
-    hands: float = 0.0,
-) -> tuple[list[tuple[float, Law]], int]:
-    """The best periods of one harmonic, each with its gain, and of how many: of each scan those with most power for
-    the information that whitened columns have."""
-    found, count = list[tuple[float, Law]](), 0
-    courses = [Course.along(balances.motion) for balances in logs]
-    thin = [_thin(course) for course in courses]
-    for scan in scans(courses, cart, hands):
-        v = len(scan.frequencies)
-        count += v
-        known = np.unique(np.linspace(0, v - 1, KNOWN).astype(int))
-        own = _together(logs, cart, thin, scan.laws(known), whitened)
-        information = np.interp(np.arange(v), known, (own**2).sum(axis=(1, 2, 3)))
-        likely = scan.power(courses, pulls) / np.maximum(information, 1e-300)
-        laws = scan.laws(np.argsort(-likely)[:LIKELY])
-        gains = gain(_together(logs, cart, thin, laws, whitened), laws[0].std)
-        found += zip(gains.tolist(), laws, strict=True)
-    return found, count
-
-
-def _together(
-    logs: Sequence[Balances],
-    cart: CartModel,
-    courses: Sequence[Course],
-    laws: Sequence[Law],
-    whitened: Callable[[Sequence[Array]], Array],
-) -> Array:
-    """Whitened columns (v, k, c, 2) of laws of one form."""
-    raw = []
-    for balances, course in zip(logs, courses, strict=True):
-        integrated = np.concatenate([balances.integrated(law.shape(course)) for law in laws], axis=1)
-        raw.append(laws[0].over(integrated, balances, cart))
-    white = whitened(raw)
-    k, c, _ = white.shape
-    return np.asarray(np.moveaxis(white.reshape(k, c, len(laws), 2), 2, 0))
+def _span(signals: Sequence[Array]) -> Array:
+    """The least and the largest of them, (2,), apart."""
+    low, high = min(float(s.min()) for s in signals), max(float(s.max()) for s in signals)
+    return np.array([low, max(high, low + LEAST_SPAN)])

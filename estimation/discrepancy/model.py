@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -16,13 +17,13 @@ from cartgrasp.model import CartModel
 from ..prior import Prior, report_names
 from ..weak_form.balances import Balances
 from ..weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
+from ..weak_form.motion import Motion
 from ..weak_form.rows import Errors, excess_noise
 from ..weak_form.score import Folds, Score, scored
 from ..weak_form.sensor_noise import MAD_TO_STD
 from ..weak_form.whitening import Whitening
 from .candidates import amplitudes_of
-from .course import Course
-from .laws import Law
+from .laws import Law, labelled
 
 GUESS_STD, COM_STD = 1.5, 0.5
 """Of the logarithms of mass and inertia; m."""
@@ -143,6 +144,11 @@ class Model:
     def _prior_of(self, cart: CartModel) -> ParameterPrior:
         return structure_prior(cart, self.guess, self.wide, self.is_pushed, self.believed)
 
+    @property
+    def names(self) -> set[str]:
+        """Of its effects."""
+        return {effect.name for effect in self.cart.effects}
+
     @classmethod
     def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
@@ -196,12 +202,20 @@ class Model:
         by, found = jacobian(self.cart), []
         for balances, beside in zip(self.logs, self.nuisance.columns, strict=True):
             left, slopes = balances.residual(self.cart)
-            found.append(np.concatenate([(slopes @ by)[..., prior.free], beside, left[..., None]], axis=2))
+            own = (slopes @ by)[..., prior.free]
+            left = left + own @ self.moved
+            found.append(np.concatenate([own, beside, left[..., None]], axis=2))
         return found
 
     @cached_property
+    def moved(self) -> Array:
+        """How far the free coordinates are from their priors' means."""
+        prior = self.prior
+        return np.asarray((coordinates(self.cart) - prior.mean)[prior.free])
+
+    @cached_property
     def rows(self) -> Array:
-        """(k, c, q + 1), the residual last."""
+        """(k, c, q + 1), last the residual where every coordinate is at its prior's mean."""
         return self.whitened(self._raw)
 
     @cached_property
@@ -214,7 +228,10 @@ class Model:
     def colour(self) -> float:
         """How many times larger the variance of long means of what is left is than if rows were independent, in most of
         the log: what drifts looks like a push here and there."""
-        score, rows = self.score, self.rows
+        return self.colour_beside(self.rows, self.score)
+
+    def colour_beside(self, rows: Array, score: Score) -> float:
+        """Of rows (k, c, q + 1) with more columns, and their score."""
         standard = (rows[..., -1] - rows[..., :-1] @ score.fit) / score.scale
         size = max(round(LONG_MEAN / self.logs[0].row_step), 2)
         count = len(standard) // size
@@ -229,16 +246,29 @@ class Model:
         prior = self.prior
         return np.concatenate([prior.std[prior.free], self.nuisance.std])
 
-    def law_size(self, law: Law) -> float:
-        """Root mean square force (N) or moment (N·m) of a law at its fitted amplitudes."""
+    @cached_property
+    def law_places(self) -> tuple[slice, ...]:
+        """Where each law's numbers stand among the rows' columns."""
         first = int(self.prior.free.sum()) + len(self.cart.constraint_effects)
-        for one in self.laws:
-            if one is law:
-                break
-            first += one.size
-        amplitudes = self.score.fit[first : first + law.size]
-        signals = [law.shape(Course.along(balances.motion)) @ amplitudes for balances in self.logs]
-        return float(np.sqrt(np.mean(np.concatenate(signals) ** 2)))
+        edges = accumulate((law.size for law in self.laws), initial=first)
+        return tuple(slice(begin, end) for begin, end in pairwise(edges))
+
+    @property
+    def law_numbers(self) -> list[Array]:
+        """Each law's (q,)."""
+        return [self.score.fit[place] for place in self.law_places]
+
+    @property
+    def motions(self) -> list[Motion]:
+        """Of the logs."""
+        return [balances.motion for balances in self.logs]
+
+    def with_laws(self, cart: CartModel, numbers: Array) -> CartModel:
+        """A cart with the laws as effects, of such numbers (q,) of the rows' columns."""
+        for law, place in zip(self.laws, self.law_places, strict=True):
+            for effect in law.sized(numbers[place]):
+                cart = cart.with_effect(labelled(effect, cart))
+        return cart
 
     @cached_property
     def folds(self) -> Folds:
@@ -259,9 +289,13 @@ class Model:
         start = np.ones(self.rows.shape[1])
         return scored(self.sums, self.counts, self.prior_std, self.folds, start)
 
+    def rows_with(self, columns: Array) -> Array:
+        """Rows with whitened columns (k, c, q) more."""
+        return np.concatenate([self.rows[..., :-1], columns, self.rows[..., -1:]], axis=2)
+
     def with_columns(self, columns: Array, std: Array) -> Score:
         """The score with whitened columns (k, c, q) more."""
-        whole = np.concatenate([self.rows[..., :-1], columns, self.rows[..., -1:]], axis=2)
+        whole = self.rows_with(columns)
         start, prior = self.score.scale, np.concatenate([self.prior_std, std])
         return scored(self.folds.sums(whole), self.counts, prior, self.folds, start)
 
@@ -278,10 +312,7 @@ class Model:
 
     def late(self, delay: float) -> Model:
         """With wrenches that were felt so much (s) before they were recorded."""
-        logs = tuple(balances.late(delay) for balances in self.logs)
-        same = all(np.array_equal(new.used, old.used) for new, old in zip(logs, self.logs, strict=True))
-        whitenings = self.whitenings if same else self.noise.whitenings(logs, self.compares)
-        return replace(self, logs=logs, whitenings=whitenings)
+        return replace(self, logs=tuple(balances.late(delay) for balances in self.logs))
 
     @property
     def lateness(self) -> float:

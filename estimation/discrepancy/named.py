@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
-from cartgrasp.effects import Effect
+from cartgrasp.effects import Effect, EndStop
 from cartgrasp.effects.effect import Parameter
+from cartgrasp.model import CartModel
 
 from ..end_stops import StopEstimate
+from .candidates import free_label
 from .certainty import Certainty
+from .learned import LearnedLaw
 from .model import Model
 from .plausible import is_negligible
 from .rivals import rivals
@@ -25,7 +28,8 @@ OPEN_WORLD = 0.95
 @dataclass(frozen=True)
 class NamedEffect:
     """An effect that was added: how sure that it is this one; parameters' values, standard deviations and units; what
-    the log can't tell it apart from; the share of the held-out gap above the noise floor that it closed."""
+    the log can't tell it apart from; the share of the held-out gap above the noise floor that it closed; of a force
+    that no name fits, the law."""
 
     name: str
     label: str
@@ -33,16 +37,25 @@ class NamedEffect:
     parameters: dict[str, tuple[float, float, str]]
     confusable_with: tuple[str, ...]
     gap_share: float
+    law: LearnedLaw | None = None
+
+    @property
+    def words(self) -> str:
+        """In a sentence."""
+        alike = f" (or {' or '.join(self.confusable_with)}: these logs can't tell)" if self.confusable_with else ""
+        return (self.law.words if self.law else self.name) + alike
 
     def as_dict(self) -> dict[str, Any]:
-        parameters = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
-        return asdict(self) | {"parameters": parameters, "confusable_with": list(self.confusable_with)}
+        told = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "law"}
+        told["parameters"] = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
+        told["confusable_with"] = list(self.confusable_with)
+        return told if self.law is None else told | {"law": self.law.as_dict()}
 
 
 def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
-    """In order of addition."""
+    """In order of addition; laws last."""
     by = dict[str, tuple[float, tuple[str, ...], float]]()
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
@@ -52,6 +65,12 @@ def named(
         probability, confusable, share = by.get(effect.key, (OPEN_WORLD, (), 0.0))
         parameters = _parameters(values[effect.key], certainty)
         found.append(NamedEffect(effect.name, effect.label, probability, parameters, confusable, share))
+    for key, law in certainty.laws:
+        probability, confusable, share = by.get(key, (OPEN_WORLD, (), 0.0))
+        own = law.effect
+        told = zip(own.parameters, own.values.tolist(), law.std.tolist(), strict=True)
+        parameters = {p.name: (value, std, p.unit) for p, value, std in told}
+        found.append(NamedEffect(own.name, own.label, probability, parameters, confusable, share, law))
     return tuple(found)
 
 
@@ -86,14 +105,16 @@ def _says_nothing(parameter: Parameter, value: float, std: float) -> bool:
     return std > parameter.typical and abs(value - parameter.absent) < SURE * std
 
 
-def named_stops(stops: Sequence[StopEstimate]) -> tuple[NamedEffect, ...]:
-    """What a cart ran against several times."""
+def named_stops(stops: Sequence[StopEstimate], cart: CartModel) -> tuple[NamedEffect, ...]:
+    """What a cart ran against several times, labelled beside the cart's."""
     found = []
-    for i, stop in enumerate(stops):
+    for stop in stops:
+        effect = stop.effect(label=free_label(EndStop, cart))
+        cart = cart.with_effect(effect)
         parameters = {
             "position": (stop.position, stop.position_std, "m"),
             "side": (stop.side, 0.0, "-"),
             "restitution": (stop.restitution, stop.restitution_std, "-"),
         }
-        found.append(NamedEffect("end_stop", str(i + 1) if i else "", OPEN_WORLD, parameters, (), 0.0))
+        found.append(NamedEffect(effect.name, effect.label, OPEN_WORLD, parameters, (), 0.0))
     return tuple(found)

@@ -36,9 +36,9 @@ def _told(found: Diagnosis) -> Iterator[str]:
     shown = found.isolability.values()
     if sum(not one.is_shown for one in shown) > len(shown) / 2:
         yield MORE_MOTION
-    if found.final.laws:
-        yield f"repeat the motion with another {found.final.laws[0].name}, to see whether the rest follows it"
-    elif found.verdict in ("unexplained", "partly_explained"):
+    for law in (*found.final.laws, *found.withdrawn)[:1]:
+        yield f"repeat the motion with another {law.name}, to see whether the force follows it"
+    if found.verdict in ("unexplained", "partly_explained"):
         yield "record the same motion twice: what comes back is the cart's, what does not is noise"
 
 

@@ -10,7 +10,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .log_check import EIGHTHS, LogCheck
+from .residual import UNITS
 from .verdicts import verdict
+from .where import short
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -53,7 +55,12 @@ def page(report: Report, drawn: dict[str, str]) -> str:
 
 def _sections(found: Diagnosis, drawn: dict[str, str]) -> dict[str, str]:
     """By heading; empty where there is nothing to tell."""
-    nowhere, agrees = "Nowhere in particular.", "Nothing: the model fits these logs."
+    nowhere = "Everywhere about as much." if found.disagrees else "Nowhere: the model fits these logs."
+    agrees = "Nothing: the model fits these logs."
+    sizes = found.unexplained["size"].items()
+    rest = [f"{size:.2g} {UNITS[of]} of {of.replace('_', ' ')}" for of, size in sizes if size]
+    is_told = found.verdict in ("no_discrepancy", "explained")
+    noise = "Nothing that stands out of the noise." if is_told else "Rollouts go astray, and rows do not tell of what."
     return {
         "What the sensors seem to do": _list(found.warnings),
         "How far simulation goes astray": drawn["gap"] + _gap_table(found),
@@ -65,7 +72,7 @@ def _sections(found: Diagnosis, drawn: dict[str, str]) -> dict[str, str]:
         "What the residual depends on": drawn.get("maps", "")
         + "<p>Means ± one standard deviation, in bins that hold as many stretches each.</p>",
         "Where it was hit": _impacts(found),
-        "What remains": _list(found.unexplained["depends_on"], "Nothing that stands out of the noise."),
+        "What remains": _list([*rest, *found.unexplained["depends_on"]], noise),
         "Parameters": _parameters(found),
         "What was tried": _steps(found),
         "What to measure next": _list(found.next_experiments, agrees),
@@ -113,7 +120,7 @@ def _parameters(found: Diagnosis) -> str:
         [name, f"{nominal:.4g}", f"{one.value:.4g} ± {one.std:.2g} {one.unit}", "yes" if one.identifiable else "no"]
         for name, (nominal, one) in found.file_parameters.items()
     ]
-    words = "Refitted beside what was added. The refit was refused, and the file's values stay."
+    words = "Refitted beside what was added. A refit predicts unseen stretches no better, and the file's values stay."
     table = _table(["parameter", "in the file", f"refitted {ONE_STD}", "taught by these logs"], rows)
     return f"<p>{words if found.is_refused else words.partition('. ')[0] + '.'}</p>{table}"
 
@@ -141,13 +148,20 @@ def _check_rows(check: LogCheck) -> list[list[str]]:
         ["duration", f"{check.duration:.1f} s at {check.rate:.0f} Hz, longest gap {check.longest_gap:.3f} s"],
         ["noise of position, heading", f"{1e3 * check.noise.position:.2g} mm, {1e3 * check.noise.heading:.2g} mrad"],
         ["noise of force, moment", f"{check.noise.force:.2g} N, {check.noise.moment:.2g} N·m"],
-        [f"wrenches late by {ONE_STD}", f"{1e3 * late.value:.1f} ± {1e3 * late.std:.1g} ms" if late else "not known"],
+        [
+            f"wrenches late by {ONE_STD}",
+            f"{1e3 * late.value:.1f} ± {short(1e3 * late.std)} ms" if late else "not known",
+        ],
         ["way, turning", f"{check.distance:.1f} m, {check.turned:.1f} rad, {check.reversals} reversals"],
         ["time on the move", f"{100 * check.moving:.0f} %"],
         ["speeds (a tenth, half, nine tenths slower)", f"{speeds}, at most {check.fastest:.2f} m/s"],
         ["headings", f"{check.headings} of {EIGHTHS} directions"],
         ["accelerations (nineteen of twenty less)", hard],
     ]
+
+
+def _ms(seconds: float) -> str:
+    return short(1e3 * seconds)
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
-from cartgrasp.effects import ConstraintEffect, Effect
+from collections.abc import Sequence
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.wheels import WheelSet
 
 from ..weak_form.balances import LEVER
+from ..weak_form.motion import Motion
 from .candidates import amplitudes_of
+from .laws import seen_values
 
 ODDS = {"rolling_resistance": 4.0}
 """Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
 LEAST_SIZE = 0.1
 """Of an effect's usual size: nobody calls less by its name."""
+LEAST_LAW = 0.02
+"""Of a law's usual size."""
 LEAST = {
     "time_delay.delay": 0.008,  # s: sensors that hold or average samples at 100 Hz are as late
     "load_slosh.damping": 0.003,  # less has no spring or liquid
+    "force_scale.gain": 0.5,  # beyond, units are wrong (`check`)
 }
 MOST = {
     "time_delay.delay": 0.15,  # s: what is later has another cause
@@ -24,6 +33,8 @@ MOST = {
     "external_push.duration": 6.0,  # s: what lasts longer has another cause
     "stribeck_friction.speed": 0.5,  # m/s: beyond, it is Coulomb's drag at all speeds that a cart has
     "caster_realignment.trail": 0.15,  # m
+    "force_scale.gain": 2.0,
+    "force_misalignment.angle": 0.5,  # rad: beyond, axes are wrong (`check`)
 }
 """Between which a setting of what bears the name lies."""
 LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
@@ -63,9 +74,16 @@ def is_negligible(effect: Effect) -> bool:
     return max(sizes, default=0.0) <= LEAST_SIZE
 
 
+def is_faint(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> bool:
+    """Whether forces of a law are next to nothing, as motions go."""
+    return all(
+        np.abs(one.shares(seen_values(one, motions)) @ one.values).max() < LEAST_LAW * one.parameters[0].typical
+        for one in forces
+    )
+
+
 def is_within(effect: Effect, spare: float = 1.0) -> bool:
     """Whether its settings are those that it may have, or beyond by a factor at most."""
     values = {f"{effect.name}.{p.name}": v for p, v in zip(effect.parameters, effect.values.tolist(), strict=True)}
-    return not any(spare * values.get(key, least) < least for key, least in LEAST.items()) and not any(
-        values.get(key, most) > spare * most for key, most in MOST.items()
-    )
+    less = any(spare * values.get(key, least) < least for key, least in LEAST.items())
+    return not less and not any(abs(values.get(key, most)) > spare * most for key, most in MOST.items())

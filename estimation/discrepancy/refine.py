@@ -16,8 +16,8 @@ from cartgrasp.frames import Array
 from .candidates import amplitudes_of
 from .plausible import SPARE, is_within
 
-HALVINGS, EVALUATIONS = 5, 60
-TIME_STEP, PLACE_STEP, DELAY_STEP = 0.2, 0.2, 0.01
+HALVINGS, EVALUATIONS = 6, 120
+TIME_STEP, PLACE_STEP, DELAY_STEP = 0.4, 0.8, 0.01
 FACTOR = 1.6
 
 

@@ -1,5 +1,5 @@
-"""Whether a refit, or an extended model, foretells stretches that it did not see worse than what it began with: then it
-is no better, whatever its likelihood says."""
+"""Whether a refit foretells stretches that it did not see worse than the first guess: then it is no better, whatever
+its likelihood says."""
 
 from __future__ import annotations
 
@@ -35,13 +35,6 @@ def refused(model: Model, guess: CartModel) -> str:
         f"the fit foretells unseen stretches worse than the first guess: {1e3 * after:.1f} mm off after "
         f"{HORIZONS[HORIZON]:g} s, not {1e3 * before:.1f} mm; the first guess stays"
     )
-
-
-def is_worse(model: Model, than: Model) -> bool:
-    """Whether it foretells stretches that neither saw worse than another."""
-    squares, block = _squares(model, fold_carts(than))
-    score = _score(squares[:, 1] - squares[:, 0], block)
-    return score is not None and score >= SURE
 
 
 def _squares(model: Model, others: Sequence[CartModel]) -> tuple[Array, np.ndarray]:

@@ -10,8 +10,9 @@ from cartgrasp.effects import Effect
 from cartgrasp.frames import Array
 
 from ..weak_form.fit import coordinates
+from .laws import Law
 from .model import Model
-from .search import CONFUSABLE, Attempt, Step
+from .search import CONFUSABLE, Attempt, Refit, Step
 
 SIMPLER = 2.0
 """Nats for each number by which less something takes."""
@@ -20,17 +21,24 @@ LONGEST = 100.0
 
 
 def rivals(step: Step) -> list[tuple[float, Attempt]]:
-    """Effects that explain about as much as the one that a step added, each with its odds against that."""
+    """What explains about as much as what a step added, an effect beside an effect, each with its odds against that."""
     own, found = step.added, list[tuple[float, Attempt]]()
-    if own is None or not isinstance(own.candidate, Effect):
+    if own is None or isinstance(own.candidate, Refit):
         return found
     for one in step.attempts:
-        if one.key == own.key or not isinstance(one.candidate, Effect):
+        if one.key == own.key or not _is_rival(one, own):
             continue
         if one.gain > max(own.gain - CONFUSABLE, 0.0):
             more = max(one.numbers - own.numbers, 0) if one.gain > own.gain else 0
             found.append((float(np.exp(min(one.gain - own.gain - SIMPLER * more, 0.0))), one))
     return found
+
+
+def _is_rival(one: Attempt, own: Attempt) -> bool:
+    """Whether it says another thing: a law of the same variable is the same law, and no rival of an effect."""
+    if isinstance(one.candidate, Law):
+        return isinstance(own.candidate, Law) and one.candidate.of != own.candidate.of
+    return isinstance(one.candidate, Effect)
 
 
 def _left_out(step: Step) -> list[tuple[float, Attempt]]:

@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
@@ -17,8 +18,9 @@ from cartgrasp.frames import Array, rotation_planar
 from ..weak_form.rows import wrench_covariance
 from ..weak_form.score import log_evidence
 from .candidates import Family, amplitudes_of
-from .laws import PERIODS, Law, periodic, scanned, smooth_laws
+from .laws import Law, seen_values, smooth_laws
 from .model import Model
+from .periods import scanned
 
 KEPT = 3
 """Variants of a candidate whose score is worked out."""
@@ -34,9 +36,8 @@ LEAST_LEVER = 0.02
 """m: hands that are nearer push at {b}'s x."""
 HARMONICS, TURNS = (1, 2, 4, 6), (1, 2, 3)
 """Of a law; and what the strongest of them may be, as a multiple of the whole turn."""
-LONGEST = {variable: most for variable, _, _, most in PERIODS}
-NEARBY = np.linspace(0.97, 1.03, 13)
-"""Times the period of a scan."""
+NEARBY, EXACT = 0.5, 0.02
+"""Of a period, how many are more or less in a log than a scan says, at most; and, of that, how exactly it is told."""
 LARGEST = 1e12
 """Of whitened columns: an effect's memory beyond ran away in the integrator's steps, at settings that no cart has."""
 
@@ -194,18 +195,17 @@ class Screen:
         """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
         model = self.model
         taken = {law.key for law in model.laws}
-        for law in smooth_laws(model.cart.constraints.n_free > 1, self._hands):
+        motions = model.motions
+        for law in smooth_laws(motions, model.cart, self._hands):
             if law.key not in taken:
                 yield law, 1
         periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened, self._hands)
         periods.sort(key=lambda one: -one[0])
-        for _, law in periods[:KEPT]:
-            best = self._tuned(law)
-            for harmonics, turns in product(HARMONICS, TURNS):
-                period = turns * float(best.period or 1.0)
-                if turns <= harmonics and period <= LONGEST[best.variable]:
-                    law = periodic(best.variable, best.unit, period, harmonics, best.place)
-                    yield law, count
+        for _, scan, period in periods[:KEPT]:
+            best = float(self.tuned(scan.law(period)).period or period)
+            for harmonics, turns, has_mean in product(HARMONICS, TURNS, (False, True)):
+                if turns <= harmonics and turns * best <= scan.longest:
+                    yield scan.law(turns * best, harmonics, has_mean), count
 
     @cached_property
     def _hands(self) -> float:
@@ -228,13 +228,28 @@ class Screen:
             found.append(balances.spread(whiten.transposed(own / self._scale))[:, : self.model.cart.constraints.n_free])
         return found
 
-    def _tuned(self, law: Law) -> Law:
-        """At the period nearby where one harmonic gains most."""
-        near = [periodic(law.variable, law.unit, float(law.period or 1.0) * share, 1, law.place) for share in NEARBY]
-        columns = np.stack(
-            [self.model.whitened([one.columns(b, self.model.cart) for b in self.model.logs]) for one in near]
+    def tuned(self, law: Law) -> Law:
+        """At the period nearby that gains most."""
+        if law.period is None:
+            return law
+        width = NEARBY * law.period / self._cycles(law)
+        best = minimize_scalar(
+            lambda period: -self.of_law(law.repeating(period)),
+            bounds=(law.period - width, law.period + width),
+            method="bounded",
+            options={"xatol": EXACT * width},
         )
-        return near[int(np.argmax(self.gains(columns, law.std)))]
+        return law.repeating(float(best.x)) if -best.fun > self.of_law(law) else law
+
+    def of_law(self, law: Law) -> float:
+        """Log of the Bayes factor of a law, about."""
+        columns = self.model.whitened([law.columns(b, self.model.cart) for b in self.model.logs])
+        return float(self.gains(columns[None], law.std)[0])
+
+    def _cycles(self, law: Law) -> float:
+        """How often it repeats in the longest log."""
+        spans = [np.ptp(seen_values(law.effects[0], [balances.motion])) for balances in self.model.logs]
+        return float(max(spans)) / float(law.period or 1.0)
 
 
 def is_one_sided(effect: Effect) -> bool:

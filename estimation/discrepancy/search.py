@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,10 +13,11 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 
 from ..weak_form.score import Score
-from .candidates import amplitudes_of, families, is_of_motion
+from .candidates import amplitudes_of, families
+from .drag_floor import with_floor_named
 from .laws import Law
 from .model import Model
-from .plausible import ODDS, is_plausible
+from .plausible import ODDS, is_faint, is_plausible
 from .refine import refined
 from .screening import Screen
 
@@ -31,7 +33,7 @@ RESIZED = 2.0
 """Of the score: what another size of an effect of the file gains at least."""
 SURE = 1.5
 """Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
-MOST_STEPS = 6
+MOST_STEPS, MOST_SWAPPED = 6, 2
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class Attempt:
         if isinstance(self.candidate, Law):
             return self.candidate.size + 2
         if isinstance(self.candidate, Refit):
-            return len(self.candidate.effect.parameters)
+            return 0
         return len(self.candidate.parameters)
 
 
@@ -79,37 +81,62 @@ class Step:
 
 def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[Model, list[Step]]:
     """The model with all that is worth it, and what was tried on the way."""
-    steps: list[Step] = []
-    first = 0.0
-    model = replace(model, compares=True).rewhitened()
-    for number in range(MOST_STEPS):
+    nominal = replace(model, compares=True).rewhitened()
+    model, steps = _grown(nominal, tell)
+    if model.laws:
+        bare = replace(model, laws=()).refitted(model.cart)
+        named, others = _grown(bare, tell, len(model.laws), _first(steps), has_laws=False)
+        alike = replace(model, laws=()).refitted(named.cart)
+        if worth(alike.score, model.score, None) <= margin(alike, model):
+            model, steps = named, [*(step for step in steps if not _adds_law(step)), *others]
+    model, steps = simplified(with_floor_named(model), steps)
+    return replace(resized(model), compares=False).settled(), steps
+
+
+def _grown(
+    model: Model, tell: Callable[[str], None], most: int = MOST_STEPS, first: float = 0.0, has_laws: bool = True
+) -> tuple[Model, list[Step]]:
+    """With candidates added, so many at most, as long as they are worth it beside what gained most so far."""
+    steps = list[Step]()
+    for number in range(most):
         tell(f"looking for what is missing, step {number + 1}")
-        attempts = tried(model)
-        best = chosen(attempts)
-        if best is None or best.model is None or best.gain < max(WORTH, SHARE * first):
+        attempts = tried(model, has_laws)
+        best = chosen(attempts, max(WORTH, SHARE * first))
+        if best is None or best.model is None:
             steps.append(Step(tuple(attempts), None))
             break
         steps.append(Step(tuple(attempts), best))
-        first = max(first, best.gain)
+        first = max(first, _first(steps))
         more = searched_again(replace(best.model, compares=False).rewhitened())
         more = dropped(replace(more, compares=True).rewhitened(), WORTH).settled()
         if keys(more) == keys(model):
             break
         model = more
-    model, steps = simplified(model, steps)
-    return replace(resized(model), compares=False).settled(), steps
+    return model, steps
+
+
+def _first(steps: list[Step]) -> float:
+    """What an effect or a law gained at most."""
+    found = (step.added for step in steps if step.added is not None)
+    return max((one.gain for one in found if not isinstance(one.candidate, Refit)), default=0.0)
+
+
+def _adds_law(step: Step) -> bool:
+    return step.added is not None and isinstance(step.added.candidate, Law)
 
 
 def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
-    """With what takes fewer numbers, and shows in the speed across the wheels, too, where beside all else it explains
-    about as much: alone, what takes more may have stood in for two."""
+    """With what takes fewer numbers, where beside all else it explains about as much as an effect that was added:
+    alone, what takes more may have stood in for two."""
+    if len(added(model)) + len(model.laws) < 2:
+        return model, steps
     for effect in added(model):
-        if not is_of_motion(type(effect)):
-            continue
         less = model.refitted(model.cart.without_effect(effect.key))
         own = Attempt(effect, worth(less.score, model.score, None), 1, model)
         others = (e for family in families(less.cart, less.logs[0].wrenches.arms) for e in family.variants)
-        found = [_beside(less, e) for e in others if is_of_motion(type(e)) and len(e.parameters) < own.numbers]
+        simpler = [e for e in others if e.gate is Gate.ALWAYS and len(e.parameters) < own.numbers]
+        near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MOST_SWAPPED]
+        found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
         best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
         if best is not own and best.model is not None and own.gain - best.gain <= margin(best.model, model):
             model, steps = best.model, [_with(step, best, own) for step in steps]
@@ -118,9 +145,7 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
 
 def _beside(model: Model, effect: Effect) -> Attempt:
     """An effect that acts all the time, fitted with all else."""
-    fitted = attempt(model, effect, 1).candidate
-    assert not isinstance(fitted, Law | Refit)
-    new = model.refitted(model.cart.with_effect(fitted))
+    new = model.refitted(model.cart.with_effect(effect))
     found = next(one for one in new.cart.effects if one.key == effect.key)
     return Attempt(found, worth(model.score, new.score, None), 1, new)
 
@@ -148,8 +173,8 @@ def resized(model: Model) -> Model:
     return model
 
 
-def tried(model: Model) -> list[Attempt]:
-    """All candidates, the most worth first; the best few refitted."""
+def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
+    """All candidates, with laws or without, the most worth first; the best few refitted."""
     screen, found = Screen(model), []
     for family in families(model.cart, model.logs[0].wrenches.arms):
         best, count = screen.best(family)
@@ -160,23 +185,34 @@ def tried(model: Model) -> list[Attempt]:
         if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
             new = replace(model, wide=model.wide | {effect.key})
             new = new.refitted(model.cart)
-            found.append(Attempt(Refit(effect), worth(model.score, new.score, None), 1, new))
-    for law, count in screen.laws():
+            gain, error = worth(model.score, new.score, None), standard_error(model.score, new.score)
+            found.append(Attempt(Refit(effect), gain, 1, new, error))
+    for law, count in screen.laws() if has_laws else ():
         score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
         found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
     found.sort(key=lambda one: -one.gain)
     enough = max(NEAR * found[0].gain, WORTH / 2)
     names = [one for one in found if not isinstance(one.candidate, Law)][:MOST_REFITTED]
-    laws = [one for one in found if isinstance(one.candidate, Law)][:MOST_LAWS]
+    laws = _simplest([one for one in found if isinstance(one.candidate, Law)])[:MOST_LAWS]
     near = [extended(model, screen, one) for one in (*names, *laws) if one.gain > enough]
     rest = [one for one in found if one.key not in {n.key for n in near}]
     return sorted(near, key=lambda one: -one.gain) + rest
 
 
-def chosen(attempts: list[Attempt]) -> Attempt | None:
-    """The simplest of those that are not surely worth less than the best that somebody would call so (Breiman's rule
-    of one standard error)."""
-    known = [one for one in attempts if one.model is not None and _may_be(one)]
+def _simplest(laws: list[Attempt]) -> list[Attempt]:
+    """Of each variable and way of acting, the simplest law that explains about as much as the best."""
+    groups = dict[tuple[Any, ...], list[Attempt]]()
+    for one in laws:
+        assert isinstance(one.candidate, Law)
+        groups.setdefault(one.candidate.kind, []).append(one)
+    alike = ([one for one in group if group[0].gain - one.gain <= CONFUSABLE] for group in groups.values())
+    return sorted((min(group, key=lambda one: one.numbers) for group in alike), key=lambda one: -one.gain)
+
+
+def chosen(attempts: list[Attempt], least: float) -> Attempt | None:
+    """Of those that gain the least that it takes, the simplest that is not surely worth less than the best that
+    somebody would call so (Breiman's rule of one standard error)."""
+    known = [one for one in attempts if one.model is not None and one.gain >= least and _may_be(one)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
@@ -198,9 +234,11 @@ def margin(one: Model, best: Model) -> float:
 def _may_be(one: Attempt) -> bool:
     if one.gain < SURE * one.error:
         return False
-    if isinstance(one.candidate, Law | Refit):
-        return True
     assert one.model is not None
+    if isinstance(one.candidate, Refit):
+        return True
+    if isinstance(one.candidate, Law):
+        return not is_faint(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
     return is_plausible(one.candidate, one.model.cart.wheel_set)
 
 
@@ -217,15 +255,9 @@ def standard_error(base: Score, score: Score) -> float:
     return float(len(gains) ** 0.5 * gains.std())
 
 
-def _colour(model: Model, effect: Effect) -> float | None:
-    """Beside which an effect is judged that does not act everywhere: a push is like anything that drifts."""
-    if effect.gate is Gate.ALWAYS:
-        return None
-    return model.colour if effect.gate.ends else 1.0
-
-
 def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
     """Its score where the model's parameters move a little, if at all; the effect with its amplitudes."""
+    colour: float | None = None
     if isinstance(effect, TimeDelay):
         score = model.late(effect.delay).score
         fitted: Effect = effect
@@ -238,10 +270,20 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
         else:
             values[amplitudes_of(effect)] += own
             fitted = effect.with_values(values)
-    gain = worth(model.score, score, _colour(model, effect)) - float(np.log(tried))
+            if effect.gate is not Gate.ALWAYS:
+                colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
+    gain = worth(model.score, score, colour) - float(np.log(tried))
     if not _is_possible(fitted):
         gain = min(gain, 0.0)
     return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
+
+
+def added_worth(less: Model, model: Model, effect: Effect) -> float:
+    """What an effect of a model is worth, against one without; of what does not act everywhere, beside noise of the
+    colour that is left with it: a push is like anything that drifts."""
+    if effect.gate is Gate.ALWAYS:
+        return worth(less.score, model.score, None)
+    return worth(less.score, model.score, model.colour if effect.gate.ends else 1.0)
 
 
 def _is_possible(effect: Effect) -> bool:
@@ -257,14 +299,16 @@ def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
     if isinstance(one.candidate, Refit):
         return one
     if isinstance(one.candidate, Law):
-        new = replace(model, laws=(*model.laws, one.candidate)).refitted(model.cart)
-        return replace(one, model=new, error=standard_error(model.score, new.score))
+        law = screen.tuned(one.candidate)
+        new = replace(model, laws=(*model.laws, law)).refitted(model.cart)
+        gain = worth(model.score, new.score, None) - float(np.log(one.tried))
+        return Attempt(law, gain, one.tried, new, standard_error(model.score, new.score))
     best = refined(absent(one.candidate), screen.gain)
     best_attempt = attempt(model, best, one.tried)
     effect = best_attempt.candidate
     assert not isinstance(effect, Law | Refit)
     new = model.refitted(model.cart.with_effect(effect))
-    gain = worth(model.score, new.score, _colour(model, effect)) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
+    gain = added_worth(model, new, effect) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
     fitted = next(e for e in new.cart.effects if e.key == effect.key)
     error = standard_error(model.score, new.score) if effect.gate is Gate.ALWAYS else 0.0
     return Attempt(fitted, gain, one.tried, new, error)
@@ -291,12 +335,22 @@ def searched_again(model: Model) -> Model:
         if isinstance(effect, ConstraintEffect):
             continue
         less = model.refitted(model.cart.without_effect(effect.key))
-        best = refined(absent(effect), Screen(less).gain)
+        screen = Screen(less)
+        near = [absent(effect), *_elsewhere(less, screen, effect)]
+        best = max((refined(one, screen.gain) for one in near), key=screen.gain)
         if not np.allclose(best.values, absent(effect).values):
             fitted = attempt(less, best, 1).candidate
             assert not isinstance(fitted, Law | Refit)
             model = less.refitted(less.cart.with_effect(fitted))
     return model
+
+
+def _elsewhere(model: Model, screen: Screen, effect: Effect) -> list[Effect]:
+    """Where else, or when, an effect may act: what was there alone may have hidden it."""
+    if effect.gate is Gate.ALWAYS:
+        return []
+    known = families(model.cart, model.logs[0].wrenches.arms)
+    return [absent(one) for family in known if family.key == effect.key for one in screen.best(family)[0]]
 
 
 def dropped(model: Model, least: float) -> Model:
@@ -305,7 +359,7 @@ def dropped(model: Model, least: float) -> Model:
         losses = []
         for effect in added(model):
             less = model.refitted(model.cart.without_effect(effect.key))
-            losses.append((worth(less.score, model.score, _colour(model, effect)), less))
+            losses.append((added_worth(less, model, effect) + ODDS.get(effect.name, 0.0), less))
         for law in model.laws:
             less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
             losses.append((worth(less.score, model.score, None), less))

@@ -99,8 +99,8 @@ class Balances:
         return self._with_same_rows(replace(self, reference=reference, heard=heard))
 
     def late(self, lateness: float) -> Balances:
-        """With wrenches that were felt `lateness` (s) before they were recorded."""
-        return replace(self, wrenches=self.wrenches.late(self.log, lateness))
+        """The same rows with wrenches that were felt `lateness` (s) before they were recorded."""
+        return self._with_same_rows(replace(self, wrenches=self.wrenches.late(self.log, lateness)))
 
     def with_more_noise(self, cart: CartModel, generator: np.random.Generator) -> Balances:
         """With the noise of its motion's sensors added once more."""
@@ -165,10 +165,10 @@ class Balances:
     @cached_property
     def used(self) -> np.ndarray:
         """Of all test functions, those in whose support everything was seen and the cart moves: where it stands,
-        anything may hold it. Where it stands throughout, all that was seen."""
+        anything may hold it. Where it stands throughout, all that was seen. How late sensors are changes nothing."""
         test = self._test
         touches = csr_array((np.ones_like(test.data), test.indices, test.indptr), shape=test.shape)
-        seen = touches @ (~self.wrenches.seen).astype(float) == 0
+        seen = touches @ (~(self.wrenches.seen & self.wrenches.ahead)).astype(float) == 0
         moves = touches @ (self.turning_speed > self.still_speed).astype(float) > 0
         return np.flatnonzero(seen & moves if (seen & moves).any() else seen)
 

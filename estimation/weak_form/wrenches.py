@@ -19,6 +19,8 @@ from .motion import LONGEST_GAP, Motion
 
 LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
 """N/√Hz, N·m/√Hz, and of a covariance: keeps wrenches without noise, and points without an arm, solvable."""
+LATEST = 0.25
+"""s: later than any sensor that is asked about."""
 
 
 class Densities(NamedTuple):
@@ -35,7 +37,8 @@ class Densities(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class GridWrenches:
     """Contact points (arms, n, 3) with planar grasp maps (arms, n, 3, 6) and wrenches in {a} (arms, n, 6) at times (n,)
-    of a motion; where motion and contacts are seen (`held`, (n,)), and where all is (`seen`, (n,))."""
+    of a motion; where motion and contacts are seen (`held`, (n,)), where all is (`seen`, (n,)), and where it would be,
+    however late sensors are (`ahead`, (n,))."""
 
     arms: tuple[str, ...]
     motion: Motion
@@ -44,6 +47,7 @@ class GridWrenches:
     recorded: Array
     held: np.ndarray
     seen: np.ndarray
+    ahead: np.ndarray
 
     @classmethod
     def on(cls, log: RunLog, motion: Motion, lateness: float = 0.0) -> GridWrenches:
@@ -54,7 +58,9 @@ class GridWrenches:
             contacts[i], own = _held(log.time, arm.contact, motion.time)
             held &= own
         grasps = np.array([grasp_map_planar(own) for own in contacts]).reshape(*shape, 3, 6)
-        return cls(tuple(log.arms), motion, contacts, grasps, np.zeros((*shape, 6)), held, held).late(log, lateness)
+        whole = cls(tuple(log.arms), motion, contacts, grasps, np.zeros((*shape, 6)), held, held, held).late(log, 0.0)
+        ahead = _before_none(whole.seen, round(LATEST / motion.step)) if log.arms else held
+        return replace(whole, ahead=ahead).late(log, lateness)
 
     def late(self, log: RunLog, lateness: float) -> GridWrenches:
         """Of the same log, and sensors that tell what they felt `lateness` (s) ago."""
@@ -166,3 +172,9 @@ def _held(time: Array, contact: Array, grid: Array) -> tuple[Array, np.ndarray]:
         return np.zeros((len(grid), 3)), np.zeros(len(grid), dtype=bool)
     last = np.searchsorted(time[known], grid + 1e-9) - 1
     return contact[known[np.maximum(last, 0)]], last >= 0
+
+
+def _before_none(seen: np.ndarray, count: int) -> np.ndarray:
+    """Where (n,) what comes is seen, too, up to `count` points ahead."""
+    unseen = np.append(0, np.cumsum(~np.append(seen, np.zeros(count, dtype=bool))))
+    return np.asarray(unseen[count + 1 :] == unseen[: len(seen)])

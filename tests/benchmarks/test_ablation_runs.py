@@ -221,7 +221,9 @@ def test_sealed_logs_sit_their_own_exam(tmp_path):
     told["parameter_mismatch"] = {"mass": {"nominal": 30.0, "refitted": 21.0, "std": 0.1}}
     assert first.mark(told, "") == Mark(False, 1, 0.05)
     assert first.mark(report("explained", entry("rolling_resistance")), "") == Mark(True, 0, None)
-    assert second.mark(report("unexplained"), "") == Mark(True, 0, None)
+    law = entry("learned_force") | {"law": {"of": "time", "period": None}}
+    assert second.mark(report("explained", law), "") == Mark(True, 0, None)
+    assert not second.mark(report("unexplained"), "").is_right
     assert first.mark(None, "why") == Mark(False, 0, None)
 
 

@@ -60,25 +60,48 @@ def test_each_of_a_pair_needs_an_entry_of_its_own():
 def test_nothing_and_what_has_no_name():
     assert Judgement(truth(), report("no_discrepancy")).called_nothing
     assert not Judgement(truth(), report("explained", entry("force_bias"))).called_nothing
+
+
+def law(of, value=None, unit="m"):
+    period = value and {"value": value, "std": 0.001, "unit": unit}
+    return entry("learned_force") | {"law": {"acts_on": "forward_force", "of": of, "period": period}}
+
+
+GAP = {"gap": {"refitted": 0.1, "after": 0.03, "noise_floor": 0.01}}
+
+
+def test_what_has_no_name_is_a_law_of_its_variable():
     flat = truth(effect("flat_spot", {"period": 0.4}, outside=True))
-    good = Judgement(flat, report("unexplained", unexplained={"period": {"value": 0.41}}))
-    assert good.called_unexplained
+    good = Judgement(flat, report("explained", law("travelled_distance", 0.402)) | GAP)
+    assert good.variable_right
     assert good.period_right
+    assert good.closed == pytest.approx((0.1**2 - 0.03**2) / (0.1**2 - 0.01**2))
+    assert good.law_right
+    open_gap = Judgement(
+        flat, report("explained", law("travelled_distance", 0.402)) | {"gap": GAP["gap"] | {"after": 0.06}}
+    )
+    assert not open_gap.law_right
     forced = Judgement(flat, report("partly_explained", entry("wheel_drag_imbalance")))
-    assert not forced.called_unexplained
-    assert forced.partly
+    assert not forced.variable_right
     assert forced.period_right is False
-
-
-def test_a_period_has_a_unit_and_a_cause():
-    flat = truth(effect("flat_spot", {"period": 0.4}, outside=True))
-    told = {"depends_on": ["forward force: travelled distance, periodic with a period of 0.401 m"], "period": 0.401}
-    metres = Judgement(flat, report("unexplained", unexplained=told | {"period_unit": "m"}))
-    assert metres.period_right
-    assert metres.dependence_right
-    seconds = Judgement(flat, report("unexplained", unexplained={"period": 0.401, "period_unit": "s"}))
+    assert forced.wrong_names == ("wheel_drag_imbalance",)
+    assert not forced.law_right
+    other = Judgement(flat, report("explained", law("travelled_distance", 0.42)) | GAP)
+    assert other.period_right is False
+    seconds = Judgement(flat, report("explained", law("time", 0.4, "s")) | GAP)
+    assert not seconds.variable_right
     assert seconds.period_right is False
-    assert not seconds.dependence_right
+
+
+def test_the_name_beside_a_law_is_asked_for_and_a_law_alone_is_a_wrong_answer_to_a_name():
+    both = truth(effect("warming", outside=True), effect("rolling_resistance"))
+    assert Judgement(both, report("explained", law("time"), entry("rolling_resistance")) | GAP).law_right
+    assert not Judgement(both, report("explained", law("time")) | GAP).law_right
+    alone = Judgement(truth(effect("rolling_resistance")), report("explained", law("time")))
+    assert alone.wrong_names == ("learned_force",)
+    assert not alone.exact
+    cubic = Judgement(truth(effect("cubic_drag", outside=True)), report("explained", entry("quadratic_drag")) | GAP)
+    assert cubic.law_right
 
 
 def test_probabilities_beside_truth():

@@ -244,6 +244,9 @@ def test_wrong_usage(capsys, diagnose, tmp_path, sealed):
     log = log_file(tmp_path, sealed.table)
     cart = tmp_path / "cart.yaml"
     diagnose(None, log).refused(2, log, "is given twice")
+    copy = log.with_name("copy.csv")
+    copy.write_bytes(log.read_bytes())
+    diagnose(None, copy).refused(2, copy, f"holds the rows of {log}")
     run(capsys, "discrepancy", log).refused(2, "--cart is missing")
     run(capsys, "discrepancy").refused(2, "LOG")
     run(capsys, "discrepancy", tmp_path / "no.csv", "--cart", cart).refused(3, "no.csv")

@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import LearnedForce, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.certainty import Certainty
 from estimation.discrepancy.course import Course
-from estimation.discrepancy.laws import Place, Scan, smooth_laws
+from estimation.discrepancy.laws import smooth_laws
 from estimation.discrepancy.model import Model
+from estimation.discrepancy.periods import OF, Scan
 from estimation.discrepancy.search import worth
 from estimation.weak_form.balances import Balances
 
@@ -43,8 +44,13 @@ def rolled(time, speed):
     return np.cumsum(np.append(0.0, np.diff(time)) * speed)
 
 
-def variables(found):
-    return " ".join(found.unexplained["depends_on"])
+def law_of(found):
+    """The one law that was found, as a report tells it, and its effect; and nothing else."""
+    (effect,) = found.effects
+    assert effect.name == "learned_force"
+    assert effect.probability > 0.5
+    assert found.unexplained["depends_on"] == []
+    return effect.as_dict()["law"], effect.law
 
 
 @pytest.mark.parametrize("is_drag", [False, True])
@@ -57,13 +63,14 @@ def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back
         way = rolled(time, speed if turns_back else np.abs(speed))
         return 4.0 * np.sin(2 * np.pi * way / 0.4) * (np.sign(speed) if is_drag else 1.0)
 
-    found = diagnose(resisted(force, 3, 30.0), CART)
-    assert found.verdict == "unexplained"
-    assert not found.effects
-    assert "travelled distance" in variables(found)
-    assert found.unexplained["period"] == pytest.approx(0.4, rel=0.02)
-    assert found.unexplained["period_unit"] == "m"
-    assert found.unexplained["size"]["forward_force"] == pytest.approx(4.0 / 2**0.5, rel=0.3)
+    law, own = law_of(diagnose(resisted(force, 3, 30.0), CART))
+    assert law["of"] == "travelled_distance"
+    assert law["acts_on"] == "forward_force"
+    assert law["period"]["unit"] == "m"
+    assert law["period"]["value"] == pytest.approx(0.4, abs=max(3 * law["period"]["std"], 0.0005))
+    assert law["period"]["std"] < 0.002
+    assert own.size == pytest.approx(4.0 / 2**0.5, rel=0.3)
+    assert "radius 64 mm" in law["likely"]
 
 
 @pytest.mark.parametrize("seed", [3, 4])
@@ -81,9 +88,9 @@ def test_a_period_is_the_whole_turn():
         phase = 2 * np.pi * rolled(time, truth[:, 3]) / 1.6
         return 5.0 * np.sin(2 * phase) + 4.0 * np.sin(5 * phase)
 
-    found = diagnose(resisted(force, 3, 40.0), CART)
-    assert "travelled distance" in variables(found)
-    assert found.unexplained["period"] == pytest.approx(1.6, rel=0.02)
+    law, _ = law_of(diagnose(resisted(force, 3, 40.0), CART))
+    assert law["of"] == "travelled_distance"
+    assert law["period"]["value"] == pytest.approx(1.6, rel=0.002)
 
 
 def test_seams_across_the_floor_are_found_by_their_distance():
@@ -92,9 +99,10 @@ def test_seams_across_the_floor_are_found_by_their_distance():
     def force(time, truth):
         return 6.0 * np.sin(2 * np.pi * truth[:, 0] / 0.7) * np.cos(truth[:, 2])
 
-    found = diagnose(resisted(force, 4, 60.0), CART)
-    assert "place" in variables(found)
-    assert found.unexplained["period"] == pytest.approx(0.7, rel=0.03)
+    law, _ = law_of(diagnose(resisted(force, 4, 60.0), CART))
+    assert (law["of"], law["acts_on"]) == ("place", "world_force")
+    assert law["period"]["value"] == pytest.approx(0.7, rel=0.003)
+    assert "0.7 m of the floor along x" in law["words"]
 
 
 def test_a_floor_that_slopes_has_its_name():
@@ -113,8 +121,8 @@ def test_a_floor_that_slopes_has_its_name():
 
 def test_a_floor_with_a_grain_has_none():
     """A force twice round with the heading."""
-    found = diagnose(resisted(lambda time, truth: 4.0 * np.sin(2 * truth[:, 2]), 3, 40.0), CART)
-    assert "heading" in variables(found)
+    law, _ = law_of(diagnose(resisted(lambda time, truth: 4.0 * np.sin(2 * truth[:, 2]), 3, 40.0), CART))
+    assert law["of"] == "heading"
 
 
 DRAGS = {
@@ -130,7 +138,10 @@ DRAGS = {
 def test_a_drag_that_grows_with_something_is_found(name):
     """Flat in speed or not."""
     found = diagnose(resisted(lambda time, truth: 5.0 * DRAGS[name](time, truth), 4, 30.0), CART)
-    assert any(name.split(",")[0] in one and "drag" in one for one in found.unexplained["depends_on"])
+    law, _ = law_of(found)
+    assert law["of"] == name.split(",")[0].replace(" ", "_")
+    assert "drag" in law["acts_on"]
+    assert found.verdict == "explained"
 
 
 @pytest.mark.parametrize(("variable", "lever"), [("time", 0.0), ("way", 0.0), ("way", 0.3), ("x", 0.0)])
@@ -141,7 +152,8 @@ def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
     place = np.column_stack([way * np.cos(heading), way * np.sin(heading)])
     course = Course(time, way, np.abs(way), heading, np.gradient(way), np.zeros(2001), place, np.abs(way))
     pull = random.standard_normal((2001, 2))
-    scan = Scan(variable, "", Place(lever=lever, is_wheel=True), np.arange(0.5, 4.0, 0.4 / 20.0))
+    acts_on = "world_force" if variable == "x" else "forward_force"
+    scan = Scan(variable, LearnedForce(acts_on, OF[variable], lever=lever, period=1.0), "", np.arange(0.5, 4.0, 0.02))
     weight = pull[:, 0] - lever * pull[:, 1]
     weight = weight * (np.cos(heading) if variable == "x" else 1.0)
     phase = 2j * np.pi * (getattr(course, variable) - lever * heading)
@@ -160,6 +172,7 @@ def test_noise_of_the_motion_is_explained_by_no_law_and_no_light_body(seed):
     model = Model.started([Balances.of(log, true)], cart_of((20.0, 0.3, 0.0, 2.0, 2.0, 1.0)))
     std = Certainty(model).parameters["inertia"].std
     assert abs(model.cart.inertia.about_com - true.inertia.about_com) < 3 * std < 0.2
-    law = next(one for one in smooth_laws(True) if (one.name, one.form) == ("heading", "moment"))
+    laws = smooth_laws(model.motions, model.cart)
+    law = next(one for one in laws if (one.name, one.form) == ("heading", "moment"))
     more = replace(model, laws=(law,)).refitted(model.cart)
     assert worth(model.score, more.score, None) < 30.0

@@ -45,7 +45,7 @@ def diagnosis():
     final = nominal.refitted(nominal.cart.with_effect(ADDED_EFFECT)).rewhitened()
     before, after = residuals(nominal, final), residuals(final, final)
     best = Attempt(ADDED_EFFECT, 310.25, 1, final)
-    attempts = (best, Attempt(QuadraticDrag(3.0), 20.5, 1), Attempt(smooth_laws(False)[0], 2.0, 7))
+    attempts = (best, Attempt(QuadraticDrag(3.0), 20.5, 1), Attempt(smooth_laws([balances.motion], CART)[0], 2.0, 7))
     numbers = {"before": 0.031, "refitted": 0.021, "after": 0.0021, "noise_floor": 0.002}
     effect = SimpleNamespace(
         name="rolling_resistance",
@@ -67,6 +67,7 @@ def diagnosis():
         checks=with_clock_offsets([checked(log, CART, balances)], clock_offsets(final)),
         unexplained={"size": {}, "depends_on": ["forward force: <b>"]},
         file_parameters={"mass": (24.0, ParameterEstimate(23.9, 0.12, "kg", True))},
+        disagrees=True,
         is_refused=False,
         sentence=f"The model lacks rolling_resistance. {SCRIPT}",
         verdict="explained",

@@ -111,4 +111,4 @@ def test_simulations_that_run_away_are_refused(monkeypatch):
     model = Model.started([Balances.of(simulate(TRUTH, 0, 12.0)[0], CART)], CART)
     monkeypatch.setattr(module.Rollouts, "gaps", lambda self: np.full(len(HORIZONS), np.nan))
     with pytest.raises(DataError, match=r"run: .*SI units"):
-        measured_gap(CART, model, model)
+        measured_gap(model, model)

@@ -123,6 +123,7 @@ def diagnosis(names, hidden=0, verdict="explained", laws=(), arms=("hand",)):
         cart=CART.with_effect(RollingResistance(coefficient=0.02)),
         checks=(SimpleNamespace(noise=SimpleNamespace(force=3.0, moment=0.1), rate=100.0),),
         final=SimpleNamespace(logs=(balances,), laws=laws),
+        withdrawn=(),
         isolability={str(k): SimpleNamespace(is_shown=k >= hidden) for k in range(10)},
         verdict=verdict,
     )

@@ -40,7 +40,7 @@ WHEELS = WheelSet.of(
 def test_a_gap_far_above_the_floor_is_not_explained(after, floor, verdict):
     """Unless little is left of what was there: 0.1 m."""
     gap = SimpleNamespace(refitted=0.1, after=after, noise_floor=floor)
-    found = SimpleNamespace(disagrees=True, effects=("one",), laws=(), gap=gap)
+    found = SimpleNamespace(disagrees=True, effects=("one",), gap=gap)
     assert Diagnosis.verdict.func(found) == verdict
 
 

@@ -1,0 +1,44 @@
+"""Of a drag that follows something, what is there everywhere: every wheel resists, and that has a name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from cartgrasp.effects import RollingResistance
+from cartgrasp.wheels import GRAVITY
+
+from .laws import Law, seen_values
+from .model import Model
+from .plausible import is_negligible
+
+LEAST_SURE = 2.0
+"""Standard deviations by which a drag is never nought."""
+
+
+def with_floor_named(model: Model) -> Model:
+    """With rolling resistance in place of the least that a drag of one of the laws ever was."""
+    for law in model.laws:
+        force = law.effects[0]
+        if force.acts_on != "drag" or not law.has_constant or RollingResistance.name in model.names:
+            continue
+        place = model.law_places[model.laws.index(law)]
+        seen = seen_values(force, model.motions)
+        shares = force.shares(seen) @ law.basis
+        drag = shares @ model.score.fit[place]
+        least = int(np.argmin(drag))
+        std = float(np.sqrt(shares[least] @ model.score.covariance[place, place] @ shares[least]))
+        weight = GRAVITY * model.cart.inertia.mass
+        if is_negligible(RollingResistance(max(drag[least] - LEAST_SURE * std, 0.0) / weight)):
+            continue
+        laws = tuple(_beyond(one, shares[least]) if one is law else one for one in model.laws)
+        cart = model.cart.with_effect(RollingResistance(float(drag[least]) / weight))
+        return replace(model, laws=laws).refitted(cart)
+    return model
+
+
+def _beyond(law: Law, share: np.ndarray) -> Law:
+    """Without what is the same everywhere: none where its numbers count so much (q,)."""
+    rest = np.linalg.svd(law.basis - share)
+    return replace(law, basis=rest.U[:, : law.size - 1] * rest.S[: law.size - 1])
