@@ -68,10 +68,17 @@ def _print(found: Diagnosis) -> None:
             ", ".join(e.confusable_with),
         ]
         for e in found.effects
+        if e.law is None
         for name, (value, std, unit) in e.parameters.items()
     ]
     if rows:
         print_table("Added", ["effect", "prob.", "parameter", "value", "sd", "unit", "not told apart from"], rows)
+    for e in found.effects:
+        if e.law is not None:
+            print(
+                f"Added {e.name} {e.label}".rstrip()
+                + f" (prob. {e.probability:.2f}): {e.law.words}; likely {e.law.likely}"
+            )
     for experiment in found.next_experiments[:MOST_WHERE]:
         print(f"next: {experiment}")
 

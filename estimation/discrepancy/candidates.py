@@ -8,7 +8,7 @@ from itertools import count, product
 
 import numpy as np
 
-from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LearnedForce, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.force_scale import ForceScale
 from cartgrasp.effects.time_delay import TimeDelay
@@ -30,9 +30,12 @@ class Family:
     variants: tuple[Effect, ...]
 
 
-def families(cart: CartModel, arms: Sequence[str]) -> list[Family]:
-    """Every effect of the vocabulary that the cart may have beside those it has, gates open."""
-    found = []
+def families(cart: CartModel, arms: Sequence[str], others: Sequence[Effect] = ()) -> list[Family]:
+    """Every effect of the vocabulary that the cart may have beside those it has, gates open; and others that are no
+    laws, as they are."""
+    has = {effect.key for effect in cart.effects}
+    own = (one for one in others if not isinstance(one, LearnedForce) and one.key not in has)
+    found = [Family(one.key, (one,)) for one in own]
     for kind in KNOWN_EFFECTS.values():
         if not kind.searched or (not arms and (kind.name in INERTIAL or is_of_wrenches(kind))):
             continue

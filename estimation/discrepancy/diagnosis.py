@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cartgrasp.effects import EndStop
+from cartgrasp.effects import Effect, EndStop, LearnedForce
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
@@ -209,6 +209,16 @@ class Diagnosis:
         return sentence(self)
 
     @cached_property
+    def named_share(self) -> float:
+        """Of the held-out gap above the noise floor, what names alone close (0 to 1)."""
+        whole = self.gap.refitted**2 - self.gap.noise_floor**2
+        if whole <= 0.0 or not self.effects:
+            return 0.0
+        bare = replace(self.final, laws=()).refitted(self.final.cart) if self.final.laws else self.final
+        left = _error(held_out_rollouts(bare)) if self.final.laws else self.gap.after
+        return float(np.clip((self.gap.refitted**2 - left**2) / whole, 0.0, 1.0))
+
+    @cached_property
     def next_experiments(self) -> tuple[str, ...]:
         """What to record next."""
         return next_experiments(self)
@@ -221,17 +231,26 @@ class Diagnosis:
 
 
 def diagnose(
-    logs: RunLog | Sequence[RunLog], cart: CartModel, progress: Callable[[str], None] | None = None
+    logs: RunLog | Sequence[RunLog],
+    cart: CartModel,
+    progress: Callable[[str], None] | None = None,
+    candidates: Sequence[Effect] = (),
 ) -> Diagnosis:
-    """Finds where logs and the cart's model disagree, names what is missing, and adds it.
+    """Finds where logs and the cart's model disagree, names what is missing, and adds it. Beside the vocabulary and
+    laws of its own it tries `candidates`: effects, of classes of one's own, too, and laws (`LearnedForce`) at their
+    settings; their amplitudes are fitted.
 
-    Raises DataError for a log that can't be used.
+    Raises DataError for a log that can't be used, UsageError for a candidate that the cart has already.
     """
+    has = {effect.key for effect in cart.effects}
+    for one in candidates:
+        if one.key in has and not isinstance(one, LearnedForce):
+            raise UsageError(f"diagnose: candidates: the cart has {one.key} already; give another label")
     logs = [logs] if isinstance(logs, RunLog) else list(logs)
     if not logs:
         raise UsageError("diagnose: no log is given; at least one is needed")
     try:
-        return _diagnosed(logs, cart, progress or (lambda _: None))
+        return _diagnosed(logs, cart, progress or (lambda _: None), tuple(candidates))
     except np.linalg.LinAlgError as error:
         raise DataError(
             f"{', '.join(log.name for log in logs)}: the equations of a fit have no solution; look for long stretches "
@@ -239,7 +258,9 @@ def diagnose(
         ) from error
 
 
-def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None]) -> Diagnosis:
+def _diagnosed(
+    logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None], candidates: tuple[Effect, ...]
+) -> Diagnosis:
     parts, known, checks, hits = list[Balances](), list[Band | None](), [], list[Impact]()
     for log in (part for whole in logs for part in _without_holes(whole)):
         tell(f"reading {log.name}")
@@ -257,7 +278,7 @@ def _diagnosed(logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], No
         known += [consistent(bands(part, cart)) for part in between] or [band]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
-    found_in = _searched(parts, known, cart, tell) if is_moved else _at_rest(parts, cart)
+    found_in = _searched(parts, known, (cart, candidates), tell) if is_moved else _at_rest(parts, cart)
     nominal, final, steps, widest = found_in
     final, withdrawn = _upheld(final, nominal, steps, widest)
     tell("measuring the gap")
@@ -300,18 +321,21 @@ Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
 
 
 def _searched(
-    parts: Sequence[Balances], known: Sequence[Band | None], cart: CartModel, tell: Callable[[str], None]
+    parts: Sequence[Balances],
+    known: Sequence[Band | None],
+    asked: tuple[CartModel, tuple[Effect, ...]],
+    tell: Callable[[str], None],
 ) -> Searched:
     """In the widest band in which the model foretells the motion: with what it lacks, where that makes the mass the
     same in all bands, else without: in those that are `known` of the cart as it is."""
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
-        nominal, final, steps = _in_band(parts, cart, tell)
+        nominal, final, steps = _in_band(parts, asked, tell)
         again = (consistent(bands(balances, final.cart)) for balances in final.logs)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
             return nominal, final, steps, _extended(final, known)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
     long = [(b, band) for b, band in zip(narrowed, known, strict=True) if len(b.used)]
-    nominal, final, steps = _in_band([b for b, _ in long], cart, tell)
+    nominal, final, steps = _in_band([b for b, _ in long], asked, tell)
     return nominal, final, steps, _extended(final, [band for _, band in long])
 
 
@@ -322,10 +346,11 @@ def _extended(final: Model, known: Sequence[Band | None]) -> tuple[Band | None, 
 
 
 def _in_band(
-    parts: Sequence[Balances], cart: CartModel, tell: Callable[[str], None]
+    parts: Sequence[Balances], asked: tuple[CartModel, tuple[Effect, ...]], tell: Callable[[str], None]
 ) -> tuple[Model, Model, list[Step]]:
     tell("fitting the model as it is")
-    nominal = Model.started(parts, cart)
+    cart, candidates = asked
+    nominal = replace(Model.started(parts, cart), candidates=candidates)
     return nominal, *search(nominal, tell)
 
 

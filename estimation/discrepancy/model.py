@@ -9,7 +9,7 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
@@ -115,9 +115,10 @@ class RowNoise:
 @dataclass(frozen=True, eq=False)
 class Model:
     """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
-    follow and no effect of the vocabulary makes. Where models are compared, rows are told apart from what neighbours
-    and balances share. To fit one they are not: that would weigh what changes fast, which models know least, and hand
-    what is missing in one balance to another; the deviations of a fit allow for it (`certainty.py`)."""
+    follow and no effect of the vocabulary makes; `candidates` may be missing, too. Where models are compared, rows are
+    told apart from what neighbours and balances share. To fit one they are not: that would weigh what changes fast,
+    which models know least, and hand what is missing in one balance to another; the deviations of a fit allow for it
+    (`certainty.py`)."""
 
     guess: CartModel
     cart: CartModel
@@ -128,6 +129,7 @@ class Model:
     wide: frozenset[str] = frozenset()
     believed: Prior | None = None
     at_bound: np.ndarray | None = None
+    candidates: tuple[Effect, ...] = ()
     compares: bool = False
 
     @property
@@ -252,6 +254,12 @@ class Model:
         first = int(self.prior.free.sum()) + len(self.cart.constraint_effects)
         edges = accumulate((law.size for law in self.laws), initial=first)
         return tuple(slice(begin, end) for begin, end in pairwise(edges))
+
+    @property
+    def other_laws(self) -> list[tuple[Law, int]]:
+        """Candidates that are laws and not among the model's, each tried once."""
+        found = [Law.free("as proposed", one) for one in self.candidates if isinstance(one, LearnedForce)]
+        return [(law, 1) for law in found if law.key not in {own.key for own in self.laws}]
 
     @property
     def law_numbers(self) -> list[Array]:

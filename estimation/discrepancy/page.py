@@ -99,6 +99,16 @@ def _effects(found: Diagnosis) -> str:
         name, rest = f"{effect.name} {effect.label}".strip(), ", ".join(effect.confusable_with) or "-"
         head = [name, f"{100 * effect.probability:.1f} %", rest]
         share = f"{100 * effect.gap_share:.0f} %"
+        if effect.law is not None:
+            rows.append(
+                [
+                    *head,
+                    f"{len(effect.parameters)} amplitudes",
+                    f"{effect.law.words}; likely {effect.law.likely}",
+                    share,
+                ]
+            )
+            continue
         for parameter, (value, std, unit) in effect.parameters.items():
             rows.append([*head, parameter, f"{value:.4g} ± {std:.2g} {unit}".rstrip(" -"), share])
             head, share = ["", "", ""], ""

@@ -32,6 +32,7 @@ class Report:
             "warnings": list(found.warnings),
             "where": [asdict(one) for one in found.where],
             "effects": [effect.as_dict() for effect in found.effects],
+            "named": found.named_share,
             "parameter_mismatch": found.parameter_mismatch,
             "unexplained": found.unexplained,
             "gap": found.gap.as_dict(),

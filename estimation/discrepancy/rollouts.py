@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.model import CartModel
+from cartgrasp.simulation.integrate import runge_kutta_4
 
 from ..weak_form.balances import STILL_SPEED, Balances
 
@@ -83,7 +85,10 @@ def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tupl
         point = state, motion.time[at], parameters
         push = (planar[at] + planar[np.minimum(at + 1, len(planar) - 1)]) / 2
         creep = _creep(cart, point, side[at]) * motion.step if cart.slip_compliance else 0.0
-        state = cart.dynamics.advanced(point, (push, ones), motion.step / count, count)
+        if cart.is_compiled:
+            state = cart.dynamics.advanced(point, (push, ones), motion.step / count, count)
+        else:  # effects from outside have no kernel
+            state = runge_kutta_4(partial(_rate, cart, push), motion.time[at], state, motion.step)
         state[:, :2] += creep
         if k + 1 in ends:
             last = first + k + 1
@@ -125,6 +130,10 @@ def _in_body(true: Array, found: Array) -> Array:
     error = (body_to_world(true[..., 2]).mT @ (found - true)[..., None])[..., 0]
     error[..., 2] = wrap_angle(error[..., 2])
     return error
+
+
+def _rate(cart: CartModel, push: Array, time: Array, state: Array) -> Array:
+    return cart.state_rate(state, push, time=time)
 
 
 def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) -> Array:

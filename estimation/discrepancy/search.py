@@ -13,7 +13,7 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 
 from ..weak_form.score import Score
-from .candidates import amplitudes_of, families
+from .candidates import Family, amplitudes_of, families
 from .drag_floor import with_floor_named
 from .laws import Law
 from .model import Model
@@ -133,7 +133,7 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
     for effect in added(model):
         less = model.refitted(model.cart.without_effect(effect.key))
         own = Attempt(effect, worth(less.score, model.score, None), 1, model)
-        others = (e for family in families(less.cart, less.logs[0].wrenches.arms) for e in family.variants)
+        others = (e for family in every_family(less) for e in family.variants)
         simpler = [e for e in others if e.gate is Gate.ALWAYS and len(e.parameters) < own.numbers]
         near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MOST_SWAPPED]
         found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
@@ -176,7 +176,7 @@ def resized(model: Model) -> Model:
 def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
     """All candidates, with laws or without, the most worth first; the best few refitted."""
     screen, found = Screen(model), []
-    for family in families(model.cart, model.logs[0].wrenches.arms):
+    for family in every_family(model):
         best, count = screen.best(family)
         own = [one for effect in best if np.isfinite((one := attempt(model, effect, count)).gain)]
         if own:
@@ -187,7 +187,7 @@ def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
             new = new.refitted(model.cart)
             gain, error = worth(model.score, new.score, None), standard_error(model.score, new.score)
             found.append(Attempt(Refit(effect), gain, 1, new, error))
-    for law, count in screen.laws() if has_laws else ():
+    for law, count in (*model.other_laws, *screen.laws()) if has_laws else ():
         score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
         found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
     found.sort(key=lambda one: -one.gain)
@@ -197,6 +197,11 @@ def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
     near = [extended(model, screen, one) for one in (*names, *laws) if one.gain > enough]
     rest = [one for one in found if one.key not in {n.key for n in near}]
     return sorted(near, key=lambda one: -one.gain) + rest
+
+
+def every_family(model: Model) -> list[Family]:
+    """Of the vocabulary, and from outside."""
+    return families(model.cart, model.logs[0].wrenches.arms, model.candidates)
 
 
 def _simplest(laws: list[Attempt]) -> list[Attempt]:
@@ -349,8 +354,8 @@ def _elsewhere(model: Model, screen: Screen, effect: Effect) -> list[Effect]:
     """Where else, or when, an effect may act: what was there alone may have hidden it."""
     if effect.gate is Gate.ALWAYS:
         return []
-    known = families(model.cart, model.logs[0].wrenches.arms)
-    return [absent(one) for family in known if family.key == effect.key for one in screen.best(family)[0]]
+    known = (family for family in every_family(model) if family.key == effect.key)
+    return [absent(one) for family in known for one in screen.best(family)[0]]
 
 
 def dropped(model: Model, least: float) -> Model:
