@@ -66,6 +66,8 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_MOVED": "of a linear step",
         "LEAST_LEFT": "keeps it solvable",
         "PERIOD_STEP": "first step",
+        "SETTING_STEP": "of a finite difference",
+        "RELATIVE_STEP": "of a finite difference",
         "FAINT": "range of a grid",
         "DOUBLINGS": "range of a grid",
         "POINTS": "grid",

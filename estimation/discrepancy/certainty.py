@@ -9,7 +9,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
@@ -20,6 +20,7 @@ from cartgrasp.motion import ParameterEstimate
 from ..prior import Prior, report_names, report_units
 from ..weak_form.band import Band, pooled
 from ..weak_form.fit import coordinates, with_coordinates
+from ..weak_form.score import Score
 from .laws import Law
 from .learned import LearnedLaw, learned
 from .model import FORM_LEVER, Model
@@ -40,6 +41,8 @@ LEAST_LEFT = 0.05
 """Of a stretch's residual, that a fit leaves: what it tells alone scatters no more."""
 PERIOD_STEP = 1e-4
 """Of a period: where a search for how well it is known begins."""
+SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
+"""By their unit, else of its value: steps of differences by a setting."""
 SIZE_SHARE = 0.03
 """Of an effect's size: what its form leaves open, which no length of a log makes less."""
 
@@ -137,25 +140,40 @@ class Certainty:
         beside[: len(free), : len(free)] = self.undecided[np.ix_(free, free)]
         return np.asarray(found + beside)
 
-    @cached_property
+    @property
     def _covariance(self) -> Array:
-        """Of the rows' columns (q, q): the larger of what noise makes of them, and what stretches scatter (a sandwich
-        estimator with clusters, whose residuals are as much larger as the fit makes them smaller: CR2, Bell and
-        McCaffrey 2002)."""
-        model, score = self.model, self.model.score
-        kept = np.tensordot(score.scale**-2.0, model.sums, (0, 0))
-        q = len(score.fit)
-        pulls = kept[:, :q, q] - kept[:, :q, :q] @ score.fit
-        groups = model.folds.stretches
-        steps, root = [], np.linalg.cholesky(score.covariance)
-        for group in np.unique(groups):
-            own = groups == group
-            share, axes = np.linalg.eigh(root.T @ kept[own, :q, :q].sum(axis=0) @ root)
-            pull = axes.T @ root.T @ pulls[own].sum(axis=0)
-            steps.append(root @ axes @ (pull / np.sqrt(np.maximum(1.0 - share, LEAST_LEFT))))
-        scatter = np.array(steps).T @ np.array(steps)
-        stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
-        return np.asarray(score.covariance * np.outer(stretch, stretch))
+        """Of the rows' columns (q, q), whatever the settings of added effects are."""
+        q = len(self.model.score.fit)
+        return self._joint[0][:q, :q]
+
+    @cached_property
+    def _joint(self) -> tuple[Array, dict[str, float]]:
+        """Covariance of the rows' columns and of the settings that the logs tell, and these settings' standard
+        deviations by full name: what a setting does to the rows is one column more (Gauss-Newton)."""
+        model, found = self.model, dict[str, tuple[Array, float]]()
+        for effect in (one for one in self._new if not isinstance(one, SensorEffect)):
+            for which in dict.fromkeys(move.which for move in moves(effect)):
+                step = SETTING_STEP.get(effect.parameters[which].unit, RELATIVE_STEP * abs(float(effect.values[which])))
+                ends = [effect.values + share * step * np.eye(len(effect.values))[which] for share in (-1.0, 1.0)]
+                if step and all(is_open(effect, end) for end in ends):
+                    bare = model.cart.without_effect(effect.key)
+                    low, high = (bare.with_effect(effect.with_values(end)) for end in ends)
+                    raw = [balances.between(low, high) / (2 * step) for balances in model.logs]
+                    found[effect.keys[which]] = model.whitened(raw), effect.parameters[which].typical
+        if not found:
+            return sandwich(model.sums, model.score, model.folds.stretches), {}
+        columns = np.concatenate([one for one, _ in found.values()], axis=2)
+        sums = model.folds.sums(model.rows_with(columns))
+        score = model.with_columns(columns, np.array([std for _, std in found.values()]))
+        whole = sandwich(sums, score, model.folds.stretches)
+        std = np.sqrt(np.diagonal(whole)[-len(found) :]).tolist()
+        return whole, dict(zip(found, std, strict=True))
+
+    @property
+    def _new(self) -> list[Effect]:
+        """Added effects but those of constraints."""
+        known = {effect.key for effect in self.model.guess.effects}
+        return [e for e in self.model.cart.effects if e.key not in known and not isinstance(e, ConstraintEffect)]
 
     @cached_property
     def parameters(self) -> dict[str, ParameterEstimate]:
@@ -212,9 +230,7 @@ class Certainty:
     @cached_property
     def _set(self) -> dict[str, tuple[Effect, dict[str, float]]]:
         """Added effects by key, at their most likely settings, with these settings' standard deviations."""
-        known = {effect.key for effect in self.model.guess.effects}
-        new = (e for e in self.model.cart.effects if e.key not in known and not isinstance(e, ConstraintEffect))
-        return {effect.key: self._of(effect) for effect in new if moves(effect)}
+        return {effect.key: self._of(effect) for effect in self._new if moves(effect)}
 
     def _of(self, effect: Effect) -> tuple[Effect, dict[str, float]]:
         from .search import absent
@@ -231,13 +247,32 @@ class Certainty:
         for which in dict.fromkeys(move.which for move in moves(effect)):
             unit = effect.parameters[which].unit
             size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
-            spread = _spread(partial(_gain_at, gain, none, which), size)
+            alone = _spread(partial(_gain_at, gain, none, which), size)
+            spread = max(alone, self._joint[1].get(effect.keys[which], 0.0))
             least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
                 name = effect.parameters[which].name
                 least = FORM_LEVER if name in "xy" else min(least, FORM_SHARE * abs(float(effect.values[which])))
             found[effect.keys[which]] = float(np.hypot(spread, least))
         return effect, found
+
+
+def sandwich(sums: Array, score: Score, groups: np.ndarray) -> Array:
+    """Covariance (q, q) of columns whose sums of products (c, b, q + 1, q + 1) have the residual last: the larger of
+    what noise makes of them, and what groups of blocks (b,) scatter (a sandwich estimator with clusters, whose
+    residuals are as much larger as the fit makes them smaller: CR2, Bell and McCaffrey 2002)."""
+    kept = np.tensordot(score.scale**-2.0, sums, (0, 0))
+    q = len(score.fit)
+    pulls = kept[:, :q, q] - kept[:, :q, :q] @ score.fit
+    steps, root = [], np.linalg.cholesky(score.covariance)
+    for group in np.unique(groups):
+        own = groups == group
+        share, axes = np.linalg.eigh(root.T @ kept[own, :q, :q].sum(axis=0) @ root)
+        pull = axes.T @ root.T @ pulls[own].sum(axis=0)
+        steps.append(root @ axes @ (pull / np.sqrt(np.maximum(1.0 - share, LEAST_LEFT))))
+    scatter = np.array(steps).T @ np.array(steps)
+    stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
+    return np.asarray(score.covariance * np.outer(stretch, stretch))
 
 
 def _gain_at(gain: Callable[[Effect], float], effect: Effect, which: int, distance: float) -> float:

@@ -304,6 +304,10 @@ class Balances:
                 slopes[..., i - first] = self._by_pose(whole, i, left)
         return self.integrated(slopes if share is None else share[:, None, None] * slopes)
 
+    def between(self, one: CartModel, other: CartModel) -> Array:
+        """How much more (k, c, 1) the motion takes of one cart than of another."""
+        return self.integrated(self._on_all((self.expected(other) - self.expected(one))[..., None]))
+
     def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""
         own = self.of_body(cart)

@@ -54,6 +54,7 @@ def diagnosis():
         parameters={"coefficient": (0.0201, 0.0007, "-")},
         confusable_with=("directional_drag",),
         gap_share=0.97,
+        law=None,
     )
     return SimpleNamespace(
         nominal_cart=CART,
