@@ -16,7 +16,7 @@ from cartgrasp.frames import Array
 from .candidates import amplitudes_of
 from .plausible import SPARE, is_within
 
-HALVINGS, EVALUATIONS = 6, 120
+HALVINGS, EVALUATIONS = 8, 160
 TIME_STEP, PLACE_STEP, DELAY_STEP = 0.4, 0.8, 0.01
 FACTOR = 1.6
 
