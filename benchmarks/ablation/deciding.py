@@ -49,6 +49,6 @@ DECIDING = (
         "CLOSED",
         A,
         inf,
-        "share of the gap that effects may leave, and a law closes",
+        "share of the gap that may be left where effects explain it",
     ),
 )

@@ -111,6 +111,7 @@ REASONS: dict[str, dict[str, str]] = {
         "PLACES": "knots of fields",
         "LEAST_SPAN": "keeps knots apart",
     },
+    "discrepancy.law_figure": dict.fromkeys(("LEAST_UNIT", "POINTS", "LEFT", "LAW"), "of a figure"),
     "discrepancy.learned": dict.fromkeys(("FORCES", "OF_TIME", "USUAL", "TURN", "WALK"), "words"),
     "discrepancy.periods": {
         "SCANNED": "grid of periods",

@@ -53,8 +53,7 @@ LONGEST_HOLE = 30.0
 OTHER_CART = 3.0
 """Standard deviations between masses of logs: they are of different loads."""
 CLOSED = 0.05
-"""Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it, and what a law
-closes at least."""
+"""Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -363,8 +362,8 @@ def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
 def _upheld(
     final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
 ) -> tuple[Model, tuple[Law, ...]]:
-    """Without effects of which next to nothing is left, without laws that close next to nothing of the gap, and without
-    the last ones as long as unseen stretches are predicted no better with them than by what is known, or refitted, and
+    """Without effects of which next to nothing is left, without laws that close nothing of the gap, and without the
+    last ones as long as unseen stretches are predicted no better with them than by what is known, or refitted, and
     farther off than noise; and the laws that were withdrawn."""
     for key in faded(final, _certainty(final, steps, known)):
         final = final.refitted(final.cart.without_effect(key)).settled()
@@ -373,10 +372,10 @@ def _upheld(
         return final, ()
     best = min(_error(file_rollouts(nominal)), _error(held_out_rollouts(nominal)))
     floor = _error(floor_rollouts(final))
-    whole, least = max(best**2 - floor**2, 0.0), max(best, floor)
+    least = max(best, floor)
     for law in laws:
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
-        if _error(held_out_rollouts(less)) ** 2 - _error(held_out_rollouts(final)) ** 2 < CLOSED * whole:
+        if _error(held_out_rollouts(less)) <= _error(held_out_rollouts(final)) > floor:
             final = less
     while (final.laws or added(final)) and _error(held_out_rollouts(final)) >= least:
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from .isolability import ALIKE
+from .law_figure import law_figure
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -38,6 +39,8 @@ def figures(diagnosis: Diagnosis) -> dict[str, str]:
     drawn = {"gap": _gap, "residuals": _residuals, "places": _places}
     if len(diagnosis.isolability) > 1:
         drawn["isolability"] = _isolability
+    if diagnosis.final.laws:
+        drawn["laws"] = law_figure
     plain = mpl.rc_context({"svg.hashsalt": "cartgrasp", "svg.fonttype": "none", "text.parse_math": False})
     with plain, warnings.catch_warnings():  # names come from logs: what looks like a formula is none
         warnings.filterwarnings("ignore", "Glyph")  # the reader's fonts draw it

@@ -208,10 +208,10 @@ def _of_world(motions: Sequence[Motion], ahead: float) -> Iterator[Law]:
     wind = LearnedForce("world_force", "time", ahead=ahead, knots=times)
     field, plane, bowl = _fields(motions)
     field = replace(field, acts_on="world_force", ahead=ahead)
-    yield _both_ways("wind", wind, FINE[:, None])
-    yield _both_ways("wind that turns", wind, _splines(FINE).T)
-    yield _both_ways("field", field, plane)
-    yield _both_ways("curved field", field, bowl)
+    yield both_ways("wind", wind, FINE[:, None])
+    yield both_ways("wind that turns", wind, _splines(FINE).T)
+    yield both_ways("field", field, plane)
+    yield both_ways("curved field", field, bowl)
 
 
 def _fields(motions: Sequence[Motion]) -> tuple[LearnedForce, Array, Array]:
@@ -235,9 +235,10 @@ def _knotted(form: str, acts_on: str, of: str, knots: Array, *shapes: Array) -> 
     return Law(form, (LearnedForce(acts_on, of, knots=tuple(knots.tolist())),), np.array(shapes, dtype=float).T)
 
 
-def _both_ways(form: str, effect: LearnedForce, basis: Array) -> Law:
+def both_ways(form: str, effect: LearnedForce, basis: Array) -> Law:
     """A force of the world along x, and one along y, each with a basis."""
-    return Law(form, (effect, replace(effect, direction=np.pi / 2)), np.kron(np.eye(2), basis).astype(float))
+    both = tuple(replace(effect, direction=way) for way in (0.0, np.pi / 2))
+    return Law(form, both, np.kron(np.eye(2), basis).astype(float))
 
 
 def _around(ends: Array) -> Array:

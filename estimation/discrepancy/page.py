@@ -64,7 +64,7 @@ def _sections(found: Diagnosis, drawn: dict[str, str]) -> dict[str, str]:
     return {
         "What the sensors seem to do": _list(found.warnings),
         "How far simulation goes astray": drawn["gap"] + _gap_table(found),
-        "What was added": _effects(found),
+        "What was added": _effects(found) + drawn.get("laws", ""),
         "Where they disagree": _list([one.sentence for one in found.where], nowhere)
         + drawn["residuals"]
         + "<p>Means over half a second, of the refitted nominal model and of the extended one; dotted where the size "

@@ -15,7 +15,7 @@ from cartgrasp.wheels import FIXED
 
 from ..weak_form.balances import THIN, Balances
 from .course import Course
-from .laws import AT_HANDS, Law
+from .laws import AT_HANDS, Law, both_ways
 
 SCANNED = (("time", 0.0, 0.25, 4.0), ("way", 0.0, 0.25, 2.5), ("x", 0.0, 0.3, 2.0), ("y", np.pi / 2, 0.3, 2.0))
 """Variables of a course, which way they go in the world, and between which periods a law is looked for."""
@@ -45,7 +45,9 @@ class Scan:
         numbers = tuple(float(k) for k in range(0 if has_mean else 1, harmonics + 1))
         form = self.place + (f" of {harmonics} harmonics" if harmonics > 1 else "") + (", with a mean" * has_mean)
         law = Law.free(form, replace(self.effect, period=period, harmonics=numbers, amplitudes=()))
-        return replace(law, basis=np.delete(law.basis, 1, axis=1)) if has_mean else law
+        law = replace(law, basis=np.delete(law.basis, 1, axis=1)) if has_mean else law
+        is_of_world = self.variable == "time" and self.effect.acts_on == "world_force"
+        return both_ways(form, law.effects[0], law.basis) if is_of_world else law
 
     def of(self, course: Course) -> Array:
         """The variable (n,) where the force is."""
@@ -56,12 +58,10 @@ class Scan:
     def columns(self, chosen: np.ndarray, course: Course, balances: Balances, cart: CartModel) -> Array:
         """Raw (k, c, v, 2) of cosines and sines of the chosen frequencies over a thinned course."""
         phase = 2 * np.pi * self.frequencies[chosen] * self.of(course)[:, None]
-        waves = np.stack([np.cos(phase), np.sin(phase)], axis=2) * self._along(course)[:, None, None]
+        waves, unit = np.stack([np.cos(phase), np.sin(phase)], axis=2), self._unit(course, cart.constraints.n_free)
         found = np.zeros((len(balances.used), balances.n_balances(cart), *waves.shape[1:]))
-        last, whole = cart.constraints.n_free - 1, balances.integrated(waves)
-        found[:, last if self._is_moment else 0] = whole
-        if self.effect.lever and not self._is_moment:
-            found[:, last] = -self.effect.lever * whole
+        for i in range(unit.shape[1]):
+            found[:, i] = balances.integrated(unit[:, i, None, None] * waves) if unit[:, i].any() else 0.0
         return found
 
     def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:
@@ -72,26 +72,25 @@ class Scan:
         count = round(1 / (step * float(np.diff(self.frequencies[:2])[0])))
         total = np.zeros(count)
         for course, pull in zip(courses, pulls, strict=True):
-            last = pull.shape[1] - 1
-            weight = pull[:, last] if self._is_moment else pull[:, 0]
-            if self.effect.lever and not self._is_moment:
-                weight = weight - self.effect.lever * pull[:, last]
             at = (self.of(course) - first) / step
             low = np.floor(at).astype(int)
-            signal = weight * self._along(course)
+            signal = (pull * self._unit(course, pull.shape[1])).sum(axis=1)
             for where, share in ((low, 1 - (at - low)), (low + 1, at - low)):
                 total += np.bincount(where % count, weights=signal * share, minlength=count)
         found = np.abs(np.fft.rfft(total)) ** 2
         return np.asarray(np.interp(self.frequencies, np.fft.rfftfreq(count, step), found), dtype=float)
 
-    @property
-    def _is_moment(self) -> bool:
-        return self.effect.acts_on == "yaw_moment"
-
-    def _along(self, course: Course) -> Array:
-        """Of a force's size, how much goes forward (n,)."""
-        is_of_world = self.effect.acts_on == "world_force"
-        return np.cos(self.effect.direction - course.heading) if is_of_world else np.ones(len(course.heading))
+    def _unit(self, course: Course, free: int) -> Array:
+        """What a unit of the force gives in the free directions (n, f)."""
+        effect, angle, found = self.effect, self.effect.direction - course.heading, np.zeros((len(course.time), free))
+        if effect.acts_on == "yaw_moment":
+            found[:, -1] = 1.0
+            return found
+        is_of_world = effect.acts_on == "world_force"
+        if free > 1:
+            found[:, -1] = effect.ahead * np.sin(angle) if is_of_world else -effect.lever
+        found[:, 0] = np.cos(angle) if is_of_world else 1.0
+        return found
 
 
 def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> list[Scan]:
@@ -106,6 +105,9 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> lis
         if variable in "xy":
             force = replace(force, acts_on="world_force", direction=direction)
         places = [(force, "force")]
+        if variable == "time" and turns:  # at the CoM, as what shakes the floor
+            shaken = replace(force, acts_on="world_force", ahead=float(cart.inertia.com[0]))
+            places += [(replace(shaken, direction=way), "force of the world") for way in (0.0, np.pi / 2)]
         places += [(replace(force, acts_on="yaw_moment"), "moment")] if turns else []
         places += [(replace(force, lever=hands), f"force {AT_HANDS}")] if hands and variable not in "xy" else []
         for y in levers if variable == "way" else ():
@@ -148,7 +150,7 @@ def scanned(
         information = np.interp(np.arange(v), known, (columns(scan, known) ** 2).sum(axis=(1, 2, 3)))
         likely = scan.power(courses, pulls) / np.maximum(information, 1e-300)
         chosen = np.argsort(-likely)[:LIKELY]
-        gains = gain(columns(scan, chosen), scan.law(1.0).std)
+        gains = gain(columns(scan, chosen), np.full(2, scan.effect.parameters[0].typical))
         best = int(np.argmax(gains))
         found.append((float(gains[best]), scan, float(1 / scan.frequencies[chosen[best]])))
     return found, count
