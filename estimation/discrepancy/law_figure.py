@@ -30,7 +30,7 @@ def law_figure(found: Diagnosis) -> Figure:
     laws = [law for _, law in found.certainty.laws]
     figure = Figure(figsize=(7.2, 2.4 * len(laws)), layout="constrained")
     for ax, law in zip(figure.subplots(len(laws), 1, squeeze=False).ravel(), laws, strict=True):
-        at, force = (np.concatenate(each) for each in zip(*_rows(found, law), strict=True))
+        at, force = (np.concatenate(each) for each in zip(*asked_forces(found, law), strict=True))
         effect, unit = law.effect, law.effect.parameters[0].unit
         ax.set_title(law.words, fontsize=8)
         if effect.knots_y:
@@ -53,7 +53,7 @@ def law_figure(found: Diagnosis) -> Figure:
     return figure
 
 
-def _rows(found: Diagnosis, law: LearnedLaw) -> list[tuple[Array, Array]]:
+def asked_forces(found: Diagnosis, law: LearnedLaw) -> list[tuple[Array, Array]]:
     """Of each log, values of the variable, and the forces that rows ask for beside everything but this law."""
     model, parts = found.final, list[tuple[Array, Array]]()
     left = np.split(model.left, np.cumsum([len(balances.used) for balances in model.logs])[:-1])

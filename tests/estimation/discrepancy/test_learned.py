@@ -1,6 +1,7 @@
 """Laws as effects: sizes with their deviations, words, and what is there everywhere."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,8 +13,11 @@ from cartgrasp.effects import LearnedForce
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
+from estimation.discrepancy.figures import figures
+from estimation.discrepancy.law_figure import asked_forces
 from estimation.discrepancy.laws import smooth_laws
 from estimation.discrepancy.learned import LearnedLaw
+from estimation.discrepancy.page import page
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate
@@ -61,6 +65,12 @@ def test_a_law_stands_in_the_cart_that_is_handed_over_and_comes_back_from_its_fi
     (effect,) = found.effects
     assert effect.name == "learned_force"
     assert effect.gap_share > 0.8
+    ((at, force),) = asked_forces(found, effect.law)
+    made = 4.0 * np.sin(2 * np.pi * at / 0.4)  # against the motion, so with the other sign
+    assert np.corrcoef(force, -made)[0, 1] > 0.8
+    drawn = figures(found)
+    assert "<image" not in drawn["laws"]
+    assert effect.law.words in page(SimpleNamespace(diagnosis=found), drawn)
     again = cart_from_text(cart_text(found.cart))
     assert again.effects[-1] == found.cart.effects[-1]
     assert not diagnose(log, again).effects
