@@ -30,7 +30,7 @@ def law_figure(found: Diagnosis) -> Figure:
     laws = [law for _, law in found.certainty.laws]
     figure = Figure(figsize=(7.2, 2.4 * len(laws)), layout="constrained")
     for ax, law in zip(figure.subplots(len(laws), 1, squeeze=False).ravel(), laws, strict=True):
-        at, force = (np.concatenate(each) for each in zip(*asked_forces(found, law), strict=True))
+        at, force, told = (np.concatenate(each) for each in zip(*asked_forces(found, law), strict=True))
         effect, unit = law.effect, law.effect.parameters[0].unit
         ax.set_title(law.words, fontsize=8)
         if effect.knots_y:
@@ -45,6 +45,7 @@ def law_figure(found: Diagnosis) -> Figure:
         curve = np.linspace(at.min(), at.max(), POINTS)
         value, std = law.curve(curve)
         ax.plot(at, force, ".", ms=2, color=LEFT, label="rows, all else taken away")
+        ax.plot(at, told, ".", ms=2, color=LAW, alpha=0.5, label="law, averaged as rows are")
         ax.fill_between(curve, value - std, value + std, color=LAW, alpha=0.3, lw=0)
         ax.plot(curve, value, color=LAW, lw=1.2, label="law ± one standard deviation")
         name = effect.of.replace("_", " ") + (", folded" if effect.cycle else "")
@@ -53,9 +54,10 @@ def law_figure(found: Diagnosis) -> Figure:
     return figure
 
 
-def asked_forces(found: Diagnosis, law: LearnedLaw) -> list[tuple[Array, Array]]:
-    """Of each log, values of the variable, and the forces that rows ask for beside everything but this law."""
-    model, parts = found.final, list[tuple[Array, Array]]()
+def asked_forces(found: Diagnosis, law: LearnedLaw) -> list[tuple[Array, Array, Array]]:
+    """Of each log, values of the variable, the forces that rows ask for beside everything but this law, and what the
+    law says of them."""
+    model, parts = found.final, list[tuple[Array, Array, Array]]()
     left = np.split(model.left, np.cumsum([len(balances.used) for balances in model.logs])[:-1])
     for balances, rest in zip(model.logs, left, strict=True):
         own = balances.columns(model.cart, law.effect) @ law.effect.values
@@ -64,8 +66,8 @@ def asked_forces(found: Diagnosis, law: LearnedLaw) -> list[tuple[Array, Array]]
         rows = rows_at(balances.motion, balances.time)
         unit = _unit(law.effect, balances)[rows]
         shown = np.abs(unit) >= LEAST_UNIT * np.abs(unit).max()
-        force = -((rest + own)[:, last] / weight)[shown] / unit[shown]
-        parts.append((seen_values(law.effect, [balances.motion])[rows][shown], force))
+        force, told = (-(one[:, last] / weight)[shown] / unit[shown] for one in (rest + own, own))
+        parts.append((seen_values(law.effect, [balances.motion])[rows][shown], force, told))
     return parts
 
 
