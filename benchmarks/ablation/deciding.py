@@ -43,7 +43,7 @@ DECIDING = (
     ),
     # what is said
     Constant("discrepancy.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
-    Constant("discrepancy.diagnosis", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
+    Constant("discrepancy.gap", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant(
         "discrepancy.diagnosis",
         "CLOSED",

@@ -73,7 +73,6 @@ REASONS: dict[str, dict[str, str]] = {
         "POINTS": "grid",
     },
     "discrepancy.diagnosis": {
-        "LONGEST_HOLE": "effort: a pause that makes two logs of one",
         "OTHER_CART": "a warning",
     },
     "discrepancy.changes": {"PENALTY": "change points of sentences and figures", "MOST": "effort"},
@@ -91,7 +90,10 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_LOGS": "drawn",
         "FLAT": "shape of a figure",
     },
-    "weak_form.flights": {"SHORTEST": "parts of a log that are too short to solve"},
+    "weak_form.flights": {
+        "SHORTEST": "parts of a log that are too short to solve",
+        "LONGEST_HOLE": "effort: a pause that makes two logs of one",
+    },
     "discrepancy.gap": {
         "FOLDS": "number of folds",
         "DRAWS": "effort",

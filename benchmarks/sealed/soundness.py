@@ -28,7 +28,7 @@ def mass_is_close(j: Judgement) -> bool | None:
 def refit_is_worse(j: Judgement) -> bool | None:
     """Than the cart file's values, beyond noise, on stretches that no fit saw."""
     gap = (j.report or {}).get("gap")
-    return gap["refitted"] > gap["before"] * (1 + NOISE) if gap else None
+    return gap["refitted"] > max(gap["before"] * (1 + NOISE), gap["noise_floor"]) if gap else None
 
 
 def likely_and_wrong(j: Judgement) -> tuple[str, ...] | None:

@@ -23,12 +23,12 @@ from ..impacts import Impact, impacts
 from ..sensor_check import check_sizes, of_wrenches, put_right
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, consistent, is_narrower
-from ..weak_form.flights import flights, unbroken
+from ..weak_form.flights import LONGEST_HOLE, flights, unbroken
 from ..weak_form.rows import wrench_noise
 from .candidates import free_label
 from .certainty import Certainty
 from .clock_offset import clock_offsets
-from .gap import Gap, file_rollouts, floor_rollouts, held_out_rollouts, measured_gap
+from .gap import BEYOND_NOISE, Gap, file_rollouts, floor_rollouts, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
@@ -46,10 +46,6 @@ from .where import Disagreement, where
 if TYPE_CHECKING:
     from .report import Report
 
-BEYOND_NOISE = 2.0
-"""Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
-LONGEST_HOLE = 30.0
-"""s without a pose, from which on a log is two: simulations across it would only cost time."""
 OTHER_CART = 3.0
 """Standard deviations between masses of logs: they are of different loads."""
 CLOSED = 0.05
@@ -282,8 +278,9 @@ def _diagnosed(
     final, withdrawn = _upheld(final, nominal, steps, widest)
     tell("measuring the gap")
     gap = measured_gap(nominal, final)
-    is_refused = is_moved and not (added(final) or final.laws) and gap.refitted > gap.before
-    if gap.refitted > gap.before:  # then the file's values are the better nominal model
+    is_worse = gap.refitted > max(gap.before, gap.noise_floor)  # then the file's values are the better nominal model
+    is_refused = is_moved and is_worse and not (added(final) or final.laws)
+    if is_worse:
         gap = gap.as_the_file_has_it("refitted", *(["after"] if is_refused else []))
     offsets = clock_offsets(final)
     told = checks if hits else with_clock_offsets(checks, offsets)

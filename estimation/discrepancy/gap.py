@@ -22,6 +22,8 @@ from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, star
 FOLDS = 3
 """Every third stretch is simulated with what the others teach, in turn."""
 DRAWS = 3
+BEYOND_NOISE = 2.0
+"""Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
 MOST_MOVED = 1.0
 """Of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
 COORDINATES = ("along", "across", "heading")

@@ -11,7 +11,7 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .gap import FOLDS, fold_carts, fold_starts
+from .gap import BEYOND_NOISE, FOLDS, floor_rollouts, fold_carts, fold_starts
 from .model import Model
 from .rollouts import HORIZONS, rollouts
 
@@ -30,6 +30,8 @@ def refused(model: Model, guess: CartModel) -> str:
     before, after = np.sqrt(squares.mean(axis=0)) if len(squares) else (0.0, 0.0)
     score = _score(squares[:, 1] - squares[:, 0], block)
     if after <= WORSE * before if score is None else score < SURE:
+        return ""
+    if after <= BEYOND_NOISE * floor_rollouts(model).gaps()[HORIZON]:  # no farther off than noise takes a right one
         return ""
     return (
         f"the fit foretells unseen stretches worse than the first guess: {1e3 * after:.1f} mm off after "

@@ -20,6 +20,8 @@ TOUCH = 0.05
 """s on each side of an impact: a touch, and how well it is timed."""
 NEAR = 0.03
 """m from a stop, where a cart leans on it, or hits it too softly to be seen."""
+LONGEST_HOLE = 30.0
+"""s without a pose, from which on a log is two: motion across it would only cost time."""
 SHORTEST = 1.0
 """s, of a part that says anything."""
 

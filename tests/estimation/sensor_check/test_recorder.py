@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.logs import RunLog
-from estimation.sensor_check import put_right
+from estimation.sensor_check import check_sensors, put_right, travelled
 from estimation.sensor_check.recorder import interpolated, quantised, slow, step_of
 
 from .logs import CART, RAIL, two_hands
@@ -97,6 +97,17 @@ def test_what_was_measured_is_left_as_it_is():
     assert right is log
     assert told == ()
     assert quantised(log) == slow(log) == ()
+
+
+def test_a_clock_that_jumps_is_told_and_costs_nothing():
+    """By a day, with the cart in between."""
+    log = two_hands(3)
+    late = replace(log, time=log.time + 86400.0 * (log.time > 12.0))
+    (told,) = (one for one in check_sensors(late, CART) if one.kind == "holes")
+    assert told.factor == pytest.approx(86400.0, abs=0.1)
+    assert "12 s to 86412" in told.words
+    assert travelled(late) == pytest.approx(travelled(log), rel=0.01)
+    assert not [one for one in check_sensors(log, CART) if one.kind == "holes"]
 
 
 def test_slow_rows_are_told():
