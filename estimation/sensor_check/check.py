@@ -20,7 +20,7 @@ from ..weak_form.balances import Balances
 from ..weak_form.flights import LONGEST_HOLE, unbroken
 from ..weak_form.motion import FEWEST_ROWS, motion_of
 from .heading import of_headings
-from .recorder import interpolated, quantised, repeated, slow
+from .recorder import frozen, interpolated, quantised, repeated, slow
 from .stale import without_stale
 from .suspicion import Suspicion
 from .velocities import of_velocities
@@ -40,7 +40,7 @@ def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
     fresh = without_stale(log)
     clean, between = interpolated(fresh)
     right, of_speeds = of_velocities(clean)
-    headed = () if cart is None else of_headings(clean, cart)
+    headed = () if cart is None else (*of_headings(clean, cart), *frozen(log, cart))
     told = (*headed, *of_speeds, *repeated(log, fresh), *between, *quantised(log), *slow(log))
     return Sensors(right, told)
 

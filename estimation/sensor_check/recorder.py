@@ -14,6 +14,7 @@ import numpy as np
 from cartgrasp.errors import printable
 from cartgrasp.frames import Array
 from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.model import CartModel
 
 from ..log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
 from .stale import local_change, repeats_fast
@@ -96,6 +97,18 @@ def straight_rows(rows: Array, time: Array) -> np.ndarray:
     if is_knotted and 3 * straight.sum() > len(there):
         found[there[1:-1][straight]] = True
     return found
+
+
+def frozen(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
+    """A heading that nobody measured, of a cart that may turn."""
+    heading = log.pose[np.isfinite(log.pose).all(axis=1), 2]
+    if cart.constraints.no_rotation or len(heading) < 2 or np.ptp(heading) > 0.0 or np.ptp(log.pose[:, 0]) == 0.0:
+        return ()
+    words = (
+        "theta never changes: nobody measured it; if the cart can't turn, write `no_rotation: {}` under constraints, "
+        "else record it"
+    )
+    return (Suspicion("repeated", "heading", 0.99, None, words),)
 
 
 def quantised(log: RunLog) -> tuple[Suspicion, ...]:

@@ -110,6 +110,16 @@ def test_a_clock_that_jumps_is_told_and_costs_nothing():
     assert not [one for one in check_sensors(log, CART) if one.kind == "holes"]
 
 
+def test_a_heading_that_nobody_measured_is_told():
+    """Unless the cart runs on a rail, or nothing moves."""
+    still, moving = rail_log(0 * walk(0)), rail_log(walk(0))
+    told = [one for one in put_right(moving, CART).suspicions if one.where == "heading"]
+    assert [one.kind for one in told] == ["repeated"]
+    assert "no_rotation" in told[0].words
+    assert not [one for one in put_right(moving, RAIL).suspicions if one.where == "heading"]
+    assert not [one for one in put_right(still, CART).suspicions if one.where == "heading"]
+
+
 def test_slow_rows_are_told():
     (told,) = slow(rail_log(walk(0), step=10.0))
     assert "milliseconds" in told.words
