@@ -132,13 +132,16 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
         return model, steps
     for effect in added(model):
         less = model.refitted(model.cart.without_effect(effect.key))
-        own = Attempt(effect, worth(less.score, model.score, None), 1, model)
+        own = Attempt(effect, added_worth(less, model, effect), 1, model)
         others = (e for family in every_family(less) for e in family.variants)
         simpler = [e for e in others if e.gate is Gate.ALWAYS and len(e.parameters) < own.numbers]
         near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MOST_SWAPPED]
         found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
         best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
-        if best is not own and best.model is not None and own.gain - best.gain <= margin(best.model, model):
+        if best is own or best.model is None:
+            continue
+        is_once = effect.gate is not Gate.ALWAYS  # stretches don't tell what chance makes of it
+        if own.gain - best.gain <= (WORTH if is_once else margin(best.model, model)):
             model, steps = best.model, [_with(step, best, own) for step in steps]
     return model, steps
 
