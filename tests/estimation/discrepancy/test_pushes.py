@@ -16,6 +16,7 @@ from estimation.discrepancy.search import searched_again
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate, simulate_two_hands
+from ..sensor_check.logs import sealed
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
 CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
@@ -131,3 +132,9 @@ def test_lateness_is_read_off(samples):
     (found,) = diagnose(replace(log, arms=arms), guess).effects
     assert found.name == "time_delay"
     assert found.parameters["delay"][0] == pytest.approx((samples - 0.25) * 0.01, abs=0.0025)
+
+
+def test_a_push_keeps_its_name_beside_an_angle_of_the_wheels():
+    """What acts once is no worse for what stretches that it does not touch say of it."""
+    log, cart = sealed("wheel_misalignment+external_push", 6221)
+    assert {effect.name for effect in diagnose(log, cart).effects} == {"wheel_misalignment", "external_push"}
