@@ -138,7 +138,7 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
         near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MOST_SWAPPED]
         found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
         best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
-        if best is own or best.model is None:
+        if best is own or best.model is None or best.gain < WORTH:
             continue
         is_once = effect.gate is not Gate.ALWAYS  # stretches don't tell what chance makes of it
         if own.gain - best.gain <= (WORTH if is_once else margin(best.model, model)):
