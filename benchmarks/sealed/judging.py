@@ -200,7 +200,7 @@ class Judgement:
     def probabilities(self) -> list[tuple[float, bool]]:
         """Of each name at its first mention: what is said, and whether it is true."""
         first = {bare(effect["name"]): effect for effect in reversed(self._effects)}
-        right = self.true_names | self.tolerated
+        right = self.true_names | self.tolerated | self._as_well | ({LAW} if self.kind == "outside" else set())
         return [(e["probability"], name in right) for name, e in first.items() if "probability" in e]
 
     @property
