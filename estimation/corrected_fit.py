@@ -29,6 +29,8 @@ MOST_STEP = 1.0
 """Of a logarithm, in one step."""
 MOST_NOISE = 0.5
 """Of the squares: a combination of which more is noise tells less than it hides."""
+LEAST_VARIANCE = 1e-300
+"""Keeps fits of numbers beyond all reason finite."""
 DRAWN_ROWS, MOST_DRAWS = 400, 4
 """So many rows of noise tell its squares to a tenth; from shorter logs it is drawn several times."""
 TAUGHT = 0.25
@@ -68,7 +70,7 @@ class CorrectedFit:
         """Mass, CoM, inertia and the effects' values, and their standard deviations (p,); of what is not estimated, as
         it was believed."""
         cart, std = self.model.cart, self.model.prior.std.copy()
-        std[self.free] = np.sqrt(np.diagonal(self.covariance)[: len(self.free)])
+        std[self.free] = _deviations(self.covariance, len(self.free))
         body, scale = cart.inertia, np.ones(len(std))
         scale[[0, 3]] = body.mass, body.about_com
         return np.array([body.mass, *body.com, body.about_com, *cart.parameters[N_PHI:]]), std * scale
@@ -78,7 +80,7 @@ class CorrectedFit:
         values, std = self.physical()
         prior = self.model.prior
         own = np.full(len(std), np.inf)
-        own[self.free] = np.sqrt(np.diagonal(self.covariance)[: len(self.free)])
+        own[self.free] = _deviations(self.covariance, len(self.free))
         shrunk = own < TAUGHT * prior.std
         return np.asarray(prior.free & shrunk & (std < TAUGHT * first) & ~self.at_bound & np.isfinite(values))
 
@@ -101,7 +103,7 @@ def corrected(model: Model) -> CorrectedFit:
         step, covariance = equations.step()
         model, at_bound = _stepped(model, step)
         own = np.flatnonzero(model.prior.free)
-        moved = np.abs(step[: len(own)]) / np.sqrt(np.diagonal(covariance)[: len(own)]) * ~at_bound[own]
+        moved = np.abs(step[: len(own)]) / _deviations(covariance, len(own)) * ~at_bound[own]
         most = float(moved.max(initial=0.0))
         if most * min(most / before if before else 1.0, 1.0) < SETTLED:
             break
@@ -164,8 +166,13 @@ class _Equations:
         clusters = np.array([pulls[groups == group].sum(axis=0) for group in np.unique(groups)])
         count = len(clusters)
         seen = covariance @ (clusters.T @ clusters) @ covariance * count / max(count - 1, 1)
-        stretch = np.sqrt(np.maximum(np.diagonal(seen) / np.diagonal(covariance), 1.0))
+        stretch = np.maximum(_deviations(seen, q) / _deviations(covariance, q), 1.0)
         return np.asarray(covariance * np.outer(stretch, stretch))
+
+
+def _deviations(covariance: Array, count: int) -> Array:
+    """Of the first few (count,); numbers beyond all reason leave rounding alone."""
+    return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance)[:count], LEAST_VARIANCE)))
 
 
 def _runs(model: Model) -> np.ndarray:

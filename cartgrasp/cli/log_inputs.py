@@ -54,5 +54,11 @@ def _check_distinct(paths: Sequence[Path]) -> None:
 def _check_other_rows(paths: Sequence[Path], logs: Sequence[RunLog]) -> None:
     """Nor may a copy."""
     for (path, log), (other, same) in combinations(zip(paths, logs, strict=True), 2):
-        if np.array_equal(log.time, same.time) and np.array_equal(log.pose, same.pose, equal_nan=True):
+        if _are_alike(log, same):
             raise UsageError(f"{other}: holds the rows of {path}; give each run once")
+
+
+def _are_alike(one: RunLog, other: RunLog) -> bool:
+    arms = zip(one.arms.values(), other.arms.values(), strict=False)
+    pairs = [(one.time, other.time), (one.pose, other.pose), *((a.wrench, b.wrench) for a, b in arms)]
+    return one.arms.keys() == other.arms.keys() and all(np.array_equal(*pair, equal_nan=True) for pair in pairs)

@@ -28,19 +28,19 @@ from ..weak_form.rows import wrench_noise
 from .candidates import free_label
 from .certainty import Certainty
 from .clock_offset import clock_offsets
-from .gap import BEYOND_NOISE, Gap, file_rollouts, floor_rollouts, held_out_rollouts, measured_gap
+from .gap import BEYOND_NOISE, Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
 from .laws import Law
 from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from .model import Model
-from .named import NamedEffect, faded, named, named_stops
+from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
 from .residual import Residual, residuals
 from .residual_map import ResidualMap, residual_maps
-from .rivals import undecided
-from .rollouts import Rollouts, starts
+from .rollouts import starts
 from .search import Step, added, search
 from .sentence import sentence
+from .upheld import certainty_of, rollout_error, upheld
 from .where import Disagreement, where
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class Diagnosis:
 
     @cached_property
     def certainty(self) -> Certainty:
-        return _certainty(self.final, self.steps, self.bands)
+        return certainty_of(self.final, self.steps, self.bands)
 
     @cached_property
     def cart(self) -> CartModel:
@@ -210,7 +210,7 @@ class Diagnosis:
         if whole <= 0.0 or not self.effects:
             return 0.0
         bare = replace(self.final, laws=()).refitted(self.final.cart) if self.final.laws else self.final
-        left = _error(held_out_rollouts(bare)) if self.final.laws else self.gap.after
+        left = rollout_error(held_out_rollouts(bare)) if self.final.laws else self.gap.after
         return float(np.clip((self.gap.refitted**2 - left**2) / whole, 0.0, 1.0))
 
     @cached_property
@@ -275,7 +275,7 @@ def _diagnosed(
     is_moved = any(moves(balances) for balances in parts)
     found_in = _searched(parts, known, (cart, candidates), tell) if is_moved else _at_rest(parts, cart)
     nominal, final, steps, widest = found_in
-    final, withdrawn = _upheld(final, nominal, steps, widest)
+    final, withdrawn = upheld(final, nominal, steps, widest)
     tell("measuring the gap")
     gap = measured_gap(nominal, final)
     is_worse = gap.refitted > max(gap.before, gap.noise_floor)  # then the file's values are the better nominal model
@@ -354,40 +354,6 @@ def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
     """Whatever holds a cart has no name."""
     nominal = replace(Model.started(parts, cart), cart=cart)
     return nominal, nominal, [], (None,) * len(parts)
-
-
-def _upheld(
-    final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
-) -> tuple[Model, tuple[Law, ...]]:
-    """Without effects of which next to nothing is left, without laws that close nothing of the gap, and without the
-    last ones as long as unseen stretches are predicted no better with them than by what is known, or refitted, and
-    farther off than noise; and the laws that were withdrawn."""
-    for key in faded(final, _certainty(final, steps, known)):
-        final = final.refitted(final.cart.without_effect(key)).settled()
-    laws = final.laws
-    if not (laws or added(final)):
-        return final, ()
-    best = min(_error(file_rollouts(nominal)), _error(held_out_rollouts(nominal)))
-    floor = _error(floor_rollouts(final))
-    least = max(best, floor)
-    for law in laws:
-        less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
-        if _error(held_out_rollouts(less)) <= _error(held_out_rollouts(final)) > floor:
-            final = less
-    while (final.laws or added(final)) and _error(held_out_rollouts(final)) >= least:
-        cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
-        final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
-    return final, tuple(law for law in laws if law not in final.laws)
-
-
-def _error(rolled: Rollouts) -> float:
-    """After a second; endless where none goes so far."""
-    return float(np.nan_to_num(rolled.gaps()[1], nan=np.inf)) if len(rolled.error) else np.inf
-
-
-def _certainty(final: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Certainty:
-    told = tuple(band for band in known if band is not None)
-    return Certainty(final, told, undecided(steps, final, len(final.guess.parameters)))
 
 
 def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:

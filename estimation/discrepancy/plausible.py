@@ -74,12 +74,14 @@ def is_negligible(effect: Effect) -> bool:
     return max(sizes, default=0.0) <= LEAST_SIZE
 
 
-def is_faint(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> bool:
-    """Whether forces of a law are next to nothing, as motions go."""
-    return all(
-        np.abs(one.shares(seen_values(one, motions)) @ one.values).max() < LEAST_LAW * one.parameters[0].typical
-        for one in forces
+def is_lawful(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> bool:
+    """Whether forces of a law are more than next to nothing, as motions go, and no drag of the speed drives."""
+    found = [(one, one.shares(seen_values(one, motions)) @ one.values) for one in forces]
+    drives = any(
+        one.acts_on == "drag" and one.of == "speed" and drag.min() < -LEAST_SIZE * np.abs(drag).max()
+        for one, drag in found
     )
+    return not drives and any(np.abs(drag).max() >= LEAST_LAW * one.parameters[0].typical for one, drag in found)
 
 
 def is_within(effect: Effect, spare: float = 1.0) -> bool:

@@ -17,7 +17,7 @@ from .candidates import Family, amplitudes_of, families
 from .drag_floor import with_floor_named
 from .laws import Law
 from .model import Model
-from .plausible import ODDS, is_faint, is_plausible
+from .plausible import ODDS, is_lawful, is_plausible
 from .refine import refined
 from .screening import Screen
 
@@ -246,7 +246,7 @@ def _may_be(one: Attempt) -> bool:
     if isinstance(one.candidate, Refit):
         return True
     if isinstance(one.candidate, Law):
-        return not is_faint(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
+        return is_lawful(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
     return is_plausible(one.candidate, one.model.cart.wheel_set)
 
 

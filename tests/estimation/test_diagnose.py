@@ -75,12 +75,13 @@ def test_where_nothing_is_hidden_nothing_is_named(found):
     assert diagnosis.gap.refitted < 1.35 * diagnosis.gap.noise_floor
 
 
-def test_what_no_vocabulary_has_is_called_unexplained(found):
+def test_what_no_vocabulary_has_is_a_law_of_what_it_follows(found):
     diagnosis = found["flat_spot"]
-    assert diagnosis.verdict == "unexplained"
-    assert not diagnosis.effects
-    assert "travelled distance" in " ".join(diagnosis.unexplained["depends_on"])
-    assert diagnosis.unexplained["period_unit"] == "m"
+    (effect,) = diagnosis.effects
+    law = effect.as_dict()["law"]
+    assert law["of"] == "travelled_distance"
+    assert law["period"]["unit"] == "m"
+    assert "wheel" in law["likely"]
 
 
 def test_parameters_of_the_nominal_model_are_told_apart_from_effects(found):

@@ -1,0 +1,52 @@
+"""What of an extended model holds on stretches that it did not see."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..weak_form.band import Band
+from .certainty import Certainty
+from .gap import file_rollouts, floor_rollouts, held_out_rollouts
+from .laws import Law
+from .model import Model
+from .named import faded
+from .rivals import undecided
+from .rollouts import Rollouts
+from .search import Step, added
+
+
+def upheld(
+    final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
+) -> tuple[Model, tuple[Law, ...]]:
+    """Without effects of which next to nothing is left, without laws that close nothing of the gap, and without the
+    last ones as long as unseen stretches are predicted no better with them than by what is known, or refitted, and
+    farther off than noise; and the laws that were withdrawn."""
+    for key in faded(final, certainty_of(final, steps, known)):
+        final = final.refitted(final.cart.without_effect(key)).settled()
+    laws = final.laws
+    if not (laws or added(final)):
+        return final, ()
+    best = min(rollout_error(file_rollouts(nominal)), rollout_error(held_out_rollouts(nominal)))
+    floor = rollout_error(floor_rollouts(final))
+    least = max(best, floor)
+    for law in laws:
+        less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
+        if rollout_error(held_out_rollouts(less)) <= rollout_error(held_out_rollouts(final)) > floor:
+            final = less
+    while (final.laws or added(final)) and rollout_error(held_out_rollouts(final)) >= least:
+        cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
+        final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
+    return final, tuple(law for law in laws if law not in final.laws)
+
+
+def rollout_error(rolled: Rollouts) -> float:
+    """After a second; endless where none goes so far."""
+    return float(np.nan_to_num(rolled.gaps()[1], nan=np.inf)) if len(rolled.error) else np.inf
+
+
+def certainty_of(final: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Certainty:
+    told = tuple(band for band in known if band is not None)
+    return Certainty(final, told, undecided(steps, final, len(final.guess.parameters)))
