@@ -130,12 +130,11 @@ class _Equations:
         for logs in noisy:
             drawn = replace(model, logs=logs).rows - model.rows
             noise += np.tensordot(weight, model.folds.sums(drawn), (0, 0)) / len(noisy)
-        prior, free = model.prior, np.flatnonzero(model.prior.free)
-        information, here = model.prior_std**-2.0, np.eye(sums.shape[-1])
-        here[: len(free), -1] = -model.moved  # rows have what is left at the prior's mean
+        information, here, free = model.prior_std**-2.0, np.eye(sums.shape[-1]), len(model.moved)
+        here[:free, -1] = -model.moved  # rows have what is left at the prior's mean
         sums, noise = here.T @ sums @ here, here.T @ noise @ here
         pull = np.zeros(len(information))
-        pull[: len(free)] = (prior.mean - coordinates(model.cart))[free] * information[: len(free)]
+        pull[:free] = -model.moved * information[:free]
         return cls(model, sums, noise, pull, np.diag(information))
 
     def _told(self) -> tuple[Array, Array]:

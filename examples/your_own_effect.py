@@ -28,10 +28,8 @@ class EddyBrake(ForceEffect):
 
 
 record = scenario(plant="model").run()  # stands in for your robot
-log, u = (
-    record.log,
-    np.einsum("ni,ni->n", record.log.velocity[:, :2], np.array([np.cos(t := record.log.pose[:, 2]), np.sin(t)]).T),
-)
+log, heading = record.log, record.log.pose[:, 2]
+u = np.cos(heading) * log.velocity[:, 0] + np.sin(heading) * log.velocity[:, 1]
 braked = {name: replace(arm, wrench=arm.wrench.copy()) for name, arm in log.arms.items()}
 for arm in braked.values():
     arm.wrench[:, 0] += 20.0 * u / (1 + (u / 0.3) ** 2) / len(braked)  # what the hands give beside

@@ -100,9 +100,7 @@ class Judgement:
 
     @property
     def wrong_names(self) -> tuple[str, ...]:
-        """A law is none where a force has no name."""
-        right = self.true_names | self.tolerated | self._as_well | ({LAW} if self.kind == "outside" else set())
-        return tuple(name for name in self.names if name not in right)
+        return tuple(name for name in self.names if name not in self._right)
 
     @cached_property
     def sets(self) -> tuple[frozenset[str], ...]:
@@ -200,8 +198,7 @@ class Judgement:
     def probabilities(self) -> list[tuple[float, bool]]:
         """Of each name at its first mention: what is said, and whether it is true."""
         first = {bare(effect["name"]): effect for effect in reversed(self._effects)}
-        right = self.true_names | self.tolerated | self._as_well | ({LAW} if self.kind == "outside" else set())
-        return [(e["probability"], name in right) for name, e in first.items() if "probability" in e]
+        return [(e["probability"], name in self._right) for name, e in first.items() if "probability" in e]
 
     @property
     def gap(self) -> tuple[float, float] | None:
@@ -267,6 +264,11 @@ class Judgement:
         return FOLLOWS[self._outside[0]]
 
     @property
+    def _right(self) -> set[str]:
+        """Names that are not wrong: a law is none where a force has no name."""
+        return self.true_names | self.tolerated | self._as_well | ({LAW} if self.kind == "outside" else set())
+
+    @property
     def _as_well(self) -> set[str]:
         """Names that say as much as a law of what has none."""
         return set[str]().union(*(AS_WELL.get(name, set()) for name in self._outside))
@@ -304,13 +306,3 @@ def compared(true: Mapping[str, Any], effect: Mapping[str, Any]) -> Iterator[Est
                 said = effect["parameters"][key]
                 std = said.get("std")
                 yield Estimate(f"{true['name']}.{name}", value, said["value"], np.nan if std is None else std, roughly)
-
-
-def numbers(value: Any) -> list[float]:
-    """All numbers in a value, in lists and mappings too."""
-    if isinstance(value, bool) or value is None or isinstance(value, str):
-        return []
-    if isinstance(value, int | float):
-        return [float(value)]
-    inner = value.values() if isinstance(value, Mapping) else value
-    return [n for part in inner for n in numbers(part)]

@@ -81,10 +81,10 @@ def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> Iterato
 def free_label(kind: type[Effect], cart: CartModel) -> str:
     """That no effect of this kind has."""
     taken = {effect.label for effect in cart.effects if isinstance(effect, kind)}
-    return next(label for label in numbered() if label not in taken)
+    return next(label for label in _numbered() if label not in taken)
 
 
-def numbered() -> Iterator[str]:
+def _numbered() -> Iterator[str]:
     """Labels: none, then 2, 3 and so on."""
     yield ""
     yield from map(str, count(2))

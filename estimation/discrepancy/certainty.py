@@ -26,6 +26,7 @@ from .learned import LearnedLaw, learned
 from .model import FORM_LEVER, Model
 from .refine import is_open, moves, refined
 from .screening import Screen
+from .search import absent, added
 from .soft_push import begun_earlier, soft_gain, with_impulse_of
 
 TAUGHT = 0.25
@@ -172,8 +173,7 @@ class Certainty:
     @property
     def _new(self) -> list[Effect]:
         """Added effects but those of constraints."""
-        known = {effect.key for effect in self.model.guess.effects}
-        return [e for e in self.model.cart.effects if e.key not in known and not isinstance(e, ConstraintEffect)]
+        return [effect for effect in added(self.model) if not isinstance(effect, ConstraintEffect)]
 
     @cached_property
     def parameters(self) -> dict[str, ParameterEstimate]:
@@ -233,8 +233,6 @@ class Certainty:
         return {effect.key: self._of(effect) for effect in self._new if moves(effect)}
 
     def _of(self, effect: Effect) -> tuple[Effect, dict[str, float]]:
-        from .search import absent
-
         less = self.model.refitted(self.model.cart.without_effect(effect.key))
         screen, none = Screen(less), effect if isinstance(effect, TimeDelay) else absent(effect)
         gain: Callable[[Effect], float] = screen.gain

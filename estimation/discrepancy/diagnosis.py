@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -273,7 +273,8 @@ def _diagnosed(
         known += [consistent(bands(part, cart)) for part in between] or [band]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
-    found_in = _searched(parts, known, (cart, candidates), tell) if is_moved else _at_rest(parts, cart)
+    in_band = partial(_in_band, cart=cart, candidates=candidates, tell=tell)
+    found_in = _searched(parts, known, in_band) if is_moved else _at_rest(parts, cart)
     nominal, final, steps, widest = found_in
     final, withdrawn = upheld(final, nominal, steps, widest)
     tell("measuring the gap")
@@ -319,19 +320,18 @@ Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
 def _searched(
     parts: Sequence[Balances],
     known: Sequence[Band | None],
-    asked: tuple[CartModel, tuple[Effect, ...]],
-    tell: Callable[[str], None],
+    in_band: Callable[[Sequence[Balances]], tuple[Model, Model, list[Step]]],
 ) -> Searched:
     """In the widest band in which the model foretells the motion: with what it lacks, where that makes the mass the
     same in all bands, else without: in those that are `known` of the cart as it is."""
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
-        nominal, final, steps = _in_band(parts, asked, tell)
+        nominal, final, steps = in_band(parts)
         again = (consistent(bands(balances, final.cart)) for balances in final.logs)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
             return nominal, final, steps, _extended(final, known)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
     long = [(b, band) for b, band in zip(narrowed, known, strict=True) if len(b.used)]
-    nominal, final, steps = _in_band([b for b, _ in long], asked, tell)
+    nominal, final, steps = in_band([b for b, _ in long])
     return nominal, final, steps, _extended(final, [band for _, band in long])
 
 
@@ -342,10 +342,9 @@ def _extended(final: Model, known: Sequence[Band | None]) -> tuple[Band | None, 
 
 
 def _in_band(
-    parts: Sequence[Balances], asked: tuple[CartModel, tuple[Effect, ...]], tell: Callable[[str], None]
+    parts: Sequence[Balances], cart: CartModel, candidates: tuple[Effect, ...], tell: Callable[[str], None]
 ) -> tuple[Model, Model, list[Step]]:
     tell("fitting the model as it is")
-    cart, candidates = asked
     nominal = replace(Model.started(parts, cart), candidates=candidates)
     return nominal, *search(nominal, tell)
 

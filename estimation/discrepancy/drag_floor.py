@@ -19,11 +19,12 @@ LEAST_SURE = 2.0
 
 def with_floor_named(model: Model) -> Model:
     """With rolling resistance in place of the least that a drag of one of the laws ever was."""
-    for law in model.laws:
+    if RollingResistance.name in model.names:
+        return model
+    for law, place in zip(model.laws, model.law_places, strict=True):
         force = law.effects[0]
-        if force.acts_on != "drag" or not law.has_constant or RollingResistance.name in model.names:
+        if force.acts_on != "drag" or not law.has_constant:
             continue
-        place = model.law_places[model.laws.index(law)]
         seen = seen_values(force, model.motions)
         shares = force.shares(seen) @ law.basis
         drag = shares @ model.score.fit[place]

@@ -66,7 +66,7 @@ class Law:
     @property
     def name(self) -> str:
         """Of what it is a function, in words."""
-        return VARIABLES.get(self.of, self.of)
+        return variable_of(self.effects[0])
 
     @property
     def kind(self) -> tuple[Any, ...]:
@@ -75,17 +75,13 @@ class Law:
         return first.acts_on, first.of, first.lever, first.direction, len(self.effects)
 
     @property
-    def is_moment(self) -> bool:
-        return self.effects[0].acts_on == "yaw_moment"
-
-    @property
     def period(self) -> float | None:
         return self.effects[0].period or None
 
     @property
     def unit(self) -> str:
         """Of the variable."""
-        return UNITS.get(self.of, "m")
+        return unit_of(self.effects[0])
 
     @property
     def size(self) -> int:
@@ -129,6 +125,16 @@ class Law:
             own, amplitudes = np.split(amplitudes, [len(effect.parameters)])
             found.append(effect.with_values(own))
         return tuple(found)
+
+
+def variable_of(effect: LearnedForce) -> str:
+    """In words."""
+    return VARIABLES.get(effect.of, effect.of)
+
+
+def unit_of(effect: LearnedForce) -> str:
+    """Of the variable."""
+    return UNITS.get(effect.of, "m")
 
 
 def seen_values(effect: LearnedForce, motions: Sequence[Motion]) -> Array:

@@ -14,7 +14,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ..weak_form.motion import Motion
-from .laws import UNITS, VARIABLES, Law, labelled, seen_values
+from .laws import Law, labelled, seen_values, unit_of, variable_of
 
 FORCES = {
     "forward_force": "a forward force",
@@ -56,7 +56,7 @@ class LearnedLaw:
     @property
     def unit(self) -> str:
         """Of the variable."""
-        return UNITS.get(self.effect.of, "m")
+        return unit_of(self.effect)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -104,8 +104,8 @@ class LearnedLaw:
                 "time": "",
                 "travelled_distance": f" of the way rolled {self._side if effect.lever else ''}".rstrip(),
                 "place": f" of the floor along {'y' if abs(np.sin(effect.direction)) > 0.5 else 'x'}",
-            }.get(effect.of, f" of {VARIABLES.get(effect.of, effect.of)}")
-        name = VARIABLES.get(effect.of, effect.of)
+            }.get(effect.of, f" of {variable_of(effect)}")
+        name = variable_of(effect)
         return f"that changes with the {name}" if effect.knots or effect.cycle else f"that is the same at every {name}"
 
     @property

@@ -170,10 +170,6 @@ def _check_rows(check: LogCheck) -> list[list[str]]:
     ]
 
 
-def _ms(seconds: float) -> str:
-    return short(1e3 * seconds)
-
-
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     head = "".join(f"<th>{html.escape(c)}</th>" for c in columns)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)

@@ -30,15 +30,17 @@ def upheld(
     if not (laws or added(final)):
         return final, ()
     best = min(rollout_error(file_rollouts(nominal)), rollout_error(held_out_rollouts(nominal)))
-    floor = rollout_error(floor_rollouts(final))
-    least = max(best, floor)
+    floor, error = rollout_error(floor_rollouts(final)), rollout_error(held_out_rollouts(final))
     for law in laws:
+        if error <= floor:
+            break
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
-        if rollout_error(held_out_rollouts(less)) <= rollout_error(held_out_rollouts(final)) > floor:
-            final = less
-    while (final.laws or added(final)) and rollout_error(held_out_rollouts(final)) >= least:
+        if (without := rollout_error(held_out_rollouts(less))) <= error:
+            final, error = less, without
+    while (final.laws or added(final)) and error >= max(best, floor):
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
         final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
+        error = rollout_error(held_out_rollouts(final))
     return final, tuple(law for law in laws if law not in final.laws)
 
 

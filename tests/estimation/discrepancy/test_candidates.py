@@ -63,7 +63,7 @@ def test_where_nothing_is_missing_it_is_not_told():
 
 
 def test_a_law_may_be_proposed():
-    """A force of 1.9 s whose period no scan would take for granted."""
+    """A force with a period that is longer than any that a scan tries."""
 
     def force(time, truth):
         return 3.0 * np.sin(2 * np.pi * time / 5.5)
