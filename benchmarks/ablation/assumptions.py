@@ -125,6 +125,7 @@ ASSUMPTIONS = (
     Constant("discrepancy.plausible", "LEAST[force_scale.gain]", B, 0.0, "least gain of a sensor"),
     Constant("discrepancy.plausible", "MOST[force_scale.gain]", B, inf, "largest gain of a sensor"),
     Constant("discrepancy.plausible", "MOST[force_misalignment.angle]", B, inf, "largest angle of a sensor"),
+    Constant("discrepancy.plausible", "ESSENTIAL", B, {}, "what makes an effect what its name says"),
     Constant("discrepancy.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
     Constant("weak_form.band", "INERTIAL", B, (), "names that nobody gets who does not push"),
     Constant("discrepancy.candidates", "TURNING", B, (), "names that no cart on a rail gets"),

@@ -34,6 +34,7 @@ DECIDING = (
         "times what is plausible that estimates may be",
     ),
     Constant("discrepancy.plausible", "LEAST_LAW", A, 0.0, "least size of a law"),
+    Constant("discrepancy.plausible", "TOLD", A, 0.0, "deviations from nought of what makes an effect what it is"),
     Constant(
         "discrepancy.drag_floor",
         "LEAST_SURE",
@@ -41,6 +42,7 @@ DECIDING = (
         inf,
         "deviations by which a law's drag is never nought",
     ),
+    Constant("discrepancy.refusal", "WORSE", A, inf, "times the error on unseen stretches that speaks against a name"),
     # what is said
     Constant("discrepancy.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
     Constant("discrepancy.gap", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),

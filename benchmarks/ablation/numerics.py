@@ -151,7 +151,6 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.refusal": {
         "FEWEST": "blocks, to be solvable",
         "HORIZON": "the gap's",
-        "WORSE": "of `identify`",
         "SURE": "of `identify`",
     },
     "discrepancy.residual": {

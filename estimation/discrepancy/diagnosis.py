@@ -326,7 +326,7 @@ def _searched(
     same in all bands, else without: in those that are `known` of the cart as it is."""
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = in_band(parts)
-        again = (consistent(bands(balances, final.cart)) for balances in final.logs)
+        again = (consistent(bands(balances, final.whole)) for balances in final.logs)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
             return nominal, final, steps, _extended(final, known)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
@@ -337,7 +337,7 @@ def _searched(
 
 def _extended(final: Model, known: Sequence[Band | None]) -> tuple[Band | None, ...]:
     """Each log's band, with what was found."""
-    again = (consistent(bands(balances, final.cart, final.guess)) for balances in final.logs)
+    again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
     return tuple(new or old for new, old in zip(again, known, strict=True))
 
 

@@ -82,7 +82,7 @@ def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
 
 def floor_rollouts(model: Model) -> Rollouts:
     """What noise alone would do to a right model."""
-    generator, found, whole = np.random.default_rng(0), [], model.with_laws(model.cart, model.score.fit)
+    generator, found, whole = np.random.default_rng(0), [], model.whole
     for balances in model.logs:
         noise = fast_noise(balances, whole)
         found += [noise_rollouts(balances, model.cart, noise, generator) for _ in range(DRAWS)]

@@ -243,6 +243,12 @@ class Model:
         typical = MAD_TO_STD * np.median(np.abs(means), axis=0)
         return float(max(1.0, *(typical[: self.cart.constraints.n_free] ** 2)))
 
+    def deviation(self, key: str) -> float:
+        """Standard deviation of a free parameter of an effect, by its full name."""
+        keys = [key for effect in self.cart.effects for key in effect.keys]
+        place = int(self.prior.free[: N_PHI + keys.index(key)].sum())
+        return float(self.score.covariance[place, place] ** 0.5)
+
     @cached_property
     def prior_std(self) -> Array:
         prior = self.prior
@@ -270,6 +276,11 @@ class Model:
     def motions(self) -> list[Motion]:
         """Of the logs."""
         return [balances.motion for balances in self.logs]
+
+    @property
+    def whole(self) -> CartModel:
+        """The cart with the laws as effects."""
+        return self.with_laws(self.cart, self.score.fit)
 
     def with_laws(self, cart: CartModel, numbers: Array) -> CartModel:
         """A cart with the laws as effects, of such numbers (q,) of the rows' columns."""

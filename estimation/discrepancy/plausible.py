@@ -39,6 +39,10 @@ MOST = {
 """Between which a setting of what bears the name lies."""
 LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
 """No wheel drives: the moment of wheels that drag unlike is at most the drag times half a track."""
+ESSENTIAL = {"wheel_drag_imbalance": "moment"}
+"""What makes an effect what its name says: without it, the wheels of an axle drag alike."""
+TOLD = 2.0
+"""Standard deviations beyond nought of what is essential."""
 SPARE = 1.5
 """Times what is plausible: estimates have errors. What gains most beyond is something else, and is not followed."""
 

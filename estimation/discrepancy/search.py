@@ -17,14 +17,15 @@ from .candidates import Family, amplitudes_of, families
 from .drag_floor import with_floor_named
 from .laws import Law
 from .model import Model
-from .plausible import ODDS, is_lawful, is_plausible
+from .plausible import ESSENTIAL, ODDS, TOLD, is_lawful, is_plausible
 from .refine import refined
-from .screening import Screen
+from .screening import LEAST_SIDE, Screen
 
 WORTH = 10.0
 """Of the score: what is added gains so much at least, and what is simpler than what acts for a while may lack."""
 SHARE = 0.12
-"""Of the largest gain so far: what is smaller may be what the form of the first leaves."""
+"""Of the largest gain so far: what is smaller may be what the form of the first leaves, unless every cart has it
+(`ODDS`)."""
 CONFUSABLE = float(np.log(100.0))
 """Of the score: by what less a candidate explains about as much."""
 NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
@@ -60,6 +61,11 @@ class Attempt:
     @property
     def key(self) -> str:
         return self.candidate.key
+
+    @property
+    def is_usual(self) -> bool:
+        """Whether every cart has it."""
+        return isinstance(self.candidate, Effect) and self.candidate.name in ODDS
 
     @property
     def numbers(self) -> int:
@@ -101,7 +107,7 @@ def _grown(
     for number in range(most):
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model, has_laws)
-        best = chosen(attempts, max(WORTH, SHARE * first))
+        best = chosen(attempts, SHARE * first)
         if best is None or best.model is None:
             steps.append(Step(tuple(attempts), None))
             break
@@ -217,10 +223,11 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
     return sorted((min(group, key=lambda one: one.numbers) for group in alike), key=lambda one: -one.gain)
 
 
-def chosen(attempts: list[Attempt], least: float) -> Attempt | None:
-    """Of those that gain the least that it takes, the simplest that is not surely worth less than the best that
-    somebody would call so (Breiman's rule of one standard error)."""
-    known = [one for one in attempts if one.model is not None and one.gain >= least and _may_be(one)]
+def chosen(attempts: list[Attempt], form_error: float) -> Attempt | None:
+    """Of those that are worth it, and more than what the form of others may have left, the simplest that is not surely
+    worth less than the best that somebody would call so (Breiman's rule of one standard error)."""
+    least = (WORTH if one.is_usual else max(WORTH, form_error) for one in attempts)
+    known = [one for one, gain in zip(attempts, least, strict=True) if one.model and one.gain >= gain and _may_be(one)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
@@ -247,7 +254,18 @@ def _may_be(one: Attempt) -> bool:
         return True
     if isinstance(one.candidate, Law):
         return is_lawful(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
-    return is_plausible(one.candidate, one.model.cart.wheel_set)
+    return is_plausible(one.candidate, one.model.cart.wheel_set) and _shows(one.candidate, one.model)
+
+
+def _shows(effect: Effect, model: Model) -> bool:
+    """Whether the logs tell what makes an effect what its name says, and were outside of a region, too."""
+    if (
+        effect.gate is Gate.INSIDE
+        and sum(b.time_outside(effect.values[:4], model.cart) for b in model.logs) < LEAST_SIDE
+    ):
+        return False
+    key = f"{effect.key}.{ESSENTIAL.get(effect.name, '')}"
+    return key not in effect.keys or abs(effect.values[effect.keys.index(key)]) > TOLD * model.deviation(key)
 
 
 def worth(base: Score, score: Score, colour: float | None) -> float:

@@ -13,6 +13,8 @@ from .gap import file_rollouts, floor_rollouts, held_out_rollouts
 from .laws import Law
 from .model import Model
 from .named import faded
+from .plausible import ODDS
+from .refusal import WORSE
 from .rivals import undecided
 from .rollouts import Rollouts
 from .search import Step, added
@@ -37,11 +39,17 @@ def upheld(
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
         if (without := rollout_error(held_out_rollouts(less))) <= error:
             final, error = less, without
-    while (final.laws or added(final)) and error >= max(best, floor):
+    while (final.laws or added(final)) and error >= max(_most(final, best), floor):
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
         final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
         error = rollout_error(held_out_rollouts(final))
     return final, tuple(law for law in laws if law not in final.laws)
+
+
+def _most(final: Model, best: float) -> float:
+    """From which error on stretches speak against what was added last: against what every cart has, only where they are
+    predicted worse."""
+    return best if final.laws or added(final)[-1].name not in ODDS else WORSE * best
 
 
 def rollout_error(rolled: Rollouts) -> float:

@@ -320,6 +320,13 @@ class Balances:
         is_near = (x > left - RIM) & (x < right + RIM) & (y > low - RIM) & (y < high + RIM)
         return np.asarray(is_near.any(axis=0))
 
+    def time_outside(self, region: Array, cart: CartModel) -> float:
+        """How long (s) the cart moved with a wheel outside of a region (x, x, y, y) of the floor."""
+        left, right, low, high = region
+        x, y = self._tracks(cart.wheel_set)
+        outside = ((x < left) | (x > right) | (y < low) | (y > high)).any(axis=0)
+        return float((outside & (self.turning_speed > self.still_speed)).sum() * self.motion.step)
+
     def _tracks(self, wheels: WheelSet) -> Array:
         """Where (2, w, n) wheels are on the floor."""
         turned = np.moveaxis(rotation_planar(self.motion.pose[:, 2]), 0, -1)

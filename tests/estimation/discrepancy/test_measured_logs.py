@@ -16,10 +16,11 @@ DATA = Path(__file__).parents[4] / "shared" / "data"
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the measured logs are not part of the project")
 
 
-def told_of(name, guess):
+def told_of(name, guess, variant="as it is"):
     one = next(log for log in LOGS if log.name == name)
     cart = guessed(one.cart, guess * one.cart.inertia.mass)
-    return diagnose(read_log(DATA / one.path), cart)
+    change = next(v for v in one.variants() if v.name == variant).change
+    return diagnose(change(read_log(DATA / one.path)), cart)
 
 
 @pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])
@@ -34,6 +35,14 @@ def test_a_person_who_rolls_a_wheelchair(guess):
     assert found.gap.after < found.gap.refitted <= found.gap.before
     told = {of: one["refitted"] for of, one in (found.gap.per_horizon | found.gap.per_coordinate).items()}
     assert found.gap.refitted == told["1 s"] == pytest.approx(told["along"])
+
+
+@pytest.mark.parametrize("variant", ["half the rows", "at 50 Hz", "first 60 %"])
+def test_an_axis_with_two_frictions_is_no_patch_of_floor(variant):
+    """The stroke is all the floor that there is."""
+    found = told_of("emps", 1.0, variant)
+    assert [effect.name for effect in found.effects] == ["rolling_resistance", "directional_drag"]
+    assert found.verdict == "explained"
 
 
 @pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])

@@ -7,7 +7,15 @@ import pytest
 
 import cartgrasp as cg
 from benchmarks.sealed.generate import generate
-from cartgrasp.effects import FloorSlope, LoadSlosh, RollingResistance, TimeDelay, ViscousDrag
+from cartgrasp.effects import (
+    FloorPatch,
+    FloorSlope,
+    LoadSlosh,
+    RollingResistance,
+    TimeDelay,
+    ViscousDrag,
+    WheelDragImbalance,
+)
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
@@ -146,6 +154,35 @@ def test_what_stretches_contradict_is_not_taken():
     assert chosen([vanished, steady], 10.0) is steady
     late = Attempt(TimeDelay(0.4), 90.0, 1, model)
     assert chosen([late, steady], 10.0) is steady
+
+
+def test_what_every_cart_has_may_be_small_beside_another():
+    """Of anything else, the form of what was found may leave as much."""
+    model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
+    rolling = Attempt(RollingResistance(0.02), 28.0, 1, model, 3.0)
+    slope = Attempt(FloorSlope(0.02), 90.0, 1, model, 3.0)
+    assert chosen([slope, rolling], 100.0) is rolling
+    assert chosen([slope], 100.0) is None
+    assert chosen([replace(rolling, gain=9.0)], 0.0) is None
+
+
+@pytest.mark.parametrize(("deviations", "is_one"), [(3.0, True), (-3.0, True), (1.0, False)])
+def test_wheels_that_drag_alike_are_no_imbalance(deviations, is_one):
+    """The moment is told where it is two deviations from nought."""
+    cart = cart_of(TRUE).with_effect(WheelDragImbalance(4.0, 1.0))
+    model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
+    moment = deviations * model.deviation("wheel_drag_imbalance.moment")
+    told = Attempt(WheelDragImbalance(4.0, moment), 90.0, 1, model, 3.0)
+    assert chosen([told], 0.0) is (told if is_one else None)
+
+
+@pytest.mark.parametrize(("far", "is_one"), [(0.5, True), (50.0, False)])
+def test_a_floor_without_an_edge_is_no_patch(far, is_one):
+    """What the cart never leaves is the floor."""
+    cart = cart_of(TRUE).with_effect(FloorPatch(-50.0, far, -50.0, 50.0, 0.02))
+    model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
+    told = Attempt(cart.effects[-1], 90.0, 1, model)
+    assert chosen([told], 0.0) is (told if is_one else None)
 
 
 def test_settings_stay_near_what_is_plausible():
