@@ -281,7 +281,7 @@ class AugmentedFilter:
         residual[2] = wrap_angle(residual[2])
         H = np.zeros((len(known), self.layout.wrench.stop))
         H[range(len(known)), known] = 1.0
-        self._absorb("pose", residual[known], H, self.noise.pose_covariance[np.ix_(known, known)])
+        self._absorb("pose", residual[known], H, self.noise.pose_covariance[np.ix_(known, known)], known)
 
     def _take_velocity(self, velocity: Array) -> None:
         if not np.isfinite(velocity).all():
@@ -291,7 +291,8 @@ class AugmentedFilter:
         H = np.zeros((self.cart.constraints.n_free, self.layout.wrench.stop))
         H[:, where] = np.eye(self.cart.constraints.n_free)
         R = to_free @ self.noise.velocity_covariance @ to_free.T
-        self._absorb("velocity", to_free @ velocity - self.belief.mean[where], H, R)
+        places = 3 + np.arange(self.cart.constraints.n_free)
+        self._absorb("velocity", to_free @ velocity - self.belief.mean[where], H, R, places)
 
     def _take_wrenches(self, measurement: Measurement) -> None:
         layout = self.layout
@@ -328,13 +329,20 @@ class AugmentedFilter:
         widened[where, where] += np.outer(residual, residual)
         self._belief = Gaussian(self.belief.mean, widened)
 
-    def _absorb(self, sensor: str, residual: Array, H: Array, R: Array) -> None:
+    def _absorb(self, sensor: str, residual: Array, H: Array, R: Array, places: np.ndarray | None = None) -> None:
+        """`places` of the innovation among those that have to be white: of pose and velocity, one after the other."""
         R = R + MEASUREMENT_FLOOR * np.eye(len(R))
         news = innovation(self.belief, residual, H, R)
         scale = self._watch.noise_scale(sensor, float(news.nis), len(residual))
         if scale > 1.0:
             R = scale * R
             news = innovation(self.belief, residual, H, R)
+        elif places is not None:
+            size = 3 + self.cart.constraints.n_free
+            pull, variance = np.zeros(size), np.zeros((size, size))
+            variance[np.ix_(places, places)] = np.linalg.inv(news.covariance)
+            pull[places] = variance[np.ix_(places, places)] @ residual
+            self._watch.note_news(self.time, pull, variance)
         self._belief = updated(self.belief, news, H, R)
 
     # --- parameters ------------------------------------------------------------------------------------------

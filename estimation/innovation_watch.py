@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Self
 
+from cartgrasp.frames import Array
+
 from .health import Health
 from .kernels.correction import GATE
 from .resets import Resets
 from .shallow import shallow
+from .whiteness import Whiteness
 
 SMOOTHING = 0.01
 """Share of a new sample in the level: slower than a caster's turning round, which is loud for a moment too."""
@@ -26,6 +29,7 @@ class InnovationWatch:
         self._samples = 0
         self._resets = Resets()
         self._outliers = 0.0
+        self._white = Whiteness()
 
     def copy(self) -> Self:
         other = shallow(self)
@@ -43,6 +47,10 @@ class InnovationWatch:
         self._outliers += SMOOTHING * (float(is_outlier) - self._outliers)
         return nis / (GATE * size) if is_outlier else 1.0
 
+    def note_news(self, time: float, pull: Array, variance: Array) -> None:
+        """How innovations that are no outliers pull, with the variance of that."""
+        self._white = self._white.and_then(time, pull, variance)
+
     def wants_reset(self, time: float) -> bool:
         """Whether the parameters should be opened now."""
         self._resets = self._resets.at(time)
@@ -50,13 +58,13 @@ class InnovationWatch:
         if not may or self.level < LOUD:
             return False
         self._resets = self._resets.one_more(time)
-        self.level = 1.0
+        self.level, self._white = 1.0, self._white.interrupted()
         return True
 
     def note_gap(self) -> None:
         self._samples = 0
-        self.level = 1.0
+        self.level, self._white = 1.0, self._white.interrupted()
 
     @property
     def health(self) -> Health:
-        return self._resets.health_beside(self._outliers)
+        return self._resets.health_beside(self._outliers, self._white)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from .health import Health
 from .kernels.sensor_health import OUTLYING_SHARE
+from .whiteness import Whiteness
 
 HOLD_OFF = 1.5
 """s after a reset in which a load is called changed, and nothing is reset again."""
@@ -36,9 +37,11 @@ class Resets:
     def are_allowed(self) -> bool:
         return sum(self.now - t < MEMORY for t in self.times) < MOST_RESETS and not self._is_recent
 
-    def health_beside(self, outlying: float) -> Health:
-        """With a share of samples that are outliers."""
+    def health_beside(self, outlying: float, innovations: Whiteness) -> Health:
+        """With a share of samples that are outliers, and innovations that a right model leaves white."""
         said = self.health
+        if innovations.is_coloured:
+            return Health.INCONSISTENT
         return Health.OUTLIERS if said is Health.OK and outlying > OUTLYING_SHARE else said
 
     @property

@@ -15,6 +15,7 @@ from cartgrasp.frames import Array
 from ..health import Health
 from ..kernels import belief as kernels
 from ..resets import Resets
+from ..whiteness import Whiteness
 from .regression_belief import GATE, Surprise
 
 ROWS = 10
@@ -42,6 +43,7 @@ class LoadWatch:
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
+        self._white = Whiteness()
         self.ratio, self.health = 0.0, Health.OK
 
     def note(self, time: float, surprise: Surprise, root: Array) -> bool:
@@ -56,10 +58,13 @@ class LoadWatch:
         self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
         is_change = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
+        if self.ratio <= 1.0:
+            self._white = self._white.and_then(time, surprise.pull, surprise.information)
         if is_change:
+            self._white = self._white.interrupted()
             self._resets, self._squares = self._resets.one_more(time), ()
             self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
-        self.health = self._resets.health_beside(self._outliers)
+        self.health = self._resets.health_beside(self._outliers, self._white)
         return is_change
 
     def _evidence(self, root: Array) -> float:
@@ -70,4 +75,4 @@ class LoadWatch:
         """Nothing new up to a time."""
         if self._resets.times:
             self._resets = self._resets.at(time)
-            self.health = self._resets.health_beside(self._outliers)
+            self.health = self._resets.health_beside(self._outliers, self._white)
