@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .arms import arm_of
 from .judging import Judgement, bare
 
 LOCAL = ("external_push", "floor_patch", "payload_change")
@@ -40,7 +41,12 @@ def is_local(truth: Mapping[str, Any]) -> bool:
 def named(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Effects as a truth tells them."""
     return [
-        {"name": bare(e["name"]), "parameters": {bare(k, last=True): v["value"] for k, v in e["parameters"].items()}}
+        {
+            "name": bare(e["name"]),
+            "parameters": {bare(k, last=True): v["value"] for k, v in e["parameters"].items()},
+            "roughly": {},
+            "arm": arm_of(e),
+        }
         for e in report["effects"]
     ]
 
@@ -49,7 +55,7 @@ def acting(effects: Iterable[Mapping[str, Any]], course: np.ndarray, world: Mapp
     """(n,), of a course (n, 4) of times and poses: whether an effect is there whose time or place is told."""
     time, found = course[:, 0], np.zeros(len(course), dtype=bool)
     for effect in effects:
-        told = {**effect["parameters"], **effect.get("roughly", {})}
+        told = {**effect["parameters"], **effect["roughly"]}
         if effect["name"] == "external_push" and "start" in told:
             found |= (time >= told["start"]) & (time < told["start"] + told["duration"])
         elif effect["name"] == "payload_change" and "time" in told:

@@ -1,15 +1,15 @@
 """Reports of the workflow beside the truth: DIR/logs/NAME/out/report.json and DIR/truth/NAME.json.
 
-`out` may be another folder, of another method. A report that tells no probability, gap or standard deviation is not
-judged by it. DIR/logs/NAME/refit.json tells what the true structure would have reached. Logs that are rough on purpose
-have tables of their own; those that are kept for proof are only counted.
+`out` may be another folder, of another method. A report that tells no probability or standard deviation is not judged
+by it, one that tells no gap by that of its names. DIR/logs/NAME/refit.json tells what the true structure would have
+reached. Logs that are rough on purpose have tables of their own; those that are kept for proof are only counted.
 """
 
 from __future__ import annotations
 
 import json
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ import numpy as np
 
 from .arms import by_arm
 from .calibration import coverage, reliability
-from .judging import CLOSES, Estimate, Judgement
+from .judging import CLOSES, Estimate, Judgement, bare
 from .locality import is_local, localisation
 from .recorded import read_course
 from .soundness import by_roughness, counted, soundness, totals, waits
@@ -77,9 +77,29 @@ def judged(folder: Path, reports: str = "out") -> list[Judgement]:
 def read(folder: Path, path: Path, reports: str) -> Judgement:
     log, truth = folder / "logs" / path.stem, contents(path)
     report, taken = contents(log / reports / "report.json"), contents(log / reports / "seconds.json") or {}
+    if report and "gap" not in report:
+        report["gap"] = gap_of_names(log, reports, report)
     known = contents(log / "refit.json") or {}
     course = read_course(log / "run.csv") if report and is_local(truth) else None
     return Judgement(truth, report, taken.get("seconds"), known.get("gap"), course)
+
+
+def gap_of_names(log: Path, reports: str, report: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """The workflow's gap, but for what is left with the names of a method that tells none (`true_structures --reports`
+    refits those that the workflow doesn't tell, too)."""
+    ours, refit = contents(log / "out" / "report.json"), contents(log / reports / "refit.json")
+    if not (ours and ours.get("gap")):
+        return None
+    gap = {key: ours["gap"][key] for key in ("refitted", "after", "noise_floor")}
+    if not report["effects"]:
+        return gap | {"after": gap["refitted"]}
+    if names(report) == names(ours):
+        return gap
+    return gap | {"after": refit["gap"]} if refit else None
+
+
+def names(report: Mapping[str, Any]) -> set[str]:
+    return {bare(effect["name"]) for effect in report["effects"]}
 
 
 def contents(path: Path) -> Any:
@@ -151,6 +171,10 @@ def gaps(judgements: Sequence[Judgement]) -> str:
                 middle, high = np.median(found, axis=0), np.quantile(found, 0.9, axis=0)
                 cells = (f"{m:.3f}; {h:.3f}" for m, h in zip(middle, high, strict=True))
                 lines.append(f"{title:<44} {len(own):>3}   " + "        ".join(cells))
+    closed = [j.closed for j in judgements if j.closed is not None]
+    if closed:
+        cells = f"{np.median(closed):6.2f}; of four fifths or more {sum(one >= CLOSES for one in closed)}"
+        lines.append(f"{'squared gap above noise closed, of those (median)':<44} {len(closed):>3} {cells}")
     return "\n".join(lines) if len(lines) > 1 else ""
 
 

@@ -28,7 +28,9 @@ def mass_is_close(j: Judgement) -> bool | None:
 def refit_is_worse(j: Judgement) -> bool | None:
     """Than the cart file's values, beyond noise, on stretches that no fit saw."""
     gap = (j.report or {}).get("gap")
-    return gap["refitted"] > max(gap["before"] * (1 + NOISE), gap["noise_floor"]) if gap else None
+    if not gap or "before" not in gap:
+        return None
+    return bool(gap["refitted"] > max(gap["before"] * (1 + NOISE), gap["noise_floor"]))
 
 
 def likely_and_wrong(j: Judgement) -> tuple[str, ...] | None:

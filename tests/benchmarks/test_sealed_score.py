@@ -7,11 +7,12 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks import true_structures
 from benchmarks.sealed.calibration import coverage, reliability
 from benchmarks.sealed.judging import Estimate, Judgement, matched
 from benchmarks.sealed.locality import acting, is_local, localisation, named
 from benchmarks.sealed.reliability_plot import save_reliability
-from benchmarks.sealed.score import gaps, score
+from benchmarks.sealed.score import gaps, judged, score
 
 CART = {"mass": 20.0, "com_x": 0.3, "com_y": 0.0, "inertia": 2.0, "viscous_drag": {"linear": 5.0, "angular": 2.0}}
 
@@ -213,8 +214,8 @@ def test_samples_told_to_disagree_are_held_against_those_on_which_it_acts():
     push = local("external_push", half, start=1.95, duration=2.0)
     whole = local("external_push", {"where": [other]}, start=1.95, duration=2.0)
     none = local("external_push", {"where": []}, start=1.95, duration=2.0)
-    for judged, wanted in ((push, 0.5), (whole, 2 * 20 / (20 + 100)), (none, 0.0)):
-        (line,) = (one for one in localisation([judged]).splitlines() if "told first" in one)
+    for told, wanted in ((push, 0.5), (whole, 2 * 20 / (20 + 100)), (none, 0.0)):
+        (line,) = (one for one in localisation([told]).splitlines() if "told first" in one)
         assert [float(word) for word in line.split()[-5:-2]] == pytest.approx([1, wanted, wanted], abs=0.006)
     assert "told first" not in localisation([local("external_push", {}, start=1.95, duration=2.0)])
     both = truth(effect("external_push"), effect("time_delay"))
@@ -234,6 +235,27 @@ def test_a_named_effect_tells_its_own_time_or_place():
     loaded = acting(named({"effects": [entry("payload_change", time=(6.95, 0.1), mass=(3.0, 0.1))]}), CRAWL, WORLD)
     assert loaded.tolist() == [False] * 70 + [True] * 30
     assert not acting([effect("external_push", {"force": 3.0}), effect("floor_slope")], CRAWL, WORLD).any()
+
+
+def test_a_method_without_a_gap_is_scored_by_that_of_its_names(tmp_path, monkeypatch):
+    """Four logs: nothing is named, what the workflow names, and twice something else, once refitted."""
+    rolling = truth(effect("rolling_resistance"))
+    told = {"a": [], "b": [entry("rolling_resistance")], "c": [entry("floor_slope")], "d": [entry("floor_slope")]}
+    (tmp_path / "truth").mkdir()
+    for name, effects in told.items():
+        (tmp_path / "truth" / f"{name}.json").write_text(json.dumps(rolling))
+        own = report("explained", entry("rolling_resistance"), gap=GAP["gap"] | {"before": 0.2})
+        for out, said in (("out", own), ("other", report("explained", *effects))):
+            (tmp_path / "logs" / name / out).mkdir(parents=True)
+            (tmp_path / "logs" / name / out / "report.json").write_text(json.dumps(said))
+    (tmp_path / "logs" / "d" / "other" / "refit.json").write_text('{"gap": 0.06}')
+    found = [j.report["gap"] and j.report["gap"]["after"] for j in judged(tmp_path, "other")]
+    assert found == [0.1, 0.03, None, 0.06]
+    refits = []
+    monkeypatch.setattr(true_structures, "refitted", lambda log, effects: refits.append(effects) or {"gap": 0.05})
+    assert true_structures.refit_told(tmp_path, "other") == 2  # one is there already
+    assert [[one["name"] for one in effects] for effects in refits] == [["floor_slope"]]
+    assert "squared gap above noise closed, of those (median)" in score(tmp_path, "other")
 
 
 def test_gaps_that_are_more_than_noise_are_told_apart(tmp_path):
