@@ -34,17 +34,12 @@ def report(
     """Of a fit of nominal columns (m, k) and those of terms to a target (m,)."""
     value, deviation = fitted(np.hstack([nominal, *(columns for _, columns in terms)]), target)
     effects: dict[tuple[str, str], dict[str, Any]] = {}
-    at = nominal.shape[1]
+    at = count = nominal.shape[1]
     for term, columns in terms:
         own = slice(at, at + columns.shape[1])
         effects.setdefault((term.name, term.label), entry(term, value[own], deviation[own]))
         at = own.stop
-    return {
-        "verdict": "explained" if effects else "no_discrepancy",
-        "effects": list(effects.values()),
-        "parameter_mismatch": mismatch(cart, value, deviation),
-        "unexplained": {"depends_on": []},
-    }
+    return told(cart, list(effects.values()), found_body(value[:count], deviation[:count]))
 
 
 def fitted(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -57,25 +52,33 @@ def fitted(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def entry(term: Candidate, value: np.ndarray, deviation: np.ndarray) -> dict[str, Any]:
-    told = zip(term.parameters, value + term.base, deviation, strict=False)
-    parameters = {name: {"value": float(v), "std": float(s), "unit": ""} for name, v, s in told}
+    coefficients = zip(term.parameters, value + term.base, deviation, strict=False)
+    parameters = {name: {"value": float(v), "std": float(s), "unit": ""} for name, v, s in coefficients}
     parameters |= {name: {"value": v, "std": None, "unit": ""} for name, v in term.settings.items()}
     return {"name": term.name, "label": term.label, "parameters": parameters, "confusable_with": []}
 
 
-def mismatch(cart: Cart, value: np.ndarray, deviation: np.ndarray) -> dict[str, Any]:
-    """Of what the refit moved; standard deviations of quotients as if masses were exact."""
+def found_body(value: np.ndarray, deviation: np.ndarray) -> list[tuple[float, float]]:
+    """Mass, CoM and inertia with their standard deviations, those of quotients as if the mass were exact; what comes
+    after the body's four values as it is."""
     m, mx, my, yaw = value[:4]
     x, y = mx / m, my / m
-    moved = {"mass": m, "com_x": x, "com_y": y, "inertia": yaw - m * (x**2 + y**2)}
-    deviations = {"mass": 1.0, "com_x": 1 / m, "com_y": 1 / m, "inertia": 1.0}
+    values = [m, x, y, yaw - m * (x**2 + y**2), *value[4:6]]
+    deviations = deviation[:6] / np.array([1.0, m, m, 1.0, 1.0, 1.0])[: len(deviation)]
+    return [(float(one), float(std)) for one, std in zip(values, deviations, strict=True)]
+
+
+def told(cart: Cart, effects: Sequence[dict[str, Any]], found: Sequence[tuple[float, float]]) -> dict[str, Any]:
+    """A report, with what was found of mass, CoM, inertia and both drags, where the cart file has these."""
     before = {"mass": cart.mass, "com_x": cart.com[0], "com_y": cart.com[1], "inertia": cart.inertia}
-    found = {
-        name: {"nominal": before[name], "refitted": float(moved[name]), "std": float(deviation[i] * deviations[name])}
-        for i, name in enumerate(moved)
-    }
     if cart.drag is not None:
-        for i, name in enumerate(("linear", "angular")):
-            said = {"nominal": cart.drag[i], "refitted": float(value[4 + i]), "std": float(deviation[4 + i])}
-            found[f"viscous_drag.{name}"] = said
-    return found
+        before |= {"viscous_drag.linear": cart.drag[0], "viscous_drag.angular": cart.drag[1]}
+    return {
+        "verdict": "explained" if effects else "no_discrepancy",
+        "effects": list(effects),
+        "parameter_mismatch": {
+            name: {"nominal": nominal, "refitted": value, "std": std}
+            for (name, nominal), (value, std) in zip(before.items(), found, strict=False)
+        },
+        "unexplained": {"depends_on": []},
+    }
