@@ -17,6 +17,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cartgrasp.cart_file import load_cart
 from cartgrasp.effects import KNOWN_EFFECTS, Effect, SensorEffect
 from cartgrasp.logs import read_log
@@ -80,9 +82,14 @@ def main() -> None:
 
 
 def effect_of(true: Mapping[str, Any], arms: tuple[str, ...]) -> Effect:
+    """A value that no such effect can have, as a regression may tell, becomes the nearest that it can."""
     kind = KNOWN_EFFECTS[true["name"]]
     by_arm = issubclass(kind, SensorEffect) and kind.by_arm and len(arms) > 1
-    return kind(**{**true["parameters"], **true["roughly"]}, label=true["arm"] if by_arm else "")
+    limits = {p.name: (p.lower, p.upper) for p in kind().parameters}
+    values = {
+        name: float(np.clip(value, *limits[name])) for name, value in (true["parameters"] | true["roughly"]).items()
+    }
+    return kind(**values, label=true["arm"] if by_arm else "")
 
 
 if __name__ == "__main__":
