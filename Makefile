@@ -87,9 +87,10 @@ sealed: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/cartgrasp study discrepancy $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.true_structures $(SEALED)
 	$(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED)
-	@for method in err sindy everything sysid; do \
+	@for method in err sindy everything sysid lisdd; do \
 	    echo && echo "General method: $$method" && \
 	    $(ENV) $(BIN)/python -m benchmarks.sealed baselines $(SEALED) --method $$method && \
+	    $(ENV) $(BIN)/python -m benchmarks.true_structures $(SEALED) --reports out-$$method && \
 	    $(ENV) $(BIN)/python -m benchmarks.sealed score $(SEALED) --reports out-$$method || exit 1; \
 	done
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .judging import Judgement, bare
+from .soundness import counted
 
 NAMED, TIE, BOTH, OTHER, MISSED = "named", "told as a tie", "both named", "the other alone", "effect not named"
 
@@ -16,11 +17,9 @@ def by_arm(judgements: Sequence[Judgement]) -> str:
     told = Counter(said for j in judgements if j.report is not None for said in told_arms(j))
     if not told:
         return ""
-    right, whole = told[NAMED] + told[TIE], sum(told.values())
-    lines = [f"{'The arm of two: rightly named, or a tie':<52} {right:>3} of {whole:<3} {100 * right / whole:5.1f} %"]
-    return "\n".join(
-        [*lines, *(f"{f'the arm: {one}':<52} {told[one]:>3}" for one in (NAMED, TIE, BOTH, OTHER, MISSED))]
-    )
+    right = [said in (NAMED, TIE) for said in told.elements()]
+    lines = [f"{f'the arm: {one}':<52} {told[one]:>3}" for one in (NAMED, TIE, BOTH, OTHER, MISSED)]
+    return "\n".join([counted("The arm of two: rightly named, or a tie", right), *lines])
 
 
 def told_arms(j: Judgement) -> list[str]:

@@ -4,7 +4,8 @@
 - `sindy`: sequentially thresholded least squares as pysindy has it (extra `bench`);
 - `everything`: least squares with all terms free at once, as system identification of a given structure does; named is
   what would be missed;
-- `sysid`: MuJoCo's `sysid` with everything free that its model has (extra `bench`), by rollouts instead of terms.
+- `sysid`: MuJoCo's `sysid` with everything free that its model has (extra `bench`), by rollouts instead of terms;
+- `lisdd`: terms of the regimes in which residuals are no noise, by F-tests (`lisdd.py` says what is a guess).
 
 Their reports have the shape of the workflow's; they have no probabilities, no gaps, and nothing to say of what no
 term explains.
@@ -21,7 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from .columns import Candidate, body_columns, candidates, drag_columns
+from .columns import candidates
+from .lisdd import localised
+from .physics import measured, nominal_columns, report, weights
 from .recorded import Cart, Recorded, has_arms, read_cart, read_recorded
 from .sysid_report import rolled_out
 
@@ -42,15 +45,15 @@ Selector = Callable[[np.ndarray, np.ndarray, list[np.ndarray], float], list[int]
 
 def regress_all(folder: Path, reports: str, stop: float, method: str = "err") -> int:
     """How many reports were written; none on carts that coast, which these methods know nothing of."""
-    found = sorted(path.parent for path in folder.glob("logs/*/run.csv") if has_arms(path))
-    for log in found:
+    logs = sorted(path.parent for path in folder.glob("logs/*/run.csv") if has_arms(path))
+    for log in logs:
         start = perf_counter()
-        report = METHODS[method](read_recorded(log / "run.csv"), read_cart(log / "cart.yaml"), stop)
+        found = METHODS[method](read_recorded(log / "run.csv"), read_cart(log / "cart.yaml"), stop)
         out = log / reports
         out.mkdir(exist_ok=True)
-        (out / "report.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+        (out / "report.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
         (out / "seconds.json").write_text(json.dumps({"seconds": perf_counter() - start}) + "\n", encoding="utf-8")
-    return len(found)
+    return len(logs)
 
 
 def regress(log: Recorded, cart: Cart, stop: float = STOP, select: Selector | None = None) -> dict[str, Any]:
@@ -60,38 +63,8 @@ def regress(log: Recorded, cart: Cart, stop: float = STOP, select: Selector | No
     weight = weights(nominal, target)
     library = candidates(log, cart)
     chosen = select(weight * nominal, weight[:, 0] * target, [weight * one.columns for one in library], stop)
-    terms = [library[i] for i in chosen]
-    design = np.hstack([nominal, *(term.columns for term in terms)])
-    value, deviation = fitted(weight * design, weight[:, 0] * target)
-    effects: dict[tuple[str, str], dict[str, Any]] = {}
-    at = nominal.shape[1]
-    for term in terms:
-        k = term.columns.shape[1]
-        effects.setdefault((term.name, term.label), entry(term, value[at : at + k], deviation[at : at + k]))
-        at += k
-    return {
-        "verdict": "explained" if effects else "no_discrepancy",
-        "effects": list(effects.values()),
-        "parameter_mismatch": mismatch(cart, value, deviation),
-        "unexplained": {"depends_on": []},
-    }
-
-
-def nominal_columns(log: Recorded, cart: Cart) -> np.ndarray:
-    body = body_columns(log)
-    return body if cart.drag is None else np.hstack([body, drag_columns(log)])
-
-
-def measured(log: Recorded) -> np.ndarray:
-    """(3 n,)."""
-    return np.concatenate([*log.sum.T, log.v])
-
-
-def weights(nominal: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """(3 n, 1): residuals of the refitted nominal model get the same size in each third."""
-    residual = target - nominal @ np.linalg.lstsq(nominal, target, rcond=1e-9)[0]
-    sizes = np.sqrt((residual.reshape(3, -1) ** 2).mean(axis=1))
-    return np.repeat(1 / np.maximum(sizes, 1e-9), len(target) // 3)[:, None]
+    terms = [(library[i], weight * library[i].columns) for i in chosen]
+    return report(cart, weight * nominal, weight[:, 0] * target, terms)
 
 
 def selected(nominal: np.ndarray, target: np.ndarray, library: list[np.ndarray], stop: float) -> list[int]:
@@ -152,6 +125,7 @@ METHODS: dict[str, Callable[[Recorded, Cart, float], dict[str, Any]]] = {
     "sindy": partial(regress, select=thresholded),
     "everything": partial(regress, select=all_free),
     "sysid": rolled_out,
+    "lisdd": localised,
 }
 
 
@@ -160,36 +134,3 @@ def orthonormal(columns: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     scaled = columns / np.maximum(lengths, 1e-12)
     sides, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
     return sides[:, sizes > COLLINEAR]
-
-
-def fitted(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients and their standard deviations, as if rows were independent."""
-    inverse = np.linalg.pinv(design, rcond=1e-9)
-    value = inverse @ target
-    left = target - design @ value
-    variance = float(left @ left) / max(len(target) - len(value), 1)
-    return value, np.sqrt(variance * (inverse**2).sum(axis=1))
-
-
-def entry(term: Candidate, value: np.ndarray, deviation: np.ndarray) -> dict[str, Any]:
-    told = zip(term.parameters, value + term.base, deviation, strict=False)
-    parameters = {name: {"value": float(v), "std": float(s), "unit": ""} for name, v, s in told}
-    return {"name": term.name, "label": term.label, "parameters": parameters, "confusable_with": []}
-
-
-def mismatch(cart: Cart, value: np.ndarray, deviation: np.ndarray) -> dict[str, Any]:
-    """Of what the refit moved; standard deviations of quotients as if masses were exact."""
-    m, mx, my, yaw = value[:4]
-    x, y = mx / m, my / m
-    moved = {"mass": m, "com_x": x, "com_y": y, "inertia": yaw - m * (x**2 + y**2)}
-    deviations = {"mass": 1.0, "com_x": 1 / m, "com_y": 1 / m, "inertia": 1.0}
-    before = {"mass": cart.mass, "com_x": cart.com[0], "com_y": cart.com[1], "inertia": cart.inertia}
-    found = {
-        name: {"nominal": before[name], "refitted": float(moved[name]), "std": float(deviation[i] * deviations[name])}
-        for i, name in enumerate(moved)
-    }
-    if cart.drag is not None:
-        for i, name in enumerate(("linear", "angular")):
-            said = {"nominal": cart.drag[i], "refitted": float(value[4 + i]), "std": float(deviation[4 + i])}
-            found[f"viscous_drag.{name}"] = said
-    return found

@@ -53,14 +53,5 @@ def bins(told: np.ndarray) -> list[tuple[tuple[float, float], float, np.ndarray]
     return found
 
 
-def duration(judgements: Sequence[Judgement]) -> str:
-    taken = [j.seconds for j in judgements if j.seconds is not None]
-    if not taken:
-        return ""
-    return (
-        f"Seconds for a log: median {np.median(taken):.1f}, 90 % {np.quantile(taken, 0.9):.1f}, most {max(taken):.1f}"
-    )
-
-
 def median(z: np.ndarray) -> str:
     return f"{np.median(abs(z)):.2f}"

@@ -5,8 +5,8 @@ Each candidate bears the name of the effect that it stands for, and of its param
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -23,13 +23,14 @@ SWINGS = (0.6, 0.8, 1.0, 1.2, 1.4)
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Columns (3 n, k): rows of force, then of moment, then of sideways speed."""
+    """Columns (3 n, k): rows of force, then of moment, then of sideways speed. `settings`: when or where it acts."""
 
     name: str
     columns: np.ndarray
     parameters: tuple[str, ...] = ()
     label: str = ""
     base: float = 0.0  # what is added to a coefficient
+    settings: Mapping[str, float] = field(default_factory=dict)
 
 
 def body_columns(log: Recorded) -> np.ndarray:
@@ -95,23 +96,37 @@ def of_place(log: Recorded, cart: Cart) -> Iterator[Candidate]:
     c, s, (dx, dy) = np.cos(log.heading), np.sin(log.heading), cart.com
     slope = [stacked(c, -dx * s - dy * c), stacked(s, dx * c - dy * s)]
     yield Candidate("floor_slope", cart.weight * np.hstack(slope), ("grade_x", "grade_y"))
+    friction = cart.weight * np.tanh(log.u / EDGE)
     column, row = (in_parts(place, CELLS) for place in (log.x, log.y))
+    xs, ys = (edges(place, CELLS) for place in (log.x, log.y))
     for i, j in np.ndindex(CELLS, CELLS):
+        box = {"x_min": xs[i], "x_max": xs[i + 1], "y_min": ys[j], "y_max": ys[j + 1]}
         inside = (column == i) & (row == j)
-        yield Candidate("floor_patch", stacked(cart.weight * inside * np.tanh(log.u / EDGE)), ("coefficient",))
+        yield Candidate("floor_patch", stacked(inside * friction), ("coefficient",), settings=box)
 
 
 def of_time(log: Recorded, cart: Cart) -> Iterator[Candidate]:
-    one_kilogram = body_columns(log) @ (cart.body / cart.mass)
-    part = in_parts(log.time, LOADINGS)
+    load = one_kilogram(log, cart)
+    part, times = in_parts(log.time, LOADINGS), edges(log.time, LOADINGS)
     for k in range(1, LOADINGS):
-        loaded = np.tile(part >= k, 3)
-        yield Candidate("payload_change", (loaded * one_kilogram)[:, None], ("mass",))
+        loaded = np.tile(part >= k, 3)[:, None]
+        yield Candidate("payload_change", loaded * load, ("mass",), settings={"time": times[k]})
     windows = round(float(np.ptp(log.time)) / WINDOW)
-    part = in_parts(log.time, windows)
+    part, times = in_parts(log.time, windows), edges(log.time, windows)
     for k in range(windows):
-        during = np.where(part == k, -1.0, 0.0)
-        yield Candidate("external_push", np.hstack([stacked(during), stacked(moment=during)]), ("force", "moment"))
+        span = {"start": times[k], "duration": times[k + 1] - times[k]}
+        yield Candidate("external_push", pushed(part == k), ("force", "moment"), settings=span)
+
+
+def one_kilogram(log: Recorded, cart: Cart) -> np.ndarray:
+    """(3 n, 1), at the CoM."""
+    return (body_columns(log) @ (cart.body / cart.mass))[:, None]
+
+
+def pushed(during: np.ndarray) -> np.ndarray:
+    """(3 n, 2), by a force of 1 N and a moment of 1 N m."""
+    minus = np.where(during, -1.0, 0.0)
+    return np.hstack([stacked(minus), stacked(moment=minus)])
 
 
 def stacked(
@@ -139,6 +154,11 @@ def in_parts(values: np.ndarray, count: int) -> np.ndarray:
     """Of `count` equal parts of the range, in which each value lies."""
     share = (values - values.min()) / max(float(np.ptp(values)), 1e-9)
     return np.minimum((share * count).astype(int), count - 1)
+
+
+def edges(values: np.ndarray, count: int) -> list[float]:
+    """Those of the parts."""
+    return [float(edge) for edge in np.linspace(values.min(), values.max(), count + 1)]
 
 
 def followed(values: np.ndarray, way: np.ndarray) -> np.ndarray:

@@ -42,13 +42,14 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """A truth file's and a report's contents (None: there is no report), how long that took, and the gap (m) of the
-    true structure."""
+    """A truth file's and a report's contents (None: there is no report), how long that took, the gap (m) of the true
+    structure, and of a log in which what is hidden is local times and poses (n, 4)."""
 
     truth: Mapping[str, Any]
     report: Mapping[str, Any] | None
     seconds: float | None = None
     refit: float | None = None
+    course: np.ndarray | None = None
 
     @property
     def case(self) -> str:

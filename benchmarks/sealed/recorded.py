@@ -76,8 +76,7 @@ def has_arms(path: Path) -> bool:
 
 
 def read_recorded(path: Path) -> Recorded:
-    first, *lines = path.read_text(encoding="utf-8").splitlines()
-    header, table = first.split(","), np.loadtxt(lines, delimiter=",")
+    header, table = read_table(path)
     time = np.arange(table[0, 0], table[-1, 0], STEP)
     even = {name: np.interp(time, table[:, 0], column) for name, column in zip(header, table.T, strict=True)}
     even["theta"] = np.interp(time, table[:, 0], np.unwrap(table[:, header.index("theta")]))
@@ -105,6 +104,18 @@ def read_recorded(path: Path) -> Recorded:
         contacts={arm: kept(p) for arm, p in places.items()},
         sum_rate=kept(rate),
     )
+
+
+def read_table(path: Path) -> tuple[list[str], np.ndarray]:
+    """Names of columns, and rows (n, k)."""
+    first, *lines = path.read_text(encoding="utf-8").splitlines()
+    return first.split(","), np.loadtxt(lines, delimiter=",")
+
+
+def read_course(path: Path) -> np.ndarray:
+    """(n, 4): time, place and heading."""
+    header, table = read_table(path)
+    return table[:, [header.index(name) for name in ("t", "x", "y", "theta")]]
 
 
 def slid(column: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

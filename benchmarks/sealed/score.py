@@ -1,15 +1,15 @@
 """Reports of the workflow beside the truth: DIR/logs/NAME/out/report.json and DIR/truth/NAME.json.
 
-`out` may be another folder, of another method. A report that tells no probability, gap or standard deviation is not
-judged by it. DIR/logs/NAME/refit.json tells what the true structure would have reached. Logs that are rough on purpose
-have tables of their own; those that are kept for proof are only counted.
+`out` may be another folder, of another method. A report that tells no probability or standard deviation is not judged
+by it, one that tells no gap by that of its names. DIR/logs/NAME/refit.json tells what the true structure would have
+reached. Logs that are rough on purpose have tables of their own; those that are kept for proof are only counted.
 """
 
 from __future__ import annotations
 
 import json
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,11 @@ from typing import Any
 import numpy as np
 
 from .arms import by_arm
-from .calibration import coverage, duration, reliability
-from .judging import CLOSES, Estimate, Judgement
-from .soundness import by_roughness, soundness, totals, waits
+from .calibration import coverage, reliability
+from .judging import CLOSES, Estimate, Judgement, bare
+from .locality import is_local, localisation
+from .recorded import read_course
+from .soundness import by_roughness, counted, soundness, totals, waits
 
 NONE = "(none)"
 MISSING = "(no report)"
@@ -48,6 +50,7 @@ def tables(everyone: Sequence[Judgement]) -> str:
     parts = [
         f"{len(there)} reports of {len(everyone)} logs; {len(everyone) - len(there)} missing",
         rates(there),
+        localisation(there),
         soundness(there),
         by_arm(there),
         by_roughness(there),
@@ -56,7 +59,6 @@ def tables(everyone: Sequence[Judgement]) -> str:
         beside_truth(there),
         coverage({"parameters of named effects": named, "cart, nothing beside": alone, "cart, effects beside": beside}),
         reliability(there),
-        duration(there),
         waits(there),
         estimates("Parameters of named effects", named),
         estimates("Refitted cart, nothing beside", alone),
@@ -73,10 +75,31 @@ def judged(folder: Path, reports: str = "out") -> list[Judgement]:
 
 
 def read(folder: Path, path: Path, reports: str) -> Judgement:
-    out = folder / "logs" / path.stem / reports
-    taken = contents(out / "seconds.json") or {}
-    known = contents(folder / "logs" / path.stem / "refit.json") or {}
-    return Judgement(contents(path), contents(out / "report.json"), taken.get("seconds"), known.get("gap"))
+    log, truth = folder / "logs" / path.stem, contents(path)
+    report, taken = contents(log / reports / "report.json"), contents(log / reports / "seconds.json") or {}
+    if report and "gap" not in report:
+        report["gap"] = gap_of_names(log, reports, report)
+    known = contents(log / "refit.json") or {}
+    course = read_course(log / "run.csv") if report and is_local(truth) else None
+    return Judgement(truth, report, taken.get("seconds"), known.get("gap"), course)
+
+
+def gap_of_names(log: Path, reports: str, report: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """The workflow's gap, but for what is left with the names of a method that tells none (`true_structures --reports`
+    refits those that the workflow doesn't tell, too)."""
+    ours, refit = contents(log / "out" / "report.json"), contents(log / reports / "refit.json")
+    if not (ours and ours.get("gap")):
+        return None
+    gap = {key: ours["gap"][key] for key in ("refitted", "after", "noise_floor")}
+    if not report["effects"]:
+        return gap | {"after": gap["refitted"]}
+    if names(report) == names(ours):
+        return gap
+    return gap | {"after": refit["gap"]} if refit else None
+
+
+def names(report: Mapping[str, Any]) -> set[str]:
+    return {bare(effect["name"]) for effect in report["effects"]}
 
 
 def contents(path: Path) -> Any:
@@ -90,8 +113,7 @@ def refitted(judgements: Iterable[Judgement], kinds: Sequence[str]) -> list[Esti
 
 def rates(judgements: Sequence[Judgement]) -> str:
     def rate(what: str, group: Sequence[Judgement], holds: Callable[[Judgement], object]) -> str:
-        right = sum(bool(holds(j)) for j in group)
-        return f"{what:<52} {right:>3} of {len(group):<3} {percent(right, len(group))}"
+        return counted(what, [bool(holds(j)) for j in group])
 
     kinds = ("single", "pair", "nothing", "outside")
     single, pair, nothing, outside = ([j for j in judgements if j.kind == kind] for kind in kinds)
@@ -117,7 +139,8 @@ def rates(judgements: Sequence[Judgement]) -> str:
                 "law: the name beside it", [j for j in outside if j.true_names], lambda j: j.true_names <= set(j.names)
             ),
             rate("law: all of it right", outside, lambda j: j.law_right),
-            f"{'law: period right, where there is one':<52} {sum(periods):>3} of {len(periods)}",
+            counted("law: period right, where there is one", periods),
+            counted("names told that are not hidden", [name in j.wrong_names for j in judgements for name in j.names]),
         ]
     )
 
@@ -133,7 +156,7 @@ def by_strength(judgements: Sequence[Judgement]) -> str:
     for low, high in pairwise(PLAIN):
         own = [within for z, within in known if low <= z < high]
         title = f"{low:g} to {high:g}" if high < np.inf else f"{low:g} and more"
-        lines.append(f"{title:<52} {sum(own):>3} of {len(own):<3} {percent(sum(own), len(own))}")
+        lines.append(counted(title, own))
     return "\n".join(lines) if known else ""
 
 
@@ -148,6 +171,10 @@ def gaps(judgements: Sequence[Judgement]) -> str:
                 middle, high = np.median(found, axis=0), np.quantile(found, 0.9, axis=0)
                 cells = (f"{m:.3f}; {h:.3f}" for m, h in zip(middle, high, strict=True))
                 lines.append(f"{title:<44} {len(own):>3}   " + "        ".join(cells))
+    closed = [j.closed for j in judgements if j.closed is not None]
+    if closed:
+        cells = f"{np.median(closed):6.2f}; of four fifths or more {sum(one >= CLOSES for one in closed)}"
+        lines.append(f"{'squared gap above noise closed, of those (median)':<44} {len(closed):>3} {cells}")
     return "\n".join(lines) if len(lines) > 1 else ""
 
 
@@ -157,9 +184,8 @@ def beside_truth(judgements: Sequence[Judgement]) -> str:
     for kind in ("single", "pair", "nothing"):
         found = np.array([j.beside_truth for j in judgements if j.kind == kind and j.beside_truth is not None])
         if len(found):
-            near = int((found <= CLOSE).sum())
-            cells = f"{np.median(found):8.3f}{np.quantile(found, 0.9):8.3f}  {near:>4} of {len(found):<3}"
-            lines.append(f"{kind:<52} {len(found):>3}{cells} {percent(near, len(found))}")
+            cells = f"{len(found):>3}{np.median(found):8.3f}{np.quantile(found, 0.9):8.3f}"
+            lines.append(f"{kind:<52} {cells}  {counted('', list(found <= CLOSE)).lstrip()}")
     return "\n".join(lines) if len(lines) > 1 else ""
 
 
@@ -223,10 +249,6 @@ def said(j: Judgement) -> str:
     if not j.names:
         return NONE if j.called_nothing else UNEXPLAINED
     return "+".join(j.names) + (" and more" if j.partly else "")
-
-
-def percent(part: int, whole: int) -> str:
-    return f"{100 * part / whole:5.1f} %" if whole else ""
 
 
 def mean(values: Sequence[int]) -> str:

@@ -28,7 +28,9 @@ def mass_is_close(j: Judgement) -> bool | None:
 def refit_is_worse(j: Judgement) -> bool | None:
     """Than the cart file's values, beyond noise, on stretches that no fit saw."""
     gap = (j.report or {}).get("gap")
-    return gap["refitted"] > max(gap["before"] * (1 + NOISE), gap["noise_floor"]) if gap else None
+    if not gap or "before" not in gap:
+        return None
+    return bool(gap["refitted"] > max(gap["before"] * (1 + NOISE), gap["noise_floor"]))
 
 
 def likely_and_wrong(j: Judgement) -> tuple[str, ...] | None:
@@ -67,12 +69,13 @@ def soundness(judgements: Sequence[Judgement]) -> str:
 
 
 def waits(judgements: Sequence[Judgement]) -> str:
-    """Seconds of each kind of log."""
-    lines = [f"{'Seconds for a log':<52} {'n':>3}  median    most"]
-    for kind in ("nothing", "single", "pair", "outside"):
-        taken = [j.seconds for j in judgements if j.kind == kind and j.seconds is not None]
+    """Seconds of all logs, and of each kind."""
+    lines = [f"{'Seconds for a log':<52} {'n':>3}  median    90 %    most"]
+    for kind in ("all", "nothing", "single", "pair", "outside"):
+        taken = [j.seconds for j in judgements if kind in ("all", j.kind) and j.seconds is not None]
         if taken:
-            lines.append(f"{kind:<52} {len(taken):>3} {np.median(taken):>7.1f} {max(taken):>7.1f}")
+            told = "".join(f"{one:>8.1f}" for one in (np.median(taken), np.quantile(taken, 0.9), max(taken)))
+            lines.append(f"{kind:<52} {len(taken):>3}{told}")
     return "\n".join(lines) if len(lines) > 1 else ""
 
 

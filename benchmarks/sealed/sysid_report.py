@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from .mujoco_sysid import HALF_TRACK, Course, Fit, Free, fit
+from .physics import told
 from .recorded import Cart, Recorded
 
 WINDOW = 1.0
 """s: in longer ones what the wrenches' noise adds up to is taken for effects."""
-BODY, DRAG = ("mass", "com_x", "com_y", "inertia"), ("linear", "angular")
+DRAG = ("linear", "angular")
 EFFECTS = {
     "viscous_drag": DRAG,
     "rolling_resistance": ("rolling", "turning"),
@@ -49,12 +50,7 @@ def rolled_out(log: Recorded, cart: Cart, stop: float) -> dict[str, Any]:
     ]
     order = [int(i) for i in np.argsort(-np.array(shares)) if shares[i] > 0 and shares[i] >= stop]
     effects = [entry(found, cart, places, groups[i]) for i in order]
-    return {
-        "verdict": "explained" if effects else "no_discrepancy",
-        "effects": effects,
-        "parameter_mismatch": mismatch(found, cart),
-        "unexplained": {"depends_on": []},
-    }
+    return told(cart, effects, [(float(value), deviation(found, i)) for i, value in enumerate(found.values[:6])])
 
 
 def course(log: Recorded) -> Course:
@@ -114,14 +110,3 @@ def entry(found: Fit, cart: Cart, places: dict[str, int], group: tuple[str, str,
 
 def deviation(found: Fit, place: int) -> float:
     return float(np.sqrt(found.covariance[place, place]))
-
-
-def mismatch(found: Fit, cart: Cart) -> dict[str, Any]:
-    """Of what comes first among the parameters."""
-    before = dict(zip(BODY, (cart.mass, *cart.com, cart.inertia), strict=True))
-    if cart.drag is not None:
-        before |= {f"viscous_drag.{name}": value for name, value in zip(DRAG, cart.drag, strict=True)}
-    return {
-        name: {"nominal": value, "refitted": float(found.values[i]), "std": deviation(found, i)}
-        for i, (name, value) in enumerate(before.items())
-    }

@@ -46,7 +46,8 @@ Condition = tuple[str, np.ndarray]
 @dataclass(frozen=True)
 class Disagreement:
     """A part of a log, what it has in common, and how large the residual is there (root mean square, in the
-    coordinate's unit) and its share of the coordinate's whole disagreement."""
+    coordinate's unit) and its share of the coordinate's whole disagreement. `intervals` (s): when, between `start` and
+    `stop`, the condition holds."""
 
     start: float
     stop: float
@@ -54,6 +55,7 @@ class Disagreement:
     condition: str
     size: float
     share: float
+    intervals: tuple[tuple[float, float], ...] = ()
 
     @property
     def sentence(self) -> str:
@@ -91,8 +93,15 @@ def _disagreement(residual: Residual, chosen: np.ndarray, share: float, text: st
     logs = np.where(chosen, residual.circumstances.log, -1)
     most = max(np.unique(logs[chosen]), key=lambda k: float(residual.beyond[logs == k].sum()))
     start, size = residual.start[logs == most], float(np.sqrt((residual.value[chosen] ** 2).mean()))
-    span = float(start.min()), float(start.max()) + residual.duration
-    return Disagreement(*span, residual.coordinate, text, size, share)
+    runs = _runs(start, residual.duration)
+    return Disagreement(runs[0][0], runs[-1][1], residual.coordinate, text, size, share, runs)
+
+
+def _runs(start: np.ndarray, duration: float) -> tuple[tuple[float, float], ...]:
+    """From when to when stretches (n,) of one duration (s) follow one another, in order of time."""
+    start = np.sort(start)
+    pieces = np.split(start, np.flatnonzero(np.diff(start) > 1.5 * duration) + 1)
+    return tuple((float(piece[0]), float(piece[-1]) + duration) for piece in pieces)
 
 
 def _along(residual: Residual) -> Iterator[Disagreement]:

@@ -147,3 +147,9 @@ def test_a_refit_begins_at_the_truth(name):
         assert truth.parameters or truth.roughly
         for key, value in {**truth.parameters, **truth.roughly}.items():
             assert getattr(effect, key) == value
+
+
+def test_what_no_effect_can_have_begins_at_the_nearest_that_it_can():
+    told = {"name": "time_delay", "parameters": {"delay": -0.006}, "roughly": {}, "arm": ""}
+    assert effect_of(told, ("arm",)).delay == 0.0
+    assert effect_of(told | {"parameters": {"delay": 0.02}}, ("arm",)).delay == 0.02

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
+from benchmarks import true_structures
 from benchmarks.sealed.calibration import coverage, reliability
 from benchmarks.sealed.judging import Estimate, Judgement, matched
+from benchmarks.sealed.locality import acting, is_local, localisation, named
 from benchmarks.sealed.reliability_plot import save_reliability
-from benchmarks.sealed.score import gaps, score
+from benchmarks.sealed.score import gaps, judged, score
 
 CART = {"mass": 20.0, "com_x": 0.3, "com_y": 0.0, "inertia": 2.0, "viscous_drag": {"linear": 5.0, "angular": 2.0}}
 
@@ -177,9 +180,10 @@ def test_the_score_counts(tmp_path):
     (tmp_path / "logs" / "a" / "out" / "seconds.json").write_text('{"seconds": 12.5}')
     text = score(tmp_path)
     assert "0 reports of 4 logs; 4 missing" in score(tmp_path, "out-other")
-    assert "Seconds for a log: median 12.5, 90 % 12.5, most 12.5" in text
     lines = {" ".join(line.split()) for line in text.splitlines()}
     assert "3 reports of 4 logs; 1 missing" in lines
+    assert "all 1 12.5 12.5 12.5" in lines
+    assert "names told that are not hidden 2 of 3 66.7 %" in lines
     assert "single effect: its name and no other 1 of 2 50.0 %" in lines
     assert "single effect: in the reported set 2 of 2 100.0 %" in lines
     assert "single effect: wrong name, but the truth in its set 1 of 1 100.0 %" in lines
@@ -190,6 +194,68 @@ def test_the_score_counts(tmp_path):
     assert "Names given in vain: force_bias 2" in lines
     assert "single 1 1.250 1.250 0 of 1 0.0 %" in lines
     assert any("1 (no report)" in line for line in lines)
+
+
+WORLD = {"half_track": 0.2, "caster_x": 0.6, "caster_y": 0.25}
+CRAWL = np.column_stack([np.arange(0.0, 10.0, 0.1), np.arange(0.0, 5.0, 0.05), np.zeros((100, 2))])
+"""Along x at 0.5 m/s, for ten seconds."""
+
+
+def local(name, told, **parameters):
+    """A local effect's truth beside a report."""
+    hidden = truth(effect(name, parameters)) | {"world": WORLD}
+    return Judgement(hidden, report("explained", **told), course=CRAWL)
+
+
+def test_samples_told_to_disagree_are_held_against_those_on_which_it_acts():
+    """Of a push from 2 to 4 s: told are 3 to 5 s, half of it, and half of what is told; then that and much else."""
+    other = {"start": 0.0, "stop": 9.9}
+    half = {"where": [{"start": 0.0, "stop": 9.9, "intervals": [[2.95, 4.95]]}, other]}
+    push = local("external_push", half, start=1.95, duration=2.0)
+    whole = local("external_push", {"where": [other]}, start=1.95, duration=2.0)
+    none = local("external_push", {"where": []}, start=1.95, duration=2.0)
+    for told, wanted in ((push, 0.5), (whole, 2 * 20 / (20 + 100)), (none, 0.0)):
+        (line,) = (one for one in localisation([told]).splitlines() if "told first" in one)
+        assert [float(word) for word in line.split()[-5:-2]] == pytest.approx([1, wanted, wanted], abs=0.006)
+    assert "told first" not in localisation([local("external_push", {}, start=1.95, duration=2.0)])
+    both = truth(effect("external_push"), effect("time_delay"))
+    assert is_local(push.truth)
+    assert not is_local(both)
+    assert not is_local(truth())
+
+
+def test_a_named_effect_tells_its_own_time_or_place():
+    """A carpet from 2 to 3 m: casters come to it after 1.4 m of way, fixed wheels leave it after 3."""
+    box = {"x_min": 2.0, "x_max": 3.0, "y_min": 0.0, "y_max": 1.0}
+    there = acting([effect("floor_patch", box)], CRAWL, WORLD)
+    assert CRAWL[there, 1][[0, -1]] == pytest.approx((1.45, 2.95))
+    assert there.sum() == 31
+    aside = acting([effect("floor_patch", box | {"y_min": 0.22, "y_max": 1.0})], CRAWL, WORLD)
+    assert CRAWL[aside, 1][[0, -1]] == pytest.approx((1.45, 2.35))
+    loaded = acting(named({"effects": [entry("payload_change", time=(6.95, 0.1), mass=(3.0, 0.1))]}), CRAWL, WORLD)
+    assert loaded.tolist() == [False] * 70 + [True] * 30
+    assert not acting([effect("external_push", {"force": 3.0}), effect("floor_slope")], CRAWL, WORLD).any()
+
+
+def test_a_method_without_a_gap_is_scored_by_that_of_its_names(tmp_path, monkeypatch):
+    """Four logs: nothing is named, what the workflow names, and twice something else, once refitted."""
+    rolling = truth(effect("rolling_resistance"))
+    told = {"a": [], "b": [entry("rolling_resistance")], "c": [entry("floor_slope")], "d": [entry("floor_slope")]}
+    (tmp_path / "truth").mkdir()
+    for name, effects in told.items():
+        (tmp_path / "truth" / f"{name}.json").write_text(json.dumps(rolling))
+        own = report("explained", entry("rolling_resistance"), gap=GAP["gap"] | {"before": 0.2})
+        for out, said in (("out", own), ("other", report("explained", *effects))):
+            (tmp_path / "logs" / name / out).mkdir(parents=True)
+            (tmp_path / "logs" / name / out / "report.json").write_text(json.dumps(said))
+    (tmp_path / "logs" / "d" / "other" / "refit.json").write_text('{"gap": 0.06}')
+    found = [j.report["gap"] and j.report["gap"]["after"] for j in judged(tmp_path, "other")]
+    assert found == [0.1, 0.03, None, 0.06]
+    refits = []
+    monkeypatch.setattr(true_structures, "refitted", lambda log, effects: refits.append(effects) or {"gap": 0.05})
+    assert true_structures.refit_told(tmp_path, "other") == 2  # one is there already
+    assert [[one["name"] for one in effects] for effects in refits] == [["floor_slope"]]
+    assert "squared gap above noise closed, of those (median)" in score(tmp_path, "other")
 
 
 def test_gaps_that_are_more_than_noise_are_told_apart(tmp_path):

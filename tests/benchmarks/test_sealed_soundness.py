@@ -86,7 +86,7 @@ def test_a_log_counts_for_each_of_its_kinds():
         "bursts 1 1 of 1 1 of 1 1 of 1 0 of 0 0 of 1 3.0 3.0",
         "rail 2 1 of 2 1 of 1 1 of 2 0 of 0 0 of 2 6.0 9.0",
     } <= rows
-    assert "single 1 3.0 3.0" in lines_of(waits(told))
+    assert "single 1 3.0 3.0 3.0" in lines_of(waits(told))
     assert by_roughness([Judgement(truth(), slope)]) == ""
 
 

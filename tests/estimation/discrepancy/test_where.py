@@ -86,6 +86,8 @@ def test_a_misfit_under_one_circumstance_is_told_by_it(words, size):
         assert first.share > 0.6
         assert first.size == pytest.approx(abs(size), rel=0.25)
         assert int(first.condition.split("(")[1].split()[0]) == pytest.approx(100 * chosen.mean(), abs=7)
+        inside = np.array([any(a < t < b for a, b in first.intervals) for t in found.course.time])
+        assert (inside == chosen).mean() > 0.9
         if " t = " in words:
             begin, end = found.course.time[chosen][[0, -1]]
             assert (first.start, first.stop) == pytest.approx((begin - 0.25, end + 0.25))
