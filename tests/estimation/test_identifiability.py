@@ -13,7 +13,7 @@ from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
 from estimation.identifiability import identifiability
 from estimation.replay import replay
-from estimation.teaching_motions import teaching_motions
+from estimation.experiments.teaching_motions import teaching_motions
 
 from .runs import simulate
 
