@@ -55,7 +55,7 @@ def next_experiment(found: Diagnosis) -> Next:
     proposal, words = None, list[str]()
     if experiment is not None:
         log = found.final.logs[0].log
-        start = log.pose[np.isfinite(log.pose).all(axis=1)][0]
+        start = np.round(log.pose[np.isfinite(log.pose).all(axis=1)][0], 3)
         whole = experiment.proposed(found.limits, start, max(float(b.log.time[-1]) for b in found.final.logs))
         apart, alone = _judged(whole)
         told = _told(whole, apart, alone)
@@ -205,6 +205,8 @@ def _listed(names: list[str], link: str) -> str:
 
 def _beside(found: Diagnosis) -> Iterator[str]:
     """What no other motion alone would do."""
+    if not found.is_moved or not _hands(found).contacts:
+        yield f"push the cart: {'nobody does' if found.is_moved else 'nothing moves'} in these logs"
     for effect in found.effects:
         if effect.name in effect.confusable_with:
             yield f"push with one arm alone, then with another: that tells whose {effect.name} it is"
