@@ -136,6 +136,7 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.named": {"SURE": "which of an effect's numbers are told"},
     "discrepancy.next_experiments": {
         "NOTHING_OPEN": "words",
+        "FORM": "which motion is proposed",
         "MOST_TOLD": "words",
     },
     "discrepancy.page": {

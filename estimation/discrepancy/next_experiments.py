@@ -26,6 +26,8 @@ from .search import CONFUSABLE, WORTH, added, every_family
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
+FORM = 0.01
+"""Of the wrench, by which a model is wrong, as in rows (`rows.py`)."""
 MOST_TOLD = 4
 """Of names in a sentence: so many are told, the rest is counted."""
 
@@ -84,12 +86,17 @@ def undecided(found: Diagnosis) -> Experiment | None:
                 questions += [Question(name, other, place, beside, 0.5), Question(other, name, beside, place, 0.5)]
     for effect in _nearly(found):
         questions.append(Question(effect.key, "", add(final.refitted(final.cart.with_effect(effect))), own))
-    hidden = _hidden(found, {one.name.partition(".")[0] for one in questions})
-    for effect in hidden:
+    usual = _usual_effects(found, {one.name.partition(".")[0] for one in questions})
+    for effect, before in usual:
         cart = final.cart.with_effect(effect)
         beliefs.append(Belief(cart, np.zeros((len(cart.parameters), 0))))  # by nobody's fit
-        questions.append(Question(effect.key, "", len(beliefs) - 1, own, 1.0 / len(hidden)))
-    return Experiment(tuple(beliefs), tuple(questions), hands) if questions else None
+        questions.append(Question(effect.key, "", len(beliefs) - 1, own, 1.0 / len(usual), before))
+    return Experiment(tuple(beliefs), tuple(questions), hands) if any(map(_is_open, questions)) else None
+
+
+def _is_open(question: Question) -> bool:
+    """Whether logs tell it by less than a name takes."""
+    return _nats(question.before) < WORTH
 
 
 def _belief(model: Model) -> Belief:
@@ -124,15 +131,15 @@ def _nearly(found: Diagnosis) -> list[Effect]:
     return [e for key, e in effects.items() if key not in has and _is_seen(e) and is_plausible(e, wheels)]
 
 
-def _hidden(found: Diagnosis, names: set[str]) -> list[Effect]:
-    """Effects of usual size that the logs' motion doesn't show, but for some names; of variants, the middle one."""
-    dark = {key for key, one in found.isolability.items() if _nats(one.z) < WORTH}
-    usual = TimeDelay.parameters[0].typical
-    if not any(check.clock_offset and _nats(usual / check.clock_offset.std) > WORTH for check in found.checks):
-        dark.add(TimeDelay.name)
-    known = [family.variants for family in every_family(found.final) if family.key in dark]
-    middle = [_usual(variants[len(variants) // 2]) for variants in known]
-    return [one for one in middle if one.name not in names and one.gate is Gate.ALWAYS and _is_seen(one)]
+def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, float]]:
+    """Of usual size, but for some names, each with the deviations by which the logs' motion shows it; of variants, the
+    middle one."""
+    shown = {key: one.z for key, one in found.isolability.items()}
+    late = [check.clock_offset.std for check in found.checks if check.clock_offset]
+    shown[TimeDelay.name] = TimeDelay.parameters[0].typical / min(late) if late else 0.0
+    known = [family for family in every_family(found.final) if family.key in shown]
+    middle = [(_usual(family.variants[len(family.variants) // 2]), shown[family.key]) for family in known]
+    return [(e, z) for e, z in middle if e.name not in names and e.gate is Gate.ALWAYS and _is_seen(e)]
 
 
 def _usual(effect: Effect) -> Effect:
@@ -152,9 +159,13 @@ def _is_seen(effect: Effect) -> bool:
 def _hands(found: Diagnosis) -> Hands:
     """Where the arms hold in the first log that has each, and the first log's noise."""
     logs = [balances.log for balances in found.final.logs]
-    contacts = {arm: np.nanmedian(own.contact, axis=0) for log in reversed(logs) for arm, own in log.arms.items()}
+    known = (
+        (arm, own.contact[np.isfinite(own.contact).all(axis=1)]) for log in logs[::-1] for arm, own in log.arms.items()
+    )
+    contacts = {arm: np.median(points, axis=0) for arm, points in known if len(points)}
     check = found.checks[0]
-    return Hands(contacts, WrenchNoise(check.noise.force, check.noise.moment, check.rate), check.noise.position)
+    noise = WrenchNoise(check.noise.force, check.noise.moment, check.rate)
+    return Hands(contacts, noise, check.noise.position, FORM)
 
 
 def _nats(z: float) -> float:
@@ -187,13 +198,13 @@ def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
 
 
 def _judged(proposal: Proposal) -> tuple[Pairs, dict[str, float]]:
-    """Of rivals, and the deviations by which what may be there shows."""
+    """Of rivals, and the deviations by which what may be there, and didn't show before, does."""
     pairs, alone = Pairs(), dict[str, float]()
     for one, z in zip(proposal.questions, proposal.deviations, strict=True):
         if one.other:
             pair = (one.name, one.other) if (one.other, one.name) not in pairs else (one.other, one.name)
             pairs[pair] = min(z, pairs.get(pair, z))
-        else:
+        elif _is_open(one):
             alone[one.name] = z
     return pairs, alone
 

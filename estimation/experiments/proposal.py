@@ -20,13 +20,14 @@ SURELY = 10.0
 @dataclass(frozen=True)
 class Question:
     """Whether a cart is as `truth` says, called `name`, and not as `rival` does (places in a list of beliefs); an empty
-    `other` stands for a cart without it."""
+    `other` stands for a cart without it. So many deviations tell it `before` another motion."""
 
     name: str
     other: str
     truth: int
     rival: int
     weight: float = 1.0
+    before: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,17 +79,17 @@ class Experiment:
 
     def told(self, course: _Course) -> float:
         """How much of the questions is answered, each 1 at most."""
-        squares = np.array([one.deviations**2 for one in course.evidence])
+        found = zip(self.questions, course.evidence, strict=True)
+        squares = np.array([question.before**2 + one.deviations**2 for question, one in found])
         weights = np.array([one.weight for one in self.questions])
         return float(weights @ (squares / (squares + SURELY**2)))
 
     def proposed(self, limits: Limits, start: Array, time: float = 0.0) -> Proposal:
-        """Each piece is the one that tells most a second beside those before it, until the time is over."""
+        """Each piece is the one that tells most beside those before it, until the time is over."""
         known = pieces(limits, self.beliefs[0].cart.constraints)
         course, left = self.begun(start, time), limits.duration
         while fitting := [piece for piece in known if piece.duration <= left + STEP / 2]:
-            before, tried = self.told(course), [self.after(course, piece) for piece in fitting]
-            course = max(tried, key=lambda one: (self.told(one) - before) / one.pieces[-1].duration)
+            course = max((self.after(course, piece) for piece in fitting), key=self.told)
             left -= course.pieces[-1].duration
         return self.judged(course, start)
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from .manoeuvres import STEP, Piece, Place, path, sampled
 
 LATENESS_STEP = 1e-4
 """Of a parameter of a sensor effect."""
+QUIETEST, STILLEST = 1e-2, 1e-5
+"""N and N·m; m: simulated sensors may have no noise at all."""
 WINDOW = 0.5
 """s: over which poses tell the speed across the wheels."""
 
@@ -42,11 +44,13 @@ class Belief:
 
 @dataclass(frozen=True, eq=False)
 class Hands:
-    """Where each arm holds, (3,) in {b}; how noisy its sensor and the poses (m) are."""
+    """Where each arm holds, (3,) in {b}; how noisy its sensor and the poses (m) are; the share of the wrench by which
+    any model is wrong, otherwise in each piece."""
 
     contacts: Mapping[str, Array]
     noise: WrenchNoise
     position: float = 5e-4
+    form: float = 0.0
 
     def shared(self, cart: CartModel, reduced: Array) -> dict[str, Array]:
         """Wrenches (n, 6) of the arms, the least that give a reduced one (n, f)."""
@@ -56,8 +60,9 @@ class Hands:
 
     def weights(self, cart: CartModel) -> Array:
         """What rows (f, or f + 1 with the speed across the wheels) are multiplied by, (c, c)."""
-        root = np.linalg.cholesky(np.linalg.inv(reduced_noise(cart, list(self.contacts.values()), self.noise))).T
-        across = WINDOW / (np.sqrt(2.0 * self.noise.rate * WINDOW) * self.position)
+        noise = replace(self.noise, **{k: max(getattr(self.noise, k), QUIETEST) for k in ("force", "moment")})
+        root = np.linalg.cholesky(np.linalg.inv(reduced_noise(cart, list(self.contacts.values()), noise))).T
+        across = WINDOW / (np.sqrt(2.0 * noise.rate * WINDOW) * max(self.position, STILLEST))
         f = len(root)
         weights = np.zeros((f + 1, f + 1)) if _is_seen_across(cart) else np.zeros((f, f))
         weights[f:, f:], weights[:f, :f] = across, root
@@ -66,11 +71,12 @@ class Hands:
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What a belief expects of a piece: rows (n,) over their noise, their slopes by the root's directions (n, k), and
-    where the cart then rests."""
+    """What a belief expects of a piece: rows (n,) over their noise, their slopes by the root's directions (n, k), what
+    a model is wrong by (n,), and where the cart then rests."""
 
     rows: Array
     slopes: Array
+    form: Array
     end: Place
 
 
@@ -89,7 +95,10 @@ class Evidence:
 
     def more(self, truth: Trace, rival: Trace) -> Evidence:
         """With another piece."""
+        unit, size = _unit(truth.form)
+        shrink = 1.0 - 1.0 / math.sqrt(1.0 + size * size)  # rows whose noise has the form's in it, whitened
         d, slopes = truth.rows - rival.rows, rival.slopes
+        d, slopes = d - shrink * unit * (unit @ d), slopes - shrink * np.outer(unit, unit @ slopes)
         return Evidence(self.square + float(d @ d), self.mixed + slopes.T @ d, self.slopes + slopes.T @ slopes)
 
     @property
@@ -123,7 +132,13 @@ def traced(belief: Belief, piece: Piece, begin: Place, hands: Hands, weights: Ar
         value = np.column_stack([value, _across(cart, nu, nu_rate)])
         slopes = np.concatenate([slopes, np.zeros((len(value), 1, slopes.shape[2]))], axis=1)
     rows, by_root = (value @ weights.T).ravel(), (weights @ slopes @ belief.root).reshape(value.size, -1)
-    return Trace(rows, by_root, Place(end, memory[-1], begin.time + piece.duration))
+    return Trace(rows, by_root, hands.form * rows, Place(end, memory[-1], begin.time + piece.duration))
+
+
+def _unit(form: Array) -> tuple[Array, float]:
+    """Its direction and size."""
+    size = float(np.linalg.norm(form))
+    return (form / size if size else form), size
 
 
 def _is_seen_across(cart: CartModel) -> bool:

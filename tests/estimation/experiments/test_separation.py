@@ -183,3 +183,21 @@ def test_the_proposal_is_better_than_most_orders_of_pieces():
             course = experiment.after(course, known[i])
         worse += min(one.deviations for one in course.evidence) < min(found.deviations)
     assert worse >= 18
+
+
+def test_sensors_without_noise_give_finite_numbers():
+    quiet = Hands(TWO.contacts, WrenchNoise(force=0.0, moment=0.0), 0.0)
+    assert np.isfinite(quiet.weights(CART)).all()
+
+
+def test_a_share_of_the_wrench_counts_as_noise_of_each_piece():
+    """Sherman and Morrison by hand, where the rival is known."""
+    wrong = Hands(ONE.contacts, ONE.noise, form=0.05)
+    resisting, square = RAIL.with_effect(RollingResistance(coefficient=0.02)), 0.0
+    for u, a in map(driven, ALONG[:2]):
+        d = column("rolling_resistance", u, a) * np.sqrt(100.0 * STEP) / 3.0
+        c = 0.05 * (d + (MASS * a + 3.0 * u) * np.sqrt(100.0 * STEP) / 3.0)
+        square += d @ d - (c @ d) ** 2 / (1 + c @ c)
+    known = np.zeros((len(RAIL.parameters), 1))
+    assert deviations(ALONG[:2], resisting, RAIL, wrong, known) == pytest.approx(np.sqrt(square), rel=0.01)
+    assert deviations(ALONG[:2], resisting, RAIL, wrong, known) < deviations(ALONG[:2], resisting, RAIL, ONE, known)
