@@ -15,9 +15,9 @@ from cartgrasp.inertia import N_PHI, physical_jacobian
 from cartgrasp.information import WrenchNoise
 from cartgrasp.motion import Estimate
 
+from .experiments.teaching_motions import remedy
 from .parameter_report import ParameterReport
 from .prior import Prior, report_names
-from .teaching_motions import remedy
 
 TOGETHER = 0.8
 """Correlation from which two parameters are said to move together."""

@@ -17,18 +17,12 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
 from cartgrasp.motion import Reference
+from cartgrasp.reference_file import Stretch
+
+__all__ = ["PathReference", "Stretch", "chain", "pause", "speed_change", "straight", "turn"]
 
 KNOT_SPACING = 0.05
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """For `duration` (s), constant rates of forward speed (m/s²) and of yaw rate (rad/s²)."""
-
-    duration: float
-    acceleration: float = 0.0
-    yaw_acceleration: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -134,7 +134,11 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.model": {"ROUNDS": "effort", "FEWEST_MEANS": "means, to be solvable"},
     "discrepancy.named": {"SURE": "which of an effect's numbers are told"},
-    "discrepancy.next_experiments": {"MORE_MOTION": "words"},
+    "discrepancy.next_experiments": {
+        "NOTHING_OPEN": "words",
+        "FORM": "which motion is proposed",
+        "MOST_TOLD": "words",
+    },
     "discrepancy.page": {
         "POLICY": "of the page",
         "STYLE": "of the page",
@@ -198,12 +202,6 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},
-    "discrepancy.separating": {
-        "ENOUGH": "which motion is advised",
-        "FAST": "motions that are advised",
-        "RIDGE": "keeps it solvable",
-        "LATENESS_STEP": "of a finite difference",
-    },
     "discrepancy.verdicts": dict.fromkeys(
         ("ADDED", "TOO_LITTLE", "UNSTEADY", "SIMPLER", "BETTER", "RARER", "ODD"), "words"
     ),

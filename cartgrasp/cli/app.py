@@ -44,6 +44,7 @@ def simulate(
     out: Annotated[Path, typer.Option("--out", help="Folder for run.csv, figures and player.")] = Path("out/run"),
     guess: Annotated[Path | None, typer.Option("--guess", help="What is believed at first (else --cart).")] = None,
     path: Annotated[Course, typer.Option("--path", metavar="<name>", help="straight, curves or push-pull.")] = "curves",
+    reference: Annotated[Path | None, typer.Option("--reference", help="A reference.yaml in place of --path.")] = None,
     plant: Annotated[Plant, typer.Option("--plant", metavar="<name>", help="model or mujoco.")] = "model",
     arms: Annotated[int, typer.Option("--arms", min=1, max=4, help="How many arms push.")] = 2,
     speed: Annotated[float, typer.Option("--speed", help="Forward speed, m/s.")] = 0.6,
@@ -55,7 +56,7 @@ def simulate(
     """A closed-loop run with a cart of yours: writes its log, figures and an animated page."""
     from . import simulate as command
 
-    choice = command.Choice(cart, guess, path, plant, arms, speed, force_noise, learn, seed)
+    choice = command.Choice(cart, guess, path, reference, plant, arms, speed, force_noise, learn, seed)
     raise typer.Exit(command.run(choice, out, json))
 
 
@@ -162,6 +163,10 @@ def discrepancy(
     logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, ROS bags, EMPS .mat.", metavar="LOG…")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: the model to be judged.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Folder for the report, figures and cart.yaml.")] = None,
+    follow: Annotated[Path | None, typer.Option("--follow", help="An earlier --out: its cart and logs, too.")] = None,
+    next_file: Annotated[Path | None, typer.Option("--next", help="Where to write the reference to run next.")] = None,
+    speed: Annotated[float, typer.Option("--speed", help="Highest speed of --next, m/s.")] = 0.8,
+    duration: Annotated[float, typer.Option("--duration", help="How long --next may take, s.")] = 20.0,
     topics: Topics = None,
     coasting: Coasting = False,
     accept: Accept = None,
@@ -172,8 +177,11 @@ def discrepancy(
     Logs whose sensors are surely wrong are refused, as by `cartgrasp check`, unless that is accepted.
     """
     from . import discrepancy as command
+    from .inputs_file import Sources
 
-    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting, accept or ()))
+    sources = Sources(tuple(logs), cart, topics, coasting, tuple(accept or ()))
+    following = command.NextFile(next_file, speed, duration) if next_file else None
+    raise typer.Exit(command.run(sources, out, json, follow, following))
 
 
 @app.command("topics")

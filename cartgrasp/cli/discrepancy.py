@@ -2,39 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from estimation.discrepancy import Diagnosis, diagnose
+from estimation.experiments.manoeuvres import Limits
 
 from .estimate import tell_given
+from .inputs_file import Sources
 from .log_inputs import cart_and_logs
-from .output import print_json, print_table, say, stages
+from .output import check_writable, print_json, print_table, say, stages
 
 MOST_TOLD, MOST_WHERE = 5, 2
 
 
+@dataclass(frozen=True)
+class NextFile:
+    """Where the next reference goes, and how fast (m/s) and long (s) it may be."""
+
+    path: Path
+    speed: float
+    duration: float
+
+
 def run(
-    paths: Sequence[Path],
-    cart_path: Path | None,
+    sources: Sources,
     out: Path | None,
-    topics: Path | None,
     as_json: bool,
-    coasting: bool = False,
-    accepted: Sequence[str] = (),
+    follow: Path | None = None,
+    next_file: NextFile | None = None,
 ) -> int:
-    cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting, accepted)
+    limits = Limits(next_file.speed, next_file.duration) if next_file else None
+    if follow is not None:
+        sources = sources.following(follow)
+    if next_file is not None:
+        check_writable(next_file.path, sources.cart, sources.topics, *sources.logs, option="--next")
+    cart, logs = cart_and_logs(sources.logs, sources.cart, out, sources.topics, sources.coasting, sources.accepted)
+    inputs = sources.summed(out) if out is not None else None
     tell_given(logs, cart)
     with stages(f"comparing {cart.name}") as tell:
-        found = diagnose(logs, cart, tell)
-    if out is not None:
+        found = diagnose(logs, cart, tell, limits=limits)
+    if out is not None and inputs is not None:
         found.report.save(out)
+        inputs.save(out)
         say(f"the report is {out / 'report.html'}, the extended cart {out / 'cart.yaml'}")
+    if next_file is not None:
+        _write_next(found, next_file.path)
     if as_json:
         print_json(found.report.as_dict())
     else:
         _print(found)
     return 0
+
+
+def _write_next(found: Diagnosis, path: Path) -> None:
+    """A reference for `cartgrasp simulate`, or a robot; nothing where there is none that would tell."""
+    if found.next_reference is None:
+        say(f"--next {path}: not written: {found.next_experiment.why_none}")
+        return
+    found.next_reference.save(path)
+    say(f"the reference to run next is {path}: cartgrasp simulate --cart cart.yaml --reference {path}")
 
 
 def _print(found: Diagnosis) -> None:
@@ -79,7 +106,7 @@ def _print(found: Diagnosis) -> None:
                 f"Added {e.name} {e.label}".rstrip()
                 + f" (prob. {e.probability:.2f}): {e.law.words}; likely {e.law.likely}"
             )
-    for experiment in found.next_experiments[:MOST_WHERE]:
+    for experiment in found.next_experiment.words[:MOST_WHERE]:
         print(f"next: {experiment}")
 
 

@@ -97,14 +97,14 @@ def make_folder(path: Path) -> Path:
     return path
 
 
-def check_writable(path: Path, *inputs: Path | None) -> None:
+def check_writable(path: Path, *inputs: Path | None, option: str = "--out") -> None:
     """Said before the work whose result would go there; what a command reads it never writes over."""
     try:
         if path.is_dir():
-            raise UsageError(f"--out {path}: is a folder; name a file in it")
+            raise UsageError(f"{option} {path}: is a folder; name a file in it")
         if not path.parent.is_dir():
-            raise UsageError(f"--out {path}: there is no folder {path.parent}; make it, or name another place")
+            raise UsageError(f"{option} {path}: there is no folder {path.parent}; make it, or name another place")
         if any(one and os.path.exists(one) and path.exists() and path.samefile(one) for one in inputs):
-            raise UsageError(f"--out {path}: is read by this command; name another file")
+            raise UsageError(f"{option} {path}: is read by this command; name another file")
     except OSError as error:
-        raise UsageError(f"--out {path}: can't be written: {error.strerror}; name another file") from error
+        raise UsageError(f"{option} {path}: can't be written: {error.strerror}; name another file") from error

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from estimation import FilterNoise
-from planning.references import Stretch
 
 from ..arms import Arm
 from ..cart_file import load_cart
 from ..constraints import RollingConstraints
 from ..errors import UsageError
+from ..reference_file import StoredReference, read_reference
 from ..simulation.sensors import SensorNoise
 from ..studies.named_paths import named_path
 from ..studies.run_figures import RunFigures
@@ -33,6 +33,7 @@ class Choice:
     cart: Path
     guess: Path | None
     path: str
+    reference: Path | None
     plant: str
     arms: int
     speed: float
@@ -52,7 +53,7 @@ def run(choice: Choice, out: Path, as_json: bool) -> int:
     if as_json:
         print_json({"run": figures.as_dict(), "out": str(out), "seed": choice.seed})
     else:
-        print_run(figures, f"{scenario.truth.name}: {choice.path}, plant {choice.plant}")
+        print_run(figures, f"{scenario.truth.name}: {choice.reference or choice.path}, plant {choice.plant}")
     say(f"open {out / 'player.html'} to watch; the log is {out / 'run.csv'}")
     return 0
 
@@ -65,6 +66,7 @@ def build_scenario(choice: Choice) -> Scenario:
         raise UsageError("--guess: its constraints differ from those of --cart; the structure must be the same")
     if not 0 <= choice.force_noise <= MOST_NOISE:
         raise UsageError(f"--force-noise {choice.force_noise:g}: give 0 to {MOST_NOISE:g} N")
+    way = _way(choice, truth.constraints)
     moment = choice.force_noise / 20
     sensors = SensorNoise(force=choice.force_noise, moment=moment)
     noise = FilterNoise(
@@ -81,7 +83,8 @@ def build_scenario(choice: Choice) -> Scenario:
         truth=truth,
         guess=guess,
         arms=_arms(choice.arms),
-        stretches=_path(choice.path, choice.speed, truth.constraints),
+        stretches=way.stretches,
+        start_pose=way.start,
         sensors=sensors,
         noise=noise,
         estimation=LEARNING if choice.learn else FIRST_GUESS,
@@ -100,8 +103,13 @@ def _arms(count: int) -> tuple[Arm, ...]:
     )
 
 
-def _path(name: str, speed: float, constraints: RollingConstraints) -> tuple[Stretch, ...]:
-    try:
-        return named_path(name, speed, constraints)
-    except UsageError as error:
-        raise UsageError(f"--{error}") from error
+def _way(choice: Choice, constraints: RollingConstraints) -> StoredReference:
+    if choice.reference is None:
+        try:
+            return StoredReference(named_path(choice.path, choice.speed, constraints))
+        except UsageError as error:
+            raise UsageError(f"--{error}") from error
+    way = read_reference(choice.reference)
+    if constraints.no_rotation and any(stretch.yaw_acceleration for stretch in way.stretches):
+        raise UsageError(f"{choice.reference}: turns, and a cart on a rail can't; take the yaw accelerations out")
+    return way

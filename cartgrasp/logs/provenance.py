@@ -38,5 +38,11 @@ def sum_of(path: Path) -> str:
     return found.hexdigest()
 
 
+def sum_of_all(source: Path) -> str:
+    """Of a file, or of all files of a recorder's folder."""
+    sums = [sum_of(path) for path in _files(source)]
+    return sums[0] if source.is_file() else hashlib.sha256("".join(sums).encode()).hexdigest()
+
+
 def _files(source: Path) -> list[Path]:
     return sorted(p for p in source.iterdir() if p.is_file()) if source.is_dir() else [source]

@@ -50,6 +50,7 @@ class Scenario:
     plant_timestep: float | None = None
     seed: int = 0
     duration: float | None = None
+    start_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def run(self, progress: Callable[[float], None] | None = None) -> RunRecord:
         """The whole run, with the truth beside each estimate."""
@@ -58,7 +59,7 @@ class Scenario:
     def build(self) -> Loop:
         """The loop, ready to run."""
         planner = WrenchPlanner(self.guess, list(self.arms), period=self.period, relax=np.inf)
-        reference = PathReference(self.stretches, self.guess.rolling)
+        reference = PathReference(self.stretches, self.guess.rolling, self.start_pose)
         return Loop(
             reference=reference,
             tracker=build_tracker(self.truth.constraints, self.gains),
@@ -81,12 +82,13 @@ class Scenario:
         return PeriodicContacts(self.arms, self.switching)
 
     def _plant(self) -> Plant:
+        step = {"timestep": self.plant_timestep} if self.plant_timestep else {}
         if self.plant == MODEL_PLANT:
-            return ModelPlant(self.truth, **({"timestep": self.plant_timestep} if self.plant_timestep else {}))
+            return ModelPlant(self.truth, self.start_pose, **step)
         if self.plant == MUJOCO_PLANT:
             from ..simulation.mujoco_plant import MujocoPlant
 
-            return MujocoPlant(self.truth, **({"timestep": self.plant_timestep} if self.plant_timestep else {}))
+            return MujocoPlant(self.truth, self.start_pose, **step)
         raise UsageError(f"plant: {self.plant!r} is neither {MODEL_PLANT!r} nor {MUJOCO_PLANT!r}")
 
     @property

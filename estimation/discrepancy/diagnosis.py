@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +16,10 @@ from cartgrasp.logs import RunLog
 from cartgrasp.logs.coasting import without_idle_arms
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
+from cartgrasp.reference_file import StoredReference
 
 from ..end_stops import StopEstimate, end_stops
+from ..experiments.manoeuvres import Limits
 from ..glitches import without_glitches
 from ..impacts import Impact, impacts
 from ..sensor_check import check_sizes, of_wrenches, put_right
@@ -34,7 +36,7 @@ from .laws import Law
 from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, named, named_stops
-from .next_experiments import next_experiments
+from .next_experiments import Next, next_experiment
 from .residual import Residual, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rollouts import starts
@@ -55,7 +57,8 @@ CLOSED = 0.05
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What came out. `nominal` is the cart refitted, `final` extended; `is_refused` says that the refit foretold unseen
-    stretches worse than the file's values, which stay; `withdrawn` are laws that did."""
+    stretches worse than the file's values, which stay; `withdrawn` are laws that did; `limits` are those of a next
+    motion."""
 
     nominal_cart: CartModel
     checks: tuple[LogCheck, ...]
@@ -68,6 +71,7 @@ class Diagnosis:
     is_refused: bool
     impacts: tuple[Impact, ...] = ()
     withdrawn: tuple[Law, ...] = ()
+    limits: Limits = field(default_factory=Limits)
 
     @cached_property
     def stops(self) -> tuple[StopEstimate, ...]:
@@ -214,9 +218,16 @@ class Diagnosis:
         return float(np.clip((self.gap.refitted**2 - left**2) / whole, 0.0, 1.0))
 
     @cached_property
-    def next_experiments(self) -> tuple[str, ...]:
+    def next_experiment(self) -> Next:
         """What to record next."""
-        return next_experiments(self)
+        return next_experiment(self)
+
+    @property
+    def next_reference(self) -> StoredReference | None:
+        """The motion that best tells what is still open, to be simulated or run; None where nothing is, or where none
+        would tell (`next_experiment.why_none`)."""
+        proposal = self.next_experiment.proposal
+        return None if proposal is None else proposal.reference
 
     @property
     def report(self) -> Report:
@@ -230,10 +241,11 @@ def diagnose(
     cart: CartModel,
     progress: Callable[[str], None] | None = None,
     candidates: Sequence[Effect] = (),
+    limits: Limits | None = None,
 ) -> Diagnosis:
     """Finds where logs and the cart's model disagree, names what is missing, and adds it. Beside the vocabulary and
     laws of its own it tries `candidates`: effects, of classes of one's own, too, and laws (`LearnedForce`) at their
-    settings; their amplitudes are fitted.
+    settings; their amplitudes are fitted. What it proposes to run next keeps within `limits`.
 
     Raises DataError for a log that can't be used, UsageError for a candidate that the cart has already.
     """
@@ -245,12 +257,13 @@ def diagnose(
     if not logs:
         raise UsageError("diagnose: no log is given; at least one is needed")
     try:
-        return _diagnosed(logs, cart, progress or (lambda _: None), tuple(candidates))
+        found = _diagnosed(logs, cart, progress or (lambda _: None), tuple(candidates))
     except np.linalg.LinAlgError as error:
         raise DataError(
             f"{', '.join(log.name for log in logs)}: the equations of a fit have no solution; look for long stretches "
             "without motion or wrenches, and for numbers that are not in SI units"
         ) from error
+    return found if limits is None else replace(found, limits=limits)
 
 
 def _diagnosed(

@@ -75,7 +75,7 @@ def _sections(found: Diagnosis, drawn: dict[str, str]) -> dict[str, str]:
         "What remains": _list([*rest, *found.unexplained["depends_on"]], noise),
         "Parameters": _parameters(found),
         "What was tried": _steps(found),
-        "What to measure next": _list(found.next_experiments, agrees),
+        "What to measure next": _list(found.next_experiment.words, agrees),
         "What this motion can show": drawn.get("isolability", "")
         + "<p>How much effects of usual size look like one another on this motion (dark: alike), beside the deviations "
         "by which each stands out; grey ones do not show. Of two that are marked (=) the log can't tell which.</p>"

@@ -43,7 +43,8 @@ class Report:
             "bands": [None if band is None else asdict(band) for band in found.bands],
             "isolability": {key: one.as_dict() for key, one in found.isolability.items()},
             "residual_maps": [one.as_dict() for one in found.residual_maps],
-            "next_experiment": list(found.next_experiments),
+            "next_experiment": list(found.next_experiment.words),
+            "next_reference": None if found.next_reference is None else asdict(found.next_reference),
         }
 
     def save(self, folder: str | os.PathLike[str]) -> Path:

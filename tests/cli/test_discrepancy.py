@@ -13,6 +13,7 @@ import pytest
 
 from benchmarks.sealed.generate import generate
 from cartgrasp import load_cart
+from cartgrasp.cli.inputs_file import Sources
 from cartgrasp.effects import KNOWN_EFFECTS
 from cartgrasp.logs import read_log, write_log
 
@@ -314,8 +315,8 @@ def test_a_reader_that_goes_away_loses_no_report(monkeypatch, tmp_path):
         raise BrokenPipeError
 
     monkeypatch.setattr(discrepancy, "cart_and_logs", lambda *a: (SimpleNamespace(name="cart"), []))
-    monkeypatch.setattr(discrepancy, "diagnose", lambda *a: found)
+    monkeypatch.setattr(discrepancy, "diagnose", lambda *a, **_: found)
     monkeypatch.setattr(discrepancy, "print_json", broken)
     with pytest.raises(BrokenPipeError):
-        discrepancy.run([tmp_path / "run.csv"], None, tmp_path / "out", None, as_json=True)
-    assert saved == [tmp_path / "out"]
+        discrepancy.run(Sources((log_file(tmp_path, []),)), tmp_path, as_json=True)
+    assert saved == [tmp_path]

@@ -11,9 +11,9 @@ from cartgrasp.information import WrenchNoise
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
+from estimation.experiments.teaching_motions import teaching_motions
 from estimation.identifiability import identifiability
 from estimation.replay import replay
-from estimation.teaching_motions import teaching_motions
 
 from .runs import simulate
 

@@ -73,7 +73,7 @@ def diagnosis():
         sentence=f"The model lacks rolling_resistance. {SCRIPT}",
         verdict="explained",
         gap=SimpleNamespace(**numbers, per_horizon={"1 s": numbers}, per_coordinate={"x": numbers, "heading": numbers}),
-        next_experiments=("push it",),
+        next_experiment=SimpleNamespace(words=("push it",)),
         impacts=(Impact(3.25, np.array([1.5, 0.25, 0.0]), 0.75, -0.5),),
         warnings=(f"hand: fx is what is recorded as -fx {SCRIPT}",),
         isolability=isolability(nominal),

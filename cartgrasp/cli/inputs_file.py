@@ -1,0 +1,95 @@
+"""`inputs.json` in a report's folder: the cart and logs that it was made of, so that a later one can follow it.
+
+Paths are relative to the folder; sums (SHA-256) tell whether what they name is still what it was.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from ..errors import DataError, UsageError
+from ..logs.provenance import sum_of_all
+from ..writing import write_atomically
+
+INPUTS = "inputs.json"
+
+
+@dataclass(frozen=True)
+class Input:
+    """A file, or a recorder's folder, and its sum."""
+
+    path: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Of one report; `cart` is None where a data set brings its own, `topics` the map of all bags."""
+
+    cart: Input | None
+    logs: tuple[Input, ...]
+    topics: Input | None = None
+    coasting: bool = False
+    accepted: tuple[str, ...] = ()
+
+    def save(self, folder: Path) -> Path:
+        return write_atomically(folder / INPUTS, json.dumps(asdict(self), indent=1) + "\n")
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What a command on whole logs is given."""
+
+    logs: tuple[Path, ...]
+    cart: Path | None = None
+    topics: Path | None = None
+    coasting: bool = False
+    accepted: tuple[str, ...] = ()
+
+    def summed(self, folder: Path) -> Inputs:
+        """As they are now, seen from a report's folder."""
+
+        def told(path: Path) -> Input:
+            return Input(os.path.relpath(path.resolve(), folder.resolve()), sum_of_all(path))
+
+        cart, topics = (told(path) if path else None for path in (self.cart, self.topics))
+        return Inputs(cart, tuple(map(told, self.logs)), topics, self.coasting, self.accepted)
+
+    def following(self, folder: Path) -> Sources:
+        """With the logs that an earlier report was made of before one's own, and its cart unless another is given."""
+        inputs = _read(folder / INPUTS)
+        logs = tuple(_there(folder, one, "log") for one in inputs.logs)
+        return Sources(
+            (*logs, *self.logs),
+            self.cart or (_there(folder, inputs.cart, "cart") if inputs.cart else None),
+            self.topics or (_there(folder, inputs.topics, "topic map") if inputs.topics else None),
+            self.coasting or inputs.coasting,
+            tuple(dict.fromkeys([*inputs.accepted, *self.accepted])),
+        )
+
+
+def _read(path: Path) -> Inputs:
+    try:
+        return TypeAdapter(Inputs).validate_json(path.read_bytes(), strict=True)
+    except OSError as error:
+        why = f"can't be read: {error.strerror}; name the --out folder of an earlier `cartgrasp discrepancy`"
+        raise UsageError(f"--follow {path.parent}: {path.name} {why}") from error
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        raise DataError(f"{path}: {place}: {first['msg']}; make the report anew") from error
+
+
+def _there(folder: Path, one: Input, what: str) -> Path:
+    """Where it is, if it is what it was."""
+    path = Path(os.path.relpath(folder / one.path))
+    if not path.exists():
+        raise DataError(f"{path}: the {what} that {folder} was made of is gone; put it back, or make the report anew")
+    if sum_of_all(path) != one.sha256:
+        raise DataError(f"{path}: the {what} has changed since {folder} was made; make the report anew")
+    return path

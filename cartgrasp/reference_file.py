@@ -1,0 +1,94 @@
+"""A reference as a file: stretches of constant acceleration from rest to rest, and the pose where they begin.
+
+says: roll forwards at 0.8 m/s, turn left on the spot    # optional
+start: [0.0, 0.0, 0.0]                                   # m, m, rad; optional
+stretches:
+  - {duration: 1.6, acceleration: 0.5}
+  - {duration: 1.6, acceleration: -0.5}
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import Field
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+from .writing import write_atomically
+from .yaml_file import StrictModel, dump_yaml, file_error, read_yaml, validate
+
+AT_REST = 1e-9
+"""m/s and rad/s."""
+DIGITS = 6
+FASTEST = 100.0
+"""m/s and rad/s: beyond, numbers are not in SI units."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """For `duration` (s), constant rates of forward speed (m/s²) and of yaw rate (rad/s²)."""
+
+    duration: float
+    acceleration: float = 0.0
+    yaw_acceleration: float = 0.0
+
+
+@dataclass(frozen=True)
+class StoredReference:
+    """From rest at `start`, (x, y, theta) in {s}, to rest; `says` what to do."""
+
+    stretches: tuple[Stretch, ...]
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    says: str = ""
+
+    @property
+    def duration(self) -> float:
+        return sum(stretch.duration for stretch in self.stretches)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """As YAML that `read_reference` reads."""
+        document = CommentedMap({"says": self.says} if self.says else {})
+        document["start"] = CommentedSeq(round(float(value), DIGITS) for value in self.start)
+        document["start"].fa.set_flow_style()
+        document["stretches"] = [_entry(stretch) for stretch in self.stretches]
+        return write_atomically(path, dump_yaml(document))
+
+
+class _StretchEntry(StrictModel):
+    duration: float = Field(gt=0.0, le=3600.0)
+    acceleration: float = 0.0
+    yaw_acceleration: float = 0.0
+
+
+class _ReferenceEntry(StrictModel):
+    says: str = ""
+    start: list[float] = Field(default=[0.0, 0.0, 0.0], min_length=3, max_length=3)
+    stretches: list[_StretchEntry] = Field(min_length=1)
+
+
+def read_reference(path: str | os.PathLike[str]) -> StoredReference:
+    """A mistake is refused as `file:line:column: key: why`."""
+    document, name = read_yaml(path), str(path)
+    entry = validate(_ReferenceEntry, document, name)
+    speed = yaw_rate = 0.0
+    for i, one in enumerate(entry.stretches):
+        speed, yaw_rate = speed + one.duration * one.acceleration, yaw_rate + one.duration * one.yaw_acceleration
+        if max(abs(speed), abs(yaw_rate)) > FASTEST:
+            why = f"leads to {speed:g} m/s and {yaw_rate:g} rad/s; speeds are in m/s, times in s"
+            raise file_error(document, name, ["stretches", i], why)
+    if max(abs(speed), abs(yaw_rate)) > AT_REST:
+        why = f"end with {speed:g} m/s and {yaw_rate:g} rad/s; they must end at rest"
+        raise file_error(document, name, ["stretches"], why)
+    stretches = (Stretch(one.duration, one.acceleration, one.yaw_acceleration) for one in entry.stretches)
+    x, y, theta = entry.start
+    return StoredReference(tuple(stretches), (x, y, theta), entry.says)
+
+
+def _entry(stretch: Stretch) -> CommentedMap:
+    """Without what is zero."""
+    values = {name: round(float(value), DIGITS) for name, value in vars(stretch).items()}
+    entry = CommentedMap({name: value for name, value in values.items() if value})
+    entry.fa.set_flow_style()
+    return entry

@@ -1,0 +1,141 @@
+"""Manoeuvres that a robot can follow and a person can say: pieces from rest to rest, one after the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+
+import numpy as np
+
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array, body_to_world
+from cartgrasp.reference_file import Stretch
+
+STEP = 0.02
+"""s: ramps and holds are whole multiples, and motions are looked at so often."""
+HOLD, REST = 1.6, 0.3
+"""s."""
+SLOW = 0.3
+"""Of the highest speed."""
+ACCELERATION, YAW_ACCELERATION = 0.6, 1.0
+FASTEST_TURN, TURN_PER_SPEED = 0.6, 0.8
+"""rad/s; rad/m."""
+SPEEDS, SHORTEST, LONGEST = (0.05, 3.0), 8.0, 600.0
+COUNTED = ("", "twice", "three times", "four times")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of a manoeuvre: its highest speed (m/s), and how long it may take (s)."""
+
+    speed: float = 0.8
+    duration: float = 20.0
+
+    def __post_init__(self) -> None:
+        low, high = SPEEDS
+        if not low <= self.speed <= high:
+            raise UsageError(f"limits of a manoeuvre: speed {self.speed:g} m/s: give {low:g} to {high:g}")
+        if not SHORTEST <= self.duration <= LONGEST:
+            raise UsageError(f"limits of a manoeuvre: duration {self.duration:g} s: give {SHORTEST:g} to {LONGEST:g}")
+
+    @property
+    def yaw_rate(self) -> float:
+        return min(FASTEST_TURN, TURN_PER_SPEED * self.speed)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """From rest to rest; `says` what to do."""
+
+    says: str
+    stretches: tuple[Stretch, ...] = field(repr=False)
+
+    @property
+    def duration(self) -> float:
+        return sum(stretch.duration for stretch in self.stretches)
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where a cart rests: its pose (3,), what its effects remember (k,), and the time (s)."""
+
+    pose: Array
+    memory: Array
+    time: float
+
+
+def pieces(limits: Limits, constraints: RollingConstraints) -> tuple[Piece, ...]:
+    """What a cart with these constraints can do, from the simplest on."""
+    fast, slow, rate = limits.speed, SLOW * limits.speed, limits.yaw_rate
+    found = [
+        Piece(f"roll {way} at {speed:.2g} m/s", _held(sign * speed, 0.0))
+        for speed in (slow, fast)
+        for way, sign in (("forwards", 1.0), ("backwards", -1.0))
+    ]
+    found.append(Piece("push it to and fro", _swung(fast / 2, 0.0)))
+    if not constraints.no_rotation:
+        found += [Piece(f"turn {side} on the spot", _held(0.0, sign * rate)) for side, sign in SIDES]
+        found.append(Piece("turn to and fro on the spot", _swung(0.0, rate)))
+        found += [
+            Piece(f"curve {side} {way} at {fast:.2g} m/s", _held(along * fast, along * sign * rate))
+            for way, along in (("forwards", 1.0), ("backwards", -1.0))
+            for side, sign in SIDES
+        ]
+    return tuple(found)
+
+
+SIDES = (("left", 1.0), ("right", -1.0))
+
+
+def said(parts: Sequence[Piece]) -> str:
+    """One after the other, in words."""
+    counted = [(says, len(list(same))) for says, same in groupby(part.says for part in parts)]
+    return ", ".join(f"{says} {COUNTED[n - 1] if n <= len(COUNTED) else f'{n} times'}".rstrip() for says, n in counted)
+
+
+def sampled(piece: Piece) -> tuple[Array, Array, Array]:
+    """Times (n,) since its beginning, (u, w, r) and their rates (n, 3), in the middles of steps."""
+    n = round(piece.duration / STEP)
+    time = np.asarray(STEP * (np.arange(n) + 0.5), dtype=float)
+    edges = np.cumsum([0.0, *(stretch.duration for stretch in piece.stretches)])
+    rates = np.array([[one.acceleration, 0.0, one.yaw_acceleration] for one in piece.stretches])
+    starts: Array = np.vstack([np.zeros(3), np.cumsum(rates * np.diff(edges)[:, None], axis=0)])
+    where = np.searchsorted(edges[1:-1], time, side="right")
+    velocity = np.asarray(starts[where] + rates[where] * (time - edges[where])[:, None])
+    return time, velocity, np.asarray(rates[where])
+
+
+def path(velocity_b: Array, start: Array) -> tuple[Array, Array]:
+    """Poses (n, 3) in the middles of steps of a velocity (n, 3) in {b}, and the last one (3,), from a start (3,)."""
+    turned = start[2] + STEP * np.cumsum(velocity_b[:, 2])
+    heading = turned - STEP * velocity_b[:, 2] / 2
+    moved = STEP * (body_to_world(heading) @ velocity_b[..., None])[..., 0]
+    there = start[:2] + np.cumsum(moved[:, :2], axis=0)
+    middles = np.column_stack([there - moved[:, :2] / 2, heading])
+    return middles, np.array([*there[-1], turned[-1]])
+
+
+def _held(speed: float, yaw_rate: float) -> tuple[Stretch, ...]:
+    """Up to a speed and a yaw rate, along there, and down to a short rest."""
+    ramp = _whole(max(abs(speed) / ACCELERATION, abs(yaw_rate) / YAW_ACCELERATION))
+    rates = speed / ramp, yaw_rate / ramp
+    return Stretch(ramp, *rates), Stretch(HOLD), Stretch(ramp, -rates[0], -rates[1]), Stretch(REST)
+
+
+def _swung(speed: float, yaw_rate: float) -> tuple[Stretch, ...]:
+    """There, back, and there again."""
+    ramp = _whole(max(speed / ACCELERATION, yaw_rate / YAW_ACCELERATION))
+    up, down = (speed / ramp, yaw_rate / ramp), (-speed / ramp, -yaw_rate / ramp)
+    over = 2 * ramp
+    return (
+        *(Stretch(ramp, *up), Stretch(over, *down), Stretch(over, *up), Stretch(over, *down), Stretch(ramp, *up)),
+        Stretch(REST),
+    )
+
+
+def _whole(duration: float) -> float:
+    """A multiple of the step, no shorter."""
+    return round(STEP * math.ceil(duration / STEP - 1e-9), 6)
