@@ -73,10 +73,11 @@ class Attempt:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What was tried, best first; the one that was added (None: none was worth it)."""
+    """What was tried, best first; the one that was added (None: none was worth it), and the gain that it takes."""
 
     attempts: tuple[Attempt, ...]
     added: Attempt | None
+    least: float = 0.0
 
 
 def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[Model, list[Step]]:
@@ -101,11 +102,11 @@ def _grown(
     for number in range(most):
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model, has_laws)
-        best = chosen(attempts, max(WORTH, SHARE * first))
+        least = max(WORTH, SHARE * first)
+        best = chosen(attempts, least)
+        steps.append(Step(tuple(attempts), best, least))
         if best is None or best.model is None:
-            steps.append(Step(tuple(attempts), None))
             break
-        steps.append(Step(tuple(attempts), best))
         first = max(first, _first(steps))
         more = searched_again(replace(best.model, compares=False).rewhitened())
         more = dropped(replace(more, compares=True).rewhitened(), WORTH).settled()
@@ -158,7 +159,7 @@ def _with(step: Step, best: Attempt, own: Attempt) -> Step:
     if step.added is None or step.added.key != own.key:
         return step
     rest = (one for one in step.attempts if one.key not in (best.key, own.key))
-    return Step((best, own, *rest), best)
+    return Step((best, own, *rest), best, step.least)
 
 
 def keys(model: Model) -> set[str]:
