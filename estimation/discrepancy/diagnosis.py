@@ -30,18 +30,18 @@ from .certainty import Certainty
 from .clock_offset import clock_offsets
 from .gap import BEYOND_NOISE, Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
-from .laws import Law
+from .laws import Law, row_values
 from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import next_experiments
-from .residual import Residual, residuals
+from .residual import Residual, fine_residuals, finely, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rollouts import starts
 from .search import Step, added, search
 from .sentence import sentence
 from .upheld import certainty_of, rollout_error, upheld
-from .where import Disagreement, where
+from .where import Disagreement, repeats, where
 
 if TYPE_CHECKING:
     from .report import Report
@@ -105,7 +105,16 @@ class Diagnosis:
     @cached_property
     def where(self) -> tuple[Disagreement, ...]:
         """Of what the refitted nominal model leaves; nowhere, where it agrees with the logs."""
-        return tuple(where(self.before)) if self.disagrees else ()
+        return tuple(where(self.before, list(self._repeating()))) if self.disagrees else ()
+
+    def _repeating(self) -> Iterator[Disagreement]:
+        """What repeats with the period of a law, of the coordinate that it acts on."""
+        laws = [law for law in (*self.final.laws, *self.withdrawn) if law.period]
+        fine = fine_residuals(self.nominal, self.final) if laws else ()
+        for law in laws:
+            turns = law.effects[0].acts_on == "yaw_moment" and self.final.cart.constraints.n_free > 1
+            residual = fine[self.final.cart.constraints.n_free - 1 if turns else 0]
+            yield from repeats(residual, row_values(law.effects[0], finely(self.final.logs)), law)
 
     @cached_property
     def residual_maps(self) -> tuple[ResidualMap, ...]:
