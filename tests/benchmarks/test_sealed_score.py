@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from benchmarks.sealed.calibration import coverage, reliability
+from benchmarks.sealed.calibration import coverage, probabilities, reliability
 from benchmarks.sealed.judging import Estimate, Judgement, matched
 from benchmarks.sealed.reliability_plot import save_reliability
 from benchmarks.sealed.score import gaps, score
@@ -209,6 +209,6 @@ def test_reliability_is_drawn(tmp_path):
     judgement = Judgement(
         truth(effect("floor_slope")), report("explained", *(entry(name, told=told) for name, told in said))
     )
-    save_reliability([judgement], tmp_path / "reliability.svg")
+    save_reliability(probabilities([judgement]), tmp_path / "reliability.svg")
     drawn = (tmp_path / "reliability.svg").read_text(encoding="utf-8")
     assert "Probability that is said" in drawn
