@@ -114,6 +114,8 @@ ASSUMPTIONS = (
         {
             "TRUE_AT": "log odds that a name is true which gains what a name is worth",
             "TRUE_BY": "by what more, for each time e as many nats",
+            "TRUE_BESIDE": "by what less, for each time e that the largest gain is larger",
+            "RIVAL": "of the odds of what explains about as much",
             "UNTRIED": "probability of a name that no step added",
         },
     ),

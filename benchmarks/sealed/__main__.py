@@ -58,6 +58,7 @@ def main() -> None:
         "reliability", help="probabilities of names, fitted to half of DIRs' logs, on the rest"
     )
     relying.add_argument("folders", type=Path, nargs="+", metavar="DIR")
+    relying.add_argument("--on", type=Path, nargs="+", default=[], metavar="DIR", help="fitted to all, judged on these")
     relying.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
     relying.add_argument("--figure", type=Path, metavar="FILE", help="draw said against true probabilities there")
     regressing = commands.add_parser("baselines", help="general methods on DIR/logs/*, to be scored too")
@@ -75,7 +76,7 @@ def main() -> None:
     elif options.command == "reliability":
         from .reliability import reliability
 
-        print(reliability(options.folders, options.reports, options.figure))
+        print(reliability(options.folders, options.on, options.reports, options.figure))
     elif options.command == "compare":
         compare_reports(options, parser)
     else:

@@ -25,9 +25,12 @@ from .verdicts import called
 
 SURE = 2.0
 """Standard deviations from which on a value is there."""
-TRUE_AT, TRUE_BY = 1.5, 1.0
-"""Log odds that a name is true, but for its rivals: where it gains the nats that a name is worth, and more for each
-time e as many. Fitted to names whose truth is known (`python -m benchmarks.sealed reliability`)."""
+TRUE_AT, TRUE_BY, TRUE_BESIDE = 1.5, 1.2, 1.0
+"""Log odds that a name is true, but for its rivals: where it gains the nats that a name is worth, more for each time e
+as many, and less for each time e that the largest gain of a step is larger: what is small beside that may be what the
+form of the first leaves. Fitted to names whose truth is known (`python -m benchmarks.sealed reliability`)."""
+RIVAL = 0.2
+"""Of the odds of what explains about as much: that it was not chosen, for it is less simple or less usual, counts."""
 UNTRIED = 0.95
 """How probable a name is that no step added."""
 
@@ -73,10 +76,10 @@ def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
     """In order of addition; laws last."""
-    by = dict[str, _Told]()
+    by, first = dict[str, _Told](), max((step.added.gain for step in steps if step.added), default=0.0)
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
-            by.setdefault(step.added.key, _told(step, step.added, share))
+            by.setdefault(step.added.key, _told(step, step.added, first, share))
     values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
         parameters = _parameters(values[effect.key], certainty)
@@ -126,17 +129,18 @@ def faded(final: Model, certainty: Certainty) -> list[str]:
     return [effect.key for effect in added(final) if is_negligible(values[effect.key])]
 
 
-def _told(step: Step, own: Attempt, share: float) -> _Told:
+def _told(step: Step, own: Attempt, first: float, share: float) -> _Told:
     """Its name's probability, and the names of what explains about as much; another arm's effect has the same name."""
     known = rivals(step)
     names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
     others = sum(odds for odds, one in known if called(one) != called(own))
-    return _Told(true_alone(own.gain) / (1.0 + others), tuple(names), share, own.gain)
+    return _Told(true_alone(own.gain, first) / (1.0 + RIVAL * others), tuple(names), share, own.gain)
 
 
-def true_alone(gain: float) -> float:
-    """How probable a name is that gains so much (nats), were there no rivals."""
-    return float(expit(TRUE_AT + TRUE_BY * np.log(max(gain, 1.0) / WORTH)))
+def true_alone(gain: float, first: float) -> float:
+    """How probable a name is that gains so much (nats), where the largest gain is the `first`, were there no rivals."""
+    more, beside = np.log(max(gain, 1.0) / WORTH), np.log(max(gain, 1.0) / max(first, gain, 1.0))
+    return float(expit(TRUE_AT + TRUE_BY * more + TRUE_BESIDE * beside))
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
