@@ -109,7 +109,16 @@ ASSUMPTIONS = (
         },
     ),
     *_of("discrepancy.rivals", {"SIMPLER": "nats for each number that a rival takes less"}),
-    *_of("discrepancy.named", {"OPEN_WORLD": "prior of a cause that the vocabulary has"}),
+    *_of(
+        "discrepancy.named",
+        {
+            "TRUE_AT": "log odds that a name is true which gains what a name is worth",
+            "TRUE_BY": "by what more, for each time e as many nats",
+            "TRUE_BESIDE": "by what less, for each time e that the largest gain is larger",
+            "RIVAL": "of the odds of what explains about as much",
+            "UNTRIED": "probability of a name that no step added",
+        },
+    ),
     *_of("discrepancy.refusal", {"BLOCK": "time over which errors of rollouts are related"}),
     *_of("discrepancy.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),
     # what is usual: the table of priors

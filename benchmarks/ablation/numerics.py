@@ -72,6 +72,7 @@ REASONS: dict[str, dict[str, str]] = {
         "DOUBLINGS": "range of a grid",
         "POINTS": "grid",
     },
+    "discrepancy.acting": {"WORDS": "words"},
     "discrepancy.diagnosis": {
         "OTHER_CART": "a warning",
     },
@@ -83,13 +84,12 @@ REASONS: dict[str, dict[str, str]] = {
         "THIRD": "third differences",
         "FEWEST": "differences, to be solvable",
     },
-    "discrepancy.figures": {
-        "NO_METADATA": "of files",
-        "BARS": "colours",
-        "LEFT": "colours",
-        "MOST_LOGS": "drawn",
-        "FLAT": "shape of a figure",
-    },
+    "discrepancy.drawing": dict.fromkeys(("NO_METADATA", "KINDS", "SIDES", "BAND", "ZERO", "FLAT"), "of a figure"),
+    "discrepancy.figures": {"BARS": "colours"},
+    "discrepancy.residual_figures": dict.fromkeys(
+        ("MOST_ROWS", "CLOSER", "WORST", "PERIODS", "LEAST_FOLLOWED", "FOLDED", "CUT"), "of a figure"
+    ),
+    "discrepancy.rollout_figure": dict.fromkeys(("EVERY", "LAST"), "of a figure"),
     "weak_form.flights": {
         "SHORTEST": "parts of a log that are too short to solve",
         "LONGEST_HOLE": "effort: a pause that makes two logs of one",
@@ -113,7 +113,7 @@ REASONS: dict[str, dict[str, str]] = {
         "PLACES": "knots of fields",
         "LEAST_SPAN": "keeps knots apart",
     },
-    "discrepancy.law_figure": dict.fromkeys(("LEAST_UNIT", "POINTS", "LEFT", "LAW"), "of a figure"),
+    "discrepancy.law_figure": dict.fromkeys(("LEAST_UNIT", "POINTS", "MOST_DOTS"), "of a figure"),
     "discrepancy.learned": dict.fromkeys(("FORCES", "OF_TIME", "USUAL", "TURN", "WALK"), "words"),
     "discrepancy.periods": {
         "SCANNED": "grid of periods",
@@ -139,11 +139,7 @@ REASONS: dict[str, dict[str, str]] = {
         "FORM": "which motion is proposed",
         "MOST_TOLD": "words",
     },
-    "discrepancy.page": {
-        "POLICY": "of the page",
-        "STYLE": "of the page",
-        "ONE_STD": "words",
-    },
+    "discrepancy.page": dict.fromkeys(("POLICY", "STYLE", "ONE_STD", "COMMANDS", "WORDS"), "of the page"),
     "discrepancy.refine": {
         "HALVINGS": "effort",
         "EVALUATIONS": "effort",
@@ -162,7 +158,9 @@ REASONS: dict[str, dict[str, str]] = {
         "DIRECTIONS": "words",
         "LEAST_CREEP": "whether a place is told",
         "UNITS": "words",
-        "STRETCH": "of means that are drawn",
+        "STRETCH": "of means that are told",
+        "FINE": "of rows that are drawn",
+        "EDGE": "of a stretch, by rounding",
         "SURE": "whether a place is told",
     },
     "discrepancy.residual_map": {"HEADING": "word", "BINS": "grid", "HALF": "grid", "FEWEST": "stretches in a mean"},
@@ -202,9 +200,7 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},
-    "discrepancy.verdicts": dict.fromkeys(
-        ("ADDED", "TOO_LITTLE", "UNSTEADY", "SIMPLER", "BETTER", "RARER", "ODD"), "words"
-    ),
+    "discrepancy.verdicts": {"ADDED": "words", "ROUGHLY": "words"},
     "discrepancy.where": {
         "LEAST_SHARE": "which sentences are told",
         "LEAST_LIFT": "which sentences are told",
@@ -214,7 +210,8 @@ REASONS: dict[str, dict[str, str]] = {
         "WIDER": "which sentences are told",
         "SLOW": "conditions of sentences",
         "TURNING": "conditions of sentences",
-        "ALL_MOTION": "conditions of sentences",
+        "PARTS": "of a period, where it is told",
+        "AROUND": "conditions of sentences",
         "FAST_SHARE": "conditions of sentences",
         "STRONG_SHARE": "conditions of sentences",
         "WEAK_SHARE": "conditions of sentences",

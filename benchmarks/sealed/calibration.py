@@ -34,8 +34,12 @@ def reliability(judgements: Sequence[Judgement]) -> str:
     lines = [f"{'Probability of a name':<32} {'n':>4} {'mean said':>10} {'true':>7}"]
     for (low, high), said, right in bins(told):
         lines.append(f"{f'{low:g} to {high:g}':<32} {len(right):>4} {said:>10.3f} {right.mean():>7.3f}")
-    lines.append(f"{'Brier score':<32} {len(told):>4} {np.mean((told[:, 0] - told[:, 1]) ** 2):>10.3f}")
+    lines.append(f"{'Brier score':<32} {len(told):>4} {brier(*told.T):>10.3f}")
     return "\n".join(lines)
+
+
+def brier(said: np.ndarray, right: np.ndarray) -> float:
+    return float(np.mean((said - right) ** 2))
 
 
 def probabilities(judgements: Sequence[Judgement]) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,26 +24,29 @@ from ..glitches import without_glitches
 from ..impacts import Impact, impacts
 from ..sensor_check import check_sizes, of_wrenches, put_right
 from ..weak_form.balances import Balances
-from ..weak_form.band import Band, bands, consistent, is_narrower
+from ..weak_form.band import Band, bands, consistent
 from ..weak_form.flights import LONGEST_HOLE, flights, unbroken
 from ..weak_form.rows import wrench_noise
+from .acting import acting
+from .attempts import Step
 from .candidates import free_label
 from .certainty import Certainty
 from .clock_offset import clock_offsets
 from .gap import BEYOND_NOISE, Gap, held_out_rollouts, measured_gap
 from .isolability import Isolability, isolability
-from .laws import Law
+from .laws import Law, row_values
 from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from .model import Model
 from .named import NamedEffect, named, named_stops
 from .next_experiments import Next, next_experiment
-from .residual import Residual, residuals
+from .residual import Residual, fine_residuals, finely, residuals
 from .residual_map import ResidualMap, residual_maps
 from .rollouts import starts
-from .search import Step, added, search
+from .search import added
+from .search_in_band import at_rest, searched
 from .sentence import sentence
 from .upheld import certainty_of, rollout_error, upheld
-from .where import Disagreement, where
+from .where import Disagreement, repeats, where
 
 if TYPE_CHECKING:
     from .report import Report
@@ -109,7 +112,17 @@ class Diagnosis:
     @cached_property
     def where(self) -> tuple[Disagreement, ...]:
         """Of what the refitted nominal model leaves; nowhere, where it agrees with the logs."""
-        return tuple(where(self.before)) if self.disagrees else ()
+        first = [*acting(self.final, self.before), *self._repeating()] if self.disagrees else []
+        return tuple(where(self.before, first)) if self.disagrees else ()
+
+    def _repeating(self) -> Iterator[Disagreement]:
+        """What repeats with the period of a law, of the coordinate that it acts on."""
+        laws = [law for law in (*self.final.laws, *self.withdrawn) if law.period]
+        fine = fine_residuals(self.nominal, self.final) if laws else ()
+        for law in laws:
+            turns = law.effects[0].acts_on == "yaw_moment" and self.final.cart.constraints.n_free > 1
+            residual = fine[self.final.cart.constraints.n_free - 1 if turns else 0]
+            yield from repeats(residual, row_values(law.effects[0], finely(self.final.logs)), law)
 
     @cached_property
     def residual_maps(self) -> tuple[ResidualMap, ...]:
@@ -286,8 +299,7 @@ def _diagnosed(
         known += [consistent(bands(part, cart)) for part in between] or [band]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
-    in_band = partial(_in_band, cart=cart, candidates=candidates, tell=tell)
-    found_in = _searched(parts, known, in_band) if is_moved else _at_rest(parts, cart)
+    found_in = searched(parts, known, cart, candidates, tell) if is_moved else at_rest(parts, cart)
     nominal, final, steps, widest = found_in
     final, withdrawn = upheld(final, nominal, steps, widest)
     tell("measuring the gap")
@@ -324,48 +336,6 @@ def _without_holes(log: RunLog) -> list[RunLog]:
 
 def _mass(known: tuple[str, Band]) -> float:
     return known[1].mass
-
-
-Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
-"""Before and after a search, its steps, and the band of each log."""
-
-
-def _searched(
-    parts: Sequence[Balances],
-    known: Sequence[Band | None],
-    in_band: Callable[[Sequence[Balances]], tuple[Model, Model, list[Step]]],
-) -> Searched:
-    """In the widest band in which the model foretells the motion: with what it lacks, where that makes the mass the
-    same in all bands, else without: in those that are `known` of the cart as it is."""
-    if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
-        nominal, final, steps = in_band(parts)
-        again = (consistent(bands(balances, final.whole)) for balances in final.logs)
-        if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
-            return nominal, final, steps, _extended(final, known)
-    narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
-    long = [(b, band) for b, band in zip(narrowed, known, strict=True) if len(b.used)]
-    nominal, final, steps = in_band([b for b, _ in long])
-    return nominal, final, steps, _extended(final, [band for _, band in long])
-
-
-def _extended(final: Model, known: Sequence[Band | None]) -> tuple[Band | None, ...]:
-    """Each log's band, with what was found."""
-    again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
-    return tuple(new or old for new, old in zip(again, known, strict=True))
-
-
-def _in_band(
-    parts: Sequence[Balances], cart: CartModel, candidates: tuple[Effect, ...], tell: Callable[[str], None]
-) -> tuple[Model, Model, list[Step]]:
-    tell("fitting the model as it is")
-    nominal = replace(Model.started(parts, cart), candidates=candidates)
-    return nominal, *search(nominal, tell)
-
-
-def _at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
-    """Whatever holds a cart has no name."""
-    nominal = replace(Model.started(parts, cart), cart=cart)
-    return nominal, nominal, [], (None,) * len(parts)
 
 
 def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:

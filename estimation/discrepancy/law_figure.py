@@ -1,8 +1,9 @@
 """What laws say against what the logs do: forces row by row, over the variable, folded where it repeats, with the law's
-curve and its band on top."""
+curve and its band on top; and what is left with the law."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,9 +12,9 @@ from matplotlib.figure import Figure
 from cartgrasp.effects import LearnedForce
 from cartgrasp.frames import Array
 
-from ..weak_form.balances import Balances
-from .course import ROLLING, rows_at
-from .laws import seen_values
+from .drawing import KINDS, ZERO, on_floor, sides
+from .laws import row_values, variable_of
+from .residual import finely
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -21,63 +22,49 @@ if TYPE_CHECKING:
 
 LEAST_UNIT = 0.3
 """Of the largest: rows in which a law shows less tell its force too badly to be drawn."""
-POINTS = 400
-LEFT, LAW = "0.6", "#0072b2"
+POINTS, MOST_DOTS = 400, 3000
 
 
 def law_figure(found: Diagnosis) -> Figure:
     """A row for each law."""
     laws = [law for _, law in found.certainty.laws]
-    figure = Figure(figsize=(7.2, 2.4 * len(laws)), layout="constrained")
-    for ax, law in zip(figure.subplots(len(laws), 1, squeeze=False).ravel(), laws, strict=True):
-        at, force, told = (np.concatenate(each) for each in zip(*asked_forces(found, law), strict=True))
-        effect, unit = law.effect, law.effect.parameters[0].unit
-        ax.set_title(law.words, fontsize=8)
+    figure, axes = sides(len(laws), 2, 2.4)
+    for row, law in zip(axes, laws, strict=True):
+        at, force, told = asked_forces(found, law)
+        effect, unit, every = law.effect, law.effect.parameters[0].unit, slice(None, None, 1 + len(at) // MOST_DOTS)
         if effect.knots_y:
-            most = float(np.abs(law.range).max())
-            shown = ax.scatter(*at.T, c=force, s=6, cmap="PuOr", vmin=-most, vmax=most)
-            ax.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
-            bar = figure.colorbar(shown, ax=ax, label=f"force ({unit})")
-            if bar.solids is not None:
-                bar.solids.set(rasterized=False, edgecolor="face")
+            on_floor(figure, row, at[every], [force[every], (force - told)[every]], f"force ({unit})")
             continue
         at = at % effect.cycle if effect.cycle else at
         curve = np.linspace(at.min(), at.max(), POINTS)
         value, std = law.curve(curve)
-        ax.plot(at, force, ".", ms=2, color=LEFT, label="rows, all else taken away")
-        ax.plot(at, told, ".", ms=2, color=LAW, alpha=0.5, label="law, averaged as rows are")
-        ax.fill_between(curve, value - std, value + std, color=LAW, alpha=0.3, lw=0)
-        ax.plot(curve, value, color=LAW, lw=1.2, label="law ± one standard deviation")
-        name = effect.of.replace("_", " ") + (", folded" if effect.cycle else "")
-        ax.set(xlabel=f"{name} ({law.unit})", ylabel=unit)
-        ax.legend(frameon=False, fontsize=7)
+        for ax, dots in zip(row, (force, force - told), strict=True):
+            ax.plot(at[every], dots[every], ".", ms=2, color="0.6")
+            ax.axhline(0, **ZERO)
+            ax.set_xlabel(f"{variable_of(effect)} ({law.unit}){', folded' if effect.cycle else ''}")
+        row[0].plot(curve, value, color=KINDS["extended"], lw=1.5)
+        row[0].fill_between(curve, value - std, value + std, color=KINDS["extended"], alpha=0.3, lw=0)
+        row[0].set_ylabel(f"{effect.acts_on.replace('_', ' ')} ({unit})")
     return figure
 
 
-def asked_forces(found: Diagnosis, law: LearnedLaw) -> list[tuple[Array, Array, Array]]:
-    """Of each log, values of the variable, the forces that rows ask for beside everything but this law, and what the
-    law says of them."""
-    model, parts = found.final, list[tuple[Array, Array, Array]]()
-    left = np.split(model.left, np.cumsum([len(balances.used) for balances in model.logs])[:-1])
-    for balances, rest in zip(model.logs, left, strict=True):
-        own = balances.columns(model.cart, law.effect) @ law.effect.values
-        last = model.cart.constraints.n_free - 1 if law.effect.acts_on == "yaw_moment" else 0
-        weight = balances.integrated(np.ones(len(balances.motion.time)))
-        rows = rows_at(balances.motion, balances.time)
-        unit = _unit(law.effect, balances)[rows]
+def asked_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Array]:
+    """Of rows (n,) in which it shows, values of a law's variable, the forces that they ask for beside everything but
+    this law, and what the law says of them."""
+    model, logs, parts = found.final, finely(found.final.logs), list[tuple[Array, Array, Array]]()
+    left = np.split(model.left_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
+    last = model.cart.constraints.n_free - 1 if law.effect.acts_on == "yaw_moment" else 0
+    at = np.split(row_values(law.effect, logs), np.cumsum([len(rest) for rest in left])[:-1])
+    for balances, rest, own_at in zip(logs, left, at, strict=True):
+        own = (balances.columns(model.cart, law.effect) @ law.effect.values)[:, last]
+        unit = balances.columns(model.cart, _constant(law.effect))[:, last, 0]
         shown = np.abs(unit) >= LEAST_UNIT * np.abs(unit).max()
-        force, told = (-(one[:, last] / weight)[shown] / unit[shown] for one in (rest + own, own))
-        parts.append((seen_values(law.effect, [balances.motion])[rows][shown], force, told))
-    return parts
+        parts.append((own_at[shown], ((rest[:, last] + own) / unit)[shown], (own / unit)[shown]))
+    where, force, told = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return where, force, told
 
 
-def _unit(effect: LearnedForce, balances: Balances) -> Array:
-    """What a unit of the force gives forwards, or as a moment, along the motion (n,)."""
-    motion = balances.motion
-    speed = motion.velocity[:, 0] - (effect.lever * motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else 0.0)
-    along = {
-        "drag": -np.where(np.abs(speed) > ROLLING, np.sign(speed), 0.0),
-        "viscous_drag": -speed,
-        "world_force": np.cos(effect.direction - motion.pose[:, 2]),
-    }
-    return np.asarray(along.get(effect.acts_on, np.ones(len(speed))))
+def _constant(effect: LearnedForce) -> LearnedForce:
+    """One unit of the same force throughout."""
+    plain = LearnedForce(effect.acts_on, "speed", lever=effect.lever, ahead=effect.ahead, amplitudes=(1.0,))
+    return replace(plain, direction=effect.direction) if effect.acts_on == "world_force" else plain

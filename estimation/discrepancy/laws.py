@@ -19,7 +19,7 @@ from cartgrasp.model import CartModel
 from ..weak_form.balances import Balances
 from ..weak_form.motion import Motion
 from .candidates import free_label
-from .course import Course
+from .course import Course, rows_at
 
 VARIABLES = {
     "travelled_distance": "travelled distance",
@@ -140,6 +140,11 @@ def unit_of(effect: LearnedForce) -> str:
 def seen_values(effect: LearnedForce, motions: Sequence[Motion]) -> Array:
     """Values of an effect's variable along motions (n,); of places with knots of y (n, 2)."""
     return np.concatenate([_values(effect, motion) for motion in motions])
+
+
+def row_values(effect: LearnedForce, logs: Sequence[Balances]) -> Array:
+    """Of the variable at the rows of logs (k,); of places with knots of y (k, 2)."""
+    return np.concatenate([_values(effect, b.motion)[rows_at(b.motion, b.time)] for b in logs])
 
 
 def _values(effect: LearnedForce, motion: Motion) -> Array:

@@ -82,11 +82,27 @@ class LearnedLaw:
         unit = self.effect.parameters[0].unit
         return f"{self._force} {self._course}, between {low:.2g} and {high:.2g} {unit}"
 
+    def is_beside(self, other: LearnedLaw) -> bool:
+        """Whether it is the other part of one force of the world: of the same variable, another way."""
+        one, before = self.effect, other.effect
+        same = (one.of, one.period, one.knots, one.knots_y) == (before.of, before.period, before.knots, before.knots_y)
+        return same and one.acts_on == before.acts_on == "world_force" and one.direction != before.direction
+
+    @property
+    def words_beside(self) -> str:
+        """After the words of the other part."""
+        low, high = self.range
+        return f", and{self._towards} between {low:.2g} and {high:.2g} {self.effect.parameters[0].unit}"
+
+    @property
+    def _towards(self) -> str:
+        return f" towards {np.degrees(self.effect.direction):.0f}° of the world"
+
     @property
     def _force(self) -> str:
         effect, where = self.effect, ""
         if effect.acts_on == "world_force":
-            where = f" towards {np.degrees(effect.direction):.0f}° of the world"
+            where = self._towards
         if effect.lever and effect.acts_on in AT_A_LEVER:
             where = f" {self._side}"
         return FORCES[effect.acts_on] + where

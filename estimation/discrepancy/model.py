@@ -223,8 +223,15 @@ class Model:
     @cached_property
     def left(self) -> Array:
         """What is left of the raw rows (k, c) at the best linear fit."""
-        raw = np.concatenate(self._raw)
-        return np.asarray(raw[..., -1] - raw[..., :-1] @ self.score.fit)
+        return self._left_of(self._raw)
+
+    def left_on(self, logs: tuple[Balances, ...]) -> Array:
+        """What the same fit leaves on other rows (k, c) of the logs."""
+        return self.left if logs is self.logs else self._left_of(replace(self, logs=logs)._raw)
+
+    def _left_of(self, raw: Sequence[Array]) -> Array:
+        rows = np.concatenate(raw)
+        return np.asarray(rows[..., -1] - rows[..., :-1] @ self.score.fit)
 
     @cached_property
     def colour(self) -> float:

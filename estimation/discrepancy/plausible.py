@@ -49,19 +49,24 @@ SPARE = 1.5
 
 def is_plausible(effect: Effect, wheels: WheelSet) -> bool:
     """Whether somebody who knows carts would call it so at its values."""
+    return not objection(effect, wheels)
+
+
+def objection(effect: Effect, wheels: WheelSet) -> str:
+    """Why nobody would call it so at its values; empty where somebody would."""
     if is_negligible(effect):
-        return False
+        return f"less than {LEAST_SIZE:g} of its usual size has no name"
     if isinstance(effect, ConstraintEffect):
-        return True
-    if not is_within(effect):
-        return False
+        return ""
+    if beyond := out_of_bounds(effect):
+        return beyond
     values = dict(zip((f"{effect.name}.{p.name}" for p in effect.parameters), effect.values.tolist(), strict=True))
     if effect.name in LEVERS:
         moment, force = (abs(values[f"{effect.name}.{name}"]) for name in LEVERS[effect.name])
         tracks = [abs(wheel.y) for wheel in wheels.wheels if wheel.y]
         if moment > SPARE * max(tracks, default=LEVER) * force:
-            return False
-    return True
+            return f"a moment of {moment:.2g} N·m is more than {force:.2g} N at a wheel make"
+    return ""
 
 
 def is_negligible(effect: Effect) -> bool:
@@ -80,16 +85,26 @@ def is_negligible(effect: Effect) -> bool:
 
 def is_lawful(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> bool:
     """Whether forces of a law are more than next to nothing, as motions go, and no drag of the speed drives."""
+    return not law_objection(forces, motions)
+
+
+def law_objection(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> str:
+    """Why there is no such law; empty where there may be."""
     found = [(one, one.shares(seen_values(one, motions)) @ one.values) for one in forces]
-    drives = any(
-        one.acts_on == "drag" and one.of == "speed" and drag.min() < -LEAST_SIZE * np.abs(drag).max()
-        for one, drag in found
-    )
-    return not drives and any(np.abs(drag).max() >= LEAST_LAW * one.parameters[0].typical for one, drag in found)
+    for one, drag in found:
+        if one.acts_on == "drag" and one.of == "speed" and drag.min() < -LEAST_SIZE * np.abs(drag).max():
+            return f"a drag of {drag.min():.2g} N would drive the cart"
+    if any(np.abs(drag).max() >= LEAST_LAW * one.parameters[0].typical for one, drag in found):
+        return ""
+    return f"less than {LEAST_LAW:g} of a law's usual size is none"
 
 
-def is_within(effect: Effect, spare: float = 1.0) -> bool:
-    """Whether its settings are those that it may have, or beyond by a factor at most."""
-    values = {f"{effect.name}.{p.name}": v for p, v in zip(effect.parameters, effect.values.tolist(), strict=True)}
-    less = any(spare * values.get(key, least) < least for key, least in LEAST.items())
-    return not less and not any(abs(values.get(key, most)) > spare * most for key, most in MOST.items())
+def out_of_bounds(effect: Effect, spare: float = 1.0) -> str:
+    """Which of its settings is not one that it may have, nor beyond by a factor at most; empty where none is."""
+    for p, value in zip(effect.parameters, effect.values.tolist(), strict=True):
+        key = f"{effect.name}.{p.name}"
+        least, most = LEAST.get(key, -np.inf), MOST.get(key, np.inf)
+        if spare * value < least or abs(value) > spare * most:
+            bound = f"{least:g} at least" if spare * value < least else f"{most:g} at most"
+            return f"a {p.name} of {value:.3g} {p.unit} is none of this name: {bound}"
+    return ""

@@ -14,7 +14,7 @@ from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 
 from .candidates import amplitudes_of
-from .plausible import SPARE, is_within
+from .plausible import SPARE, out_of_bounds
 
 HALVINGS, EVALUATIONS = 8, 160
 TIME_STEP, PLACE_STEP, DELAY_STEP = 0.4, 0.8, 0.01
@@ -72,7 +72,7 @@ def refined(effect: Effect, gain: Callable[[Effect], float]) -> Effect:
             for move in steps:
                 for sign in (1.0, -1.0):
                     values = move.applied(effect.values, sign / 2**halving)
-                    if not is_open(effect, values) or not is_within(effect.with_values(values), SPARE):
+                    if not is_open(effect, values) or out_of_bounds(effect.with_values(values), SPARE):
                         continue
                     left -= 1
                     tried = effect.with_values(values)

@@ -14,8 +14,8 @@ from cartgrasp.writing import together, write_atomically
 from .verdicts import called, verdict
 
 if TYPE_CHECKING:
+    from .attempts import Step
     from .diagnosis import Diagnosis
-    from .search import Step
 
 
 class Report:

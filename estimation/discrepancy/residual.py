@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -28,6 +29,10 @@ LEAST_CREEP = 0.002
 UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m", LATERAL: "m/s"}
 STRETCH = 0.5
 """s, of means, where rows come as often as that."""
+FINE = 0.1
+"""s, from row to row, where a figure shows each."""
+EDGE = 1e-6
+"""Of a stretch: rows at its very begin are in it."""
 SURE = 3.0
 """Standard deviations of what noise makes of the squares."""
 
@@ -79,13 +84,26 @@ class Residual:
 
 def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
     """Of every coordinate, what `model` leaves, against what `noise`, whose rows' noise is believed, says of it."""
-    duration = max(STRETCH, *(balances.row_step for balances in model.logs))
-    left = np.split(model.left, np.cumsum([len(balances.used) for balances in model.logs])[:-1])
-    whitenings = noise.noise.whitenings(model.logs)
-    parts = [_means(*each, duration) for each in zip(model.logs, left, whitenings, strict=True)]
+    return _residuals(model, noise, model.logs, max(STRETCH, *(balances.row_step for balances in model.logs)))
+
+
+def fine_residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
+    """As `residuals`, of single rows, as fine as any, whatever the model was fitted to."""
+    logs = finely(model.logs)
+    return _residuals(model, noise, logs, max(balances.row_step for balances in logs))
+
+
+def finely(logs: Sequence[Balances]) -> tuple[Balances, ...]:
+    """With rows as fine as any."""
+    return tuple(balances.every(FINE) for balances in logs)
+
+
+def _residuals(model: Model, noise: Model, logs: tuple[Balances, ...], duration: float) -> tuple[Residual, ...]:
+    left = np.split(model.left_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
+    parts = [_means(*each, duration) for each in zip(logs, left, noise.noise.whitenings(logs), strict=True)]
     log = np.repeat(np.arange(len(parts)), [len(first) for first, _, _ in parts])
     start, value, std = (np.concatenate(each) for each in zip(*parts, strict=True))
-    found = Circumstances.of(start + duration / 2, log, model.logs, model.cart)
+    found = Circumstances.of(start + duration / 2, log, logs, model.cart)
     names = (*DIRECTIONS[model.cart.constraints.n_free], LATERAL)
     return tuple(Residual(names[i], value[:, i], std[:, i], start, duration, found) for i in range(value.shape[1]))
 
@@ -93,9 +111,11 @@ def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
 def _means(balances: Balances, left: Array, whitening: Whitening, duration: float) -> tuple[Array, Array, Array]:
     """Of one log's stretches that hold rows: begins (b,), and of raw rows (k, c) means of what test functions weigh
     (b, c) and their standard deviations; neighbours overlap, so their noise is theirs together."""
-    first = float(balances.motion.time[0])
+    is_fine = duration < 2 * balances.row_step
+    first = float(balances.time[0]) - duration / 2 if is_fine else float(balances.motion.time[0])
     weight = balances.integrated(np.ones(len(balances.motion.time)))
-    number, stretch = np.unique(((balances.time - first) / duration).astype(int), return_inverse=True)
+    place = (balances.time - first) / duration + EDGE
+    number, stretch = np.unique(place.astype(int), return_inverse=True)
     share = 1.0 / np.bincount(stretch)[stretch] / weight
     mean = csr_array((share, (stretch, np.arange(len(weight)))), shape=(len(number), len(weight)))
     return first + duration * number, np.asarray(mean @ left), whitening.deviations(mean)

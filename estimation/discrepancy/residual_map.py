@@ -66,18 +66,32 @@ def residual_maps(before: Sequence[Residual], after: Sequence[Residual]) -> tupl
 
 def profiles(residual: Residual, bins: Circumstances | None = None) -> Iterator[Profile]:
     """Against every variable that changes; in bins of other circumstances, where these are given."""
-    own, weight = _variables(residual.circumstances), residual.std**-2.0
-    for (name, unit), values in _variables(bins or residual.circumstances).items():
+    own = variables(residual.circumstances)
+    for (name, unit), values in variables(bins or residual.circumstances).items():
         edges = _edges(name, values)
         if len(edges) > 2 and (_sums(values, edges) > 0).sum() > 1:
-            place = own[name, unit]
-            count, whole = _sums(place, edges), _sums(place, edges, weight)
-            at = _sums(place, edges, place) / np.where(count > 0, count, np.nan)
-            whole = np.where(count >= FEWEST, whole, np.nan)
-            yield Profile(name, unit, at, _sums(place, edges, weight * residual.value) / whole, whole**-0.5)
+            yield Profile(name, unit, *means(residual, own[name, unit], edges))
 
 
-def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
+def means(residual: Residual, place: Array, edges: Array) -> tuple[Array, Array, Array]:
+    """Of a variable (b,) and of a residual over it, in bins (k,), and the standard deviation of the latter."""
+    count, weight = _sums(place, edges), residual.std**-2.0
+    whole = np.where(count >= FEWEST, _sums(place, edges, weight), np.nan)
+    at = _sums(place, edges, place) / np.where(count > 0, count, np.nan)
+    return at, _sums(place, edges, weight * residual.value) / whole, whole**-0.5
+
+
+def most_followed(residual: Residual, but: str = "nothing") -> tuple[float, Profile | None]:
+    """What a residual goes along with the most, be it forward or backward, and its share of the disagreement; not by
+    variables whose name begins so."""
+    whole = max(float(residual.beyond.sum()), 1e-12)
+    known = (one for one in profiles(residual) if not one.variable.startswith(but))
+    found = [(float(np.nansum((one.mean / one.std) ** 2 - 1.0)) / whole, one) for one in known]
+    share, best = max(found, key=lambda each: each[0], default=(0.0, None))
+    return min(share, 1.0), best
+
+
+def variables(found: Circumstances) -> dict[tuple[str, str], Array]:
     """By name and unit (b,); what is not known is not finite. Clocks of several logs have nothing in common."""
     course, several = found.course, len(found.names) > 1
     known = {
@@ -86,6 +100,8 @@ def _variables(found: Circumstances) -> dict[tuple[str, str], Array]:
         ("distance since a reversal", "m"): course.since_reversal,
         ("speed", "m/s"): course.speed,
         ("yaw rate", "rad/s"): course.yaw_rate,
+        ("floor's x", "m"): course.x,
+        ("floor's y", "m"): course.y,
         (HEADING, "rad"): wrap_angle(course.heading + HALF) - HALF,
     }
     if found.wrenches:

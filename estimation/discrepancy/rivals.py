@@ -10,9 +10,10 @@ from cartgrasp.effects import Effect
 from cartgrasp.frames import Array
 
 from ..weak_form.fit import coordinates
+from .attempts import Attempt, Refit, Step
 from .laws import Law
 from .model import Model
-from .search import CONFUSABLE, Attempt, Refit, Step
+from .search import CONFUSABLE
 
 SIMPLER = 2.0
 """Nats for each number by which less something takes."""

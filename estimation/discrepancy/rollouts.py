@@ -64,9 +64,16 @@ def starts(balances: Balances) -> np.ndarray:
     return np.asarray(first[(unseen[first + last] == unseen[first]) & moves])
 
 
-def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tuple[Array, Array] | None = None) -> Array:
+def rolled_out(
+    balances: Balances,
+    cart: CartModel,
+    first: np.ndarray,
+    off: tuple[Array, Array] | None = None,
+    after: np.ndarray | None = None,
+) -> Array:
     """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. `off` are errors of
-    poses and velocities at the start (starts, 3 + f), and of the reduced wrench along the grid (n, f)."""
+    poses and velocities at the start (starts, 3 + f), and of the reduced wrench along the grid (n, f); `after` are
+    steps of the grid in place of the horizons'."""
     motion, side = balances.motion, balances.wrenches.planar(cart)
     wrench = side @ cart.basis_b
     state = balances.state(cart)[first].copy()
@@ -74,7 +81,7 @@ def rolled_out(balances: Balances, cart: CartModel, first: np.ndarray, off: tupl
         state[:, : off[0].shape[1]] += off[0]
         wrench = wrench + off[1]
     planar = cart.planar_wrench(wrench)
-    ends = _steps(balances).tolist()
+    ends = (_steps(balances) if after is None else after).tolist()
     found = np.full((len(first), len(ends), 3), np.nan)
     seen = np.append(0, np.cumsum(~balances.wrenches.seen))
     step, ones = _stable_step(balances, cart), np.ones((len(first), cart.constraints.n_free))

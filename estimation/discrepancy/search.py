@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 
 from ..weak_form.score import Score
+from .attempts import Attempt, Refit, Step
 from .candidates import Family, amplitudes_of, families
 from .drag_floor import with_floor_named
 from .laws import Law
@@ -37,54 +38,6 @@ SURE = 1.5
 MOST_STEPS, MOST_SWAPPED = 6, 2
 
 
-@dataclass(frozen=True)
-class Refit:
-    """An effect of the cart file has another size than it says."""
-
-    effect: Effect
-
-    @property
-    def key(self) -> str:
-        return f"{self.effect.key} refitted"
-
-
-@dataclass(frozen=True, eq=False)
-class Attempt:
-    """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error."""
-
-    candidate: Effect | Law | Refit
-    gain: float
-    tried: int
-    model: Model | None = None
-    error: float = 0.0
-
-    @property
-    def key(self) -> str:
-        return self.candidate.key
-
-    @property
-    def is_usual(self) -> bool:
-        """Whether every cart has it."""
-        return isinstance(self.candidate, Effect) and self.candidate.name in ODDS
-
-    @property
-    def numbers(self) -> int:
-        """How many numbers it takes."""
-        if isinstance(self.candidate, Law):
-            return self.candidate.size + 2
-        if isinstance(self.candidate, Refit):
-            return 0
-        return len(self.candidate.parameters)
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """What was tried, best first; the one that was added (None: none was worth it)."""
-
-    attempts: tuple[Attempt, ...]
-    added: Attempt | None
-
-
 def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[Model, list[Step]]:
     """The model with all that is worth it, and what was tried on the way."""
     nominal = replace(model, compares=True).rewhitened()
@@ -107,11 +60,11 @@ def _grown(
     for number in range(most):
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model, has_laws)
-        best = chosen(attempts, SHARE * first)
+        form_error = SHARE * first
+        best = chosen(attempts, form_error)
+        steps.append(Step(tuple(attempts), best, form_error))
         if best is None or best.model is None:
-            steps.append(Step(tuple(attempts), None))
             break
-        steps.append(Step(tuple(attempts), best))
         first = max(first, _first(steps))
         more = searched_again(replace(best.model, compares=False).rewhitened())
         more = dropped(replace(more, compares=True).rewhitened(), WORTH).settled()
@@ -164,7 +117,7 @@ def _with(step: Step, best: Attempt, own: Attempt) -> Step:
     if step.added is None or step.added.key != own.key:
         return step
     rest = (one for one in step.attempts if one.key not in (best.key, own.key))
-    return Step((best, own, *rest), best)
+    return Step((best, own, *rest), best, step.form_error)
 
 
 def keys(model: Model) -> set[str]:
@@ -226,11 +179,15 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
 def chosen(attempts: list[Attempt], form_error: float) -> Attempt | None:
     """Of those that are worth it, and more than what the form of others may have left, the simplest that is not surely
     worth less than the best that somebody would call so (Breiman's rule of one standard error)."""
-    least = (WORTH if one.is_usual else max(WORTH, form_error) for one in attempts)
-    known = [one for one, gain in zip(attempts, least, strict=True) if one.model and one.gain >= gain and _may_be(one)]
+    known = [one for one in attempts if one.model and one.gain >= least_gain(one, form_error) and _may_be(one)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
+
+
+def least_gain(one: Attempt, form_error: float) -> float:
+    """What an attempt takes: more than the form of others may have left, unless every cart has it."""
+    return WORTH if one.is_usual else max(WORTH, form_error)
 
 
 def _margin(one: Attempt, best: Attempt) -> float:
@@ -254,18 +211,21 @@ def _may_be(one: Attempt) -> bool:
         return True
     if isinstance(one.candidate, Law):
         return is_lawful(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
-    return is_plausible(one.candidate, one.model.cart.wheel_set) and _shows(one.candidate, one.model)
+    return is_plausible(one.candidate, one.model.cart.wheel_set) and not unseen(one.candidate, one.model)
 
 
-def _shows(effect: Effect, model: Model) -> bool:
-    """Whether the logs tell what makes an effect what its name says, and were outside of a region, too."""
+def unseen(effect: Effect, model: Model) -> str:
+    """What logs lack to tell an effect from a simpler one, in words; empty where nothing."""
     if (
         effect.gate is Gate.INSIDE
         and sum(b.time_outside(effect.values[:4], model.cart) for b in model.logs) < LEAST_SIDE
     ):
-        return False
-    key = f"{effect.key}.{ESSENTIAL.get(effect.name, '')}"
-    return key not in effect.keys or abs(effect.values[effect.keys.index(key)]) > TOLD * model.deviation(key)
+        return f"no wheel was outside for {LEAST_SIDE:g} s"
+    name = ESSENTIAL.get(effect.name, "")
+    key = f"{effect.key}.{name}"
+    if name and abs(effect.values[effect.keys.index(key)]) <= TOLD * model.deviation(key):
+        return f"its {name} is within {TOLD:g} standard deviations of nought"
+    return ""
 
 
 def worth(base: Score, score: Score, colour: float | None) -> float:

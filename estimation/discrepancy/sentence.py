@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 from cartgrasp.effects import Effect
 
+from .named import together, words_of
 from .search import CONFUSABLE
 from .verdicts import called, verdict
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
+    from .gap import Gap
 
 REFITTED = 2.0
 """Times by which a refit shrinks the error of rollouts, from which on it is told that it does."""
@@ -37,10 +39,16 @@ def _of_model(found: Diagnosis) -> str:
     if found.verdict == "unexplained":
         return f"They disagree, and nothing surely explains it: {refitted}, while {floor}.{_likeliest(found)}"
     several = len(found.effects) > 1
-    names, them = ", ".join(effect.words for effect in found.effects), "them" if several else "it"
+    names, them = "; ".join(map(words_of, together(found.effects))), "them" if several else "it"
     part = "" if found.verdict == "explained" else f", which {'explain' if several else 'explains'} a part"
     shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
-    return f"The model lacks {names}{part}: with {them} {shrinks}; {floor}."
+    return f"The model lacks {names}{part}: with {them} {shrinks}, {_closed(gap)}; {floor}."
+
+
+def _closed(gap: Gap) -> str:
+    """How much of what is more than noise, by squares."""
+    share = (gap.refitted**2 - gap.after**2) / max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
+    return f"which closes {100 * min(max(share, 0.0), 1.0):.0f} % of the gap"
 
 
 def _likeliest(found: Diagnosis) -> str:
@@ -49,7 +57,7 @@ def _likeliest(found: Diagnosis) -> str:
     best = max(left, key=lambda one: one.gain, default=None)
     if best is None or best.gain < CONFUSABLE:
         return ""
-    return f" Likeliest is {called(best)}, {verdict(found.steps[-1], best)} ({best.gain:.1f} nats)."
+    return f" Nearest comes {called(best)} ({best.gain:.1f} nats): {verdict(found.steps[-1], best)}."
 
 
 def _beside(found: Diagnosis) -> str:

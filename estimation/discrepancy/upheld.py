@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..weak_form.band import Band
+from .attempts import Step
 from .certainty import Certainty
 from .gap import file_rollouts, floor_rollouts, held_out_rollouts
 from .laws import Law
@@ -17,7 +18,7 @@ from .plausible import ODDS
 from .refusal import WORSE
 from .rivals import undecided
 from .rollouts import Rollouts
-from .search import Step, added
+from .search import added
 
 
 def upheld(

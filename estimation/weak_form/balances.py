@@ -291,7 +291,9 @@ class Balances:
             slopes = -own.wrenches.slopes(whole, own.expected(cart), self._densities)
         else:
             at = np.arange(0, len(self.motion.time), THIN)
-            on = own._is_on(effect.values[:4], cart)[at] if effect.gate is Gate.INSIDE else np.ones(len(at), dtype=bool)
+            on = np.ones(len(at), dtype=bool)
+            if effect.gate is Gate.INSIDE:  # or so near that its soft edge is felt
+                on = own.touches(effect.values[:4], cart, RIM)[at]
             some = own._inverse(whole, own._state(whole)[at[on]], at[on])[1]
             slopes = np.zeros((len(at), *some.shape[1:]))
             slopes[on] = some
@@ -313,19 +315,20 @@ class Balances:
         own = self.of_body(cart)
         return own._needed(cart, own._state(cart))[0]
 
-    def _is_on(self, region: Array, cart: CartModel) -> np.ndarray:
-        """Whether (n,) a wheel is in a region (x, x, y, y) of the floor, or so near that its soft edge is felt."""
-        left, right, low, high = region
-        x, y = self._tracks(cart.wheel_set)
-        is_near = (x > left - RIM) & (x < right + RIM) & (y > low - RIM) & (y < high + RIM)
-        return np.asarray(is_near.any(axis=0))
-
     def time_outside(self, region: Array, cart: CartModel) -> float:
         """How long (s) the cart moved with a wheel outside of a region (x, x, y, y) of the floor."""
-        left, right, low, high = region
-        x, y = self._tracks(cart.wheel_set)
-        outside = ((x < left) | (x > right) | (y < low) | (y > high)).any(axis=0)
+        outside = ~self._inside(region, cart).all(axis=0)
         return float((outside & (self.turning_speed > self.still_speed)).sum() * self.motion.step)
+
+    def touches(self, region: Array, cart: CartModel, rim: float = 0.0) -> np.ndarray:
+        """Times (n,) at which a wheel is inside of it, or nearer than a rim (m)."""
+        return np.asarray(self._inside(region, cart, rim).any(axis=0))
+
+    def _inside(self, region: Array, cart: CartModel, rim: float = 0.0) -> np.ndarray:
+        """Whether wheels (w, n) are, or nearer than a rim (m)."""
+        left, right, low, high = region + rim * np.array([-1.0, 1.0, -1.0, 1.0])
+        x, y = self._tracks(cart.wheel_set)
+        return np.asarray((x > left) & (x < right) & (y > low) & (y < high))
 
     def _tracks(self, wheels: WheelSet) -> Array:
         """Where (2, w, n) wheels are on the floor."""

@@ -21,11 +21,11 @@ from benchmarks.ablation.patching import patched
 from benchmarks.ablation.sources import copies, declared, names_in, worked_out_from
 from cartgrasp.effects import FloorSlope
 from cartgrasp.errors import UsageError
-from estimation.discrepancy import search, verdicts
+from estimation.discrepancy import attempts, search, verdicts
 
 ABLATED = [c for c in CONSTANTS if c.group is not Group.WORKS_OUT]
 BY_NAME = {c.full_name: c for c in CONSTANTS}
-WORTH = BY_NAME["search.WORTH"]
+SURE = BY_NAME["search.SURE"]
 
 
 def test_every_constant_is_in_the_list_once():
@@ -119,22 +119,22 @@ def test_who_has_copies_is_found_by_text_too():
 
 
 def test_what_reads_a_copy_follows():
-    """`verdicts` has a copy of `search.WORTH`: what gains five times that is worth it, but not if it is ten times."""
-    slope = search.Attempt(FloorSlope(0.01, 0.0), 5 * search.WORTH, 1)
-    best = search.Attempt(FloorSlope(0.02, 0.0), 9 * search.WORTH, 1)
-    step = search.Step((best, slope), best)
-    assert verdicts.verdict(step, slope) == verdicts.BETTER
-    with patched(WORTH, 10 * search.WORTH):
-        assert verdicts.verdict(step, slope) == verdicts.TOO_LITTLE
-    assert verdicts.verdict(step, slope) == verdicts.BETTER
+    """`verdicts` has a copy of `search.SURE`: a gain of twice its error is sure, but not if ten times are asked for."""
+    slope = attempts.Attempt(FloorSlope(0.01, 0.0), 50.0, 1, error=25.0)
+    best = attempts.Attempt(FloorSlope(0.02, 0.0), 90.0, 1)
+    step = attempts.Step((best, slope), best)
+    assert verdicts.verdict(step, slope) == "gains 40.0 nats less than floor_slope"
+    with patched(SURE, 10.0):
+        assert "less than 10 standard deviations of its gain" in verdicts.verdict(step, slope)
+    assert verdicts.verdict(step, slope) == "gains 40.0 nats less than floor_slope"
 
 
 def test_what_fails_leaves_nothing_behind():
-    before = search.WORTH
-    with pytest.raises(KeyError), patched(WORTH, 1.0):
-        {1.0: "another"}.pop(search.WORTH + verdicts.WORTH)
-    assert search.WORTH is before
-    assert verdicts.WORTH is before
+    before = search.SURE
+    with pytest.raises(KeyError), patched(SURE, 1.0):
+        {1.0: "another"}.pop(search.SURE + verdicts.SURE)
+    assert search.SURE is before
+    assert verdicts.SURE is before
 
 
 def test_what_others_are_worked_out_from_is_not_patched():

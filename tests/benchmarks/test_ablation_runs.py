@@ -16,7 +16,7 @@ from benchmarks.ablation.every import CONSTANTS
 from benchmarks.ablation.running import Job, Watch, run, unnoticed, wanted
 from benchmarks.ablation.table import affected, rows, section
 from cartgrasp.errors import DataError
-from estimation.discrepancy import search, verdicts
+from estimation.discrepancy import search
 
 from .test_sealed_score import CART, effect, entry, report
 
@@ -61,12 +61,11 @@ class Made(Case):
 def asked(monkeypatch):
     """The gains that were diagnosed, in order, each with WORTH (10 here) where it is read."""
     found = []
-    for module in (search, verdicts):
-        monkeypatch.setattr(module, "WORTH", 10.0)
+    monkeypatch.setattr(search, "WORTH", 10.0)
 
     def diagnose(gain, cart):
         assert cart is None
-        found.append((gain, search.WORTH, verdicts.WORTH))
+        found.append((gain, search.WORTH))
         if gain < 0:
             raise DataError("no such gain")
         effects = [{"name": "push", "label": "", "probability": 0.9}] if gain >= search.WORTH else []
@@ -83,7 +82,7 @@ def options_of(kept):
 
 def test_a_constant_is_moved_while_a_log_is_diagnosed(asked, tmp_path):
     (_, base), (_, moved) = (run(job, tmp_path) for job in (Job(Made(12.0)), Job(Made(12.0), WORTH, "1.3")))
-    assert asked == [(12.0, 10.0, 10.0), (12.0, 13.0, 13.0)]
+    assert asked == [(12.0, 10.0), (12.0, 13.0)]
     assert (len(base.report["effects"]), len(moved.report["effects"])) == (1, 0)
     assert base.digest != moved.digest
     assert "other" not in base.report
@@ -127,9 +126,9 @@ def test_what_nothing_notices_is_not_run(asked, tmp_path):
     cases = [Made(100.0), Made(12.0), Made(5.0)]
     answers = program.ablated(cases, [WORTH, SURE], ("off", "0.7", "1.3"), options_of(tmp_path))
     as_it_is, watched, moved = asked[:3], asked[3:6], asked[6:]
-    assert as_it_is == [(gain, 10.0, 10.0) for gain in (100.0, 12.0, 5.0)]
+    assert as_it_is == [(gain, 10.0) for gain in (100.0, 12.0, 5.0)]
     assert [gain for gain, *_ in watched] == [100.0, 12.0, 5.0]
-    assert moved == [(5.0, 0.0, 0.0), (12.0, 13.0, 13.0)]
+    assert moved == [(5.0, 0.0), (12.0, 13.0)]
     assert len(answers) == 3 + 3 + 3 * 6
     for case in cases:
         base = answers[Job(case).place]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks import true_structures
-from benchmarks.sealed.calibration import coverage, reliability
+from benchmarks.sealed.calibration import coverage, probabilities, reliability
 from benchmarks.sealed.judging import Estimate, Judgement, matched
 from benchmarks.sealed.locality import acting, is_local, localisation, named
 from benchmarks.sealed.reliability_plot import save_reliability
@@ -275,6 +275,6 @@ def test_reliability_is_drawn(tmp_path):
     judgement = Judgement(
         truth(effect("floor_slope")), report("explained", *(entry(name, told=told) for name, told in said))
     )
-    save_reliability([judgement], tmp_path / "reliability.svg")
+    save_reliability(probabilities([judgement]), tmp_path / "reliability.svg")
     drawn = (tmp_path / "reliability.svg").read_text(encoding="utf-8")
     assert "Probability that is said" in drawn

@@ -65,7 +65,7 @@ def test_a_law_stands_in_the_cart_that_is_handed_over_and_comes_back_from_its_fi
     (effect,) = found.effects
     assert effect.name == "learned_force"
     assert effect.gap_share > 0.8
-    ((at, force, told_by_law),) = asked_forces(found, effect.law)
+    at, force, told_by_law = asked_forces(found, effect.law)
     made = -4.0 * np.sin(2 * np.pi * at / 0.4)  # it resists
     assert np.corrcoef(force, made)[0, 1] > 0.8
     assert np.polyfit(told_by_law, force, 1)[0] == pytest.approx(1.0, abs=0.1)

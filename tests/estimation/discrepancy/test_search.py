@@ -20,11 +20,12 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
+from estimation.discrepancy.attempts import Attempt
 from estimation.discrepancy.candidates import amplitudes_of, families
 from estimation.discrepancy.model import Model
 from estimation.discrepancy.refine import refined
 from estimation.discrepancy.screening import Screen
-from estimation.discrepancy.search import Attempt, absent, chosen
+from estimation.discrepancy.search import absent, chosen
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate_two_hands

@@ -1,0 +1,61 @@
+"""What a search tried, and what came of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cartgrasp.effects import Effect
+
+from .laws import Law
+from .model import Model
+from .plausible import ODDS
+
+
+@dataclass(frozen=True)
+class Refit:
+    """An effect of the cart file has another size than it says."""
+
+    effect: Effect
+
+    @property
+    def key(self) -> str:
+        return f"{self.effect.key} refitted"
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error."""
+
+    candidate: Effect | Law | Refit
+    gain: float
+    tried: int
+    model: Model | None = None
+    error: float = 0.0
+
+    @property
+    def key(self) -> str:
+        return self.candidate.key
+
+    @property
+    def is_usual(self) -> bool:
+        """Whether every cart has it."""
+        return isinstance(self.candidate, Effect) and self.candidate.name in ODDS
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers it takes."""
+        if isinstance(self.candidate, Law):
+            return self.candidate.size + 2
+        if isinstance(self.candidate, Refit):
+            return 0
+        return len(self.candidate.parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What was tried, best first; the one that was added (None: none was worth it); and what of the score the form of
+    others may have left."""
+
+    attempts: tuple[Attempt, ...]
+    added: Attempt | None
+    form_error: float = 0.0
