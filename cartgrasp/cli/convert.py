@@ -67,4 +67,4 @@ def _read(choice: Choice) -> tuple[RunLog, list[dict[str, Any]], list[str], dict
 
     reading = read_bag(choice.source, choice.topics, choice.salvage)
     steps = [{"of": step.of, "what": step.what, **step.figures} for step in reading.steps]
-    return reading.log, steps, list(reading.lost), reading.topic_map.model_dump()
+    return reading.log, steps, list(reading.lost), reading.map.model_dump()
