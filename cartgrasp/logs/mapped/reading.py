@@ -23,8 +23,8 @@ MOST_ROWS_PER_SAMPLE = 50
 
 
 class Source(Protocol):
-    """Samples by their place in a map: poses (n, 3) of the tracked frame, its twist (n, 3) in itself where the map wants
-    one, wrenches (n, 6) as they were read, contact points (n, 3). `tilt` (rad) is None where all is planar."""
+    """Samples by their place in a map: poses (n, 3) of the tracked frame, its twist (n, 3) in itself where the map
+    wants one, wrenches (n, 6) as they were read, contact points (n, 3). `tilt` (rad) is None where all is planar."""
 
     steps: Steps
     tilt: float | None

@@ -64,8 +64,8 @@ class ArmEntry(StrictModel):
 
 
 class RunMap(StrictModel):
-    """`clock` is `pose` or an arm, whose times are the log's, or a rate in Hz. The arms are stated, be there none (`{}`:
-    nobody touches the cart)."""
+    """`clock` is `pose` or an arm, whose times are the log's, or a rate in Hz. The arms are stated, be there none
+    (`{}`: nobody touches the cart)."""
 
     pose: PoseEntry
     arms: Mapping[str, ArmEntry]
