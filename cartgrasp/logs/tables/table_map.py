@@ -7,16 +7,18 @@ or another value stands there, and so is what was left blank.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
-from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.comments import CommentedMap
 
-from ...yaml_file import StrictModel, file_error, parse_yaml, read_yaml
+from ...yaml_file import StrictModel, file_error, parse_yaml, read_yaml, validate
 from ..csv_log import PAGE
 from ..mapped.run_map import ArmEntry, Location, MapFile, Mistake, Number, PoseEntry, Positive, RunMap, Triple
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
+from .questions import copy_of, guesses, without_marks
 from .units import UNITS, unit_of
 
 DIMENSIONS: Mapping[str, str] = {
@@ -30,6 +32,9 @@ DIMENSIONS: Mapping[str, str] = {
 }
 OVER_A_RADIUS = {"length": "angle", "force": "moment"}
 """What a column with a `radius` holds: a wheel's angle times it is a way, a moment over it a force."""
+GUESS = "is a guess: take its question mark away if it is right, else put what is right"
+SHORT = "is a guess"
+NO_ARMS = "is not stated: {} if nobody touches the cart, else who does"
 Component = Literal["fx", "fy", "fz", "tx", "ty", "tz"]
 
 
@@ -143,9 +148,22 @@ def table_map_from_text(text: str, name: str = "topics.yaml") -> TableMapFile:
     return _map_file(parse_yaml(text, name), name)
 
 
-def guesses(document: CommentedMap) -> list[tuple[Location, str]]:
-    """Where values end with a question mark, and what stands there."""
-    return [(where, node[key]) for where, node, key in _scalars(document, ()) if _is_guess(node[key])]
+@dataclass(frozen=True)
+class Question:
+    """At `where` stands a guess (`said`), or nothing."""
+
+    where: Location
+    said: str | None
+    why: str
+
+
+def open_questions(document: CommentedMap, name: str) -> list[Question]:
+    """All guesses, and all that is blank or wrong."""
+    found = [Question(where, said.removesuffix("?"), SHORT) for where, said in guesses(document)]
+    if document.get("arms", 0) is None:
+        found.append(Question(("arms",), None, NO_ARMS))
+    model = validate(TableMap, without_marks(copy_of(document, name), name), name)
+    return [*found, *(Question(where, None, why) for where, why in model.mistakes())]
 
 
 def _map_file(document: CommentedMap, name: str) -> TableMapFile:
@@ -153,28 +171,10 @@ def _map_file(document: CommentedMap, name: str) -> TableMapFile:
     if isinstance(pose, CommentedMap) and "topic" in pose:
         why = "is for bags, and a table is no bag; a table's map names columns: `cartgrasp topics FILE` proposes one"
         raise file_error(document, name, ("pose", "topic"), why)
-    unsure = [
-        (where, f"{said} is a guess: take its question mark away if it is right, else put what is right")
-        for where, said in guesses(document)
-    ]
-    for _, node, key in _scalars(document, ()):
-        if _is_guess(node[key]):
-            node[key] = parse_yaml(f"value: {node[key].rstrip().removesuffix('?')}", name)["value"]
-    return MapFile(TableMap, document, name, PAGE, unsure)
-
-
-def _is_guess(value: Any) -> bool:
-    return isinstance(value, str) and value.rstrip().endswith("?")
-
-
-def _scalars(node: Any, where: Location) -> Iterator[tuple[Location, Any, Any]]:
-    """Each with its place, and the mapping or list and the key that hold it."""
-    inside = node.items() if isinstance(node, CommentedMap) else enumerate(node)
-    for key, value in list(inside):
-        if isinstance(value, CommentedMap | CommentedSeq):
-            yield from _scalars(value, (*where, str(key)))
-        else:
-            yield (*where, str(key)), node, key
+    unsure = [(where, f"{said} {SHORT if i else GUESS}") for i, (where, said) in enumerate(guesses(document))]
+    if document.get("arms", 0) is None:
+        unsure.append((("arms",), NO_ARMS))
+    return MapFile(TableMap, without_marks(document, name), name, PAGE, unsure)
 
 
 def _of_part(where: Location, part: TablePart) -> Iterator[Mistake]:
