@@ -76,6 +76,14 @@ CAMEL = {
     "py": "gripY",
     "pz": "gripZ",
 }
+ROS = {
+    "t": "field.header.stamp", "x": "field.pose.pose.position.x", "y": "field.pose.pose.position.y",
+    **{q: f"field.pose.pose.orientation.{q[1]}" for q in ("qx", "qy", "qz", "qw")},
+    "vx": "field.twist.twist.linear.x", "vy": "field.twist.twist.linear.y", "omega": "field.twist.twist.angular.z",
+    **{f"f{k}": f"wrench.force.{k}" for k in "xyz"},
+    **{f"t{k}": f"wrench.torque.{k}" for k in "xyz"},
+    **{f"p{k}": f"contact.{k}" for k in "xyz"},
+}
 
 
 @dataclass(frozen=True)
@@ -117,13 +125,15 @@ def drawn_habit(random: np.random.Generator) -> Habit:
     def one(*choices: str) -> str:
         return str(random.choice(np.array(choices, dtype=object)))
 
-    names = one("plain", "words", "camel", "german", "plain", "words")
+    names = one("plain", "words", "camel", "german", "plain", "words", "ros")
     separator = one(",", ",", ";", "\t") if names != "german" else ";"
     decimal = "," if names == "german" or (separator == ";" and random.random() < 0.5) else "."
     preambles = ((), (), (), ("# recorded on Monday", "# cart 3"), ("Logger v2.1", "", "Rig: hall 4"))
     suffix = ".parquet" if random.random() < 0.1 else ".csv"
-    labels = ("suffix", "brackets", "brackets", "row", "none") if names != "words" else ("brackets", "row", "none")
-    label = one(*labels)
+    labels = (
+        ("suffix", "brackets", "brackets", "row", "none") if names != "words" else ("brackets", "row", "none", "slash")
+    )
+    label = one(*labels) if names != "ros" else "none"
     label = "brackets" if label == "row" and suffix == ".parquet" else label
     units = {
         "length": one("m", "mm", "cm", "m", "ft"),
@@ -140,6 +150,8 @@ def drawn_habit(random: np.random.Generator) -> Habit:
             "force": one("N", "N", "N", "kN"),
             "moment": "N·m",
         }
+    if names == "ros":
+        units = {"length": "m", "speed": "m/s", "rate": "rad/s", "force": "N", "moment": "N·m"}
     return Habit(
         names=names,
         label=label,
@@ -147,9 +159,9 @@ def drawn_habit(random: np.random.Generator) -> Habit:
         decimal=decimal,
         preamble=preambles[random.integers(len(preambles))],
         units=units,
-        clock=one("s", "ms", "epoch s", "epoch ms", "us", "s", "ms", "none"),
+        clock=one("s", "ms", "epoch s", "epoch ms", "us", "s", "ms", "none") if names != "ros" else "epoch ns",
         heading=one("rad", "rad wrapped", "deg", "deg wrapped", "deg 360"),
-        clockwise=bool(random.random() < 0.2),
+        clockwise=bool(random.random() < 0.2 and names != "ros"),
         velocity=one("none", "none", "world", "cart"),
         force=one("on_cart", "on_cart", "on_sensor"),
         sensor=one("all six", "planar", "planar", "forces"),
@@ -220,7 +232,7 @@ class _Writer:
     def _clock(self, time: Array, role: str) -> dict[tuple[str, str, str], Array]:
         unit = self.clock.removeprefix("epoch ")
         numbers = (time + self.zero) / UNITS["time"][unit]
-        return {(role, unit, ""): np.round(numbers) if unit in ("ms", "us") else np.round(numbers, 6)}
+        return {(role, unit, ""): np.round(numbers) if unit in ("ms", "us", "ns") else np.round(numbers, 6)}
 
     def _time_entry(self, rate: float = 0.0) -> dict[str, object]:
         if self.clock == "none":
@@ -238,6 +250,14 @@ class _Writer:
             entry[role] = {"column": self._name(role, unit, ""), "unit": unit}
         if self.is_line:
             return columns, entry | {"y": 0.0, "theta": 0.0, "velocity": "none"}
+        if h.names == "ros":
+            half = noisy[:, 2] / 2
+            parts = {"qx": 0 * half, "qy": 0 * half, "qz": np.sin(half), "qw": np.cos(half)}
+            columns |= {(role, "", ""): numbers for role, numbers in parts.items()}
+            entry |= {"theta": {"quaternion": [self._name(role, "", "") for role in parts]}, "velocity": "none"}
+            if h.velocity != "none":
+                self._velocity(time, columns, entry, noisy[:, 2])
+            return columns, entry
         angle, sign = h.heading.split()[0], -1 if h.clockwise else 1
         turned = sign * noisy[:, 2] / UNITS["angle"][angle]
         whole = {"rad": 2 * np.pi, "deg": 360.0}[angle]
@@ -301,12 +321,16 @@ class _Writer:
             return role
         if h.names == "plain":
             name = f"{group}_{role}" if group else role
+        elif h.names == "ros":
+            name = f"{group}.{ROS[role]}" if group else ROS[role]
         elif h.names == "camel":
             name = CAMEL[role] + group.title()
         else:
             name = f"{(WORDS if h.names == 'words' else GERMAN)[role]}{' ' + group if group else ''}"
         if h.label == "suffix":
             return f"{name}_{suffix}"
+        if h.label == "slash":
+            return f"{name} / {bracket}"
         return f"{name} [{bracket}]" if h.label == "brackets" else name
 
     def _file(self, stem: str, columns: dict[tuple[str, str, str], Array]) -> tuple[Path, dict[str, object]]:

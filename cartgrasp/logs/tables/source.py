@@ -20,6 +20,7 @@ from .table_file import Table, read_table
 from .table_map import (
     ColumnEntry,
     ContactColumns,
+    QuaternionEntry,
     TableArm,
     TableMapFile,
     TablePart,
@@ -29,6 +30,9 @@ from .table_map import (
 )
 from .units import UNITS, unit_of
 
+FARTHEST_NORM = 0.01
+MOST_TILT = 0.35
+"""rad."""
 LARGEST = 1e9
 """m, rad, N: what is beyond is no measurement."""
 
@@ -80,7 +84,12 @@ class TableSource:
         return found
 
     def _clocked(
-        self, where: Where, part: TablePart, values: Sequence[Value], names: Sequence[str], latency: float
+        self,
+        where: Where,
+        part: TablePart,
+        values: Sequence[Value | QuaternionEntry],
+        names: Sequence[str],
+        latency: float,
     ) -> Clocked:
         """Rows in which nothing stands, nor a time, are the end of a shorter column."""
         table = self._table(where, part)
@@ -111,7 +120,9 @@ class TableSource:
             self.tables[path] = read_table(path, layout)
         return self.tables[path]
 
-    def _numbers(self, table: Table, name: str, value: Value) -> Array:
+    def _numbers(self, table: Table, name: str, value: Value | QuaternionEntry) -> Array:
+        if isinstance(value, QuaternionEntry):
+            return _yaw(table, value)
         if not isinstance(value, ColumnEntry):
             return np.full(len(table.lines), float(value))
         assert value.column is not None
@@ -144,6 +155,28 @@ def in_si(numbers: Array, name: str, value: ColumnEntry) -> Array:
     if value.zero == "start" and np.isfinite(found).any():
         found = found - found[np.isfinite(found)][0]
     return np.asarray(found)
+
+
+def yaw_of(quaternion: Array) -> Array:
+    """Headings (n,), rad, of quaternions x, y, z, w (n, 4), or z, w (n, 2)."""
+    z, w = quaternion[:, -2:].T
+    x, y = quaternion[:, :2].T if quaternion.shape[1] == 4 else (0.0, 0.0)
+    return np.asarray(np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z))
+
+
+def _yaw(table: Table, entry: QuaternionEntry) -> Array:
+    rows = np.column_stack([table.column(column) for column in entry.quaternion])
+    tilt = np.arccos(np.clip(1 - 2 * (rows[:, :-2] ** 2).sum(axis=1), -1, 1))
+    if (tilt > MOST_TILT).any():
+        i = int(np.nanargmax(tilt))
+        why = f"the frame is {np.degrees(tilt[i]):.0f}° off the vertical; a heading needs one whose z points up"
+        raise table.refuse(entry.quaternion[0], why, table.lines[i])
+    odd = np.abs(np.linalg.norm(rows, axis=1) - 1) > FARTHEST_NORM
+    if odd.any():
+        i = int(np.argmax(odd))
+        why = f"the quaternion's norm is {np.linalg.norm(rows[i]):.3g}, not 1"
+        raise table.refuse(entry.quaternion[0], why, table.lines[i])
+    return yaw_of(rows)
 
 
 def _in_cart(velocity: Array, pose: Array) -> Array:

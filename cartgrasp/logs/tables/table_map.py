@@ -61,6 +61,12 @@ class ColumnEntry(StrictModel):
     zero: Literal["start"] | None = None
 
 
+class QuaternionEntry(StrictModel):
+    """A heading that is the yaw of a quaternion: the columns of x, y, z and w, or of z and w where nothing tilts."""
+
+    quaternion: Annotated[list[str | int], Field(min_length=2, max_length=4)]
+
+
 class TimeEntry(StrictModel):
     """A column of times, or the rows' rate in Hz where there is none."""
 
@@ -86,7 +92,7 @@ class TablePose(PoseEntry, TablePart):
 
     x: Value | None = None
     y: Value | None = None
-    theta: Value | None = None
+    theta: Value | QuaternionEntry | None = None
     velocity: Literal["spline", "columns", "none"] = "none"
     vx: Value | None = None
     vy: Value | None = None
@@ -213,6 +219,9 @@ def _of_values(where: Location, entry: StrictModel, names: tuple[str, ...] | lis
         value = getattr(entry, name)
         if value is None or (isinstance(value, ColumnEntry) and value.column is None):
             yield (*where, name), "is not stated: {column: NAME, unit: UNIT}, or a number if it is constant"
+        elif isinstance(value, QuaternionEntry):
+            if len(value.quaternion) == 3:
+                yield (*where, name, "quaternion"), "needs the columns of x, y, z and w, or of z and w alone"
         elif isinstance(value, ColumnEntry):
             dimension = DIMENSIONS[name]
             if value.radius is not None and dimension not in OVER_A_RADIUS:

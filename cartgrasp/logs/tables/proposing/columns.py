@@ -11,16 +11,21 @@ import numpy as np
 
 from ....errors import LogError
 from ....frames import Array
+from ...run_log import CONTACT_COLUMNS, WRENCH_COLUMNS
+from ..source import yaw_of
 from ..table_file import Table, read_table
 from .layout import Layout, layout_of
 from .names import Meaning, meaning_of
 
+QUATERNION = ("qx", "qy", "qz", "qw")
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """`ref` is how a map names it: by number where its name does not do. `numbers` is None where it holds text."""
+    """`ref` is how a map names it: by number where its name does not do; of a yaw that four columns tell, all their
+    names. `numbers` is None where it holds text."""
 
-    ref: str | int
+    ref: str | int | list[str | int]
     title: str
     meaning: Meaning | None
     numbers: Array | None
@@ -89,12 +94,26 @@ class FileColumns:
         """By the words that tell arms apart, each one's components of a wrench; and of contact points that it has."""
         found: dict[str, dict[str, Column]] = {}
         for column in self.columns:
-            if column.role[:1] in ("f", "t") and column.role[1:] in ("x", "y", "z"):
+            if column.role in WRENCH_COLUMNS:
                 found.setdefault(column.group, {}).setdefault(column.role, column)
         for column in self.columns:
-            if column.role[:1] == "p" and column.group in found:
-                found[column.group].setdefault(column.role, column)
-        return found
+            own = column.group if column.group in found else next(iter(found), "") if len(found) == 1 else None
+            if column.role in CONTACT_COLUMNS and own in found:
+                found[own].setdefault(column.role, column)
+        return {name: own for name, own in found.items() if "fx" in own or "fy" in own}
+
+    @property
+    def yaw(self) -> Column | None:
+        """Of a quaternion whose four components are there, or the two that a yaw alone has; headings in rad."""
+        found = {role: self.of_role(role) for role in QUATERNION}
+        names = [role for role in QUATERNION if found[role]]
+        if not {"qz", "qw"} <= set(names):
+            return None
+        roles = list(QUATERNION) if len(names) == 4 else ["qz", "qw"]
+        columns = [found[role][0] for role in roles]
+        refs = [column.ref for column in columns if not isinstance(column.ref, list)]
+        numbers = yaw_of(np.column_stack([column.said for column in columns]))
+        return Column(refs, "the quaternion", Meaning("theta", "rad"), numbers)
 
     @property
     def has_pose(self) -> bool:

@@ -78,6 +78,8 @@ class MotionUnits:
         roles = {role: first_of(file.of_role(role)) for role in ("x", "y", "theta", "vx", "vy", "omega")}
         if roles["x"][0] is None and not file.arms:
             roles |= {axis: first_of(file.of_role(f"p{axis}")) for axis in ("x", "y")}
+        if roles["theta"][0] is None:
+            roles["theta"] = (file.yaw, True)
         self.columns = {role: column for role, (column, _) in roles.items()}
         self.is_only = {role: only for role, (_, only) in roles.items()}
         self.lengths = {role: self._length(role) for role in ("x", "y")}
@@ -150,6 +152,8 @@ class MotionUnits:
         said = Said(column.ref, self.is_only["theta"], "" if self.is_only["theta"] else "several columns may be it")
         best = heading_of(self.motion, self.time, column.said) if self.motion is not None else None
         unit = self._angle_unit(column, None if best is None else best.unit)
+        if best is None and isinstance(column.ref, list):
+            return Entry(said, unit)
         if best is None:
             return Entry(said, unit, Said(1, False, "the way doesn't tell whether headings grow to the left"))
         if abs(best.offset) > STRAIGHT:
@@ -157,6 +161,8 @@ class MotionUnits:
             self.offset = Said(best.offset, False, why)
         if best.sign < 0:
             why = "headings fall where the way turns left: are they clockwise? or is y to the right?"
+            if isinstance(column.ref, list):
+                return Entry(Said(column.ref, False, why))
             return Entry(said, unit, Said(-1, False, why))
         return Entry(said, unit)
 

@@ -50,6 +50,8 @@ class _Writer:
             self.value(indent, key, entry.constant)
         elif entry.column is None:
             self.add(f"{indent}{key}:", blank)
+        elif isinstance(entry.column.value, list):
+            self.add(f"{indent}{key}: {{quaternion: {entry.column}}}", entry.column.why)
         else:
             sign = "" if entry.sign.value == 1 else f", sign: {entry.sign}"
             text = f"{indent}{key}: {{column: {entry.column}, unit: {entry.unit}{sign}}}"
