@@ -1,5 +1,5 @@
-"""`python -m benchmarks.tables [--seeds 0:60] [--out FILE]`: made tables of strangers' kinds, each asked about as
-`cartgrasp topics` does, and its proposed map judged."""
+"""`python -m benchmarks.tables [--seeds 0:60] [--faults 0:10] [--out FILE]`: made tables of strangers' kinds, each
+asked about as `cartgrasp topics` does, and its map judged; and tables whose labels, axes or signs are wrong."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
+from .faults import table_of_faults, told
 from .judging import Judged, judge
 from .strangers import write
 
@@ -28,14 +29,16 @@ def table_of(judged: list[tuple[int, Judged]]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.tables", description=__doc__)
     parser.add_argument("--seeds", default="0:60", help="FROM:TO")
+    parser.add_argument("--faults", default="0:0", help="FROM:TO, of pushes into whose table each fault is put")
     parser.add_argument("--keep", type=Path, help="folder in which the tables stay")
     parser.add_argument("--out", type=Path, help="write the table there instead of printing it")
     options = parser.parse_args()
-    first, last = map(int, options.seeds.split(":"))
+    seeds, faulty = (range(*map(int, said.split(":"))) for said in (options.seeds, options.faults))
     with tempfile.TemporaryDirectory() as temporary:
         root = options.keep or Path(temporary)
-        judged = [(seed, judge(write(root / str(seed) / "run", seed), root / str(seed))) for seed in range(first, last)]
-    text = table_of(judged)
+        judged = [(seed, judge(write(root / str(seed) / "run", seed), root / str(seed))) for seed in seeds]
+        faults = [one for seed in faulty for one in told(root / "faults", seed)]
+    text = table_of(judged) + ("\n" + table_of_faults(faults) if faults else "")
     if options.out is None:
         print(text, end="")
     else:

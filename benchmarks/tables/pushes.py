@@ -14,6 +14,16 @@ import numpy as np
 from cartgrasp.frames import Array
 
 RATE = 500.0
+CART = """\
+name: a cart
+mass: {mass}
+com: [{way}, 0.0]
+inertia: {inertia}
+constraints: [no_lateral_slip: {{x: 0.0}}]
+effects:
+  viscous_drag: {{linear: {drag}, angular: {turning}}}
+  rolling_resistance: {{coefficient: {share}}}
+"""
 
 
 @dataclass(frozen=True)
@@ -26,12 +36,13 @@ class Hand:
 
 @dataclass(frozen=True)
 class Push:
-    """Times (n,), poses (n, 3) and velocities (n, 3) in the world, and hands by name."""
+    """Times (n,), poses (n, 3) and velocities (n, 3) in the world, hands by name, and the true cart's file."""
 
     time: Array
     pose: Array
     velocity: Array
     hands: Mapping[str, Hand]
+    cart: str
 
     def at(self, time: Array, columns: Array) -> Array:
         """Columns (n, k) at other times."""
@@ -49,8 +60,8 @@ def drawn_push(random: np.random.Generator, hands: tuple[str, ...], is_line: boo
     world = np.column_stack([speed * np.cos(heading), speed * np.sin(heading), rate])
     start = [0.0, 0.0] if is_line else random.uniform(-3, 3, 2)
     pose = np.column_stack([*(start[k] + np.cumsum(world[:, k]) / RATE for k in range(2)), heading])
-    fx, tau = _inverse(random, speed, rate)
-    return Push(time, pose, world, _shared(random, hands, fx, tau))
+    fx, tau, cart = _inverse(random, speed, rate)
+    return Push(time, pose, world, _shared(random, hands, fx, tau), cart)
 
 
 def _speed(random: np.random.Generator, time: Array) -> Array:
@@ -78,13 +89,17 @@ def _smooth(column: Array, window: float) -> Array:
     return np.convolve(padded, kernel / kernel.sum(), mode="same")[width:-width]
 
 
-def _inverse(random: np.random.Generator, speed: Array, rate: Array) -> tuple[Array, Array]:
+def _inverse(random: np.random.Generator, speed: Array, rate: Array) -> tuple[Array, Array, str]:
     mass, way = random.uniform(12, 120), random.uniform(0.0, 0.4)
     inertia, drag, turning = mass * random.uniform(0.05, 0.15), random.uniform(1, 8), random.uniform(0.5, 3)
     friction = mass * 9.81 * random.uniform(0.005, 0.02)
     fx = mass * (np.gradient(speed, 1 / RATE) - rate**2 * way) + drag * speed + friction * np.tanh(speed / 0.02)
     tau = (inertia + mass * way**2) * np.gradient(rate, 1 / RATE) + mass * way * speed * rate + turning * rate
-    return fx, tau
+    return (
+        fx,
+        tau,
+        CART.format(mass=mass, way=way, inertia=inertia, drag=drag, turning=turning, share=friction / mass / 9.81),
+    )
 
 
 def _shared(random: np.random.Generator, hands: tuple[str, ...], fx: Array, tau: Array) -> dict[str, Hand]:

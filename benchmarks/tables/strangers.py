@@ -77,9 +77,13 @@ CAMEL = {
     "pz": "gripZ",
 }
 ROS = {
-    "t": "field.header.stamp", "x": "field.pose.pose.position.x", "y": "field.pose.pose.position.y",
+    "t": "field.header.stamp",
+    "x": "field.pose.pose.position.x",
+    "y": "field.pose.pose.position.y",
     **{q: f"field.pose.pose.orientation.{q[1]}" for q in ("qx", "qy", "qz", "qw")},
-    "vx": "field.twist.twist.linear.x", "vy": "field.twist.twist.linear.y", "omega": "field.twist.twist.angular.z",
+    "vx": "field.twist.twist.linear.x",
+    "vy": "field.twist.twist.linear.y",
+    "omega": "field.twist.twist.angular.z",
     **{f"f{k}": f"wrench.force.{k}" for k in "xyz"},
     **{f"t{k}": f"wrench.torque.{k}" for k in "xyz"},
     **{f"p{k}": f"contact.{k}" for k in "xyz"},

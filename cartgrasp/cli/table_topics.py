@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -102,13 +101,11 @@ def _say_open(questions: Sequence[Question], path: Path, out: Path | None) -> No
 
 def _alike(questions: Sequence[Question]) -> list[list[Question]]:
     """Those that one answer serves: the same guess at the same kind of place."""
-
-    def kind(question: Question) -> tuple[str, ...]:
-        if question.said is None:
-            return question.where
-        return (question.where[0], question.where[-1], question.said)
-
-    return [list(same) for _, same in groupby(sorted(questions, key=lambda q: q.said is None), kind)]
+    found: dict[tuple[str, ...], list[Question]] = {}
+    for one in questions:
+        kind = one.where if one.said is None else (one.where[0], one.where[-1], one.said)
+        found.setdefault(kind, []).append(one)
+    return list(found.values())
 
 
 def _ask(document: CommentedMap, questions: Sequence[Question], text: str) -> None:
