@@ -136,6 +136,20 @@ def test_what_contradicts_physics_is_asked(tmp_path, change, place, said):
     assert asked(circling(tmp_path, LABELLED, *change))[place] == said
 
 
+def test_a_way_that_hardly_turns_tells_no_sign(tmp_path):
+    """Nor does one whose rows have no rate say anything of velocities' units."""
+    t = np.arange(0, 20, 0.02)
+    x, noise = t + 0.3 * np.sin(t), np.random.default_rng(0).normal(0, 1e-3, (2, len(t)))
+    rows = "\n".join(
+        f"{a:.6f},{b:.6f},{c:.6f},{d:.6f},0.0,0.0" for a, b, c, d in zip(x, *noise, 1 + 0.3 * np.cos(t), strict=True)
+    )
+    (tmp_path / "mine.csv").write_text(f"x_m,y_m,theta_rad,vx,vy,omega\n{rows}\n")
+    questions = asked(tmp_path / "mine.csv")
+    assert questions["pose.theta.sign"] == "1"
+    assert questions["time"] is None
+    assert "pose.vx.unit" in questions
+
+
 def test_columns_that_nobody_knows_are_no_reason_to_believe_that_nobody_pushes(tmp_path):
     questions = asked(circling(tmp_path, "t_s,x_m,y_m,theta_rad,channel_7,channel_8"))
     assert "arms" in questions

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -114,8 +115,6 @@ def _rises(times: Array) -> bool:
 
 
 def _stem_words(path: Path) -> str:
-    import re
-
     words = [w for w in re.split(r"[^a-z]+", path.stem.lower()) if w and w not in FILE_WORDS]
     return words[-1] if words else ""
 
@@ -171,7 +170,11 @@ def _sign(fx: Push) -> Said:
 def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> Said:
     """Of a clock of its own that begins at zero as the other does: whether forces fit the motion best without a lag."""
     begins = float(np.nanmin(arm.time)), float(np.nanmin(time))
-    if arm.time is time or arm.time_column is None or (len(arm.time) == len(time) and np.array_equal(arm.time, time)):
+    if (
+        arm.time is time
+        or arm.time_column is None
+        or (len(arm.time) == len(time) and np.array_equal(arm.time, time, equal_nan=True))
+    ):
         return Said(0.0)
     if min(begins) > 1000:
         return Said(0.0)

@@ -73,7 +73,7 @@ class MotionUnits:
         self.file, self.notes = file, list[str]()
         self.offset = Said(0.0)
         self.time_column = time
-        self.time_unit = Said("s") if time is None else time_unit(time)
+        self.time_unit = Said(None, False) if time is None else time_unit(time)
         self.time = np.arange(len(file.table.lines)) / 100.0 if time is None else self._seconds()
         roles = {role: first_of(file.of_role(role)) for role in ("x", "y", "theta", "vx", "vy", "omega")}
         if roles["x"][0] is None and not file.arms:
@@ -186,7 +186,7 @@ class MotionUnits:
 
     def _angle_by_rate(self, column: Column) -> Said | None:
         omega = self.columns["omega"]
-        if omega is None or omega.unit is None or self.motion is None:
+        if omega is None or omega.unit is None or self.motion is None or not self.time_unit.is_sure:
             return None
         recorded = self.motion.on(self.time, omega.said * UNITS["rate"][omega.unit])
         for unit, period in (("deg", 360.0), ("rad", 2 * np.pi)):
@@ -234,7 +234,8 @@ class MotionUnits:
         """By how much it is larger than differences of positions."""
         label = column.unit or first.unit
         sign = Said(1) if factor > 0 else Said(-1, False, "it falls where the cart goes the other way")
-        size, is_length_sure = abs(factor), self.lengths["x"].is_sure and self.lengths["y"].is_sure
+        size = abs(factor)
+        is_sure = self.time_unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
         if label is not None:
             fits = abs(size - 1) < 0.25
             why = "" if fits else f"it is {size:.3g} times what differences of positions are"
@@ -242,8 +243,8 @@ class MotionUnits:
         unit = near(1 / size, "speed")
         if unit is None:
             return Entry(Said(column.ref), Said("m/s", False, "no unit is in its name"), sign)
-        why = "as differences of positions" if is_length_sure else "as positions, whose unit is not sure"
-        return Entry(Said(column.ref), Said(unit, is_length_sure, why), sign)
+        why = "as differences of positions" if is_sure else "as positions, of which a unit or the clock is not sure"
+        return Entry(Said(column.ref), Said(unit, is_sure, why), sign)
 
     def _rate(self, column: Column) -> Entry:
         """Against differences of headings."""
@@ -263,7 +264,8 @@ class MotionUnits:
         unit = near(1 / abs(factor), "rate") if is_seen else None
         if unit is None:
             return Entry(Said(column.ref), Said("rad/s", False, "no unit is in its name"), sign)
-        return Entry(Said(column.ref), Said(unit, self.heading.unit.is_sure, "as differences of headings"), sign)
+        is_sure = self.time_unit.is_sure and self.heading.unit.is_sure
+        return Entry(Said(column.ref), Said(unit, is_sure, "as differences of headings"), sign)
 
 
 def _wraps(column: Array, period: float) -> bool:

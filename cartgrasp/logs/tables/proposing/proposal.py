@@ -15,7 +15,7 @@ from ..table_map import TableFormat
 from .columns import FileColumns
 from .forces import Arm, arms_of, component_entry, judged, time_of
 from .layout import Layout
-from .motion_units import Entry, MotionUnits
+from .motion_units import Entry, MotionUnits, time_unit
 from .said import Said, word
 
 HEAD = f"""\
@@ -53,7 +53,7 @@ class _Writer:
         elif isinstance(entry.column.value, list):
             self.add(f"{indent}{key}: {{quaternion: {entry.column}}}", entry.column.why)
         else:
-            sign = "" if entry.sign.value == 1 else f", sign: {entry.sign}"
+            sign = "" if entry.sign.value == 1 and entry.sign.is_sure else f", sign: {entry.sign}"
             text = f"{indent}{key}: {{column: {entry.column}, unit: {entry.unit}{sign}}}"
             self.add(text, entry.column.why, entry.unit.why, entry.sign.why)
 
@@ -72,7 +72,7 @@ def propose(path: Path, others: Sequence[Path] = ()) -> Proposal:
     _time(writer, "", main)
     writer.add(f"clock: {_clock(units, arms)}", "whose times are the log's: the slowest; or a rate in Hz")
     writer.add(f"max_gap: {_gap(units, arms):.3g}", "s; longer gaps are left out, never bridged")
-    _pose(writer, units, None if posed is main else posed)
+    _pose(writer, units, main)
     _arms(writer, arms, main, files)
     return Proposal("\n".join(writer.lines) + "\n", tuple(files), tuple(units.notes))
 
@@ -119,8 +119,6 @@ def _layout(writer: _Writer, indent: str, layout: Layout) -> None:
 
 
 def _time(writer: _Writer, indent: str, file: FileColumns) -> None:
-    from .motion_units import time_unit
-
     column = time_of(file)
     if column is None:
         writer.add(f"{indent}time: {{rate: }}", "Hz: no column holds times; or {column: NAME, unit: s}")
@@ -154,10 +152,10 @@ def _file(writer: _Writer, indent: str, file: FileColumns, main: FileColumns) ->
     _time(writer, indent, file)
 
 
-def _pose(writer: _Writer, units: MotionUnits, own: FileColumns | None) -> None:
+def _pose(writer: _Writer, units: MotionUnits, main: FileColumns) -> None:
     writer.add("pose:")
-    if own is not None:
-        _file(writer, "  ", own, units.file)
+    if units.file is not main:
+        _file(writer, "  ", units.file, main)
     is_line = units.columns["x"] is not None and units.columns["y"] is None
     for role in ("x", "y"):
         column = units.columns[role]
