@@ -11,10 +11,10 @@ from ruamel.yaml.comments import CommentedMap
 
 from ..errors import LogError, Place, UsageError, printable
 from ..logs import MAP_SUFFIX, TABLES
-from ..logs.csv_log import PAGE
+from ..logs.csv_log import PAGE, check_columns
 from ..logs.tables.proposing import Proposal, propose
 from ..logs.tables.questions import put, value_of
-from ..logs.tables.table_map import Question, open_questions
+from ..logs.tables.table_map import Question, TableFormat, open_questions
 from ..writing import write_atomically
 from ..yaml_file import dump_yaml, parse_yaml
 from .output import print_json, print_table, say
@@ -31,6 +31,11 @@ def run(path: Path, beside: Sequence[Path], out: Path | None, ask: bool, as_json
     if ask and not sys.stdin.isatty():
         raise UsageError("--ask: asks on a terminal; elsewhere fill in the map that --out writes")
     proposal = propose(path, beside or _others(path))
+    if _is_run_log(proposal):
+        if as_json:
+            print_json({**_document(proposal, ()), "proposal": None})
+        say(f"{path}: has the columns of a run log; commands read it as it is")
+        return 0
     document = parse_yaml(proposal.text, str(path))
     questions = open_questions(document, str(path))
     if as_json:
@@ -51,6 +56,15 @@ def run(path: Path, beside: Sequence[Path], out: Path | None, ask: bool, as_json
         write_atomically(out, text)
     _say_open(questions, path, out)
     return 0
+
+
+def _is_run_log(proposal: Proposal) -> bool:
+    table = proposal.files[0].table
+    try:
+        check_columns(table.header or (), table.name)
+    except LogError:
+        return False
+    return proposal.files[0].layout.format == TableFormat()
 
 
 def _others(path: Path) -> list[Path]:

@@ -145,6 +145,13 @@ def test_asked_on_a_terminal(capsys, table, monkeypatch):
     assert len(read_log(table)) == 2000
 
 
+def test_a_run_log_needs_no_map(capsys, tmp_path, push):
+    (tmp_path / "run.csv").write_text(as_csv(push[:100]))
+    answer = run(capsys, "topics", tmp_path / "run.csv", "--json")
+    assert (answer.status, answer.json["proposal"]) == (0, None)
+    assert "has the columns of a run log" in answer.err
+
+
 def test_what_is_for_bags_and_what_for_tables(capsys, table):
     run(capsys, "topics", table, "--salvage").refused(2, "--salvage: is for bags")
     run(capsys, "topics", table.with_name("run.mcap"), "--ask").refused(2, "--ask: is for tables")

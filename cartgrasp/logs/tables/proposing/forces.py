@@ -181,11 +181,13 @@ def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> Said:
     lags = np.arange(-LAGS, LAGS + 0.05, 0.1)
     fits = [push(motion, along, _total([arm], motion, "fx", float(lag))) for lag in lags]
     explained = np.array([0.0 if one is None else one.explained for one in fits])
-    best = float(lags[int(np.argmax(explained))])
+    at_best = int(np.argmax(explained))
+    is_peak = 0 < at_best < len(lags) - 1 and explained[at_best] > 0.5
     at_zero = float(explained[int(np.argmin(np.abs(lags)))])
     if at_zero > 0.5 and explained.max() - at_zero < 0.05:
         return Said(0.0, True, "forces fit the motion best without a lag")
-    return Said(round(best, 1) if explained.max() > 0.5 else 0.0, False, "did both clocks begin at the same moment?")
+    guess = round(float(lags[at_best]), 1) if is_peak else 0.0
+    return Said(guess, False, "did both clocks begin at the same moment?")
 
 
 def component_entry(arm: Arm, component: str) -> Entry:
