@@ -186,15 +186,17 @@ def discrepancy(
 
 @app.command("topics")
 def list_topics(
-    bag: Annotated[Path, typer.Argument(help="A ROS bag: .mcap, .db3, .bag, or a recorder's folder.", metavar="BAG")],
-    out: Annotated[Path | None, typer.Option("--out", help="Where to write a proposed topics.yaml.")] = None,
+    file: Annotated[Path, typer.Argument(help="A ROS bag, or a table: .csv, .tsv, .txt, .parquet.", metavar="FILE")],
+    out: Annotated[Path | None, typer.Option("--out", help="Where to write the proposed map.")] = None,
+    ask: Annotated[bool, typer.Option("--ask", metavar="", help="Ask what only you know, and write the map.")] = False,
+    beside: Annotated[list[Path] | None, typer.Option("--with", help="A table of another sensor, same run.")] = None,
     salvage: Salvage = False,
     json: Json = False,
 ) -> None:
-    """List what a bag holds, and propose a topic map: which topics are a run."""
+    """List what a bag or a table holds, and propose its map: which topics or columns are a run."""
     from . import topics as command
 
-    raise typer.Exit(command.run(bag, out, salvage, json))
+    raise typer.Exit(command.run(file, out, salvage, json, ask, beside or ()))
 
 
 @app.command()

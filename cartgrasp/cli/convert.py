@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError, printable
-from ..logs import WRITERS, RunLog, is_bag_name, read_log, write_log
+from ..logs import WRITERS, RunLog, is_bag_name, read_log, read_mapped, write_log
 from ..logs.provenance import provenance
 from ..strict_json import finite
 from ..writing import write_atomically
@@ -60,11 +60,9 @@ def _check(choice: Choice) -> None:
 
 
 def _read(choice: Choice) -> tuple[RunLog, list[dict[str, Any]], list[str], dict[str, Any] | None]:
-    """The log, the steps that made it, what was lost, and the topic map."""
-    if not is_bag_name(choice.source):
-        return read_log(choice.source, choice.topics), [], [], None
-    from ..logs.bags import read_bag
-
-    reading = read_bag(choice.source, choice.topics, choice.salvage)
+    """The log, the steps that made it, what was lost, and the map."""
+    reading = read_mapped(choice.source, choice.topics, choice.salvage)
+    if reading is None:
+        return read_log(choice.source), [], [], None
     steps = [{"of": step.of, "what": step.what, **step.figures} for step in reading.steps]
-    return reading.log, steps, list(reading.lost), reading.topic_map.model_dump()
+    return reading.log, steps, list(reading.lost), reading.map.model_dump()

@@ -9,7 +9,7 @@ import typer
 
 Json = Annotated[bool, typer.Option("--json", metavar="", help="Print the result alone, as one JSON document.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
-Topics = Annotated[Path | None, typer.Option("--topics", help="Topic map of a bag, topics.yaml.")]
+Topics = Annotated[Path | None, typer.Option("--topics", help="Map of a bag or a table (else FILE.topics.yaml).")]
 Salvage = Annotated[bool, typer.Option("--salvage", metavar="", help="Read what can be read of a damaged bag.")]
 Coasting = Annotated[
     bool, typer.Option("--coasting", metavar="", help="Nobody pushes: wrenches are zero, and no sensor is off.")

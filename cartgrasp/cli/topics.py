@@ -1,21 +1,31 @@
-"""`cartgrasp topics BAG [--out topics.yaml]`."""
+"""`cartgrasp topics FILE [--out MAP]`: of a bag, or of a table (`table_topics.py`)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import UsageError, printable
+from ..logs import TABLES
 from ..logs.bags import open_bag
 from ..logs.bags.contents import contents_of, proposed_map
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, say
 
 
-def run(path: Path, out: Path | None, salvage: bool, as_json: bool) -> int:
+def run(path: Path, out: Path | None, salvage: bool, as_json: bool, ask: bool, beside: Sequence[Path]) -> int:
     if out is not None:
         check_writable(out)
         if out.exists():
             raise UsageError(f"--out {out}: is there already, perhaps filled in; remove it, or name another place")
+    if path.suffix.lower() in TABLES and not path.is_dir():
+        if salvage:
+            raise UsageError(f"--salvage: is for bags; {path} is none")
+        from . import table_topics
+
+        return table_topics.run(path, beside, out, ask, as_json)
+    if ask or beside:
+        raise UsageError(f"{'--ask' if ask else '--with'}: is for tables ({', '.join(TABLES)}); {path} is none")
     bag = open_bag(path, salvage)
     contents = contents_of(bag)
     start = min((c.first for c in contents if c.count), default=0)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import LogError, Place, UsageError
 from .coasting import coasts, said_to_coast
@@ -12,8 +14,14 @@ from .emps import read_emps
 from .parquet_log import read_parquet, write_parquet
 from .run_log import ArmLog, RunLog
 
+if TYPE_CHECKING:
+    from .mapped.reading import MapReading
+
 STORAGES = (".mcap", ".db3")
 BAGS = (*STORAGES, ".bag")
+TABLES = (".csv", ".tsv", ".txt", ".parquet")
+MAP_SUFFIX = ".topics.yaml"
+"""Behind the name of a bag or a table it is the name of its map."""
 READERS: dict[str, Callable[[Path], RunLog]] = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_emps}
 
 
@@ -31,14 +39,11 @@ WRITERS: dict[str, Callable[[RunLog, Path], Path]] = {
 
 
 def read_log(path: str | Path, topics: str | Path | None = None) -> RunLog:
-    """The log of a file: .csv, .parquet, the EMPS data set's .mat, or a ROS bag through its topic map."""
+    """The log of a file: .csv, .parquet, the EMPS data set's .mat; a ROS bag, or a table of any columns, through its
+    map."""
     path = Path(path)
-    if is_bag_name(path):
-        from .bags import read_bag
-
-        return read_bag(path, topics).log
-    if topics is not None:
-        raise UsageError(f"{path}: is no bag, so a topic map is of no use")
+    if (mapped := read_mapped(path, topics)) is not None:
+        return mapped.log
     reader = READERS.get(path.suffix.lower())
     if path.is_dir():
         raise LogError(Place(str(path)), "", "is a folder; name the log in it")
@@ -48,6 +53,24 @@ def read_log(path: str | Path, topics: str | Path | None = None) -> RunLog:
     if not path.is_file():
         raise LogError(Place(str(path)), "", "there is no such file")
     return reader(path)
+
+
+def read_mapped(path: Path, topics: str | Path | None, salvage: bool = False) -> MapReading | None:
+    """With how it came about, of what is read through a map: every bag, and a table that has one (`topics`, else the
+    one beside it)."""
+    if is_bag_name(path):
+        from .bags import read_bag
+
+        return read_bag(path, topics, salvage)
+    if path.suffix.lower() in TABLES and not path.is_dir():
+        own = path.with_name(f"{path.name}{MAP_SUFFIX}")
+        if topics is not None or os.path.isfile(own):  # which says no where the name is too long for a file
+            from .tables import read_table_log
+
+            return read_table_log(path, own if topics is None else topics)
+    elif topics is not None:
+        raise UsageError(f"{path}: is no bag, nor a table ({', '.join(TABLES)}), so a map is of no use")
+    return None
 
 
 def is_bag_name(path: Path) -> bool:
@@ -69,4 +92,4 @@ def write_log(log: RunLog, path: str | Path) -> Path:
     return writer(log, path)
 
 
-__all__ = ["ArmLog", "RunLog", "coasts", "is_bag_name", "read_log", "said_to_coast", "write_log"]
+__all__ = ["ArmLog", "RunLog", "coasts", "is_bag_name", "read_log", "read_mapped", "said_to_coast", "write_log"]

@@ -19,6 +19,9 @@ from .run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COL
 ARM_COLUMNS = CONTACT_COLUMNS + WRENCH_COLUMNS
 MISSING = ("", "nan", "NaN", "NAN")
 KNOWN = ("t", *POSE_COLUMNS, *VELOCITY_COLUMNS)
+PAGE = "docs/tables.md"
+"""Which explains how a table of other columns is read."""
+MOST_NAMED = 12
 LONGEST = 40
 """Characters of a cell that are repeated in an error."""
 
@@ -60,26 +63,29 @@ def _quoted(column: str) -> str:
 
 
 def check_columns(header: Sequence[str], name: str) -> None:
-    """Every column is known, none is missing, none stands twice."""
+    """Every column is known, none is missing, none stands twice. All that is missing is told at once."""
     for column in header:
         if list(header).count(column) > 1:
             raise LogError(Place(name, 1), column, "stands twice in the header")
-    for column in ("t", *POSE_COLUMNS):
-        if column not in header:
-            raise LogError(Place(name, 1), column, f"this column is missing{_instead(header)}")
+    missing = [column for column in ("t", *POSE_COLUMNS) if column not in header]
     has_velocity = [column in header for column in VELOCITY_COLUMNS]
-    if any(has_velocity) and not all(has_velocity):
-        lost = VELOCITY_COLUMNS[has_velocity.index(False)]
-        raise LogError(Place(name, 1), lost, "this column is missing; vx, vy and omega come together or not at all")
+    of_velocity = [c for c, has in zip(VELOCITY_COLUMNS, has_velocity, strict=True) if any(has_velocity) and not has]
     arms = arm_names(header)
-    for arm in arms:
-        for part in ARM_COLUMNS:
-            if f"{arm}.{part}" not in header:
-                raise LogError(Place(name, 1), f"{arm}.{part}", "this column is missing")
+    of_arms = [f"{arm}.{part}" for arm in arms for part in ARM_COLUMNS if f"{arm}.{part}" not in header]
+    if lost := [*missing, *of_velocity, *of_arms]:
+        beside = f"; so are {_some(lost[1:])}" if len(lost) > 1 else ""
+        why = "; vx, vy and omega come together or not at all" if of_velocity else ""
+        cure = f"; columns of one's own are read through a map: `cartgrasp topics {name}` proposes it ({PAGE})"
+        instead = _instead(header) if missing else ""
+        raise LogError(Place(name, 1), lost[0], f"this column is missing{beside}{why}{instead}{cure}")
     known = {"t", *POSE_COLUMNS, *VELOCITY_COLUMNS, *(f"{arm}.{part}" for arm in arms for part in ARM_COLUMNS)}
     for column in header:
         if column not in known:
             raise LogError(Place(name, 1), column or "(empty)", f"unknown column{did_you_mean(column, sorted(known))}")
+
+
+def _some(columns: Sequence[str]) -> str:
+    return ", ".join(columns[:MOST_NAMED]) + (f" and {len(columns) - MOST_NAMED} more" * (len(columns) > MOST_NAMED))
 
 
 def _instead(header: Sequence[str]) -> str:

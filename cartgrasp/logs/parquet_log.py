@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import LogError, Place, UsageError
+from ..frames import Array
 from ..writing import write_atomically
 from .csv_log import check_columns, log_from_table
 from .run_log import RunLog
@@ -16,28 +17,36 @@ from .run_log import RunLog
 
 def read_parquet(path: str | Path) -> RunLog:
     """The log of a Parquet file."""
-    arrow, parquet = _libraries()
-    name = str(path)
-    try:
-        table = parquet.ParquetFile(path).read()  # read_table would add columns for folders named `key=value`
-    except (OSError, arrow.ArrowException) as error:
-        raise LogError(Place(name), "", f"can't be read as Parquet: {str(error).splitlines()[0]}") from error
+    name, table = str(path), open_parquet(path)
     header = [str(column) for column in table.column_names]
     check_columns(header, name)
-    columns = []
-    for column in header:
-        kind = table.schema.field(column).type
-        try:
-            if not (arrow.types.is_floating(kind) or arrow.types.is_integer(kind) or arrow.types.is_null(kind)):
-                raise ValueError
-            values = table.column(column).cast(arrow.float64()).to_numpy()
-        except (arrow.ArrowException, ValueError) as error:
-            raise LogError(Place(name), column, f"holds {kind}, not numbers") from error
-        if np.isinf(values).any():
-            row = int(np.flatnonzero(np.isinf(values))[0])
-            raise LogError(Place(name, row + 1), column, "is not a finite number")
-        columns.append(values)
+    columns = [parquet_numbers(table, j, name) for j in range(len(header))]
     return log_from_table(header, np.column_stack(columns), name, range(1, table.num_rows + 1))
+
+
+def open_parquet(path: str | Path) -> Any:
+    """Its table as Arrow has it."""
+    arrow, parquet = _libraries()
+    try:
+        return parquet.ParquetFile(path).read()  # read_table would add columns for folders named `key=value`
+    except (OSError, arrow.ArrowException) as error:
+        raise LogError(Place(str(path)), "", f"can't be read as Parquet: {str(error).splitlines()[0]}") from error
+
+
+def parquet_numbers(table: Any, j: int, name: str) -> Array:
+    """A column (n,), NaN where it is null."""
+    arrow, _ = _libraries()
+    column, kind = str(table.column_names[j]), table.schema.field(j).type
+    try:
+        if not (arrow.types.is_floating(kind) or arrow.types.is_integer(kind) or arrow.types.is_null(kind)):
+            raise ValueError
+        values = np.asarray(table.column(j).cast(arrow.float64()).to_numpy())
+    except (arrow.ArrowException, ValueError) as error:
+        raise LogError(Place(name), column, f"holds {kind}, not numbers") from error
+    if np.isinf(values).any():
+        row = int(np.flatnonzero(np.isinf(values))[0])
+        raise LogError(Place(name, row + 1), column, "is not a finite number")
+    return values
 
 
 def write_parquet(log: RunLog, path: str | Path) -> Path:

@@ -153,9 +153,9 @@ def test_wrong_usage(capsys, tmp_path, csv):
     run(capsys, "convert", csv, "--out", tmp_path / "no" / "run.csv").refused(2, "no folder")
     run(capsys, "convert", csv, "--out", tmp_path / "b.csv", "--salvage").refused(2, "--salvage", "is for bags")
     run(capsys, "convert", tmp_path / "no.bag", "--out", tmp_path / "b.csv").refused(3, "no.bag", "no such file")
-    run(capsys, "topics", csv).refused(3, "no bag")
-    options = ("--cart", tmp_path / "cart.yaml", "--topics", csv)
-    run(capsys, "identify", csv, *options).refused(2, "is no bag")
+    (tmp_path / "map.yaml").write_text(MAP)
+    options = ("--cart", tmp_path / "cart.yaml", "--topics", tmp_path / "map.yaml")
+    run(capsys, "identify", csv, *options).refused(2, "a table is no bag")
 
 
 def test_commands_take_bags_and_their_map(capsys, tmp_path, csv):

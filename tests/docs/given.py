@@ -25,21 +25,34 @@ effects: {viscous_drag: {linear: 3.0, angular: 1.2}}
 """
 LATE = 0.004
 AXES = ("0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0", "0 0 1")
+PLANAR = {"fx": "Fx [N]", "fy": "Fy [N]", "tz": "Mz [Nm]"}
 OFFSETS = (0.1, 0.2, 0.5, 0.2, 0.3, 0.1)
 """m, along the z of the link before."""
 
 
 def put_files(folder: Path) -> None:
-    """examples/, the log of a push, the same as a bag, and a first guess of the cart."""
+    """examples/, the log of a push, the same as a bag and as a stranger's table, and a first guess of the cart."""
     shutil.copytree(ROOT / "examples", folder / "examples")
     table = pushed_cart()
     (folder / "run.csv").write_text(as_csv(table))
+    (folder / "mine.csv").write_text(of_a_stranger(table), encoding="utf-8")
     (folder / "simulated.csv").write_text(as_csv(table[:100]))
     (folder / "cart.yaml").write_text(GUESS)
     (folder / "problem.yaml").write_text((ROOT / "examples" / "problem.yaml").read_text(encoding="utf-8"))
     messages = recording(table[:1000])
     bag_files.write_ros1(folder / "run.bag", messages)
     bag_files.write_mcap(folder / "robot.mcap", localised(messages[:600]))
+
+
+def of_a_stranger(table: np.ndarray) -> str:
+    """The same with other columns: ms, mm, wrapped degrees, planar sensors, semicolons and decimal commas."""
+    columns = dict(zip(HEADER, table.T, strict=True))
+    degrees = (np.degrees(columns["theta"]) + 180) % 360 - 180
+    kept = {"time [ms]": 1e3 * columns["t"], "X": 1e3 * columns["x"], "Y": 1e3 * columns["y"], "yaw [°]": degrees}
+    for hand in HANDS:
+        kept |= {f"{hand} {name}": columns[f"{hand}.{part}"] for part, name in PLANAR.items()}
+    rows = (";".join(f"{value:.3f}".replace(".", ",") for value in row) for row in zip(*kept.values(), strict=True))
+    return "\n".join([";".join(kept), *rows]) + "\n"
 
 
 def recording(table: np.ndarray) -> list[tuple]:

@@ -350,7 +350,7 @@ def test_what_no_map_can_mend(tmp_path):
     with pytest.raises(LogError, match=r"/odom: message 51: its quaternion has the norm 0"):
         read(tmp_path, [*push(1.0), ("/odom", files.ODOMETRY, stamp(1), tilted)], MAP)
     later = [(t, k, ns, v) for t, k, ns, v in push(3.0) if (t == "/odom") == (ns < stamp(1))]
-    with pytest.raises(LogError, match="its topics have no time in common: pose from"):
+    with pytest.raises(LogError, match="its parts have no time in common: pose from"):
         read(tmp_path, later, MAP)
     far = [*push(), *((t, k, ns + 10**16, v) for t, k, ns, v in push())]
     with pytest.raises(CartgraspError, match=r"clock: .*far more than there are samples"):

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import make_smoothing_spline
 
-from cartgrasp.logs.bags.resampling import averaged, held, interpolated, stretches
-from cartgrasp.logs.bags.smoothing_spline import _System, spline_at_noise
+from cartgrasp.logs.mapped.resampling import averaged, held, interpolated, stretches
+from cartgrasp.logs.mapped.smoothing_spline import _System, spline_at_noise
 
 GAP = 0.25
 

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cartgrasp.logs.bags.clocked import Clocked
 from cartgrasp.logs.bags.likely_path import likely_path
-from cartgrasp.logs.bags.steps import Steps
 from cartgrasp.logs.bags.transform_chain import composed
 from cartgrasp.logs.bags.transform_tree import BadTreeError, NoPathError, TransformTree, frames_on, usual
+from cartgrasp.logs.mapped.clocked import Clocked
+from cartgrasp.logs.mapped.steps import Steps
 
 GAP = 0.25
 SEEDS = st.integers(0, 2**32 - 1)

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 from .bag import Bag
 from .opening import map_of, open_bag, read_bag
-from .reading import BagReading, read_bag_through
-from .steps import Step
-from .topic_map import MapFile, TopicMap, load_topic_map, topic_map_from_text
+from .topic_map import TopicMap, load_topic_map, topic_map_from_text
 from .writing import write_mcap
 
 __all__ = [
     "Bag",
-    "BagReading",
-    "MapFile",
-    "Step",
     "TopicMap",
     "load_topic_map",
     "map_of",
     "open_bag",
     "read_bag",
-    "read_bag_through",
     "topic_map_from_text",
     "write_mcap",
 ]

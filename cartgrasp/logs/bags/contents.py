@@ -10,10 +10,10 @@ import numpy as np
 
 from ...errors import printable
 from ...frames import Array
+from ..mapped.planar_pose import planar
 from .bag import Bag
 from .likely_path import likely_path
 from .messages import DECODERS, ODOMETRY, POSE, TF, WRENCH, BadMessageError, Sample, decode
-from .planar_pose import planar
 from .topic_samples import LARGEST, frames_of
 from .transform_tree import arrow, frames_on
 

@@ -7,18 +7,19 @@ import struct
 from pathlib import Path
 
 from ...errors import LogError, Place
+from ..mapped.reading import MapReading, log_of
 from .bag import SUFFIXES, Bag, check_one_recording, storages_in
 from .mcap_records import HEAD, MAGIC, Op, take_pairs, take_text
-from .reading import BagReading, read_bag_through
 from .salvaged_bag import SalvagedBag
-from .topic_map import MapFile, beside, load_topic_map, topic_map_from_text
+from .selection import Selection
+from .topic_map import TopicMapFile, beside, load_topic_map, topic_map_from_text
 
 METADATA = "cartgrasp"
 MAP_KEY = "topics.yaml"
 LARGEST_MAP = 1 << 20
 
 
-def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool = False) -> BagReading:
+def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool = False) -> MapReading:
     """A bag's log with how it came about: through the map `topics`, else through the one that belongs to the bag."""
     path = Path(path)
     bag = open_bag(path, salvage)
@@ -28,7 +29,7 @@ def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool =
             f"no topic map says which topics are a run; `cartgrasp topics {path} --out {beside(path)[0]}` proposes one"
         )
         raise LogError(Place(str(path)), "", why)
-    return read_bag_through(bag, map_file, salvage)
+    return log_of(Selection(bag, map_file, salvage))
 
 
 def open_bag(path: Path, salvage: bool = False) -> Bag:
@@ -49,7 +50,7 @@ def open_bag(path: Path, salvage: bool = False) -> Bag:
     return WholeBag(path)
 
 
-def map_of(path: Path) -> MapFile | None:
+def map_of(path: Path) -> TopicMapFile | None:
     """The map BAG.topics.yaml, else the one in a bag that cartgrasp wrote, else topics.yaml in the folder."""
     own, common = beside(path)
     if os.path.isfile(own):  # which says no where the name is too long for a file

@@ -8,19 +8,22 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import LogError
 from ...yaml_file import did_you_mean
+from ..mapped.clocked import Clocked, Place
+from ..mapped.planar_pose import planar, tilt
+from ..mapped.steps import Steps
 from .bag import Bag
-from .clocked import Clocked
 from .faults import far_stamps, other_frames, other_values, without
 from .messages import ODOMETRY, POSE, TF, WRENCH
-from .steps import Steps
-from .tf_paths import Place, TfPaths
-from .topic_map import ContactEntry, MapFile
+from .tf_paths import TfPaths
+from .topic_map import ContactEntry, TopicMapFile
 from .topic_samples import ALL, Frames, Key, TopicSamples, read_samples
 from .transform_chain import common_span, composed
 from .transform_tree import Link, is_static
 
 NANO = 1_000_000_000
+MOST_TILT = 0.35
 
 
 @dataclass
@@ -28,9 +31,22 @@ class Selection:
     """By the place in the map: ("pose",), ("arms", NAME) and ("arms", NAME, "contact")."""
 
     bag: Bag
-    map_file: MapFile
+    map_file: TopicMapFile
     is_salvage: bool
     steps: Steps = field(default_factory=Steps)
+    tilt: float | None = None
+    """Largest angle between the tracked frame's z and the vertical, rad, once the samples were read."""
+
+    @property
+    def name(self) -> str:
+        return str(self.bag.path)
+
+    @property
+    def lost(self) -> list[str]:
+        return self.bag.lost
+
+    def refuse(self, why: str) -> LogError:
+        return self.bag.refuse(why)
 
     def read(self) -> dict[Place, Clocked]:
         keys = dict(self._keys())
@@ -54,7 +70,21 @@ class Selection:
             moving = [(w, k.key) for w, path in paths.items() if len(w) < 3 for k in path if not k.is_static]
             epoch = max(int(self._stamps(where, found[key]).min()) for where, key in moving)
         self.steps.add("log", "its zero", epoch_ns=epoch, stamps=self.map_file.map.stamps)
-        return {where: self._along(where, path, found, epoch) for where, path in paths.items()}
+        samples = {where: self._along(where, path, found, epoch) for where, path in paths.items()}
+        return samples | self._planar(samples["pose",])
+
+    def _planar(self, pose: Clocked) -> dict[Place, Clocked]:
+        """Poses (n, 3) of the tracked frame, and the twist (n, 3) of it in itself if the map wants that."""
+        self.tilt = tilt(pose.numbers)
+        if self.tilt > MOST_TILT:
+            why = (
+                f"its frame's z is up to {np.degrees(self.tilt):.0f}° off the vertical; name a frame whose z points up"
+            )
+            raise self.map_file.refuse(("pose", "topic"), why)
+        found: dict[Place, Clocked] = {("pose",): Clocked(pose.time, planar(pose.numbers))}
+        if self.map_file.map.pose.velocity == "twist":
+            found["velocity",] = Clocked(pose.time, pose.numbers[:, [7, 8, 12]])
+        return found
 
     def _along(self, where: Place, path: list[Link], found: dict[Key, TopicSamples], epoch: int) -> Clocked:
         """What is asked for itself, or composed of what is there."""

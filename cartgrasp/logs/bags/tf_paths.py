@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..mapped.clocked import Place
 from .bag import Bag
 from .messages import TF
-from .topic_map import MapFile
+from .topic_map import TopicMapFile
 from .topic_samples import Key, links_in
 from .transform_tree import BadTreeError, Link, NoPathError, TransformTree, arrow, usual, with_static
-
-Place = tuple[str, ...]
 
 
 @dataclass
@@ -19,7 +18,7 @@ class TfPaths:
     """`lost` holds what was left out where the bag is salvaged."""
 
     bag: Bag
-    map_file: MapFile
+    map_file: TopicMapFile
     is_salvage: bool
     lost: list[str] = field(default_factory=list)
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from ...frames import Array
-from .clocked import Clocked
-from .resampling import Resampled, interpolated
-from .steps import Steps
+from ..mapped.clocked import Clocked
+from ..mapped.resampling import Resampled, interpolated
+from ..mapped.steps import Steps
 from .transform_tree import Link, arrow, frames_on
 
 

@@ -32,8 +32,8 @@ def of_body(pose: Array, body: Array) -> Array:
 
 
 def world_velocity(twist: Array, pose: Array, body: Array) -> Array:
-    """Velocity (n, 3) of {b}'s origin in {s}, of twists (n, 6) of the tracked frame in itself; `pose` is {b}'s."""
-    rate = twist[:, 5]
+    """Velocity (n, 3) of {b}'s origin in {s}, of twists (n, 3) of the tracked frame in itself; `pose` is {b}'s."""
+    rate = twist[:, 2]
     at_body = np.column_stack([twist[:, 0] - rate * body[1], twist[:, 1] + rate * body[0], rate])
     return np.asarray(np.einsum("nij,nj->ni", body_to_world(pose[:, 2] - body[2]), at_body))
 

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from ...frames import Array
 
+Place = tuple[str, ...]
+"""In a map: ("pose",), ("velocity",), ("arms", NAME), ("arms", NAME, "contact")."""
+
 
 @dataclass(frozen=True)
 class Clocked:

@@ -1,52 +1,70 @@
-"""From a bag to a run log, step by step, each with its counts."""
+"""From a bag or a table to a run log, step by step, each with its counts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
+from ...errors import LogError
 from ...frames import Array
 from ..run_log import ArmLog, RunLog
-from .bag import Bag
-from .clocked import Clocked
-from .planar_pose import of_body, planar, spline_velocity, tilt, world_velocity
+from .clocked import Clocked, Place
+from .planar_pose import of_body, spline_velocity, world_velocity
 from .resampling import averaged, held, interpolated
-from .selection import Selection
+from .run_map import ArmEntry, MapFile, RunMap
 from .sensor_wrench import at_contact, on_cart
 from .steps import Step, Steps
-from .tf_paths import Place
-from .topic_map import ArmEntry, MapFile, TopicMap
 
-MOST_TILT = 0.35
 FEWEST_TARED = 5
 FARTHEST_STILL, WIDEST_STILL = 0.005, 0.01
 MOST_ROWS_PER_SAMPLE = 50
 
 
+class Source(Protocol):
+    """Samples by their place in a map: poses (n, 3) of the tracked frame, its twist (n, 3) in itself where the map
+    wants one, wrenches (n, 6) as they were read, contact points (n, 3). `tilt` (rad) is None where all is planar."""
+
+    steps: Steps
+    tilt: float | None
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def map_file(self) -> MapFile[Any]: ...
+
+    @property
+    def lost(self) -> list[str]: ...
+
+    def read(self) -> dict[Place, Clocked]: ...
+
+    def refuse(self, why: str) -> LogError: ...
+
+
 @dataclass(frozen=True)
-class BagReading:
+class MapReading:
     """A log, how it came about, and what was lost on the way."""
 
     log: RunLog
-    topic_map: TopicMap
+    map: RunMap
     steps: tuple[Step, ...]
     lost: tuple[str, ...]
 
 
-def read_bag_through(bag: Bag, map_file: MapFile, is_salvage: bool = False) -> BagReading:
-    selection = Selection(bag, map_file, is_salvage)
-    return _Reading(bag, map_file, selection.read(), selection.steps).done()
+def log_of(source: Source) -> MapReading:
+    return _Reading(source, source.map_file, source.read(), source.steps).done()
 
 
 @dataclass(frozen=True)
 class _Reading:
-    bag: Bag
-    map_file: MapFile
+    source: Source
+    map_file: MapFile[Any]
     samples: dict[Place, Clocked]
     steps: Steps
 
-    def done(self) -> BagReading:
+    def done(self) -> MapReading:
         map_ = self.map_file.map
         self._check_steps()
         tracked = self._tracked()
@@ -63,8 +81,8 @@ class _Reading:
             self.steps.add(name, "wrenches on the log's clock", **figures)
             arms[name] = ArmLog(self._contact(name, arm, time), rows.rows)
         notes = {f"step {i + 1}": str(step) for i, step in enumerate(self.steps.done)}
-        log = RunLog(time, pose.rows, velocity, arms, str(self.bag.path), notes)
-        return BagReading(log, map_, tuple(self.steps.done), tuple(self.bag.lost))
+        log = RunLog(time, pose.rows, velocity, arms, self.source.name, notes)
+        return MapReading(log, map_, tuple(self.steps.done), tuple(self.source.lost))
 
     def _check_steps(self) -> None:
         for where, clocked in self.samples.items():
@@ -76,14 +94,12 @@ class _Reading:
     def _tracked(self) -> Clocked:
         """The poses of {b}."""
         samples, entry = self.samples["pose",], self.map_file.map.pose
-        angle = tilt(samples.numbers)
-        if angle > MOST_TILT:
-            why = f"its frame's z is up to {np.degrees(angle):.0f}° off the vertical; name a frame whose z points up"
-            raise self.map_file.refuse(("pose", "topic"), why)
-        pose = of_body(planar(samples.numbers), np.array(entry.body))
+        pose = of_body(samples.numbers, np.array(entry.body))
         turned = pose[:, 2][np.isfinite(pose[:, 2])]
         wraps = round(float(np.ptp(turned)) / (2 * np.pi)) if len(turned) else 0
-        figures = {"largest_tilt_deg": float(np.degrees(angle)), "whole_turns": wraps}
+        figures: dict[str, float | int | str] = {"whole_turns": wraps}
+        if self.source.tilt is not None:
+            figures = {"largest_tilt_deg": float(np.degrees(self.source.tilt)), **figures}
         self.steps.add("pose", "planar pose of {b}, yaw unwrapped", **figures)
         return Clocked(samples.time, pose)
 
@@ -128,7 +144,7 @@ class _Reading:
         start, end = max(first for first, _ in spans.values()), min(last for _, last in spans.values())
         if start > end:
             said = ", ".join(f"{'.'.join(where)} from {a:.3f} to {b:.3f} s" for where, (a, b) in spans.items())
-            raise self.bag.refuse(f"its topics have no time in common: {said}")
+            raise self.source.refuse(f"its parts have no time in common: {said}")
         if isinstance(map_.clock, str):
             times = self.samples[("pose",) if map_.clock == "pose" else ("arms", map_.clock)].time
             kept = times[(times >= start) & (times <= end)]
@@ -138,7 +154,9 @@ class _Reading:
             kept = self._even(map_.clock, start, end)
             self.steps.add("log", "rows at an even rate", rows=len(kept), rate_Hz=map_.clock)
         if not len(kept):
-            raise self.bag.refuse(f"no stamp of {map_.clock} between {start:.3f} and {end:.3f} s, where all topics are")
+            raise self.source.refuse(
+                f"no stamp of {map_.clock} between {start:.3f} and {end:.3f} s, where all topics are"
+            )
         return kept
 
     def _even(self, rate: float, start: float, end: float) -> Array:
@@ -152,9 +170,8 @@ class _Reading:
         entry, max_gap = self.map_file.map.pose, self.map_file.map.max_gap
         if entry.velocity == "none":
             return None
-        if entry.velocity == "twist":
-            twist = self.samples["pose",].numbers[:, 7:]
-            in_world = world_velocity(twist, tracked.numbers, np.array(entry.body))
+        if entry.velocity != "spline":
+            in_world = world_velocity(self.samples["velocity",].numbers, tracked.numbers, np.array(entry.body))
             velocity = interpolated(tracked.time, in_world, time, max_gap).rows
         else:
             assert entry.noise is not None

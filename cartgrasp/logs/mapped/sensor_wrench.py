@@ -10,7 +10,7 @@ import numpy as np
 
 from ...frames import Array, adjoint
 from ...wheels import GRAVITY
-from .topic_map import ArmEntry, ToolEntry
+from .run_map import ArmEntry, ToolEntry
 
 
 def rotation_of(rpy: list[float]) -> Array:

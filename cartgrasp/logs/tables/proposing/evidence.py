@@ -1,0 +1,217 @@
+"""What physics says of columns: which heading goes where the cart goes, which velocities are differences of poses, and
+whether forces push or are pushed back.
+
+Each is a comparison of signals that two columns tell apart, over a whole log, on an even grid of times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from ....frames import Array
+
+RATE = 50.0
+"""Hz: of the grid, at most."""
+SMOOTH = 0.4
+"""s: window of the parabolas that velocities are read off; accelerations take twice of it."""
+FEWEST = 40
+MOVING = 0.15
+"""Of the 95th percentile of the speed: below, no direction of travel is read."""
+CLEAR = 0.3
+"""What one reading of headings lacks to agree (1 less its agreement) is at most so much of what any other lacks."""
+AGREES = 0.9
+Z_SURE = 8.0
+"""Standard deviations by which a mass must differ from zero; neighbours in the residual are not independent."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Times (n,), s, positions (n, 2) with their derivatives, of a tracked point."""
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+    @property
+    def speed(self) -> Array:
+        return np.asarray(np.hypot(*self.velocity.T))
+
+    @property
+    def top_speed(self) -> float:
+        return float(np.percentile(self.speed, 95))
+
+    def on(self, time: Array, column: Array) -> Array:
+        """A column (m,) of other times on the grid, NaN outside."""
+        there = np.isfinite(column) & np.isfinite(time)
+        if there.sum() < 2:
+            return np.full(len(self.time), np.nan)
+        return np.interp(self.time, time[there], column[there], left=np.nan, right=np.nan)
+
+    def smoothed(self, time: Array, column: Array) -> Array:
+        """The same, smoothed as accelerations are."""
+        return _derivative(self.on(time, column), float(self.time[1] - self.time[0]), 2 * SMOOTH, 0)
+
+
+def motion_of(time: Array, x: Array, y: Array) -> Motion | None:
+    """None where rows are too few, or the clock doesn't run."""
+    there = np.isfinite(time) & np.isfinite(x) & np.isfinite(y)
+    time, x, y = time[there], x[there], y[there]
+    if len(time) < FEWEST or not (np.diff(time) > 0).all():
+        return None
+    step = max(float(np.median(np.diff(time))), 1 / RATE, (time[-1] - time[0]) / 100_000)
+    grid = np.arange(time[0], time[-1], step)
+    if len(grid) < FEWEST:
+        return None
+    position = np.column_stack([np.interp(grid, time, column) for column in (x, y)])
+    velocity = np.column_stack([_derivative(column, step, SMOOTH, 1) for column in position.T])
+    acceleration = np.column_stack([_derivative(column, step, 2 * SMOOTH, 2) for column in position.T])
+    return Motion(grid, position, velocity, acceleration)
+
+
+def _derivative(column: Array, step: float, window: float, order: int) -> Array:
+    from scipy.signal import savgol_filter
+
+    width = max(2 * round(window / step / 2) + 1, 5)
+    width = min(width, len(column) - (1 - len(column) % 2))
+    found = savgol_filter(np.nan_to_num(column), width, 2 if order < 2 else 3, deriv=order, delta=step)
+    return np.where(np.isfinite(column), found, np.nan)
+
+
+@dataclass(frozen=True)
+class Heading:
+    """How a column of headings is to be read: `agreement` (0 to 1) is the mean cosine of twice the angle from heading
+    to travel, less the `offset` (rad) that is allowed for, mod pi: a cart may go backwards."""
+
+    unit: str
+    sign: int
+    offset: float
+    agreement: float
+
+
+PERIODS: Mapping[str, float] = {"deg": 360.0, "rad": 2 * np.pi}
+
+
+def turned(column: Array, period: float) -> Array:
+    """Without jumps of a turn."""
+    found, there = column.copy(), np.isfinite(column)
+    found[there] = np.unwrap(found[there], period=period)
+    return found
+
+
+def heading_of(motion: Motion, time: Array, column: Array) -> Heading | None:
+    """The reading with which headings go where the cart goes, or always as far beside it; None where several do, or
+    none does: on casters, or on a way that hardly turns."""
+    moving = motion.speed > MOVING * motion.top_speed
+    travel = np.arctan2(motion.velocity[:, 1], motion.velocity[:, 0])
+    straight, beside = [], []
+    for unit, sign in product(PERIODS, (1, -1)):
+        angle = sign * motion.on(time, turned(column, PERIODS[unit])) * (2 * np.pi / PERIODS[unit])
+        seen = moving & np.isfinite(angle)
+        if seen.sum() < FEWEST:
+            return None
+        mean = np.mean(np.exp(2j * (travel - angle)[seen]))
+        straight.append(Heading(unit, sign, 0.0, float(mean.real)))
+        beside.append(Heading(unit, sign, float(np.angle(mean) / 2), float(abs(mean))))
+    return _clearest(straight) or _clearest(beside)
+
+
+def _clearest(found: Sequence[Heading]) -> Heading | None:
+    """The one that agrees, if it is off by far less than any other."""
+    best, second = sorted(found, key=lambda one: -one.agreement)[:2]
+    is_clear = best.agreement > AGREES and 1 - best.agreement < CLEAR * (1 - second.agreement)
+    return best if is_clear else None
+
+
+@dataclass(frozen=True)
+class Velocities:
+    """Of the axes along which columns are velocities (`world` or `cart`): how well they agree with differences of
+    positions (0 to 1), and by what each is too large (with its sign); `is_clear` where the other frame agrees less."""
+
+    frame: str
+    agreement: float
+    factors: tuple[float, float]
+    is_clear: bool
+
+
+def velocities(motion: Motion, time: Array, vx: Array, vy: Array, heading: Array | None) -> Velocities | None:
+    """`heading` (rad) on the same times; None where nothing moves."""
+    recorded = np.column_stack([motion.on(time, vx), motion.on(time, vy)])
+    truths = {"world": motion.velocity}
+    if heading is not None:
+        angle = motion.on(time, heading)
+        c, s = np.cos(angle), np.sin(angle)
+        x, y = motion.velocity.T
+        truths["cart"] = np.column_stack([c * x + s * y, c * y - s * x])
+    found = []
+    for frame, truth in truths.items():
+        seen = np.isfinite(recorded).all(axis=1) & np.isfinite(truth).all(axis=1)
+        a, b = recorded[seen], truth[seen]
+        if seen.sum() < FEWEST or not (b**2).sum() > 0 or not (a**2).sum() > 0:
+            return None
+        scales = [float(a[:, k] @ b[:, k] / (b[:, k] @ b[:, k])) if b[:, k].any() else 0.0 for k in range(2)]
+        size = [float(np.sqrt((b[:, k] ** 2).sum())) for k in range(2)]
+        factors = [
+            scale if size[k] > 0.1 * max(size) else scales[int(np.argmax(size))] for k, scale in enumerate(scales)
+        ]
+        with_signs = b * np.sign(factors)
+        agreement = float((a * with_signs).sum() / np.sqrt((a**2).sum() * (b**2).sum()))
+        found.append(Velocities(frame, agreement, (factors[0], factors[1]), False))
+    best = max(found, key=lambda one: one.agreement)
+    others = [one.agreement for one in found if one is not best]
+    is_clear = best.agreement > AGREES and all(best.agreement - other > 0.02 for other in others)
+    alike = best.agreement > AGREES and all(abs(best.agreement - other) < 1e-3 for other in others)
+    return Velocities(best.frame, best.agreement, best.factors, is_clear or alike)
+
+
+def scale(recorded: Array, truth: Array) -> tuple[float, float]:
+    """By what a column is larger than another, and how well they agree (-1 to 1)."""
+    seen = np.isfinite(recorded) & np.isfinite(truth)
+    a, b = recorded[seen], truth[seen]
+    if seen.sum() < FEWEST or not b.any() or not a.any():
+        return 0.0, 0.0
+    return float(a @ b / (b @ b)), float(a @ b / np.sqrt((a @ a) * (b @ b)))
+
+
+@dataclass(frozen=True)
+class Push:
+    """What a force that goes with the cart's motion tells: the mass (kg, with the force's sign) and how many standard
+    deviations it is from zero; `power` is the work's sign on a way that costs work."""
+
+    mass: float
+    z: float
+    explained: float
+    power: float
+
+    @property
+    def is_sure(self) -> bool:
+        return abs(self.z) > Z_SURE and self.explained > 0.3
+
+
+def push(motion: Motion, heading: Array, force: Array) -> Push | None:
+    """Of a force (n,) along the cart on the motion's grid, smoothed as its acceleration is: a regression on
+    acceleration, speed, direction and a constant."""
+    c, s = np.cos(heading), np.sin(heading)
+    along = motion.acceleration @ [1, 0] * c + motion.acceleration @ [0, 1] * s
+    speed = motion.velocity @ [1, 0] * c + motion.velocity @ [0, 1] * s
+    seen = np.isfinite(force) & np.isfinite(along) & np.isfinite(speed)
+    step = float(motion.time[1] - motion.time[0])
+    stride = max(round(SMOOTH / step), 1)
+    rows = np.flatnonzero(seen)[::stride]
+    if len(rows) < 12 or np.ptp(along[rows]) == 0 or np.std(force[rows]) == 0:
+        return None
+    direction = np.tanh(speed / (0.05 * motion.top_speed + 1e-12))
+    design = np.column_stack([along, speed, direction, np.ones_like(along)])[rows]
+    target = force[rows]
+    values, *_ = np.linalg.lstsq(design, target, rcond=None)
+    left = target - design @ values
+    variance = float(left @ left) / max(len(rows) - 4, 1)
+    spread = np.linalg.pinv(design.T @ design)[0, 0] * variance
+    explained = 1 - float(left.var() / target.var())
+    return Push(
+        float(values[0]), float(values[0] / np.sqrt(spread + 1e-300)), explained, float(np.nansum(force * speed))
+    )

@@ -1,0 +1,194 @@
+"""Force sensors: their components and units, and whether their numbers are what the arm does to the cart."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ....frames import Array
+from ...run_log import WRENCH_COLUMNS
+from ..table_map import DIMENSIONS
+from ..units import UNITS
+from .columns import Column, FileColumns
+from .evidence import Motion, Push, push
+from .motion_units import Entry, time_unit
+from .said import Said
+
+MASSES = (0.3, 3000.0)
+"""kg, of what is pushed."""
+PLANAR = frozenset(("fx", "fy", "tz"))
+LAGS = 3.0
+"""s: how far apart two clocks that each begin at zero are looked for."""
+FILE_WORDS = frozenset(["ft", "force", "wrench", "sensor", "log", "run", "data", "loadcell", "kraft"])
+
+ASKED = Said(None, False, "on_cart: what the arm does to the cart; on_sensor: what the sensor feels")
+NONE = Said(0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """One sensor: its file with its clock (s), its columns by component, and what is said of them."""
+
+    name: str
+    file: FileColumns
+    time: Array
+    time_column: Column | None
+    time_unit: Said
+    columns: Mapping[str, Column]
+    force: Said = ASKED
+    yaw: Said = NONE
+    latency: Said = NONE
+    likely: str = "N"
+    """Of forces without a label: so that a mass comes out that may be."""
+    length: str = "m"
+
+    @property
+    def measures(self) -> list[str]:
+        return [name for name in WRENCH_COLUMNS if name in self.columns]
+
+    @property
+    def contact(self) -> dict[str, Column]:
+        return {name: self.columns[name] for name in ("px", "py", "pz") if name in self.columns}
+
+    def unit(self, component: str) -> Said:
+        """By its label, else in SI units, which is asked."""
+        column, dimension = self.columns[component], DIMENSIONS[component]
+        if column.odd:
+            return Said(None, False, f"its label says {column.odd}")
+        if column.unit is not None:
+            return Said(column.unit)
+        default = {"force": self.likely, "moment": "N·m", "length": self.length}[dimension]
+        return Said(default, False, "no unit is in its name")
+
+    @property
+    def unmeasured(self) -> Said | None:
+        """Nothing is asked where only what presses down is not measured."""
+        rest = [name for name in WRENCH_COLUMNS if name not in self.columns]
+        if not rest:
+            return None
+        if set(self.columns) >= PLANAR:
+            return Said("zero", True, f"{', '.join(rest)} only move load between the wheels")
+        return Said(None, False, f"zero if {', '.join(rest)} are known to be nothing, else missing")
+
+    def si(self, component: str) -> Array:
+        """(n,), as far as its unit is told; zero if it isn't measured."""
+        if component not in self.columns:
+            return np.zeros(len(self.time))
+        unit = self.unit(component).value
+        size = UNITS[DIMENSIONS[component]][str(unit)] if unit is not None else 1.0
+        return self.columns[component].said * size
+
+
+def arms_of(files: Sequence[FileColumns]) -> list[Arm]:
+    """Of all files, with names that differ."""
+    found: list[Arm] = []
+    for file in files:
+        column = time_of(file)
+        unit = Said(None) if column is None else time_unit(column)
+        time = np.arange(len(file.table.lines)) / 100.0
+        if column is not None:
+            time = column.said * UNITS["time"][str(unit.value)]
+        for group, columns in file.arms.items():
+            if any(component in columns for component in WRENCH_COLUMNS):
+                name = (
+                    (f"arm{group}" if group.isdigit() else group)
+                    or (_stem_words(file.path) if file is not files[0] else "")
+                    or "arm"
+                )
+                found.append(Arm(_free(name, found), file, time, column, unit, columns))
+    return found
+
+
+def time_of(file: FileColumns) -> Column | None:
+    """The first that always rises, else the first."""
+    columns = file.of_role("t")
+    return next((c for c in columns if _rises(c.said)), columns[0] if columns else None)
+
+
+def _rises(times: Array) -> bool:
+    there = times[np.isfinite(times)]
+    return len(there) > 1 and bool((np.diff(there) > 0).all())
+
+
+def _stem_words(path: Path) -> str:
+    words = [w for w in re.split(r"[^a-z]+", path.stem.lower()) if w and w not in FILE_WORDS]
+    return words[-1] if words else ""
+
+
+def _free(name: str, others: Sequence[Arm]) -> str:
+    names = {one.name for one in others} | {"pose"}
+    return next(n for n in (name, *(f"{name}_{k}" for k in range(2, 99))) if n not in names)
+
+
+def judged(arms: Sequence[Arm], motion: Motion | None, time: Array, heading: Array | None) -> list[Arm]:
+    """What forces along the cart, all arms' together, say of signs and axes; nothing where there is no heading."""
+    if motion is None or heading is None or not arms:
+        return list(arms)
+    along = motion.on(time, heading)
+    arms = [replace(arm, latency=_latency(arm, motion, along, time)) for arm in arms]
+    pushes = {name: push(motion, along, _total(arms, motion, name)) for name in ("fx", "fy")}
+    if pushes["fx"] is not None and pushes["fx"].is_sure and abs(pushes["fx"].mass) < MASSES[0]:
+        arms = [replace(arm, likely="kN") for arm in arms]
+        pushes["fx"] = push(motion, along, _total(arms, motion, "fx"))
+    return [_told(arm, pushes["fx"], pushes["fy"]) for arm in arms]
+
+
+def _total(arms: Sequence[Arm], motion: Motion, component: str, lag: float = 0.0) -> Array:
+    parts = [motion.smoothed(arm.time - lag, arm.si(component)) for arm in arms]
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def _told(arm: Arm, fx: Push | None, fy: Push | None) -> Arm:
+    if fx is not None and fx.is_sure:
+        return replace(arm, force=_sign(fx))
+    if fy is not None and fy.is_sure and (fx is None or fy.explained > fx.explained + 0.3):
+        why = (
+            "fy, not fx, goes with how the cart speeds up: the sensor's y points along the cart, forwards or backwards"
+        )
+        quarter = -np.pi / 2 if fy.mass > 0 else np.pi / 2
+        return replace(arm, yaw=Said(round(float(quarter), 4), False, why), force=Said("on_cart", False, why))
+    return arm
+
+
+def _sign(fx: Push) -> Said:
+    """A pushed cart speeds up by the force on it, and costs work."""
+    mass = f"it tells {abs(fx.mass):.3g} kg"
+    if not MASSES[0] <= abs(fx.mass) <= MASSES[1]:
+        return Said("on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}: look at units")
+    if fx.mass > 0 and fx.power > 0:
+        return Said("on_cart", True, f"the cart speeds up with fx ({abs(fx.mass):.3g} kg)")
+    if fx.mass < 0 and fx.power < 0:
+        why = f"the cart slows down with fx ({abs(fx.mass):.3g} kg): felt by the sensor, or its x points backwards"
+        return Said("on_sensor", False, why)
+    return Said("on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}, but takes work out of it: look at signs")
+
+
+def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> Said:
+    """Of a clock of its own that begins at zero as the other does: whether forces fit the motion best without a lag."""
+    begins = float(np.nanmin(arm.time)), float(np.nanmin(time))
+    if (
+        arm.time is time
+        or arm.time_column is None
+        or (len(arm.time) == len(time) and np.array_equal(arm.time, time, equal_nan=True))
+    ):
+        return Said(0.0)
+    if min(begins) > 1000:
+        return Said(0.0)
+    lags = np.arange(-LAGS, LAGS + 0.05, 0.1)
+    fits = [push(motion, along, _total([arm], motion, "fx", float(lag))) for lag in lags]
+    explained = np.array([0.0 if one is None else one.explained for one in fits])
+    at_best = int(np.argmax(explained))
+    is_peak = 0 < at_best < len(lags) - 1 and explained[at_best] > 0.5
+    at_zero = float(explained[int(np.argmin(np.abs(lags)))])
+    if at_zero > 0.5 and explained.max() - at_zero < 0.05:
+        return Said(0.0, True, "forces fit the motion best without a lag")
+    guess = round(float(lags[at_best]), 1) if is_peak else 0.0
+    return Said(guess, False, "did both clocks begin at the same moment?")
+
+
+def component_entry(arm: Arm, component: str) -> Entry:
+    return Entry(Said(arm.columns[component].ref), arm.unit(component))

@@ -1,0 +1,281 @@
+"""Times, positions, headings and velocities: their units and signs, by labels where there are, and by physics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ....frames import Array
+from ..units import UNITS
+from .columns import Column, FileColumns, first_of
+from .evidence import Motion, heading_of, motion_of, scale, turned, velocities
+from .said import Said
+
+RATES = (2.0, 5000.0)
+"""Hz, of logs."""
+SPANS = (1.0, 24 * 3600.0)
+"""s."""
+SPEEDS = (0.005, 15.0)
+"""m/s: the 95th percentile of a pushed cart's speed; likely up to `LIKELY`."""
+LIKELY = 4.0
+NEAR = 0.1
+"""By how much a factor may be off a unit's, of one."""
+STRAIGHT = 0.26
+"""rad: an offset that small is a tracker that is a little turned, told later."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A column in a map, or a constant."""
+
+    column: Said | None
+    unit: Said = field(default_factory=lambda: Said(None))
+    sign: Said = field(default_factory=lambda: Said(1))
+    constant: Said | None = None
+
+
+def near(factor: float, dimension: str) -> str | None:
+    """The unit that is about so large."""
+    for unit, size in UNITS[dimension].items():
+        if factor > 0 and abs(factor / size - 1) < NEAR:
+            return unit
+    return None
+
+
+def time_unit(column: Column) -> Said:
+    """By its label, else the only one with which rows come at a rate and for a time that logs have."""
+    times = column.said[np.isfinite(column.said)]
+    steps = np.diff(times)
+    if len(times) < 2 or not (steps > 0).any():
+        return Said(column.unit or "s", False, "the clock doesn't run: look at the column")
+    step = float(np.median(steps[steps > 0]))
+    span = float(times.max() - times.min())
+
+    def fits(unit: str) -> bool:
+        size = UNITS["time"][unit]
+        return RATES[0] <= 1 / (step * size) <= RATES[1] and SPANS[0] <= span * size <= SPANS[1]
+
+    if column.unit is not None:
+        why = "" if fits(column.unit) else f"rows would come every {step * UNITS['time'][column.unit]:.3g} s"
+        return Said(column.unit, not why, why)
+    likely = [unit for unit in ("s", "ms", "us", "ns") if fits(unit)]
+    if len(likely) == 1 and not np.allclose(steps, 1.0):
+        return Said(likely[0], True, f"as rows every {step * UNITS['time'][likely[0]]:.3g} s")
+    why = "no unit is in its name" + ("; are these seconds, or numbers of rows?" if np.allclose(steps, 1.0) else "")
+    return Said(likely[0] if likely else "s", False, why)
+
+
+class MotionUnits:
+    """Decides step by step; `notes` are what was seen on the way, `offset` (rad) is {b}'s in the tracked frame."""
+
+    def __init__(self, file: FileColumns, time: Column | None) -> None:
+        self.file, self.notes = file, list[str]()
+        self.offset = Said(0.0)
+        self.time_column = time
+        self.time_unit = Said(None, False) if time is None else time_unit(time)
+        self.time = np.arange(len(file.table.lines)) / 100.0 if time is None else self._seconds()
+        roles = {role: first_of(file.of_role(role)) for role in ("x", "y", "theta", "vx", "vy", "omega")}
+        if roles["x"][0] is None and not file.arms:
+            roles |= {axis: first_of(file.of_role(f"p{axis}")) for axis in ("x", "y")}
+        if roles["theta"][0] is None:
+            roles["theta"] = (file.yaw, True)
+        self.columns = {role: column for role, (column, _) in roles.items()}
+        self.is_only = {role: only for role, (_, only) in roles.items()}
+        self.lengths = {role: self._length(role) for role in ("x", "y")}
+        self.motion = self._motion()
+        self.heading = self._heading()
+        self.frame, self.velocity = self._velocity()
+
+    def _seconds(self) -> Array:
+        assert self.time_column is not None
+        return self.time_column.said * UNITS["time"][str(self.time_unit.value)]
+
+    def raw(self, role: str) -> Array | None:
+        column = self.columns[role]
+        return None if column is None else column.said
+
+    def _raw_motion(self) -> Motion | None:
+        x, y = self.raw("x"), self.raw("y")
+        if x is None:
+            return None
+        return motion_of(self.time, x, np.zeros_like(x) if y is None else y)
+
+    def _length(self, role: str) -> Said:
+        column = self.columns[role]
+        if column is None:
+            return Said(None)
+        if column.odd:
+            return Said(None, False, f"its label says {column.odd}")
+        if column.unit is None and _wraps(column.said, 360.0):
+            return Said(None, False, "it wraps at 360: a wheel's angle? then {column, unit: deg, radius: m}")
+        motion = self._raw_motion()
+        top = 0.0 if motion is None else motion.top_speed
+        if column.unit is not None:
+            speed = top * UNITS["length"][column.unit]
+            is_odd = top > 0 and not speed < SPEEDS[1]
+            return Said(column.unit, not is_odd, f"the cart would go {speed:.3g} m/s" if is_odd else "")
+        other = self.columns["y" if role == "x" else "x"]
+        if other is not None and other.unit is not None:
+            return Said(other.unit, False, f"as {other.title}")
+        if motion is not None and (found := self._length_by_speed(motion)) is not None:
+            return found
+        return _length_by_size(top)
+
+    def _length_by_speed(self, motion: Motion) -> Said | None:
+        """Of velocities with labels, along either frame: their size is that of differences of positions."""
+        vx, vy = self.columns["vx"], self.columns["vy"]
+        if vx is None or vx.unit is None or not self.time_unit.is_sure:
+            return None
+        recorded = vx.said**2 if vy is None else vx.said**2 + vy.said**2
+        speed = motion.on(self.time, np.sqrt(recorded) * UNITS["speed"][vx.unit])
+        factor, agreement = scale(speed, motion.speed)
+        unit = near(factor, "length")
+        if unit is None or agreement < 0.97:
+            return None
+        return Said(unit, True, f"as {vx.title} says how fast it goes")
+
+    def _motion(self) -> Motion | None:
+        x, y = self.raw("x"), self.raw("y")
+        if x is None:
+            return None
+        factors = [UNITS["length"][str(self.lengths[role].value or "m")] for role in ("x", "y")]
+        motion = motion_of(self.time, factors[0] * x, np.zeros_like(x) if y is None else factors[1] * y)
+        if motion is None:
+            self.notes.append("positions are too few, or the clock goes back: units and signs could not be looked at")
+        return motion
+
+    def _heading(self) -> Entry:
+        column = self.columns["theta"]
+        if column is None:
+            return Entry(None)
+        said = Said(column.ref, self.is_only["theta"], "" if self.is_only["theta"] else "several columns may be it")
+        best = heading_of(self.motion, self.time, column.said) if self.motion is not None else None
+        unit = self._angle_unit(column, None if best is None else best.unit)
+        if best is None and isinstance(column.ref, list):
+            return Entry(said, unit)
+        if best is None:
+            return Entry(said, unit, Said(1, False, "the way doesn't tell whether headings grow to the left"))
+        if abs(best.offset) > STRAIGHT:
+            why = "the cart goes so far left of its heading: from which axis is it counted? or are x and y swapped?"
+            self.offset = Said(best.offset, False, why)
+        if best.sign < 0:
+            why = "headings fall where the way turns left: are they clockwise? or is y to the right?"
+            if isinstance(column.ref, list):
+                return Entry(Said(column.ref, False, why))
+            return Entry(said, unit, Said(-1, False, why))
+        return Entry(said, unit)
+
+    def _angle_unit(self, column: Column, told: str | None) -> Said:
+        """`told` is the unit with which headings go where the cart goes."""
+        if column.odd:
+            return Said(None, False, f"its label says {column.odd}")
+        if column.unit is not None:
+            is_odd = told is not None and column.unit in ("deg", "rad") and told != column.unit
+            return Said(column.unit, not is_odd, f"but in {told} it goes where the cart goes" if is_odd else "")
+        if told is not None:
+            return Said(told, True, "as the way turns")
+        if _wraps(column.said, 360.0):
+            return Said("deg", True, "it wraps at 360")
+        if _wraps(column.said, 2 * np.pi):
+            return Said("rad", True, "it wraps at 2 pi")
+        if (by_rate := self._angle_by_rate(column)) is not None:
+            return by_rate
+        largest = float(np.nanmax(np.abs(column.said)))
+        return Said("deg" if largest > 7 else "rad", False, f"no unit is in its name; it goes up to {largest:.3g}")
+
+    def _angle_by_rate(self, column: Column) -> Said | None:
+        omega = self.columns["omega"]
+        if omega is None or omega.unit is None or self.motion is None or not self.time_unit.is_sure:
+            return None
+        recorded = self.motion.on(self.time, omega.said * UNITS["rate"][omega.unit])
+        for unit, period in (("deg", 360.0), ("rad", 2 * np.pi)):
+            rate = np.gradient(self.motion.smoothed(self.time, turned(column.said, period)), self.motion.time)
+            factor, agreement = scale(recorded, rate)
+            if abs(agreement) > 0.9 and near(abs(factor), "angle") == unit:
+                return Said(unit, True, f"as {omega.title} says how fast it turns")
+        return None
+
+    def heading_rad(self) -> Array | None:
+        """On the file's rows, as far as its unit is told."""
+        column, unit = self.columns["theta"], self.heading.unit.value
+        if column is None or unit is None:
+            return None
+        size = UNITS["angle"][str(unit)]
+        sign = self.heading.sign.value if isinstance(self.heading.sign.value, int) else 1
+        offset = self.offset.value if isinstance(self.offset.value, float) else 0.0
+        return np.asarray(sign * size * turned(column.said, 2 * np.pi / size) + offset)
+
+    def _velocity(self) -> tuple[Said, dict[str, Entry]]:
+        """Along which axes, and its columns: none where one of the three is missing."""
+        vx, vy, omega = (self.columns[role] for role in ("vx", "vy", "omega"))
+        if vx is None or omega is None or self.motion is None:
+            if vx is not None or vy is not None:
+                self.notes.append("velocities are left out: vx, vy and the yaw rate come together or not at all")
+            return Said(None), {}
+        heading = self.heading_rad()
+        lateral = np.zeros_like(vx.said) if vy is None else vy.said
+        sizes = [UNITS["speed"][c.unit or vx.unit or "m/s"] if c is not None else 1.0 for c in (vx, vy)]
+        seen = velocities(self.motion, self.time, sizes[0] * vx.said, sizes[1] * lateral, heading)
+        if seen is None or seen.agreement < 0.8:
+            self.notes.append("velocities are left out: they are no differences of the positions")
+            return Said(None), {}
+        frame = Said(seen.frame, seen.is_clear, "" if seen.is_clear else "a way this straight doesn't tell them apart")
+        entries = {"vx": self._speed(vx, seen.factors[0], vx)}
+        entries["vy"] = (
+            Entry(None, constant=Said(0.0, False, "no column has it; wheels on an axle forbid it"))
+            if vy is None
+            else self._speed(vy, seen.factors[1], vx)
+        )
+        entries["omega"] = self._rate(omega)
+        return frame, entries
+
+    def _speed(self, column: Column, factor: float, first: Column) -> Entry:
+        """By how much it is larger than differences of positions."""
+        label = column.unit or first.unit
+        sign = Said(1) if factor > 0 else Said(-1, False, "it falls where the cart goes the other way")
+        size = abs(factor)
+        is_sure = self.time_unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
+        if label is not None:
+            fits = abs(size - 1) < 0.25
+            why = "" if fits else f"it is {size:.3g} times what differences of positions are"
+            return Entry(Said(column.ref), Said(label, fits, why), sign)
+        unit = near(1 / size, "speed")
+        if unit is None:
+            return Entry(Said(column.ref), Said("m/s", False, "no unit is in its name"), sign)
+        why = "as differences of positions" if is_sure else "as positions, of which a unit or the clock is not sure"
+        return Entry(Said(column.ref), Said(unit, is_sure, why), sign)
+
+    def _rate(self, column: Column) -> Entry:
+        """Against differences of headings."""
+        heading = self.heading_rad()
+        label = column.unit
+        if heading is None or self.motion is None:
+            return Entry(Said(column.ref), Said(label or "rad/s", label is not None, "no unit is in its name"))
+        truth = np.gradient(self.motion.smoothed(self.time, heading), self.motion.time)
+        size = UNITS["rate"][label or "rad/s"]
+        factor, agreement = scale(size * self.motion.on(self.time, column.said), truth)
+        is_seen = abs(agreement) > 0.8
+        sign = Said(-1, False, "it falls where the heading grows") if is_seen and factor < 0 else Said(1)
+        if label is not None:
+            fits = not is_seen or abs(abs(factor) - 1) < 0.25
+            why = "" if fits else f"it is {abs(factor):.3g} times what differences of headings are"
+            return Entry(Said(column.ref), Said(label, fits, why), sign)
+        unit = near(1 / abs(factor), "rate") if is_seen else None
+        if unit is None:
+            return Entry(Said(column.ref), Said("rad/s", False, "no unit is in its name"), sign)
+        is_sure = self.time_unit.is_sure and self.heading.unit.is_sure
+        return Entry(Said(column.ref), Said(unit, is_sure, "as differences of headings"), sign)
+
+
+def _wraps(column: Array, period: float) -> bool:
+    """Whether it jumps by a whole turn, and stays within one."""
+    there = column[np.isfinite(column)]
+    jump = float(np.abs(np.diff(there)).max()) if len(there) > 1 else 0.0
+    return 0.85 * period < jump < 1.002 * period and float(np.ptp(there)) < 1.002 * period
+
+
+def _length_by_size(top: float) -> Said:
+    """A guess, by how fast a cart is pushed; `top` is the 95th percentile of its speed, a second."""
+    unit = "m" if top < LIKELY else "cm" if top < 25 else "mm"
+    return Said(unit, False, f"no unit is in its name; the cart would go {top * UNITS['length'][unit]:.3g} m/s")

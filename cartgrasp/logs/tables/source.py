@@ -1,0 +1,212 @@
+"""The samples that a table's map asks of its columns, in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import LogError, Place, printable
+from ...frames import Array
+from ..mapped.clocked import Clocked
+from ..mapped.clocked import Place as Where
+from ..mapped.steps import Steps
+from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
+from .table_file import Table, read_table
+from .table_map import (
+    ColumnEntry,
+    ContactColumns,
+    QuaternionEntry,
+    TableArm,
+    TableMapFile,
+    TablePart,
+    TimeEntry,
+    Value,
+    dimension_of,
+)
+from .units import UNITS, unit_of
+
+FARTHEST_NORM = 0.01
+MOST_TILT = 0.35
+"""rad."""
+LARGEST = 1e9
+"""m, rad, N: what is beyond is no measurement."""
+
+
+@dataclass
+class TableSource:
+    """Columns of a file, and of others that the map names."""
+
+    path: Path
+    map_file: TableMapFile
+    steps: Steps = field(default_factory=Steps)
+    tilt: float | None = None
+    lost: list[str] = field(default_factory=list)
+    tables: dict[Path, Table] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return str(self.path)
+
+    def refuse(self, why: str) -> LogError:
+        return LogError(Place(self.name), "", printable(why))
+
+    def read(self) -> dict[Where, Clocked]:
+        map_ = self.map_file.map
+        found: dict[Where, Clocked] = {}
+        pose = map_.pose
+        has_velocity = pose.velocity == "columns"
+        names = (*POSE_COLUMNS, *(VELOCITY_COLUMNS if has_velocity else ()))
+        clocked = self._clocked(("pose",), pose, [getattr(pose, name) for name in names], names, pose.latency)
+        tracked = clocked.numbers[:, :3]
+        there = np.isfinite(tracked[:, 2])
+        tracked[there, 2] = np.unwrap(tracked[there, 2])
+        found["pose",] = Clocked(clocked.time, tracked)
+        if has_velocity:
+            twist = clocked.numbers[:, 3:]
+            found["velocity",] = Clocked(clocked.time, _in_cart(twist, tracked) if pose.frame == "world" else twist)
+        for name, arm in map_.arms.items():
+            found |= self._arm(name, arm)
+        return found
+
+    def _arm(self, name: str, arm: TableArm) -> dict[Where, Clocked]:
+        where = ("arms", name)
+        rest = 0.0 if arm.unmeasured == "zero" else np.nan
+        values = [getattr(arm, part) if part in (arm.measures or ()) else rest for part in WRENCH_COLUMNS]
+        found: dict[Where, Clocked] = {where: self._clocked(where, arm, values, WRENCH_COLUMNS, arm.latency)}
+        if isinstance(arm.contact, ContactColumns):
+            points = [getattr(arm.contact, part) for part in CONTACT_COLUMNS]
+            found[*where, "contact"] = self._clocked((*where, "contact"), arm, points, CONTACT_COLUMNS, arm.latency)
+        return found
+
+    def _clocked(
+        self,
+        where: Where,
+        part: TablePart,
+        values: Sequence[Value | QuaternionEntry],
+        names: Sequence[str],
+        latency: float,
+    ) -> Clocked:
+        """Rows in which nothing stands, nor a time, are the end of a shorter column."""
+        table = self._table(where, part)
+        entry = self.map_file.map.time if part.file is None else part.time
+        assert entry is not None
+        columns = [self._numbers(table, name, value) for name, value in zip(names, values, strict=True)]
+        every = (self.map_file.map.table if part.file is None else part.table).every
+        time = _time(table, entry, every)
+        recorded = [column for column, value in zip(columns, values, strict=True) if isinstance(value, ColumnEntry)]
+        present = np.isfinite(time) | (np.isfinite(np.array(recorded)).any(axis=0) if recorded else False)
+        lines = np.array(table.lines)[present]
+        time, numbers = time[present], np.column_stack(columns)[present]
+        _check_clock(table, entry, time, lines)
+        said = {name: _said(value) for name, value in zip(names, values, strict=True) if isinstance(value, ColumnEntry)}
+        figures: dict[str, Any] = {"role": ".".join(where), "samples": len(time), "latency_s": latency, **said}
+        if len(time) > 1:
+            figures |= {"median_step_s": float(np.median(np.diff(time))), "largest_gap_s": float(np.diff(time).max())}
+        self.steps.add(Path(table.name).name, "columns", **figures)
+        return Clocked(time - latency, numbers)
+
+    def _table(self, where: Where, part: TablePart) -> Table:
+        path, layout = self.path, self.map_file.map.table
+        if part.file is not None:
+            path, layout = self.path.parent / part.file, part.table
+            if Path(part.file).is_absolute() or ".." in Path(part.file).parts:
+                raise self.map_file.refuse((*where[:2], "file"), "name a file in the same folder, or below it")
+        if path not in self.tables:
+            self.tables[path] = read_table(path, layout)
+        return self.tables[path]
+
+    def _numbers(self, table: Table, name: str, value: Value | QuaternionEntry) -> Array:
+        if isinstance(value, QuaternionEntry):
+            return _yaw(table, value)
+        if not isinstance(value, ColumnEntry):
+            return np.full(len(table.lines), float(value))
+        assert value.column is not None
+        numbers = in_si(table.column(value.column), name, value)
+        if (np.abs(numbers) > LARGEST).any():
+            i = int(np.nanargmax(np.abs(numbers)))
+            raise table.refuse(value.column, f"{numbers[i]:.3g} in SI units is no measurement", table.lines[i])
+        return numbers
+
+
+def _time(table: Table, entry: TimeEntry, every: int) -> Array:
+    """Of each row (n,), s."""
+    if entry.rate is not None:
+        return np.asarray(np.arange(len(table.lines)) * (every / entry.rate))
+    assert entry.column is not None
+    return table.column(entry.column) * UNITS["time"][unit_of(entry.unit or "", "time") or "s"]
+
+
+def in_si(numbers: Array, name: str, value: ColumnEntry) -> Array:
+    """A column (n,) as the map says that it is to be read."""
+    dimension = dimension_of(name, value)
+    found = numbers * UNITS[dimension][unit_of(value.unit or "", dimension) or ""]
+    if value.radius is not None and dimension == "angle":
+        there = np.isfinite(found)
+        found[there] = np.unwrap(found[there])
+        found = found * value.radius
+    elif value.radius is not None:
+        found = found / value.radius
+    found = value.sign * value.factor * found
+    if value.zero == "start" and np.isfinite(found).any():
+        found = found - found[np.isfinite(found)][0]
+    return np.asarray(found)
+
+
+def yaw_of(quaternion: Array) -> Array:
+    """Headings (n,), rad, of quaternions x, y, z, w (n, 4), or z, w (n, 2)."""
+    z, w = quaternion[:, -2:].T
+    x, y = quaternion[:, :2].T if quaternion.shape[1] == 4 else (0.0, 0.0)
+    return np.asarray(np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z))
+
+
+def _yaw(table: Table, entry: QuaternionEntry) -> Array:
+    rows = np.column_stack([table.column(column) for column in entry.quaternion])
+    tilt = np.arccos(np.clip(1 - 2 * (rows[:, :-2] ** 2).sum(axis=1), -1, 1))
+    if (tilt > MOST_TILT).any():
+        i = int(np.nanargmax(tilt))
+        why = f"the frame is {np.degrees(tilt[i]):.0f}° off the vertical; a heading needs one whose z points up"
+        raise table.refuse(entry.quaternion[0], why, table.lines[i])
+    odd = np.abs(np.linalg.norm(rows, axis=1) - 1) > FARTHEST_NORM
+    if odd.any():
+        i = int(np.argmax(odd))
+        why = f"the quaternion's norm is {np.linalg.norm(rows[i]):.3g}, not 1"
+        raise table.refuse(entry.quaternion[0], why, table.lines[i])
+    return yaw_of(rows)
+
+
+def _in_cart(velocity: Array, pose: Array) -> Array:
+    """Velocities (n, 3) along the world's axes, along the tracked frame's."""
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    vx, vy, omega = velocity.T
+    return np.column_stack([c * vx + s * vy, c * vy - s * vx, omega])
+
+
+def _said(value: ColumnEntry) -> str:
+    parts = [str(value.column), value.unit or ""]
+    parts += (
+        [f"over {value.radius:g} m" if value.unit and unit_of(value.unit, "moment") else f"times {value.radius:g} m"]
+        if value.radius
+        else []
+    )
+    parts += [f"times {value.sign * value.factor:g}"] if value.sign * value.factor != 1 else []
+    return " ".join(part for part in parts if part)
+
+
+def _check_clock(table: Table, entry: TimeEntry, time: Array, lines: NDArray[np.int64]) -> None:
+    column = "t" if entry.column is None else entry.column
+    if not len(time):
+        raise table.refuse(column, "no row has a time")
+    blank = np.flatnonzero(~np.isfinite(time))
+    if len(blank):
+        raise table.refuse(column, "a row without a time", int(lines[blank[0]]))
+    back = np.flatnonzero(np.diff(time) <= 0)
+    if len(back):
+        i = int(back[0]) + 1
+        step = "repeats" if time[i] == time[i - 1] else "goes back on"
+        why = f"{time[i]:.9g} s {step} {time[i - 1]:.9g} s of the row before; times must increase strictly"
+        raise table.refuse(column, why, int(lines[i]))
