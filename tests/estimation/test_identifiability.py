@@ -11,7 +11,7 @@ from cartgrasp.information import WrenchNoise
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
-from estimation.identifiability import identifiability
+from estimation.identifiable import identifiability
 from estimation.replay import replay
 from estimation.teaching_motions import teaching_motions
 
