@@ -11,6 +11,7 @@ from cartgrasp.effects.effect import USUAL_SPREAD
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
+from cartgrasp.shallow import shallow
 
 from .first_motion import UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
@@ -23,7 +24,6 @@ from .kernels.jit import Indices
 from .kernels.sensor_health import noted
 from .noise import FilterNoise
 from .seen import NOTHING_FELT, NOTHING_SEEN
-from .shallow import shallow
 
 
 class DrivenMotion:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Self
 
+from cartgrasp.shallow import shallow
+
 from .health import Health
 from .kernels.correction import GATE
 from .resets import Resets
-from .shallow import shallow
 
 SMOOTHING = 0.01
 """Share of a new sample in the level: slower than a caster's turning round, which is loud for a moment too."""

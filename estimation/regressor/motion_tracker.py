@@ -14,6 +14,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
+from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..kernels import tracked_motion as kernels
@@ -21,7 +22,6 @@ from ..kernels.felt_wrench import size
 from ..kernels.filtered_row import Smoothed, drop, over, smoothed
 from ..kernels.recorded_moment import LATER, record
 from ..noise import FilterNoise
-from ..shallow import shallow
 
 JERK = 3.0
 """m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""

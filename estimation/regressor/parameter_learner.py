@@ -19,6 +19,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
+from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..health import Health
@@ -30,7 +31,6 @@ from ..parameter_report import ParameterReport, WhenAsked, as_taught
 from ..physical_set import PhysicalSet
 from ..prior import Prior
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
-from ..shallow import shallow
 from ..wrench_sensing import Moving, WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .load_watch import LoadWatch

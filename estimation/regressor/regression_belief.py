@@ -13,11 +13,11 @@ import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..kernels import belief as kernels
 from ..kernels.filtered_row import FilteredRow
-from ..shallow import shallow
 
 LATENESS, LATENESS_STD = -0.25, 0.3
 """Of a sample period, beyond a wrench that is held to the next: that has 0, a mere sample -0.5."""
