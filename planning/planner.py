@@ -203,7 +203,9 @@ class WrenchPlanner:
         if points is None:
             return self._choose(candidates, asked, start, at_once)
         if at_once and self._compiled is not None and self._compiled.is_infeasible:
-            return self._left_open(lambda then: then._planned(points, then._to_effective.dot(asked), None, start), start)
+            return self._left_open(
+                lambda then: then._planned(points, then._to_effective.dot(asked), None, start), start
+            )
         return self._planned(points, self._to_effective.dot(asked), None, start)
 
     def _left_open(self, explained: Callable[[WrenchPlanner], Plan], start: float) -> Plan:
