@@ -52,7 +52,8 @@ _HOMES = {
     "allocation": "Allocation allocate build_allocation",
     "contact_choice": "SearchLimit",
     "limits": "InternalForce Skid TipOver",
-    "objectives": "LeastInternalForce LeastJointTorque Lexicographic LoadShare Nothing Objective Smoothness WeightedWrench WorstArm",
+    "objectives": "LeastInternalForce LeastJointTorque Lexicographic LoadShare Nothing Objective Smoothness "
+    "WeightedWrench WorstArm",
     "plan": "Plan",
     "planner": "WrenchPlanner",
     "quadratic_program": "QPSolution QuadraticProgram",
