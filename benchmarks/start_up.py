@@ -1,10 +1,11 @@
-"""From a shell to a running program: wall clock of whole subprocesses."""
+"""From a shell to a running program: wall clock of whole subprocesses. As a command, cold_start.py."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 
+from . import cold_start
 from .measuring import Competitor, interleave
 from .report import Result, timed_table
 
@@ -42,3 +43,7 @@ def run(rounds: int) -> Result:
 
 def _process(arguments: tuple[str, ...]) -> Competitor:
     return lambda _: subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
+
+
+if __name__ == "__main__":
+    cold_start.main()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from .lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .arms import Arm, Friction
@@ -69,15 +70,4 @@ _HOMES = {
     "wheels": "Wheel",
 }
 
-
-def __getattr__(name: str) -> Any:
-    """A name is imported when it is first asked for, so that `cartgrasp --help` needs no numpy."""
-    for home, names in _HOMES.items():
-        if name in names.split():
-            value = globals()[name] = getattr(import_module(f".{home}", __name__), name)
-            return value
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = lazy_names(globals(), _HOMES)  # `cartgrasp --help` needs no numpy

@@ -14,6 +14,7 @@ from .frames import Array
 from .kernels import entries
 from .kernels.jit import Ints
 from .kernels.situation import SWUNG, Parts
+from .kernels.vocabulary import STICKING
 from .kernels.workspace import MEMORY, N_PHI, N_WRENCH, PHI, POSE, VELOCITY, PackedEffect, pack, sums_size
 from .wheels import GRAVITY, WheelSet
 
@@ -43,7 +44,17 @@ class CompiledDynamics:
         table = np.column_stack([wheels.positions, wheels.is_caster])
         self.floats, self.ints = pack(effects, (table, wheels.pivots), basis_b, sizes, (GRAVITY, smoothing_speed))
         self._n_wheels, self.n_sums = len(table), sums_size(self.n_memory, self.n_parameters)
-        self.most_stictions = len(effects) * (2 * len(table) + 2) + self.n_memory
+        sticking = sum(effect.name in STICKING for effect in effects)
+        self.most_stictions = sticking * (2 * len(table) + 2) + (self.n_memory if sticking else 0)
+
+    def warm_up(self) -> None:
+        """Loads the kernels, or compiles them. They are the same for all carts."""
+        point = np.zeros(self.n_state), 0.0, np.ones(self.n_parameters)
+        self.rate(point, (np.zeros(3), np.ones(self.n_free)))
+        self.inverse(point, np.zeros(self.n_free))
+        self.sums(point)
+        self.floor(point, np.ones(1))
+        self.memories((point[0][None], np.zeros(1), point[2][None]))
 
     def rates(self, point: Point, push: Push, foreign: Array | None = None) -> tuple[Array, ...]:
         """Rate (..., n) and its partials by state, wrench and parameters."""

@@ -10,7 +10,12 @@ from typing import Any, TypeVar
 
 from numba import njit
 
+from . import kernel_compiler
+from .kernel_compiler import EntryCompiler, InnerCompiler
+
 F = TypeVar("F", bound=Callable[..., object])
+ENTRIES: list[Any] = []
+"""Kernels that Python calls, of all that has been imported."""
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 
 
@@ -19,10 +24,17 @@ def digest(sources: list[bytes]) -> str:
 
 
 def digest_of(folder: Path) -> str:
-    """Of a folder's Python sources, and of this one with its options. A kernel holds the code of those it calls, and
+    """Of a folder's Python sources, and of how they are compiled. A kernel holds the code of those it calls, and
     numba only looks whether its own file is new: so the name under which it is cached says what all of them were made
     of."""
-    return digest([path.read_bytes() for path in (Path(__file__), *sorted(folder.glob("*.py")))])
+    own = Path(__file__), Path(kernel_compiler.__file__)
+    return digest([path.read_bytes() for path in (*own, *sorted(folder.glob("*.py")))])
+
+
+def inner(function: F, options: dict[str, Any]) -> F:
+    """For kernels that only kernels call."""
+    given: Any = {"pipeline_class": InnerCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, **options}
+    return njit(function, **given)  # type: ignore[no-any-return]
 
 
 def cached_as(name: str, options: dict[str, Any]) -> Callable[[F], F]:
@@ -31,9 +43,11 @@ def cached_as(name: str, options: dict[str, Any]) -> Callable[[F], F]:
 
     def entry(function: F) -> F:
         function.__qualname__ = f"{function.__qualname__}_{name}"
+        given: Any = {"pipeline_class": EntryCompiler, "no_cfunc_wrapper": True, **options}
         try:
-            return njit(function, cache=True, **options)  # type: ignore[no-any-return]
+            ENTRIES.append(njit(function, cache=True, **given))
         except RuntimeError:  # no directory can be written to
-            return njit(function, **options)  # type: ignore[no-any-return]
+            ENTRIES.append(njit(function, **given))
+        return ENTRIES[-1]  # type: ignore[no-any-return]
 
     return entry

@@ -1,13 +1,20 @@
 """Learning a cart's load, drag and sensor offsets from how it moves when it is pushed."""
 
-from .cart_filter import CartFilter
-from .discrepancy import Diagnosis, diagnose
-from .identifiability import Identifiability, identifiability
-from .identification import Identification, identify
-from .noise import FilterNoise
-from .paper_filter import PaperFilter
-from .prior import Prior
-from .regressor_estimator import RegressorEstimator
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cartgrasp.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .cart_filter import CartFilter
+    from .discrepancy import Diagnosis, diagnose
+    from .identifiable import Identifiability, identifiability
+    from .identification import Identification, identify
+    from .noise import FilterNoise
+    from .paper_filter import PaperFilter
+    from .prior import Prior
+    from .regressor_estimator import RegressorEstimator
 
 __all__ = [
     "CartFilter",
@@ -22,3 +29,16 @@ __all__ = [
     "identifiability",
     "identify",
 ]
+
+_HOMES = {
+    "cart_filter": "CartFilter",
+    "discrepancy": "Diagnosis diagnose",
+    "identifiable": "Identifiability identifiability",
+    "identification": "Identification identify",
+    "noise": "FilterNoise",
+    "paper_filter": "PaperFilter",
+    "prior": "Prior",
+    "regressor_estimator": "RegressorEstimator",
+}
+
+__getattr__, __dir__ = lazy_names(globals(), _HOMES)

@@ -23,6 +23,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world, rotation_planar, wrap_angle
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion
+from cartgrasp.shallow import shallow
 
 from .filtering import exponential_step, innovation, predicted, updated
 from .first_motion import LOST_AFTER, UNKNOWN_FORCE, first_motion
@@ -37,7 +38,6 @@ from .noise import FilterNoise
 from .parameter_block import ParameterBlock
 from .parameter_report import as_taught
 from .prior import Prior
-from .shallow import shallow
 from .wrench_sensing import Moving, WrenchSensing
 from .wrench_walk import WrenchWalk
 

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import ClassVar
 
 import numpy as np
 
-from cartgrasp.errors import UsageError
+from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.tracked_point import TrackedPoint
@@ -29,6 +30,7 @@ from .learning_filter import LearningFilter
 from .noise import FilterNoise
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
+from .warming import made_up_push
 
 EXACT, EXACT_BESIDE_MEMORIES = 1.0, 20.0
 """1/√s: noise of a wrench sample (N) over the disturbance (N·√s) up to which wrenches count as exact. At 100 Hz the
@@ -76,9 +78,23 @@ class CartFilter:
         least_speed: float = 0.0,
     ) -> None:
         self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
-        self._tracked = TrackedPoint(cart.pose_tb)
+        self._tracked, self._arms = TrackedPoint(cart.pose_tb), arms
         core = core_of((cart, arms, self.noise, self.prior, yaws or {}), least_speed)
         self._samples = LateSamples(DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
+
+    def warm_up(self) -> None:
+        """Does now, with a filter like this one, what would cost at the first updates: kernels are loaded in a second,
+        or compiled, in a minute, the very first time on a machine. What this one has learned stays."""
+        import scipy.optimize  # noqa: F401  for estimates that are no body
+
+        other = type(self)(self.cart, self._arms, noise=self.noise, prior=self.prior)
+        if self.cart.is_compiled:
+            self.cart.dynamics.warm_up()
+        if self.cart.wheels:
+            self.cart.wheel_set.loads(self.cart.inertia.phi)
+        with suppress(CartgraspError):  # what is believed may be far from the push that is made up
+            for sample in made_up_push(self.cart, self._arms or ("arm",)):
+                other.update(sample)
 
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is

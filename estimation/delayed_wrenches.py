@@ -14,10 +14,10 @@ from typing import Protocol, Self
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.shallow import shallow
 
 from .gaussian import Gaussian
 from .health import SensorHealth
-from .shallow import shallow
 
 SAME = 1e-9
 """s."""

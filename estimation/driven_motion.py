@@ -11,6 +11,7 @@ from cartgrasp.effects.effect import USUAL_SPREAD
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
+from cartgrasp.shallow import shallow
 
 from .first_motion import UNKNOWN_FORCE, first_motion
 from .gaussian import Gaussian
@@ -23,7 +24,6 @@ from .kernels.jit import Indices
 from .kernels.sensor_health import noted
 from .noise import FilterNoise
 from .seen import NOTHING_FELT, NOTHING_SEEN
-from .shallow import shallow
 
 
 class DrivenMotion:
@@ -33,7 +33,7 @@ class DrivenMotion:
         self.cart, self._noise, self._free, self._nu = cart, noise, free, cart.velocity_slice
         self._in_kernels = cart.is_compiled and not cart.slip_compliance
         self._workspace = cart.dynamics.floats, cart.dynamics.ints
-        self._sticks = cart.stiction(cart.state(), cart.parameters, 0.0).shape[-1] > 0
+        self._sticks = not self._in_kernels or cart.dynamics.most_stictions > 0
         n, k, m = len(cart.state_names), cart.constraints.n_free, len(cart.memory_names)
         most = 3 * cart.dynamics.most_stictions if self._sticks else 0
         self._plan = np.array([n, k, m, len(cart.parameters), len(free), most, *free], np.int64)
@@ -107,7 +107,9 @@ class DrivenMotion:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""
         if theta is self._theta:
             return
-        kernels.learn(self._block, self._plan, theta, covariance)
+        now, free = self.now, self._free
+        now.mean[:] += now.slopes @ (theta - now.theta)[free]
+        now.beside[:], now.theta[:] = covariance[np.ix_(free, free)], theta
         self._theta = theta
 
     def advance(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Self
 
 from cartgrasp.frames import Array
+from cartgrasp.shallow import shallow
 
 from .health import Health
 from .kernels.correction import GATE
 from .resets import Resets
-from .shallow import shallow
 from .whiteness import Whiteness
 
 SMOOTHING = 0.01

@@ -18,6 +18,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.shallow import shallow
 
 from .driven_motion import DrivenMotion
 from .first_motion import LOST_AFTER
@@ -25,7 +26,6 @@ from .gaussian import Gaussian
 from .health import SensorHealth, by_sensor, said
 from .regressor.parameter_learner import ParameterLearner
 from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
-from .shallow import shallow
 
 
 class LearningFilter:

@@ -10,15 +10,17 @@ import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from operator import gt, lt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
+
+if TYPE_CHECKING:
+    from scipy.optimize import NonlinearConstraint
 
 LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
 EDGE = 1e-6
@@ -75,6 +77,8 @@ class PhysicalSet:
     def _quickly(self, parameters: Array, lift: Array, metric: Array) -> Array | None:
         """As `nearest`, of steps times `lift` (p, f), by bounds alone or one smooth limit beside them; None where that
         does not settle."""
+        from scipy.optimize import Bounds, minimize
+
         low, high = np.full(len(parameters), -np.inf), np.full(len(parameters), np.inf)
         low[0], low[N_PHI:], high[N_PHI:] = (1 + EDGE) * self.mass, self.lower, self.upper
         which, scale = lift.argmax(axis=0), lift.max(axis=0)
@@ -98,6 +102,8 @@ class PhysicalSet:
 
     def _body(self, phi: Array, lift: Array) -> NonlinearConstraint:
         """Of a step: that the moment of inertia about the CoM is large enough, by Schur's complement."""
+
+        from scipy.optimize import NonlinearConstraint
 
         def spare(step: Any) -> Array:
             mass, x, y, inertia = phi + lift @ step
@@ -152,6 +158,8 @@ class PhysicalSet:
 def _least(metric: Array, low: Array, high: Array) -> Array:
     """The step (f,) within bounds that is least in a metric (f, f): bounds that it meets are taken in, and let go where
     they would pull, until neither is left (a primal-dual active set; rarely it runs in circles)."""
+    from scipy.optimize import lsq_linear
+
     step, meets = np.zeros(len(low)), np.zeros(len(low), dtype=bool)
     for _ in range(2 * len(low)):
         pulls = metric @ step

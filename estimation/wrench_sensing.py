@@ -17,9 +17,9 @@ from cartgrasp.effects.hand_motion import AT_REST, HandMotion
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
+from cartgrasp.shallow import shallow
 
 from .kernels.felt_wrench import MOST_FORCE
-from .shallow import shallow
 
 
 class SensedWrench(NamedTuple):

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from .allocation import Allocation, allocate, build_allocation
-from .contact_choice import SearchLimit
-from .limits import InternalForce, Skid, TipOver
-from .objectives import (
-    LeastInternalForce,
-    LeastJointTorque,
-    Lexicographic,
-    LoadShare,
-    Nothing,
-    Objective,
-    Smoothness,
-    WeightedWrench,
-    WorstArm,
-)
-from .plan import Plan
-from .planner import WrenchPlanner
-from .quadratic_program import QPSolution, QuadraticProgram
+from typing import TYPE_CHECKING
+
+from cartgrasp.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .allocation import Allocation, allocate, build_allocation
+    from .contact_choice import SearchLimit
+    from .limits import InternalForce, Skid, TipOver
+    from .objectives import (
+        LeastInternalForce,
+        LeastJointTorque,
+        Lexicographic,
+        LoadShare,
+        Nothing,
+        Objective,
+        Smoothness,
+        WeightedWrench,
+        WorstArm,
+    )
+    from .plan import Plan
+    from .planner import WrenchPlanner
+    from .quadratic_program import QPSolution, QuadraticProgram
 
 __all__ = [
     "Allocation",
@@ -42,3 +47,16 @@ __all__ = [
     "allocate",
     "build_allocation",
 ]
+
+_HOMES = {
+    "allocation": "Allocation allocate build_allocation",
+    "contact_choice": "SearchLimit",
+    "limits": "InternalForce Skid TipOver",
+    "objectives": "LeastInternalForce LeastJointTorque Lexicographic LoadShare Nothing Objective Smoothness "
+    "WeightedWrench WorstArm",
+    "plan": "Plan",
+    "planner": "WrenchPlanner",
+    "quadratic_program": "QPSolution QuadraticProgram",
+}
+
+__getattr__, __dir__ = lazy_names(globals(), _HOMES)

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 Point = tuple[float, float, float]
 SOLVER = "dual active set"
+OPTIMAL, INFEASIBLE = range(2)
+"""As `kernels.dual_active_set` has them."""
 
 
 Tables = tuple[Array, "Ints", Array, Array, Array, Array, Array]
@@ -30,12 +32,13 @@ Progress = tuple[Array, "Ints"]
 
 
 class CompiledAllocation:
-    """One workspace, kept warm. After `solve` has returned True, `answer` is its; `names` are
-    of the limits, but for the wrench asked for."""
+    """One workspace, kept warm. After `solve` has returned True, `answer` is its; after False, `is_infeasible` says
+    whether that is proven. `names` are of the limits, but for the wrench asked for."""
 
     cost: Cost
     names: LimitNames
     _points: Array | None
+    is_infeasible: bool = False
 
     def __init__(self, template: AllocationTemplate, cost: Cost) -> None:
         from .kernels import loading
@@ -128,9 +131,9 @@ class CompiledAllocation:
         moved = points is not self._points
         if moved:
             self._workspace.points[:] = points
-        solved = self._call(self._floats, self._ints, wrench, moved) == 0
-        self._points = points if solved else None
-        return solved
+        status = self._call(self._floats, self._ints, wrench, moved)
+        self._points, self.is_infeasible = points if status == OPTIMAL else None, status == INFEASIBLE
+        return status == OPTIMAL
 
     def search(self, wrench: Point, tables: Tables, progress: Progress, limit: tuple[int, float]) -> bool:
         """See kernels/choice.py; `limit` is of programs and of the gap. False if it gave up."""

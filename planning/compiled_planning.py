@@ -68,12 +68,18 @@ class CompiledPlanning:
     def at(self, contacts: Mapping[str, ArrayLike] | None, wrench: Point, cost: Cost, start: float) -> Plan | None:
         """The optimal plan at given contacts, or where arms have no choice."""
         points = self._own_points if contacts is None else self._points(contacts)
+        self._allocation.is_infeasible = False
         if points is None:
             return None
         self._allocation.take(self._terms.template, cost)
         if not self._allocation.solve(wrench, points):
             return None
         return self._plan(points, wrench, None, start)
+
+    @property
+    def is_infeasible(self) -> bool:
+        """Whether what `at` was asked for last is proven to be."""
+        return self._allocation.is_infeasible
 
     def choose(
         self, candidates: Candidates, wrench: Point, cost: Cost, limit: SearchLimit, switching: Switching | None
@@ -151,7 +157,7 @@ class CompiledPlanning:
             "tell": partial(_told, self._terms.template, answer, found.names, choice),
             "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer),
         }
-        return Plan.optimal(fields)
+        return Plan.of(fields)
 
 
 def _told(template: AllocationTemplate, answer: Array, names: LimitNames, choice: ChoiceProof | None) -> Figures:

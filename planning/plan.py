@@ -47,29 +47,40 @@ class Plan:
 
     When `infeasible`, `certificate` proves it and holds the nearest plan; `relaxed` is that nearest plan. `held` is
     what `plan_or_hold` gives instead where there are no wrenches. `switched` are the arms that hold elsewhere than at
-    the last plan, told where switching has a cost. `tell` makes `figures`, and `prove` makes `proof`, when asked.
+    the last plan, told where switching has a cost. `tell` makes `figures`, and `prove` makes `proof`, when asked; and
+    `explain` what says why a wrench can't be given, where `plan_or_hold` leaves that open.
     """
 
     status: str
     wrenches: Mapping[str, Array] = field(default_factory=dict)
     contacts: Mapping[str, Array] = field(default_factory=dict)
     yaws: Mapping[str, float] = field(default_factory=dict)
-    certificate: Certificate | None = None
+    certificate: Certificate | None = field(default_factory=lambda: None)  # these two may be left open
     solve_time: float = 0.0
     solver: str = ""
-    message: str = ""
+    message: str = field(default_factory=str)
     held: ContactWrenches | None = None
     switched: tuple[str, ...] = ()
     tell: Callable[[], Figures] = field(default=Figures, repr=False)
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
+    explain: Callable[[], Plan] | None = field(default=None, repr=False)
 
     @classmethod
-    def optimal(cls, fields: dict[str, Any]) -> Self:
-        """From all fields but `certificate`, `held` and `switched`, which have none; as the constructor, in a third of
-        the time."""
+    def of(cls, fields: dict[str, Any]) -> Self:
+        """As the constructor, in a third of the time, from all fields that have no value by themselves, but for what is
+        left open."""
         plan = object.__new__(cls)
         object.__setattr__(plan, "__dict__", fields)
         return plan
+
+    def __getattr__(self, name: str) -> Any:
+        """What is left open: found when it is asked for, once."""
+        if name not in ("certificate", "message") or "status" not in self.__dict__:
+            raise AttributeError(f"a plan has no attribute {name!r}")
+        why = None if self.explain is None else self.explain()
+        self.__dict__["certificate"] = None if why is None else why.certificate
+        self.__dict__.setdefault("message", "" if why is None else why.message)
+        return self.__dict__[name]
 
     @cached_property
     def proof(self) -> tuple[QuadraticProgram, QPSolution] | None:

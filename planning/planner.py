@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +17,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.shallow import shallow
 
 from .answers import Answers, Solved, proof_of
 from .compiled_allocation import SOLVER, Point
@@ -86,7 +88,7 @@ class WrenchPlanner:
         robust = RobustLimits(tuple(cart_limits), confidence)
         self._terms = Terms(cart, arms, objective, robust, (min_hand_distance, period))
         self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
-        self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
+        self._limit, self._decay, self._relax = search_limit, math.exp(-period / HOLD_TIME), relax
         self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
         self._answers, self._program = Answers(self._terms, relax), ProgramAtContacts(self._terms)
         self._switching = SwitchingCost(switching_cost, self._terms.base.names)
@@ -158,8 +160,9 @@ class WrenchPlanner:
         """As `plan` but for the search for better contacts, and a safe wrench whatever the status: where there is
         none, the last one, decaying with a time constant of 0.1 s, or as fast as rates of change allow (zero if there
         was none). The arms' limits are convex and hold the zero wrench, so it stays within; a cart that skids
-        or tips without the hands is beyond them."""
-        plan = self._plan(wrench, contacts, estimate, arms)
+        or tips without the hands is beyond them. After `warm_up`, what proves that a wrench can't be given, and the
+        nearest, are found when the plan is asked for them: `certificate`, `message`, `nearest`."""
+        plan = self._plan(wrench, contacts, estimate, arms, at_once=self._relax == 0.0)
         if plan.is_usable:
             return plan
         rate = self._terms.rate
@@ -167,7 +170,7 @@ class WrenchPlanner:
         self._remember(shrink * self._last.wrenches, self._last.contacts)
         by_arm, points = self._answers.by_arm, self._last.contacts_or(self._terms.first)
         held = ContactWrenches(by_arm(self._last.wrenches), by_arm(points), self._terms.yaws)
-        return replace(plan, held=held)
+        return Plan.of(vars(plan) | {"held": held})
 
     def _plan(
         self,
@@ -175,7 +178,9 @@ class WrenchPlanner:
         contacts: Mapping[str, ArrayLike] | None,
         estimate: Estimate | None,
         arms: Sequence[Arm] | None,
+        at_once: bool = False,
     ) -> Plan:
+        """With `at_once`, one that can't be given is explained later, where that is proven already."""
         start = time.perf_counter()
         try:
             if arms is not None and self._terms.take_arms(arms):  # first: what is held must obey them as well
@@ -196,8 +201,28 @@ class WrenchPlanner:
             return too_near(candidates, start)
         points = candidates.single
         if points is None:
-            return self._choose(candidates, asked, start)
+            return self._choose(candidates, asked, start, at_once)
+        if at_once and self._compiled is not None and self._compiled.is_infeasible:
+            return self._left_open(
+                lambda then: then._planned(points, then._to_effective.dot(asked), None, start), start
+            )
         return self._planned(points, self._to_effective.dot(asked), None, start)
+
+    def _left_open(self, explained: Callable[[WrenchPlanner], Plan], start: float) -> Plan:
+        """Infeasible, as is proven; why, a planner that remembers what this one does now will say when asked."""
+        then = shallow(self)
+        then._terms, then._last, then._compiled = shallow(self._terms), shallow(self._last), None
+
+        @cache
+        def explain() -> Plan:
+            then._solver, then._cases = QuadraticSolver(), CaseSolver(then._terms.template)
+            then._answers, then._program = Answers(then._terms, then._relax), ProgramAtContacts(then._terms)
+            return explained(then)
+
+        spent = time.perf_counter() - start
+        nothing: dict[str, Any] = {"wrenches": {}, "contacts": {}, "yaws": {}}
+        fields = {"status": INFEASIBLE, "solve_time": spent, "solver": SOLVER, "explain": explain}
+        return Plan.of({**nothing, **fields, "tell": lambda: explain().figures})
 
     # --- what changes between ticks -----------------------------------------------------------------------
 
@@ -247,7 +272,7 @@ class WrenchPlanner:
 
     # --- solving ------------------------------------------------------------------------------------------
 
-    def _choose(self, candidates: Candidates, asked: Point, start: float) -> Plan:
+    def _choose(self, candidates: Candidates, asked: Point, start: float, at_once: bool) -> Plan:
         switching, is_own = self._switching.over(candidates, self._last.contacts), candidates is self._terms.candidates
         offered = candidates if switching is None else switching.candidates
         choice = None
@@ -257,6 +282,9 @@ class WrenchPlanner:
                 plan = self._compiled.chosen(choice, asked, start)
                 return self._remembered(plan, *self._compiled.last)
         question = Question(self._to_effective.dot(asked), self._cost, switching=switching)
+        if choice is not None and at_once and choice.complete and choice.bound == np.inf:
+            none = choice
+            return self._left_open(lambda then: then._none_found(candidates, question, none, start), start)
         if choice is None:
             seed = self._last.choice if question.seed is None and is_own else question.seed
             choice = ContactSearch(offered, self._cases, question, self._limit).run(seed)

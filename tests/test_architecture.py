@@ -5,10 +5,13 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib import import_module, metadata
 from pathlib import Path
 
 import pytest
@@ -201,10 +204,11 @@ def test_no_file_is_too_long():
     assert not too_long({str(path.relative_to(ROOT)): path.read_text() for path in paths})
 
 
-def test_importing_cartgrasp_is_light():
+@pytest.mark.parametrize("package", PACKAGES)
+def test_importing_a_package_is_light(package):
     """Heavy libraries are imported where they are used: `cartgrasp --help` stays under a second."""
     heavy = f"[m for m in {HEAVY!r} if m in sys.modules]"
-    program = f"import sys, cartgrasp; print(*{heavy})"
+    program = f"import sys, {package}; print(*{heavy})"
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", program],
@@ -217,15 +221,40 @@ def test_importing_cartgrasp_is_light():
     assert done.stdout.split() == []
 
 
-def test_every_name_of_the_package_is_there():
-    import cartgrasp
-
-    assert cartgrasp.load_cart is cartgrasp.cart_file.load_cart
-    assert {name for names in cartgrasp._HOMES.values() for name in names.split()} == set(cartgrasp.__all__)
-    assert all(getattr(cartgrasp, name) is not None for name in cartgrasp.__all__)
-    assert set(cartgrasp.__all__) <= set(dir(cartgrasp))
+@pytest.mark.parametrize("name", PACKAGES)
+def test_every_name_of_a_package_is_there(name):
+    """And none is a module's, too, which would hide it once that is imported."""
+    package = import_module(name)
+    held = {name: home for home, names in package._HOMES.items() for name in names.split()}
+    assert set(held) == set(package.__all__) <= set(dir(package))
+    for name, home in held.items():
+        module = import_module(f"{package.__name__}.{home}")
+        assert getattr(package, name) is getattr(module, name)
     with pytest.raises(AttributeError, match="no attribute 'lod_cart'"):
-        cartgrasp.lod_cart  # noqa: B018
+        package.lod_cart  # noqa: B018
+
+
+def test_the_dependencies_are_what_is_imported():
+    """Beside two that the project's users ask for: the tests' runner, and the interface that its solvers are compared
+    by."""
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = [name for names in declared["optional-dependencies"].values() for name in names]
+    named = {re.split(r"[^\w.-]", line)[0] for line in declared["dependencies"]}
+    imported = {
+        alias.name if isinstance(node, ast.Import) else str(node.module)
+        for package in PACKAGES
+        for path in (ROOT / package).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and not node.level)
+        for alias in node.names
+    }
+    own = {*sys.stdlib_module_names, *PACKAGES, "compression"}  # which Python 3.14 has
+    homes = {name.partition(".")[0] for name in imported} - own
+    listed = metadata.packages_distributions()
+    used = {distribution for home in homes for distribution in listed.get(home, [home])}
+    optional = {re.split(r"[^\w.-]", line)[0] for line in extras}
+    assert used - optional <= named | {"mujoco", "pinocchio", "rtbdata"}
+    assert named - used == {"pytest", "qpsolvers"}
 
 
 # --- the checker bites --------------------------------------------------------------------------------------

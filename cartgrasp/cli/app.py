@@ -11,8 +11,10 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
+from ..compile_notice import telling
 from ..errors import CartgraspError, DataError, PlantError, printable
 from .options import Accept, Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics
+from .output import KernelsTold
 from .study_commands import study
 
 app = typer.Typer(
@@ -227,10 +229,19 @@ def campaign(
     raise typer.Exit(command.run(study_file, out, workers, scheduler, json))
 
 
+@app.command("warm-up")
+def warm_up(json: Json = False) -> None:
+    """Compile what runs at controller rate, once on a machine, so that no first call waits for it."""
+    from . import warm_up as command
+
+    raise typer.Exit(command.run(json))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:
-        status = app(args=arguments, prog_name="cartgrasp", standalone_mode=False)
+        with telling(KernelsTold()):
+            status = app(args=arguments, prog_name="cartgrasp", standalone_mode=False)
         return int(status or 0)
     except typer.Exit as done:
         return done.exit_code

@@ -63,6 +63,18 @@ def say(message: str) -> None:
     print(message, file=sys.stderr)
 
 
+class KernelsTold:
+    """Lines on stderr while kernels are compiled, of so many if that is known."""
+
+    def __init__(self, most: int | None = None) -> None:
+        self.count, self._most = 0, most
+
+    def __call__(self, kernel: str) -> None:
+        self.count += 1
+        of_all = "" if self._most is None else f" of {self._most}"
+        say(f"preparing kernels, once on this machine: {self.count}{of_all} ({kernel})")
+
+
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None]]:
     """A bar on stderr, where that is a terminal, with the time left; the caller tells the share done."""

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 
 from . import rigid_body
-from .jit import Ints, compiled, inlined
+from .jit import Ints, compiled
 from .situation import SWUNG, Own, Parts, Situation, Twist
 from .vocabulary import add_memory_rate, add_phi_change, add_stiction, add_wrench, settle
 from .wheel_loads import carry
@@ -123,7 +123,7 @@ def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> No
         copy(rate[MEMORY + n_memory :], out.memory_rate_by_parameters[k])
 
 
-@inlined
+@compiled
 def rate_alone(m: Workspace, point: Point, push: Array, room: Array) -> None:
     """As `forward`, the rate of the state (n,) and no partials."""
     n, n_free = len(point.state), m.basis.shape[1]
@@ -142,7 +142,7 @@ def rate_alone(m: Workspace, point: Point, push: Array, room: Array) -> None:
     room[0], room[1], room[2] = cosine * u - sine * w, sine * u + cosine * w, r
 
 
-@inlined
+@compiled
 def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
     """Rate of the state (n,), its partials by state (n, n), wrench (n, 3) and parameters (n, p), one after the other
     into `room`, with f² numbers to spare. `push` (3 + f,): a wrench in {b}, and the trust of `CartModel.rate`."""

@@ -56,6 +56,19 @@ KINDS = {
 }
 
 
+STICKING = frozenset(
+    {
+        "rolling_resistance",
+        "stribeck_friction",
+        "floor_patch",
+        "caster_realignment",
+        "wheel_drag_imbalance",
+        "learned_force",
+    }
+)
+"""Those with a branch in `add_stiction`."""
+
+
 @compiled
 def add_phi_change(kind: int, time: float, own: Own, phi: Array, by_own: Array) -> None:
     if kind == PAYLOAD_CHANGE:

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from cartgrasp.frames import Array
+from cartgrasp.kernels.workspace import copy
 
-from .correction import eliminate, factorise
+from .correction import eliminate, factorise, put
 from .filtered_row import FilteredRow
 from .jit import Indices, row_compiled, row_entry
 
@@ -23,29 +24,11 @@ LEAST_SHARE = 1e-9
 
 
 @row_entry
-def solved(information: Array, pull: Array) -> Belief:
-    """Mean and covariance."""
-    covariance = _inverse(information)
-    return covariance @ pull, covariance
-
-
-@row_entry
-def inverse(matrix: Array) -> Array:
-    return _inverse(matrix)
-
-
-@row_entry
-def unlinked(information: Array, pull: Array, k: int) -> Belief:
-    """About the first k, whatever the others are."""
-    return _without(information, pull, k, len(pull))
-
-
-@row_entry
 def concluded(belief: Belief, theta: Array, free: Indices) -> tuple[Array, Array, Array]:
     """Parameters (p,), of which those that are `free` are as believed; their covariance (p, p), and a root of it
     (p, f)."""
     f, p, covariance = len(free), len(theta), _inverse(belief[0])
-    mean, factor = covariance @ belief[1], covariance[:f, :f].copy()
+    mean, factor = _times(covariance, belief[1]), covariance[:f, :f].copy()
     found, whole, root = theta.copy(), np.zeros((p, p)), np.zeros((p, f))
     factorise(factor, f)
     for a in range(f):
@@ -71,49 +54,37 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
             value[a] += slopes[a, j] * at[of] if j < k - 1 else 0.0
     linking = _linking(noise, row.shared, row.before)
     information, pull = belief if len(belief[1]) > k else _linked(belief, linking)
-    mean, covariance = np.empty(len(pull)), _inverse(information)
-    mean[:] = covariance @ pull
+    covariance = _inverse(information)
+    mean = _times(covariance, pull)
     before, after = np.zeros((n, k + 2 * n)), np.zeros((n, 2 * n))
-    before[:, :k], before[:, k : k + n], after[:, :n] = slopes, -row.fade * row.ends, row.ends
+    put(slopes, before[:, :k])
+    put(row.ends, after[:, :n])
     for a in range(n):
         before[a, k + n + a] = after[a, n + a] = 1.0
+        for b in range(n):
+            before[a, k + b] = -row.fade * row.ends[a, b]
     alone, linking = noise - 2.0 * row.shared, _linking(noise, row.shared, row.after)
     own = alone + _congruence(after, linking)
-    news, spread = value - before @ mean, _congruence(before, covariance) + own
+    news, spread = value - _times(before, mean), _congruence(before, covariance) + own
     square = _square(news, spread)
     if not square < absurd * n:
         return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)))
     scale = max(1.0, square / (gate * n))
     taught = slopes[:, : k - 1].copy()
     asked = _turned(_solved(scale * spread, taught))
-    surprised = square, asked @ news, asked @ taught
+    surprised = square, _times(asked, news), _product(asked, taught)
     whole, more = _linked((information, pull), linking)
     _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))
-    wide[:, : k + 2 * n], wide[:, k + 2 * n :] = before, after
+    put(before, wide[:, : k + 2 * n])
+    put(after, wide[:, k + 2 * n :])
     weighed = _turned(_solved(scale * alone, wide))
-    whole += weighed @ wide
-    more += weighed @ value
+    whole += _product(weighed, wide)
+    more += _times(weighed, value)
     left, pulled = _without(whole, more, k, k + 2 * n)
     for i in range(k):
         pulled[i] -= feigned[i] / scale
     return (left, pulled), surprised
-
-
-@row_entry
-def followed(since: Belief, pull: Array, more: Array, most: int) -> Belief:
-    """Information (n, f, f), and its product with a change (n, f), since each of the last moments, with those of a row,
-    which is one moment more; at most so many."""
-    information, pulls = since
-    f, n = len(pull), len(pulls)
-    first = max(0, n + 1 - most)
-    known, summed = np.empty((n + 1 - first, f, f)), np.empty((n + 1 - first, f))
-    for i in range(first, n + 1):
-        for a in range(f):
-            summed[i - first, a] = pull[a] + (pulls[i, a] if i < n else 0.0)
-            for b in range(f):
-                known[i - first, a, b] = more[a, b] + (information[i, a, b] if i < n else 0.0)
-    return known, summed
 
 
 @row_entry
@@ -157,7 +128,8 @@ def _linking(noise: Array, shared: Array, error: Array) -> Array:
     """Covariance (2 n, 2 n) of what is wrong with nu, given (n, n), and of noise that neighbours share."""
     n = len(error)
     covariance = np.zeros((2 * n, 2 * n))
-    covariance[:n, :n], covariance[n:, n:] = error, shared + LEAST_SHARE * noise
+    put(error, covariance[:n, :n])
+    put(shared + LEAST_SHARE * noise, covariance[n:, n:])
     return covariance
 
 
@@ -167,7 +139,9 @@ def _linked(belief: Belief, linking: Array) -> Belief:
     information, pull = belief
     k, n = len(pull), len(linking)
     whole, more = np.zeros((k + n, k + n)), np.zeros(k + n)
-    whole[:k, :k], whole[k:, k:], more[:k] = information, _solved(linking, np.eye(n)), pull
+    put(information, whole[:k, :k])
+    put(_solved(linking, np.eye(n)), whole[k:, k:])
+    copy(pull, more[:k])
     return whole, more
 
 
@@ -180,7 +154,7 @@ def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief,
         root[a, a + 1 :] = 0.0
     asked = _solved(root, slopes)
     known, directions = np.linalg.eigh(_congruence(asked, now[1][:k, :k]))
-    along = _turned(directions) @ asked
+    along = _product(_turned(directions), asked)
     for a in range(len(known)):
         taken, held = min((1.0 - kept) / max(known[a], 1e-300), 1.0), 0.0
         for i in range(k):
@@ -193,14 +167,19 @@ def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief,
 
 @row_compiled
 def _square(news: Array, spread: Array) -> float:
-    return float((news * _solved(spread, news.copy().reshape((len(news), 1)))[:, 0]).sum())
+    whitened, square = _solved(spread, news.reshape((len(news), 1))), 0.0
+    for i in range(len(news)):
+        square += news[i] * whitened[i, 0]
+    return square
 
 
 @row_compiled
 def _without(information: Array, pull: Array, first: int, last: int) -> Belief:
     """About the others, whatever those from `first` to `last` are (Schur's complement)."""
     n, size = last - first, len(pull)
-    left = np.append(np.arange(first), np.arange(last, size))
+    left = np.empty(size - n, np.int64)
+    for i in range(size - n):
+        left[i] = i if i < first else i + n
     own, across = information[first:last, first:last], np.empty((n, len(left) + 1))
     for i in range(n):
         across[i, len(left)] = pull[first + i]
@@ -238,8 +217,22 @@ def _product(left: Array, right: Array) -> Array:
 
 
 @row_compiled
+def _times(matrix: Array, vector: Array) -> Array:
+    found = np.zeros(len(matrix))
+    for i in range(len(matrix)):
+        for j in range(len(vector)):
+            found[i] += matrix[i, j] * vector[j]
+    return found
+
+
+@row_compiled
 def _turned(matrix: Array) -> Array:
-    return np.ascontiguousarray(matrix.T)
+    n, m = matrix.shape
+    found = np.empty((m, n))
+    for i in range(n):
+        for j in range(m):
+            found[j, i] = matrix[i, j]
+    return found
 
 
 @row_compiled

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
-from .jit import compiled, entry, inlined
+from .jit import compiled
 
 GATE = 25.0
 """Of the normalised square a row: a sample beyond it counts as if its noise were larger; outliers pull, but can't
@@ -90,7 +90,7 @@ def correct(b: Believed, where: tuple[int, int], residual: Array, R: Array, room
     return nis
 
 
-@inlined
+@compiled
 def _covary(b: Believed, where: tuple[int, int], out: Array, room: Array) -> None:
     """What is not known of the state with what is not known of the measured numbers, (n, m)."""
     (first, m), n, f = where, len(out), len(b.beside)
@@ -119,7 +119,7 @@ def factorise(S: Array, m: int) -> None:
             S[a, b] = math.sqrt(max(value, FLOOR)) if a == b else value / S[b, b]
 
 
-@inlined
+@compiled
 def _whitened(factor: Array, residual: Array, white: Array, m: int) -> float:
     """The residual (m,) by its deviation; returns the square."""
     square = 0.0
@@ -193,11 +193,18 @@ def add_congruence(matrix: Array, covariance: Array, total: Array, room: Array) 
 
 
 @compiled
+def put(source: Array, into: Array) -> None:
+    """Matrices of one shape."""
+    for i in range(len(into)):
+        copy(source[i], into[i])
+
+
+@compiled
 def wrapped(angle: float) -> float:
     return float(angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi)))
 
 
-@entry
+@compiled
 def normalised_square(residual: Array, covariance: Array, room: Array) -> float:
     """`rᵀ P⁻¹ r`, (m,) and (m, m), with room (m² + m,)."""
     m = len(residual)
@@ -209,7 +216,7 @@ def normalised_square(residual: Array, covariance: Array, room: Array) -> float:
     return _whitened(factor, residual, room, m)
 
 
-@inlined
+@compiled
 def take_pose(b: Believed, pose: Array, variance: Array, room: Array) -> float:
     """A pose (3,) that may be NaN in parts, of a state that begins with it; NaN where nothing is there."""
     residual, R = room[:3], room[3:12].reshape((3, 3))
@@ -224,7 +231,7 @@ def take_pose(b: Believed, pose: Array, variance: Array, room: Array) -> float:
     return correct(b, (0, 3), residual, R, room[12:]) if seen > 0 else math.nan
 
 
-@inlined
+@compiled
 def take_velocity(b: Believed, velocity: Array, variance: Array, project: Array, room: Array) -> float:
     """A velocity (3,) in {s}, of a state that has nu after the pose; `project` (k, 3) takes a velocity in {b} to nu."""
     if not (math.isfinite(velocity[0]) and math.isfinite(velocity[1]) and math.isfinite(velocity[2])):

@@ -15,17 +15,17 @@ from cartgrasp.kernels.dynamics import Point, forward, lifted, settle_all, situa
 from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
+from . import sensor_health
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .driven_block import N_SIZES, Driven, parts
 from .felt_wrench import HELD
-from .jit import Indices, compiled, entry, inlined
-from .sensor_health import note, said_of
+from .jit import Indices, compiled, entry
 
 MAX_STEP = 0.01
 POISED = 12.0
 """e-foldings of an instability after which nothing is poised there any more."""
 
-unpack = compiled(parts)
+unpack, note, said_of = compiled(parts), compiled(sensor_health.note), compiled(sensor_health.said_of)
 
 
 @entry
@@ -79,19 +79,6 @@ def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float)
 
 
 @entry
-def learn(block: Array, plan: Indices, theta: Array, covariance: Array) -> None:
-    """Parameters (p,) and their covariance (p, p) are now believed to be others."""
-    d, free = unpack(block, plan), plan[N_SIZES:]
-    for a in range(len(free)):
-        change = theta[free[a]] - d.theta[free[a]]
-        for i in range(len(d.mean)):
-            d.mean[i] += d.slopes[i, a] * change
-        for b in range(len(free)):
-            d.beside[a, b] = covariance[free[a], free[b]]
-    copy(theta, d.theta)
-
-
-@entry
 def take(block: Array, plan: Indices, time: float, seen: Array, felt: Array, surprise: float) -> int:
     """What is `seen` (6,), a pose and a velocity, NaN where missing; then what is felt from now on, from the time of a
     sample on as in `felt_wrench.py`, or NaN. Returns how sensors do; `surprise` is the ratio of the wrench's."""
@@ -104,7 +91,7 @@ def topple(block: Array, plan: Indices, settled: Array) -> None:
     _topple(unpack(block, plan), settled)
 
 
-@inlined
+@compiled
 def _let_go(d: Driven) -> None:
     """From now on the push may be any."""
     d.pushed[0] = d.pushed[1] = -math.inf
@@ -113,7 +100,7 @@ def _let_go(d: Driven) -> None:
         copy(d.unknown[a], d.push_covariance[a])
 
 
-@inlined
+@compiled
 def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, room: Array) -> None:
     """The step is `(I - F h/2)⁻¹ h f` and the transition `(I - F h/2)⁻¹ (I + F h/2)`: of second order, and stable where
     F is stiff."""
@@ -166,7 +153,7 @@ def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, r
         d.poise[i] = d.poise[i] + growth * step if growth > 0 else 0.0
 
 
-@inlined
+@compiled
 def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Array, room: Array) -> None:
     """Puts into `noise` (n, n) what disturbances, stiction, slip and swivel add in a time."""
     disturbance, room = carved(room, 3, 3)
@@ -186,7 +173,7 @@ def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Ar
             noise[i, j] += time * sideways[i] * sideways[j]
 
 
-@inlined
+@compiled
 def _is_poised(d: Driven) -> bool:
     longest = 0.0
     for a in range(len(d.poise)):
@@ -194,7 +181,7 @@ def _is_poised(d: Driven) -> bool:
     return longest > POISED
 
 
-@inlined
+@compiled
 def _topple(d: Driven, settled: Array) -> None:
     """A caster doesn't stay turned against its way: a memory believed poised for too long is where it settles."""
     for a in range(len(d.poise)):
@@ -206,7 +193,7 @@ def _topple(d: Driven, settled: Array) -> None:
             d.poise[a] = 0.0
 
 
-@inlined
+@compiled
 def _take(d: Driven, time: float, seen: Array, felt: Array, surprise: float) -> int:
     believed, is_felt = Believed(d.mean, d.own, d.slopes, d.beside), math.isfinite(felt[0])
     d.nis[0] = take_pose(believed, seen[:3], d.variances[:3], d.room)
@@ -219,7 +206,7 @@ def _take(d: Driven, time: float, seen: Array, felt: Array, surprise: float) -> 
     return said_of(d.health)
 
 
-@inlined
+@compiled
 def push(d: Driven, time: float, felt: Array) -> None:
     k = len(d.push)
     d.pushed[1], d.pushed[0] = d.pushed[0], time

@@ -14,7 +14,7 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
 from .correction import carved, eliminate, normalised_square
-from .jit import inlined
+from .jit import compiled
 
 HELD = 0.1
 """s: for how long a wrench is taken to go on."""
@@ -41,7 +41,7 @@ def size(f: int, p: int) -> int:
     return 1 + f + f * f + f * p + p + f
 
 
-@inlined
+@compiled
 def hold(rows: Array, i: int, time: float, size: int, f: int) -> None:
     """Moment i > 0 begins with the last one's wrench, for as long as that may be held."""
     rows[i, 0] = time
@@ -51,7 +51,7 @@ def hold(rows: Array, i: int, time: float, size: int, f: int) -> None:
         rows[i, 1] = math.nan
 
 
-@inlined
+@compiled
 def feel(rows: Array, i: int, time: float, felt: Felt, room: Array) -> bool:
     """Moment i's wrench; False where there is none."""
     grip, believed, n = felt.grip, felt.believed, len(felt.wrenches)

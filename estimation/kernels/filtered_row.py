@@ -11,7 +11,8 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.dynamics import Point, lifted, situation, stictions, taught
 from cartgrasp.kernels.workspace import copy, unpack
 
-from .jit import Indices, compiled, entry, row_compiled, row_entry
+from .correction import put
+from .jit import Indices, compiled, row_compiled, row_entry
 from .row_parts import (
     SPACING,
     STANDS_OUT,
@@ -119,7 +120,6 @@ class FilteredRow(NamedTuple):
     curvature: Array
 
 
-@entry
 def over(rows: Array) -> tuple[int, int]:
     """Of the first block of n moments, and of those that begin up to WIDTH later (of the first alone where no moment
     comes so soon after it): how many moments come before the second of them, and how many there are; 0 where they have
@@ -138,22 +138,6 @@ def over(rows: Array) -> tuple[int, int]:
     return k, end
 
 
-@entry
-def are_known(wrenches: Array) -> bool:
-    """Whether there is a wrench at each moment."""
-    known = True
-    for i in range(len(wrenches)):
-        known &= math.isfinite(wrenches[i, 0])
-    return known
-
-
-@entry
-def drop(table: Array, k: int) -> None:
-    """The first k of a table's rows: the others take their places."""
-    for i in range(k, len(table)):
-        copy(table[i], table[i - k])
-
-
 @row_entry
 def smoothed(rows: Array, weights: Array, known: Array, f: int) -> Smoothed:
     """The first n moments of all that are tracked, each with what was measured after it, and the covariances of sums by
@@ -161,8 +145,7 @@ def smoothed(rows: Array, weights: Array, known: Array, f: int) -> Smoothed:
     (q, end), d = weights.shape, 3 + 2 * f
     mean, covariance, sums = np.empty((len(rows), d)), np.empty((len(rows), d, d)), np.empty((q, f + d, f))
     smooth(rows, mean, covariance, weights, sums, known)
-    nu = np.empty((end, f, f))
-    nu[:] = covariance[:end, 3 : 3 + f, 3 : 3 + f]
+    nu = covariance[:end, 3 : 3 + f, 3 : 3 + f].copy()
     return Smoothed(
         rows[:end, 0].copy(),
         mean[:end, :3].copy(),
@@ -196,7 +179,8 @@ def weights(time: Array, width: int) -> Weights:
         own += held[i] ** 2
         if i >= n:
             both += held[i] * held[i - n]
-    of_motion[2] = of_motion[1] - fade * of_motion[0] - linear
+    for i in range(n + width):
+        of_motion[2, i] = of_motion[1, i] - fade * of_motion[0, i] - linear[i]
     return Weights(linear, held, of_motion, fade, of_white, min(both / own, 0.5))
 
 
@@ -220,20 +204,23 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
     parameters, time = np.empty((m, len(theta))), np.empty(m)
     for i in range(m):
         at = i % n if i < 2 * n else n - 1 if i < 2 * n + f + 2 else middle
-        state[i, :3], state[i, 3 : 3 + f], state[i, 3 + f :] = block.pose[at], block.velocity[at], block.memory[at]
-        time[i], parameters[i] = block.time[at], theta
+        copy(block.pose[at], state[i, :3])
+        copy(block.velocity[at], state[i, 3 : 3 + f])
+        copy(block.memory[at], state[i, 3 + f :])
+        copy(theta, parameters[i])
+        time[i] = block.time[at]
         if n <= i < 2 * n:
             for a in range(f):
                 nu = block.velocity[at, a]
                 square = STANDS_OUT**2 * block.covariance[at, a, a] / max(nu**2, 1e-300)
                 state[i, 3 + a] = max(1.0 - square, 0.0) * nu
-    acceleration[2 * n + 1] = rise[2]
+    copy(rise[2], acceleration[2 * n + 1])
     for a in range(f):
         acceleration[2 * n + 2 + a, a] = 1.0
     for j in range(q + 1):
-        acceleration[2 * n + f + 2 + j] = block.acceleration[middle]
-        if j > 0:
-            parameters[2 * n + f + 2 + j] += spread[:, j - 1]
+        copy(block.acceleration[middle], acceleration[2 * n + f + 2 + j])
+        for q in range(len(theta) if j > 0 else 0):
+            parameters[2 * n + f + 2 + j, q] += spread[q, j - 1]
     return rise, Asked(state, acceleration, parameters, time)
 
 
@@ -254,7 +241,9 @@ def _row(
     residual, of_memory = np.zeros(f), np.zeros(f)
     step = (block.time[n - 1] - block.time[0]) / (n - 1)
     for a in range(f):
-        by_acceleration[a] = by[still + 2 + a] - by[still]
+        for b in range(f):
+            for q in range(p):
+                by_acceleration[a, b, q] = by[still + 2 + a, b, q] - by[still, b, q]
         for i in range(n):
             residual[a] -= weighing.linear[i] * found.wrench[i, a]
             change = found.wrench[i, a]
@@ -295,7 +284,7 @@ def worked_out(
     found = Found(wrench, by_acceleration, by_parameters, np.zeros((n, f, n_stuck)))
     _find(floats, ints, asked, found, n)
     slow, columns = asked.state[:n].copy(), np.empty(3 * n_stuck)
-    slow[:, 3 : 3 + f] = slowest(block.velocity, block.covariance)
+    put(slowest(block.velocity, block.covariance), slow[:, 3 : 3 + f])
     _find_stuck((floats, ints), (slow, block.time, at_most(theta, covariance)), found.stuck, columns)
     return _row(weighing, rise, found, block, given, left_out)
 

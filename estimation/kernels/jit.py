@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of
-from cartgrasp.kernels.jit import DIGEST, INNER
+from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of, inner
+from cartgrasp.kernels.jit import DIGEST
 
 Indices = NDArray[np.int64]
 OWN = f"{digest_of(Path(__file__).parent)}_{DIGEST}"
@@ -21,16 +20,11 @@ row_entry = cached_as(OWN, WITH_ARRAYS)
 
 
 def compiled(function: F) -> F:
-    """For kernels that kernels call at many places."""
-    return njit(function, forceinline=True, **OPTIONS, **INNER)  # type: ignore[no-any-return]
-
-
-def inlined(function: F) -> F:
-    """For kernels that make no arrays, and are called at a place or two: they are compiled once, with these."""
-    return njit(function, inline="always", **OPTIONS)  # type: ignore[no-any-return]
+    """For kernels that kernels call, and that make no arrays."""
+    return inner(function, OPTIONS)
 
 
 def row_compiled(function: F) -> F:
     """For kernels that those of rows call. They may call those that make no arrays, but for what these give back: only
     numbers are safe, since nobody counts references to arrays."""
-    return njit(function, **WITH_ARRAYS, **INNER)  # type: ignore[no-any-return]
+    return inner(function, WITH_ARRAYS)

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from cartgrasp.frames import Array
 
+from . import filtered_row
 from .felt_wrench import Felt, feel, hold, size
-from .filtered_row import over
-from .jit import compiled, entry, inlined
+from .jit import compiled, entry
 from .tracked_motion import follow, known_of, take
 
 LATER, FELT, DUE = 1, 2, 4
@@ -15,7 +15,7 @@ LATER, FELT, DUE = 1, 2, 4
 SAME = 1e-9
 """s."""
 
-_known_of, _size = compiled(known_of), compiled(size)
+_known_of, _size, _over = compiled(known_of), compiled(size), compiled(filtered_row.over)
 
 
 @entry
@@ -31,12 +31,12 @@ def record(
     take(rows, n - 1, known, seen, f)
     if len(wrenches) > 0 and feel(rows, n - 1, time, felt, _known_of(known, f).room):
         said += FELT
-    if over(rows[:n])[0] > 0:
+    if _over(rows[:n])[0] > 0:
         said += DUE
     return said
 
 
-@inlined
+@compiled
 def go_on(rows: Array, known: Array, i: int, time: float, felt: Felt) -> None:
     """To moment i > 0, of which nothing is seen yet, and which has the last one's wrench."""
     f = len(felt.grip)

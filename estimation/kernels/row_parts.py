@@ -9,7 +9,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import N_PHI
 
-from .correction import eliminate, factorise
+from .correction import eliminate
 from .jit import row_compiled, row_entry
 
 SPACING = 0.1
@@ -34,19 +34,6 @@ def slowed(velocity: Array, covariance: Array) -> Array:
     return slowest(velocity, covariance)
 
 
-@row_entry
-def blur(noise: Array, curvature: Array) -> float:
-    """The largest eigenvalue of `noise⁻¹ curvature`, both (f, f) and symmetric."""
-    root, once = noise.copy(), curvature.copy()
-    factorise(root, len(root))
-    for a in range(len(root)):
-        root[a, a + 1 :] = 0.0
-    eliminate(root.copy(), once)
-    twice = np.ascontiguousarray(once.T)
-    eliminate(root.copy(), twice)
-    return float(np.linalg.eigvalsh(0.5 * (twice + twice.T)).max())
-
-
 @row_compiled
 def slowest(velocity: Array, covariance: Array) -> Array:
     n, f = velocity.shape
@@ -56,16 +43,6 @@ def slowest(velocity: Array, covariance: Array) -> Array:
             left = max(abs(velocity[i, a]) - STILL * math.sqrt(covariance[i, a, a]), 0.0)
             slow[i, a] = math.copysign(left, velocity[i, a]) if left > 0.0 else 0.0
     return slow
-
-
-@row_entry
-def stands_still(velocity: Array, covariance: Array) -> bool:
-    """Whether nothing is seen to move."""
-    for i in range(len(velocity)):
-        for a in range(velocity.shape[1]):
-            if not velocity[i, a] ** 2 < STILL**2 * covariance[i, a, a]:
-                return False
-    return True
 
 
 @row_entry

@@ -8,8 +8,6 @@ import math
 
 from cartgrasp.frames import Array
 
-from .jit import compiled, entry, inlined
-
 TIME_OUT = 0.5
 """s without a usable sample after which a sensor that spoke before is missed."""
 OUTLYING_SHARE, SMOOTHING = 0.1, 0.05
@@ -18,7 +16,6 @@ POSE_MISSED, WRENCH_MISSED, OUTLYING = 1, 2, 4
 """What is said of them all, as a sum."""
 
 
-@entry
 def noted(table: Array, time: float, ratios: Array) -> int:
     """After a sample of each; returns what is said. A ratio that is not finite is of one that could not be used."""
     for i in range(len(table)):
@@ -26,7 +23,6 @@ def noted(table: Array, time: float, ratios: Array) -> int:
     return said_of(table)
 
 
-@compiled
 def note(row: Array, time: float, ratio: float) -> None:
     if math.isfinite(ratio):
         row[0], row[1], row[3] = time, ratio, 0.0
@@ -35,7 +31,6 @@ def note(row: Array, time: float, ratio: float) -> None:
         row[3] = 1.0 if math.isfinite(row[0]) and time - row[0] > TIME_OUT else 0.0
 
 
-@inlined
 def said_of(table: Array) -> int:
     said = (POSE_MISSED if table[0, 3] > 0.0 else 0) + (WRENCH_MISSED if table[2, 3] > 0.0 else 0)
     return said + (OUTLYING if table[0, 2] > OUTLYING_SHARE or table[1, 2] > OUTLYING_SHARE else 0)

@@ -9,7 +9,7 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
-from .jit import compiled, entry, inlined
+from .jit import compiled
 
 PATH_FLOOR = 1e-6
 """m, rad: what a step's quadrature may miss."""
@@ -71,7 +71,7 @@ def known_of(known: Array, f: int) -> Known:
 _moment, _known_of = compiled(moment), compiled(known_of)
 
 
-@inlined
+@compiled
 def follow(rows: Array, i: int, step: float, known: Array, jolt: Array) -> None:
     """Fills row i > 0 from the one before; nu' may have changed by `jolt` (f,) at the last moment."""
     f = len(jolt)
@@ -81,7 +81,7 @@ def follow(rows: Array, i: int, step: float, known: Array, jolt: Array) -> None:
     now.worst[0] = math.nan
 
 
-@inlined
+@compiled
 def take(rows: Array, i: int, known: Array, seen: Array, f: int) -> None:
     """What is `seen` (6,) at moment i: a pose and a velocity, NaN where missing."""
     now, c = _moment(rows[i], 3 + 2 * f), _known_of(known, f)
@@ -94,7 +94,7 @@ def take(rows: Array, i: int, known: Array, seen: Array, f: int) -> None:
             now.worst[0] = miss
 
 
-@inlined
+@compiled
 def _predict(before: Moment, now: Moment, step: float, c: Known, jolt: Array) -> None:
     f, d = len(jolt), len(now.mean)
     last, mean, F = before.mean, now.ahead, now.forth
@@ -132,7 +132,7 @@ def _predict(before: Moment, now: Moment, step: float, c: Known, jolt: Array) ->
             now.covariance[i, j] = now.ahead_covariance[i, j] = P[i, j] + leap[i] * leap[j]
 
 
-@inlined
+@compiled
 def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, float], noise: Array) -> None:
     """Puts into `noise` (d, d) that of white jerk, creep and turning, over a step; the path's directions (3, f) by the
     heading halfway."""
@@ -157,7 +157,7 @@ def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, flo
     noise[2, 2] += c.densities[2] * step + PATH_FLOOR**2
 
 
-@entry
+@compiled
 def smooth(rows: Array, means: Array, covariances: Array, weights: Array, sums: Array, known: Array) -> None:
     """Each row with what was measured after it, too (Rauch, Tung and Striebel 1965), into `means` (n, d) and
     `covariances` (n, d, d); and into the first f rows of `sums` (q, f + d, f) the covariances of sums of nu over the
@@ -183,17 +183,7 @@ def smooth(rows: Array, means: Array, covariances: Array, weights: Array, sums: 
                     of_sum[a, b] += w * w * covariances[i, 3 + a, 3 + b] + w * with_later
 
 
-@entry
-def is_torn(rows: Array) -> bool:
-    """Whether more samples missed their gate than not."""
-    count = 0
-    for i in range(len(rows)):
-        missed = rows[i, rows.shape[1] - 1]
-        count += (2 if missed > 1.0 else 0) - (1 if math.isfinite(missed) else 0)
-    return count > 0
-
-
-@inlined
+@compiled
 def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Array, room: Array) -> None:
     """Into the first of `means` (2, d) and `covariances` (2, d, d), by the second; leaves in `back` (d, d) what takes
     what is wrong with the moment after to this one, transposed."""
@@ -215,7 +205,7 @@ def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Ar
     add_congruence(back.T, change, covariances[0], room)
 
 
-@inlined
+@compiled
 def _step_beside(back: Array, weight: float, covariance: Array, beside: Array, room: Array) -> None:
     """From what a moment shares with the sum over later ones than the next, (d, f), to that with the next in it."""
     d, f = beside.shape

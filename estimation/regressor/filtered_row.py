@@ -49,7 +49,7 @@ class Block:
 
 def stands_still(moved: Smoothed) -> bool:
     """Whether nothing is seen to move, all the block long."""
-    return row_parts.stands_still(moved.velocity, moved.covariance)
+    return bool((moved.velocity**2 < STILL**2 * np.diagonal(moved.covariance, axis1=1, axis2=2)).all())
 
 
 def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:

@@ -51,7 +51,7 @@ class LoadWatch:
         changes."""
         square = surprise.square
         self._resets = self._resets.at(time)
-        self._since = kernels.followed(self._since, surprise.pull, surprise.information, STARTS)
+        self._since = _followed(self._since, (surprise.information, surprise.pull))
         self._seen += 1
         self.ratio = square / (GATE * self._n)
         self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
@@ -76,3 +76,13 @@ class LoadWatch:
         if self._resets.times:
             self._resets = self._resets.at(time)
             self.health = self._resets.health_beside(self._outliers, self._white)
+
+
+def _followed(since: tuple[Array, Array], more: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Information (n, f, f), and its product with a change (n, f), since each of the last moments, with those of a row,
+    which is one moment more."""
+    known, pulled = (
+        np.concatenate([old[1 - STARTS :], np.zeros((1, *new.shape))]) + new
+        for old, new in zip(since, more, strict=True)
+    )
+    return known, pulled

@@ -14,14 +14,14 @@ import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
+from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..kernels import tracked_motion as kernels
 from ..kernels.felt_wrench import size
-from ..kernels.filtered_row import Smoothed, drop, over, smoothed
+from ..kernels.filtered_row import Smoothed, over, smoothed
 from ..kernels.recorded_moment import LATER, record
 from ..noise import FilterNoise
-from ..shallow import shallow
 
 JERK = 3.0
 """m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""
@@ -122,9 +122,10 @@ class MotionTracker:
 
     def is_torn(self, k: int) -> bool:
         """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""
-        return kernels.is_torn(self._rows[: k + 1])
+        missed = self._rows[: k + 1, -1]
+        return bool(2 * np.count_nonzero(missed > 1.0) > np.count_nonzero(np.isfinite(missed)))
 
     def drop(self, k: int) -> None:
         """The first k moments."""
-        drop(self._rows[: self._n], k)
+        self._rows[: self._n - k] = self._rows[k : self._n]
         self._n -= k

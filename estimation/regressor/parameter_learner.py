@@ -19,10 +19,11 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
+from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..health import Health
-from ..kernels.filtered_row import FilteredRow, are_known, weights
+from ..kernels.filtered_row import FilteredRow, weights
 from ..kernels.recorded_moment import DUE, FELT
 from ..load_change import load_covariance, root_of
 from ..noise import FilterNoise
@@ -30,7 +31,6 @@ from ..parameter_report import ParameterReport, WhenAsked, as_taught
 from ..physical_set import PhysicalSet
 from ..prior import Prior
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
-from ..shallow import shallow
 from ..wrench_sensing import Moving, WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .load_watch import LoadWatch
@@ -180,7 +180,7 @@ class ParameterLearner:
             along = moved.pose, moved.velocity, moved.time
             moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
-        is_whole = are_known(wrenches) and not tracker.is_torn(end - 1)
+        is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
         if is_whole and not is_slow and not stands_still(moved):
             self._learn(Block(weighing, moved, wrenches))
         else:

@@ -13,11 +13,11 @@ import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..kernels import belief as kernels
 from ..kernels.filtered_row import FilteredRow
-from ..shallow import shallow
 
 LATENESS, LATENESS_STD = -0.25, 0.3
 """Of a sample period, beyond a wrench that is held to the next: that has 0, a mere sample -0.5."""
@@ -73,7 +73,9 @@ class RegressionBelief:
 
     @property
     def _solved(self) -> Gaussian:
-        return Gaussian(*kernels.solved(*self._known))
+        information, pull = self._known
+        covariance = _inverse(information)
+        return Gaussian(covariance @ pull, covariance)
 
     def absorb(self, row: FilteredRow, at: Array) -> Surprise:
         """Takes in a row around parameters (p,)."""
@@ -86,7 +88,11 @@ class RegressionBelief:
     def unlink(self) -> None:
         """The next row does not begin where the last one ended."""
         if len(self._known[1]) > self._k:
-            self._known = kernels.unlinked(*self._known, self._k)
+            (information, pull), k = self._known, self._k
+            across = information[k:, :k]
+            gained = np.linalg.solve(information[k:, k:], np.column_stack([across, pull[k:]]))
+            left = information[:k, :k] - across.T @ gained[:, :k]
+            self._known = (left + left.T) / 2, pull[:k] - across.T @ gained[:, k]
 
     def open(self, added: Array) -> None:
         """Adds to the covariance of the free parameters, (f, f)."""
@@ -94,5 +100,12 @@ class RegressionBelief:
         m = self._k - 1
         covariance = now.covariance.copy()
         covariance[:m, :m] += added
-        information = kernels.inverse(covariance)
+        information = _inverse(covariance)
         self._known = information, information @ now.mean
+
+
+def _inverse(matrix: Array) -> Array:
+    """Of a positive definite one with mixed units."""
+    scale = np.sqrt(np.diagonal(matrix))
+    found = np.linalg.inv(matrix / np.outer(scale, scale)) / np.outer(scale, scale)
+    return np.asarray((found + found.T) / 2)

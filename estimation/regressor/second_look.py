@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..kernels import row_parts
+import numpy as np
+
 from ..kernels.filtered_row import FilteredRow
 from .filtered_row import Block
 from .regression_belief import RegressionBelief
@@ -43,5 +44,7 @@ class SecondLook:
 
 
 def blur(row: FilteredRow) -> float:
-    """Curvature by the row's own noise, where it is largest."""
-    return row_parts.blur(row.noise, row.curvature)
+    """Curvature by the row's own noise, where it is largest: an eigenvalue."""
+    scale = np.sqrt(np.diagonal(row.noise))
+    root = np.linalg.inv(np.linalg.cholesky(row.noise / np.outer(scale, scale))) / scale
+    return float(np.linalg.eigvalsh(root @ row.curvature @ root.T)[-1])

@@ -16,7 +16,7 @@ from .working_set import Ints
 from .workspace import Workspace, unpack
 
 
-@entry
+@compiled
 def solve_program(floats: Array, ints: Ints) -> int:
     """OPTIMAL and INFEASIBLE are proven. After any other answer the next solve begins anew."""
     w = unpack(floats, ints)

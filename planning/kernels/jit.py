@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from numba import njit
-
-from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of
+from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of, inner
 
 # Sums may be reordered, which lets loops be vectorised; infinite limits and NaN keep their meaning.
 QUICK: dict[str, Any] = {**OPTIONS, "fastmath": {"reassoc", "contract", "nsz"}}
@@ -17,4 +15,4 @@ entry = cached_as(DIGEST, QUICK)
 
 def compiled(function: F) -> F:
     """For kernels that kernels call."""
-    return njit(function, forceinline=True, **QUICK)  # type: ignore[no-any-return]
+    return inner(function, QUICK)

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from benchmarks import cold_start
+
 ROOT = Path(__file__).parents[2]
 TITLES = (
     "Allocation at given contacts",
@@ -35,3 +37,18 @@ def test_each_benchmark_runs(tmp_path):
     assert any("WrenchPlanner.plan" in row[0] for row in rows)
     assert any("daqp, bare" in row[0] and row[-1] == "40 of 40 |" for row in rows)
     assert "nan" not in text
+
+
+def test_deadlines_are_told_for_every_status():
+    command = [sys.executable, "-m", "benchmarks.deadlines", "--ticks", "60"]
+    said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in said.splitlines()[2:]]
+    assert {row[1] for row in rows} >= {"optimal", "infeasible", "relaxed", "invalid_input", "stale_estimate", "ok"}
+    assert all(sum(map(int, row[6:])) == int(row[2]) for row in rows)
+
+
+def test_a_cold_start_is_told_beside_another():
+    one = dict.fromkeys((*cold_start.COLD, *cold_start.WARM, *cold_start.IMPORTS, "first update"), 2.0)
+    lines = cold_start.table([one, {name: 2.0 * value for name, value in one.items()}], [one, one])
+    assert "| cold: all, s of CPU | 2 | 4 | 0.50 |" in lines
+    assert "| plan, median, µs | 2e+06 | 2e+06 | 1.00 |" in lines

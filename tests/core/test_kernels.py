@@ -3,6 +3,7 @@ partials, effects from outside the library, and the steps of the plant."""
 
 from __future__ import annotations
 
+import inspect
 import math
 import os
 import subprocess
@@ -23,7 +24,7 @@ from cartgrasp.effects import CasterRealignment, ExternalPush, PayloadChange, Ro
 from cartgrasp.effects.effect import Contribution, ForceEffect, InertiaEffect, Parameter, Situation
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
-from cartgrasp.kernels import entries, jit, rigid_body
+from cartgrasp.kernels import entries, jit, rigid_body, vocabulary
 from cartgrasp.kernels.vocabulary import KINDS
 from cartgrasp.kernels.workspace import PackedEffect, pack
 from cartgrasp.model import CartModel
@@ -290,6 +291,12 @@ def test_every_kernel_has_its_own_number():
             (0, 4),
             (9.81, 0.1),
         )
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_who_sticks_is_who_has_a_branch(name):
+    branches = inspect.getsource(vocabulary.add_stiction.py_func)
+    assert (f"== {name.upper()}:" in branches) == (name in vocabulary.STICKING)
 
 
 def test_the_cached_kernels_carry_the_digest():

@@ -12,7 +12,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
 from estimation.experiments.teaching_motions import teaching_motions
-from estimation.identifiability import identifiability
+from estimation.identifiable import identifiability
 from estimation.replay import replay
 
 from .runs import simulate

@@ -14,7 +14,7 @@ from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator
 from estimation.augmented_filter import AugmentedFilter
 from estimation.cart_filter import core_of
 from estimation.health import Health
-from estimation.identifiability import identifiability
+from estimation.identifiable import identifiability
 from estimation.learning_filter import LearningFilter
 from estimation.parameter_report import as_taught
 from estimation.replay import replay

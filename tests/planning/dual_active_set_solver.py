@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from planning.quadratic_program import INFEASIBLE, NUMERICAL, QPSolution, QuadraticProgram
+from tests.kernels_called import called
 
 NAME = "dual active set"
 
@@ -15,7 +16,7 @@ class DualActiveSetSolver:
     def __init__(self) -> None:
         from planning.kernels import allocation, loading, workspace
 
-        self._solve, self._loading, self._workspaces = allocation.solve_program, loading, workspace
+        self._solve, self._loading, self._workspaces = called(allocation.solve_program), loading, workspace
         self._last: QuadraticProgram | None = None
 
     def solve(self, program: QuadraticProgram) -> QPSolution:

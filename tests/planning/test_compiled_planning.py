@@ -17,12 +17,15 @@ from planning.compiled_choice import CompiledChoice
 from planning.contact_bounds import Candidates
 from planning.contact_regions import hand_distance
 from planning.duality import effort_cut
+from planning.kernels import cut
 from planning.kernels.cut import Table
-from planning.kernels.cut import effort_cut as compiled_effort_cut
 from planning.kernels.proof import COST
 from planning.quadratic_program import QPSolution
+from tests.kernels_called import called
 
 from .drawn import arm, bar, cart, first_contacts, random_arms, random_cart, violation
+
+COMPILED_CUT = called(cut.effort_cut)
 
 
 def warm(model, arms, **options):
@@ -149,7 +152,7 @@ def test_a_cut_bounds_as_the_numpy_one(seed):
     search._tables[2][:] = cost.weights
     workspace = allocation._workspace
     table = Table(*search._tables)
-    constant = compiled_effort_cut(workspace, table)
+    constant = COMPILED_CUT(workspace, table)
     target, k = template.basis_b.T @ wrench, template.basis_b.shape[1]
     program = template.program(template.contact_rows(points), target, cost)
     solution = QPSolution.checked(program, workspace.claim.x, workspace.claim.y, (), SOLVER)

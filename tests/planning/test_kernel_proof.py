@@ -11,9 +11,12 @@ from planning.duality import infeasible_by
 from planning.kernels import loading, proof
 from planning.kernels.workspace import Sizes, views
 from planning.quadratic_program import QPSolution, verify
+from tests.kernels_called import called
 
 from .dual_active_set_solver import DualActiveSetSolver
 from .test_solvers import program_of, random_program
+
+VERIFY, RAY_VALUE = called(proof.verify), called(proof.ray_value)
 
 
 def claim_of(program, x, y):
@@ -27,7 +30,7 @@ def claim_of(program, x, y):
 def both(program, x, y):
     """Residuals by numpy and by the kernel, and whether each calls them proven."""
     workspace, ours = claim_of(program, x, y), verify(program, x, y)
-    proven = proof.verify(workspace.claim, workspace.found)
+    proven = VERIFY(workspace.claim, workspace.found)
     return list(ours), workspace.found[:7].tolist(), ours.proven, proven
 
 
@@ -51,12 +54,12 @@ def test_nothing_is_proven_of_nan(where, index):
     program = program_of(np.eye(2), [0, 0], [[1, 0], [1, 1]], [-5, -5, -2, 3], [1, 5, 2, 3], 1)
     solution = DualActiveSetSolver().solve(program)
     workspace = claim_of(program, solution.x, solution.multipliers)
-    assert proof.verify(workspace.claim, workspace.found)
+    assert VERIFY(workspace.claim, workspace.found)
     spoiled = getattr(workspace.claim, where)
     spoiled.flat[index] = np.nan
     if where == "y" and index == 0:
         assert solution.multipliers[0] != 0.0
-    assert not proof.verify(workspace.claim, workspace.found)
+    assert not VERIFY(workspace.claim, workspace.found)
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -70,7 +73,7 @@ def test_the_value_of_a_ray_is_that_of_numpy(seed):
     nothing = QPSolution.failed(program, "infeasible", "", "")
     ray = QPSolution("infeasible", np.zeros(program.n), y, (), nothing.residuals, np.inf, "")
     slack = y[len(y) - program.n_equalities :]
-    assert proof.ray_value(workspace.claim) == pytest.approx(infeasible_by(program, ray, slack), rel=1e-9)
+    assert RAY_VALUE(workspace.claim) == pytest.approx(infeasible_by(program, ray, slack), rel=1e-9)
 
 
 def test_views_fill_the_workspace_and_do_not_overlap():

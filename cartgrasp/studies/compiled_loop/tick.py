@@ -10,10 +10,9 @@ import math
 
 import numpy as np
 
-from estimation.kernels import driven_motion, recorded_moment, tracked_motion
+from estimation.kernels import driven_motion, filtered_row, recorded_moment, tracked_motion
 from estimation.kernels.driven_block import parts
 from estimation.kernels.felt_wrench import Felt, feel
-from estimation.kernels.filtered_row import over
 from planning import steering
 from planning.kernels.allocation import allocate
 from planning.kernels.workspace import views
@@ -38,6 +37,7 @@ Limits = tuple[float, float, float]
 
 error_b, steered = compiled(steering.error_b), compiled(steering.steered)
 unpack_driven, unpack_planner, known_of = compiled(parts), compiled(views), compiled(tracked_motion.known_of)
+over = compiled(filtered_row.over)
 
 
 @entry

@@ -1,0 +1,52 @@
+"""`cartgrasp warm-up`."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from estimation import CartFilter
+from planning import WrenchPlanner
+
+from ..arms import Arm
+from ..compile_notice import telling
+from ..compiling import ENTRIES
+from ..inertia import Inertia
+from ..model import CartModel
+from ..wheels import Wheel
+from .output import KernelsTold, print_json
+
+OTHERS = frozenset({"begun", "row", "slowed", "largest", "predict", "take", "topple"})
+"""Kernels for carts that have effects without kernels."""
+PLACES = [(-0.25, 0.2, 1.0), (-0.25, 0.1, 1.0)]
+
+
+def run(as_json: bool) -> int:
+    """Whatever the cart and the arms, kernels are the same."""
+    kernels = asked_for()
+    told = KernelsTold(len(kernels))
+    with telling(told):
+        prepare()
+    ready = sum(bool(kernel.overloads) for kernel in kernels)
+    if as_json:
+        print_json({"kernels": ready, "compiled": told.count})
+    else:
+        print(f"{ready} kernels are ready: {told.count} were compiled, {ready - told.count} were found")
+    return 0
+
+
+def prepare() -> None:
+    """What online filter, planner and model call."""
+    wheels = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))
+    cart = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), wheels=wheels)
+    for places in (PLACES[:1], PLACES):
+        WrenchPlanner(cart, [Arm("hand", places)]).warm_up()
+    CartFilter(cart).warm_up()
+
+
+def asked_for() -> list[Any]:
+    """The kernels for carts whose effects all have some."""
+    for room in ("cartgrasp.kernels.entries", "planning.kernels.choice", "estimation.cart_filter"):
+        import_module(room)
+    ours = (kernel for kernel in ENTRIES if ".kernels." in kernel.py_func.__module__)
+    return [kernel for kernel in ours if kernel.py_func.__name__ not in OTHERS]
