@@ -69,7 +69,8 @@ def _print(found: Diagnosis) -> None:
     for one in found.where[:MOST_WHERE]:
         print(f"  {one.sentence}")
     if len(found.where) > MOST_WHERE:
-        print(f"  and {len(found.where) - MOST_WHERE} conditions more, told with --json and on the page of --out")
+        more = len(found.where) - MOST_WHERE
+        print(f"  and {more} condition{'s' * (more > 1)} more, told with --json and on the page of --out")
     for follows in found.unexplained["depends_on"]:
         print(f"  what is left follows {follows}")
     _print_impacts(found)

@@ -93,7 +93,7 @@ def _instead(header: Sequence[str]) -> str:
     line = ",".join(header)
     if "\0" in line:
         return ": this is no plain text; save it as UTF-8"
-    if header[0].startswith("#"):
+    if line.startswith("#"):
         return ": the first line is a comment; begin with the header t,x,y,theta,…"
     for sign in ";\t":
         if line.count(sign) > line.count(","):

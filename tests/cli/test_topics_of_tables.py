@@ -157,3 +157,14 @@ def test_what_is_for_bags_and_what_for_tables(capsys, table):
     run(capsys, "topics", table.with_name("run.mcap"), "--ask").refused(2, "--ask: is for tables")
     run(capsys, "topics", table.with_name("other.csv")).refused(3, "there is no such file")
     run(capsys, "topics", table, "--with", table.parent.parent / "a.csv").refused(2, "the table's own folder")
+
+
+@pytest.mark.parametrize("first", ["", "\n", "1;1;55795;223.86\n"])
+def test_a_table_without_names_is_shown_all_the_same(first, tmp_path, capsys):
+    """Its columns have numbers, and all is open."""
+    path = tmp_path / "mine.csv"
+    path.write_text(first + "".join(f"{k};{k};5579{k};{0.1 * k}\n" for k in range(1, 60)))
+    status, out, err = run(capsys, "topics", path)
+    assert status == 0
+    assert "column 4" in out
+    assert "open: time" in err
