@@ -49,9 +49,6 @@ class EntryLibrary(JITCodeLibrary):
         for library in called:
             self._reload_init.update(library._reload_init)
             self._final_module.link_in(_module_of(library), preserve=True)
-        for function in self._final_module.functions:  # what nobody else can call is put where it is called once
-            if not function.is_declaration and function.linkage.name == "linkonce_odr":
-                function.linkage = "internal"
         super().finalize()
 
 

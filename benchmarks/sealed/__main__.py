@@ -3,7 +3,6 @@
     python -m benchmarks.sealed generate --out DIR [--cases … --seeds … --guess … --proof]
     python -m benchmarks.sealed score DIR             what DIR/logs/*/out/report.json say, beside DIR/truth
     python -m benchmarks.sealed compare DIR1 DIR2     the same logs with two guesses: whether verdicts are the same
-    python -m benchmarks.sealed reliability DIR …     how probable names are, fitted to half of the logs, judged on half
     python -m benchmarks.sealed baselines DIR         another method's reports, to be scored too
 
 A case is effects, then what makes the log rough: `rolling_resistance+floor_slope@rail@bursts`, `nothing@coasting`.
@@ -54,13 +53,6 @@ def main() -> None:
     comparing = commands.add_parser("compare", help="the same logs with two first guesses: the same verdicts?")
     comparing.add_argument("folders", type=Path, nargs=2, metavar="DIR")
     comparing.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
-    relying = commands.add_parser(
-        "reliability", help="probabilities of names, fitted to half of DIRs' logs, on the rest"
-    )
-    relying.add_argument("folders", type=Path, nargs="+", metavar="DIR")
-    relying.add_argument("--on", type=Path, nargs="+", default=[], metavar="DIR", help="fitted to all, judged on these")
-    relying.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
-    relying.add_argument("--figure", type=Path, metavar="FILE", help="draw said against true probabilities there")
     regressing = commands.add_parser("baselines", help="general methods on DIR/logs/*, to be scored too")
     regressing.add_argument("folder", type=Path, metavar="DIR")
     regressing.add_argument("--method", choices=list(METHODS), default="err")
@@ -73,10 +65,6 @@ def main() -> None:
         regress_logs(options)
     elif options.command == "score":
         score_reports(options)
-    elif options.command == "reliability":
-        from .reliability import reliability
-
-        print(reliability(options.folders, options.on, options.reports, options.figure))
     elif options.command == "compare":
         compare_reports(options, parser)
     else:

@@ -29,7 +29,7 @@ SURE = 2.0
 TRUE_AT, TRUE_BY, TRUE_BESIDE = 1.5, 1.2, 1.0
 """Log odds that a name is true, but for its rivals: where it gains the nats that a name is worth, more for each time e
 as many, and less for each time e that the largest gain of a step is larger: what is small beside that may be what the
-form of the first leaves. Fitted to names whose truth is known (`python -m benchmarks.sealed reliability`)."""
+form of the first leaves. Fitted to names whose truth is known (`python -m benchmarks.name_probabilities`)."""
 RIVAL = 0.2
 """Of the odds of what explains about as much: that it was not chosen, for it is less simple or less usual, counts."""
 UNTRIED = 0.95

@@ -46,10 +46,11 @@ class RegressionBelief:
         information = np.zeros((self._k, self._k))
         try:
             information[:-1, :-1] = np.linalg.inv(first.covariance)
+            information[-1, -1] = LATENESS_STD**-2
+            _inverse(information)
         except np.linalg.LinAlgError as error:
             why = "the cart's mass, CoM and inertia are too far apart to be learned; look for numbers not in SI units"
             raise UsageError(f"first guess: {why}") from error
-        information[-1, -1] = LATENESS_STD**-2
         self._known = information, information @ np.append(first.mean, LATENESS)
 
     def copy(self) -> Self:

@@ -273,7 +273,7 @@ def test_simulate_leaves_a_log_that_estimate_reads(capsys, monkeypatch, tmp_path
     from planning.references import chain, pause, straight
 
     (tmp_path / "cart.yaml").write_text(CART)
-    monkeypatch.setattr(simulate, "_path", lambda *a: chain(straight(0.6, 0.6, 0.6), pause(0.2)))
+    monkeypatch.setattr(simulate, "named_path", lambda *a: chain(straight(0.6, 0.6, 0.6), pause(0.2)))
     out = tmp_path / "run"
     answer = run(capsys, "simulate", "--cart", tmp_path / "cart.yaml", "--arms", "2", "--out", out, "--json")
     assert answer.status == 0

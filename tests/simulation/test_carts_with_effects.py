@@ -39,7 +39,7 @@ ROBOT = {
 def scenario(folder, *names, **changes):
     path = folder / "cart.yaml"
     path.write_text(CART + "".join(f"  {name}: {(EFFECTS | ROBOT)[name]}\n" for name in names))
-    choice = Choice(path, None, "curves", "model", 2, 0.6, 0.0, False, 0)
+    choice = Choice(path, None, "curves", None, "model", 2, 0.6, 0.0, False, 0)
     return replace(build_scenario(replace(choice, **changes)), duration=4.0)
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.sealed.reliability import Names, fitted, names, reliability
+from benchmarks.name_probabilities import Names, fitted, names, reliability
 from estimation.discrepancy.named import RIVAL, true_alone
 
 

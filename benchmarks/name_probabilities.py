@@ -1,8 +1,12 @@
 """How probable names are: a map from the gain at which they were added, and from its share of the largest, fitted to
-some logs and held against others, beside the map that the workflow has and a constant."""
+some logs and held against others, beside the map that the workflow has and a constant.
+
+    python -m benchmarks.name_probabilities DIR …
+"""
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
@@ -16,10 +20,10 @@ from scipy.special import expit
 from estimation.discrepancy.named import RIVAL, true_alone
 from estimation.discrepancy.search import WORTH
 
-from .calibration import bins, brier
-from .judging import bare
-from .reliability_plot import save_reliability
-from .score import judged
+from .sealed.calibration import bins, brier
+from .sealed.judging import bare
+from .sealed.reliability_plot import save_reliability
+from .sealed.score import judged
 
 PRIOR = (0.0, 3.0), (1.0, 1.0), (1.0, 1.0), (0.0, 0.5)
 """Mean and standard deviation of the four numbers of the map: few names are wrong."""
@@ -112,3 +116,17 @@ def reliability(folders: Sequence[Path], others: Sequence[Path], reports: str, f
 
 def log_score(said: np.ndarray, right: np.ndarray) -> float:
     return float(-np.log(np.clip(np.where(right > 0, said, 1 - said), 1e-9, None)).mean())
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser("python -m benchmarks.name_probabilities")
+    parser.add_argument("folders", type=Path, nargs="+", metavar="DIR", help="of `benchmarks.sealed`, with reports")
+    parser.add_argument("--on", type=Path, nargs="+", default=[], metavar="DIR", help="fitted to all, judged on these")
+    parser.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
+    parser.add_argument("--figure", type=Path, metavar="FILE", help="draw said against true probabilities there")
+    options = parser.parse_args()
+    print(reliability(options.folders, options.on, options.reports, options.figure))
+
+
+if __name__ == "__main__":
+    main()
