@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import NoneType
 
 import numpy as np
 
-from .contacts import ContactSet, Segment
+from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, number, numbers
+from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
 from .errors import UsageError
 from .frames import Array
-from .joint_torques import LARGEST_NUMBER, JointTorques
+from .joint_torques import JointTorques
 from .reach import Reach
 
 EXACT = "exact"
 LARGEST_FRICTION = 100.0
+FORCES, MOMENTS, WRENCH = (f"({', '.join(WRENCH_NAMES[part])})" for part in (slice(3), slice(3, 6), slice(6)))
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,7 @@ class Friction:
     sides: int | str = 4
 
     def __post_init__(self) -> None:
-        if not 0 <= self.mu <= LARGEST_FRICTION:
-            raise UsageError(f"friction: mu: {self.mu} is not a finite number >= 0 and up to {LARGEST_FRICTION:g}")
+        object.__setattr__(self, "mu", number("friction: mu", self.mu, 0.0, LARGEST_FRICTION))
         if self.sides != EXACT and not (isinstance(self.sides, int | np.integer) and 3 <= self.sides <= 256):
             raise UsageError(f'friction: sides: {self.sides!r} is neither a whole number of 3 to 256 nor "exact"')
         object.__setattr__(self, "sides", self.sides if self.sides == EXACT else int(self.sides))
@@ -81,30 +83,38 @@ class Arm:
             contacts = _contact_set(name, contacts, segment)
         elif segment is not None:
             raise UsageError(f"arm {name}: segment: put it into the ContactSet that is given, not beside it")
+        where = f"arm {name}"
+        check_kind(f"{where}: friction", friction, (Friction, NoneType), "write friction=Friction(mu=0.6)")
+        check_kind(f"{where}: push_only", push_only, (bool, np.bool_), "write True or False")
+        check_kind(
+            f"{where}: joints", joints, (JointTorques, NoneType), "write JointTorques(jacobian, torques, limits)"
+        )
+        check_kind(f"{where}: reach", reach, (Reach, NoneType), "write Reach.box(low, high)")
         values = {
             "name": name,
             "contacts": contacts,
-            "yaw": _number(name, "yaw", yaw),
-            "force_limit": _numbers(name, "force_limit", force_limit, 3),
-            "moment_limit": _numbers(name, "moment_limit", moment_limit, 3),
+            "yaw": angle(f"{where}: yaw", yaw),
+            "force_limit": _limits(f"{where}: force_limit", force_limit, FORCES),
+            "moment_limit": _limits(f"{where}: moment_limit", moment_limit, MOMENTS),
             "friction": friction,
-            "weights": _numbers(name, "weights", weights, 6),
+            "weights": numbers(f"{where}: weights", weights, WRENCH, 0.0, LARGEST_NUMBER),
             "push_only": bool(push_only),
-            "payload": _number(name, "payload", payload),
-            "wrench_rate": _numbers(name, "wrench_rate", wrench_rate, 6),
+            "payload": _limits(f"{where}: payload", (payload,), "(kg)")[0],
+            "wrench_rate": _limits(f"{where}: wrench_rate", wrench_rate, WRENCH),
             "joints": joints,
             "reach": reach,
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
-        if not np.isfinite(self.yaw):
-            raise UsageError(f"arm {name}: yaw: {yaw} is not finite")
-        if not np.isfinite(self.weights).all():
-            raise UsageError(f"arm {name}: weights: {list(self.weights)} has a value that is not finite")
-        if not (0 <= self.payload <= LARGEST_NUMBER or self.payload == np.inf):
-            raise UsageError(f"arm {name}: payload: {payload} is not a number >= 0, in kg, nor `inf`")
         if not min(self.wrench_rate) > 0:
-            raise UsageError(f"arm {name}: wrench_rate: {list(self.wrench_rate)} has a rate that is not > 0")
+            raise UsageError(f"{where}: wrench_rate: {list(self.wrench_rate)} has a rate that is not > 0")
+
+    def __repr__(self) -> str:
+        counts = (len(self.contacts.points), "points"), (len(self.contacts.segments), "segments")
+        held = (f"{what}: {count}" for count, what in counts if count)
+        limits = f"force_limit={digits(self.force_limit)}, moment_limit={digits(self.moment_limit)}"
+        friction = "" if self.friction is None else f"friction={digits(self.friction.mu)}"
+        return brief("Arm", repr(self.name), ", ".join(held), f"yaw={digits(self.yaw)}", limits, friction)
 
     @property
     def wrench_limit(self) -> Array:
@@ -113,36 +123,17 @@ class Arm:
 
 
 def _contact_set(name: str, points: Sequence[Sequence[float]], segment: Sequence[Sequence[float]] | None) -> ContactSet:
-    def triple(point: Sequence[float]) -> tuple[float, float, float]:
-        return _numbers(name, "contact", point, 3)  # type: ignore[return-value]
-
-    if segment is not None and len(segment) != 2:
-        raise UsageError(f"arm {name}: segment: 2 ends are needed, {len(segment)} given")
-    segments = () if segment is None else (Segment(triple(segment[0]), triple(segment[1])),)
-    return ContactSet(tuple(triple(p) for p in points), segments)
-
-
-def _number(arm: str, what: str, value: float) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"arm {arm}: {what}: {value!r} is not a number") from error
+    if segment is None:
+        return ContactSet(points_of(f"arm {name}: contacts", points))
+    ends = points_of(f"arm {name}: segment", segment)
+    if len(ends) != 2:
+        raise UsageError(f"arm {name}: segment: 2 ends are needed, {len(ends)} given")
+    return ContactSet(points_of(f"arm {name}: contacts", points), (Segment(*ends),))
 
 
-def _numbers(arm: str, what: str, values: Sequence[float], n: int) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(v) for v in values)
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"arm {arm}: {what}: {values!r} is not a row of numbers") from error
-    if len(numbers) != n:
-        raise UsageError(f"arm {arm}: {what}: {n} numbers are needed, {len(numbers)} given")
-    if any(np.isnan(v) for v in numbers):
-        raise UsageError(f"arm {arm}: {what}: {list(numbers)} holds a NaN")
-    if any(LARGEST_NUMBER < abs(v) < np.inf for v in numbers):
-        beyond = f"has a number beyond {LARGEST_NUMBER:g}; for no limit, give inf"
-        raise UsageError(f"arm {arm}: {what}: {list(numbers)} {beyond}")
-    if what.endswith("limit") and any(v < 0 for v in numbers):
-        raise UsageError(f"arm {arm}: {what}: {list(numbers)} has a negative limit; limits are symmetric, >= 0")
-    if what == "weights" and any(v < 0 for v in numbers):
-        raise UsageError(f"arm {arm}: weights: {list(numbers)} has a negative weight")
-    return numbers
+def _limits(what: str, values: Sequence[float], form: str) -> tuple[float, ...]:
+    """Of either sign, `inf` for none."""
+    found = numbers(what, values, form, 0.0)
+    if any(LARGEST_NUMBER < value < np.inf for value in found):
+        raise UsageError(f"{what}: {list(found)} has a number beyond {LARGEST_NUMBER:g}; for no limit, give inf")
+    return found

@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+from .checks import FARTHEST, did_you_mean
 from .constraints import RollingConstraints
 from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh
 from .effects.effect import Setting
@@ -23,7 +24,6 @@ from .wheels import Wheel
 from .writing import write_atomically
 from .yaml_file import (
     StrictModel,
-    did_you_mean,
     dump_yaml,
     file_error,
     parse_yaml,
@@ -33,7 +33,6 @@ from .yaml_file import (
 )
 
 Location = Sequence[str | int]
-FARTHEST_AXLE = 1e6
 
 
 class _WheelEntry(StrictModel):
@@ -77,6 +76,8 @@ def cart_from_document(document: CommentedMap, name: str, prefix: Location = ())
     if entry.inertia <= 0:
         why = f"{entry.inertia:g} kg m² about the CoM is not positive, so J m > |m d|² fails"
         raise refuse(["inertia"], why)
+    if max(map(abs, entry.com)) > FARTHEST:
+        raise refuse(["com"], f"{entry.com} is beyond {FARTHEST:g} m; lengths are in m")
     x, y = entry.mass * entry.com[0], entry.mass * entry.com[1]
     product = entry.mass * entry.inertia + (x * x + y * y)
     if not x * x + y * y < product < math.inf:
@@ -139,8 +140,8 @@ def _constraints(entries: list[dict[str, Any]], refuse: Any) -> RollingConstrain
         if axle_x is not None:
             raise refuse(where, "stands twice; two axles at different x are a rail: use `no_rotation: {}`")
         axle_x = _number(values.get("x", 0.0), [*where, "x"], refuse)
-        if abs(axle_x) > FARTHEST_AXLE:
-            raise refuse([*where, "x"], f"{axle_x:g} m is beyond {FARTHEST_AXLE:g} m")
+        if abs(axle_x) > FARTHEST:
+            raise refuse([*where, "x"], f"{axle_x:g} m is beyond {FARTHEST:g} m; lengths are in m")
     if no_rotation and axle_x is None:
         raise refuse(["constraints"], "no_rotation needs no_lateral_slip beside it (a rail has both)")
     return RollingConstraints(axle_x, no_rotation)
@@ -153,7 +154,10 @@ def _wheels(entries: list[_WheelEntry], refuse: Any) -> tuple[Wheel, ...]:
             raise refuse(["wheels", i, "kind"], f"{entry.kind!r} is neither fixed nor caster")
         if entry.trail < 0:
             raise refuse(["wheels", i, "trail"], f"{entry.trail:g} m is negative")
-        wheels.append(Wheel(entry.kind, entry.x, entry.y, entry.trail))
+        try:
+            wheels.append(Wheel(entry.kind, entry.x, entry.y, entry.trail))
+        except CartgraspError as error:
+            raise refuse(["wheels", i], str(error)) from error
     return tuple(wheels)
 
 

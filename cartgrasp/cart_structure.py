@@ -15,8 +15,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import FARTHEST, check_kind, listed, number
 from .constraints import RollingConstraints
-from .effects import ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
+from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
 from .errors import UsageError
 from .first_guess import FirstGuess
 from .frames import Array
@@ -42,6 +43,14 @@ class CartStructure(ABC):
     source: str = field(default="", repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        check_kind("cart: inertia", self.inertia, Inertia, "write Inertia(mass, (x, y), inertia about the CoM)")
+        check_kind("cart: constraints", self.constraints, RollingConstraints, "write RollingConstraints(axle_x=0.0)")
+        form = f"write effects=(RollingResistance(), …); known are {', '.join(KNOWN_EFFECTS)}"
+        object.__setattr__(self, "effects", listed("cart: effects", self.effects, Effect, form))
+        form = "write wheels=(Wheel('fixed', x, y), …)"
+        object.__setattr__(self, "wheels", listed("cart: wheels", self.wheels, Wheel, form))
+        if self.com_height is not None:
+            number("cart: com_height", self.com_height, 0.0, FARTHEST, "give m above the floor")
         keys = [effect.key for effect in self.effects]
         for key in keys:
             if keys.count(key) > 1:
@@ -69,6 +78,8 @@ class CartStructure(ABC):
     def with_parameters(self, parameters: ArrayLike) -> Self:
         """The same structure with other numbers (p,)."""
         parameters = np.asarray(parameters, dtype=float)
+        if parameters.shape != self.parameters.shape:
+            raise UsageError(f"cart: parameters {parameters.shape} are not the {len(self.parameters)} of this cart")
         effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
         return self._with_numbers(Inertia.from_phi(parameters[:N_PHI]), effects)
 

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import FARTHEST, check_kind, number
 from .errors import UsageError
 from .frames import Array
 
@@ -34,8 +35,9 @@ class RollingConstraints:
     def __post_init__(self) -> None:
         if self.axle_x is None and self.no_rotation:
             raise UsageError("constraints: no_rotation needs no_lateral_slip beside it (a rail has both)")
-        if self.axle_x is not None and not np.isfinite(self.axle_x):
-            raise UsageError(f"constraints: no_lateral_slip: x = {self.axle_x} is not finite")
+        check_kind("constraints: no_rotation", self.no_rotation, bool, "write True or False")
+        if self.axle_x is not None:
+            number("constraints: axle_x", self.axle_x, -FARTHEST, FARTHEST, "give its x in {b}, m, or None")
 
     @property
     def n_rows(self) -> int:

@@ -7,18 +7,32 @@ A contact frame {a} sits at a point of {b}, turned about z by a yaw. Its spatial
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import FARTHEST, check_kind, listed, numbers, shown
 from .errors import UsageError
 from .frames import Array, adjoint, body_to_world
 
-LARGEST_POSITION = 1e6  # m
+LARGEST_POSITION = FARTHEST
 PLANAR_ROWS = (0, 1, 5)
 WRENCH_NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
+
+
+def points_of(what: str, points: Any) -> tuple[tuple[float, float, float], ...]:
+    """Contact points in {b}, as numbers."""
+    if isinstance(points, str) or not isinstance(points, Iterable):
+        raise UsageError(f"{what}: {shown(points)} is no list of points; write [(x, y, z)], in m")
+    low, high, found = -LARGEST_POSITION, LARGEST_POSITION, []
+    for point in points:
+        if isinstance(point, float | int):
+            raise UsageError(f"{what}: {shown(points)} is one point; a list of points is needed: [(x, y, z)]")
+        found.append(numbers(what, point, "(x, y, z) in {b}, m", low, high))
+    return tuple((x, y, z) for x, y, z in found)
 
 
 def grasp_map_spatial(position_b: ArrayLike, yaw: ArrayLike = 0.0) -> Array:
@@ -64,11 +78,9 @@ class ContactSet:
     def __post_init__(self) -> None:
         if not self.points and not self.segments:
             raise UsageError("contacts: none given; an arm needs a point or a segment to hold")
-        ends = [*self.points, *(end for s in self.segments for end in (s.start, s.stop))]
-        for point in ends:
-            if len(point) != 3 or not all(abs(value) <= LARGEST_POSITION for value in point):
-                form = f"three finite numbers (x, y, z in {{b}}, m) within {LARGEST_POSITION:g}"
-                raise UsageError(f"contacts: {point} is not {form}")
+        points_of("contacts", self.points)
+        for segment in listed("contacts: segments", self.segments, Segment, "write [Segment(start, stop)]"):
+            points_of("contacts", (segment.start, segment.stop))
 
     @property
     def first(self) -> Array:
@@ -85,6 +97,11 @@ class ContactWrenches:
     yaws: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        for name, parts, n in (("wrenches", self.wrenches, 6), ("contacts", self.contacts, 3)):
+            check_kind(name, parts, Mapping, "write {arm: numbers}")
+            for arm, part in parts.items():
+                if np.shape(part) != (n,):
+                    raise UsageError(f"{name}: {arm}: shape {np.shape(part)} instead of {n} numbers")
         if set(self.wrenches) != set(self.contacts):
             raise UsageError(
                 f"wrenches of {sorted(self.wrenches)} but contacts of {sorted(self.contacts)}: name the same arms"

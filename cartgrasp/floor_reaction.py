@@ -92,6 +92,13 @@ class FloorReaction:
         return np.asarray(wrench_b @ self.lateral_map + self.lateral_offset)
 
 
+def lateral_force(cart: CartModel, wrench_b: Array, motion: Motion | None = None) -> float:
+    """N that the floor gives all fixed wheels, to their left, under a planar wrench (3,) of the hands in {b}, at a
+    motion or at rest; 0 where all wheels are casters. It asks for no wheels or height: their loads don't enter."""
+    row = cart.floor_rows(_state(cart, motion))[-1]
+    return float(row[:6] @ PLANAR.T @ wrench_b + row[6])
+
+
 def _height(cart: CartModel) -> float:
     if not cart.wheels or cart.com_height is None:
         raise UsageError(f"{cart.name}: wheels and com_height are needed for wheel loads; add them to the cart")

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import FARTHEST, number, numbers
 from .errors import UsageError
 from .frames import Array, components
 
@@ -23,8 +24,8 @@ Number = TypeVar("Number", float, Array)
 
 def phi_from_physical(mass: ArrayLike, com_x: ArrayLike, com_y: ArrayLike, inertia: ArrayLike) -> Array:
     """phi, shape (..., 4), from mass, CoM in {b} and yaw inertia about the CoM."""
-    numbers = (np.asarray(v, dtype=float) for v in (mass, com_x, com_y, inertia))
-    return np.stack(np.broadcast_arrays(*_phi(*numbers)), axis=-1)
+    given = (np.asarray(v, dtype=float) for v in (mass, com_x, com_y, inertia))
+    return np.stack(np.broadcast_arrays(*_phi(*given)), axis=-1)
 
 
 def physical_from_phi(phi: ArrayLike) -> Array:
@@ -54,6 +55,12 @@ class Inertia:
     about_com: float
 
     def __post_init__(self) -> None:
+        number("mass", self.mass, -math.inf, math.inf, "give kg")
+        numbers("com", self.com, "(x, y) in {b}, m", -FARTHEST, FARTHEST)
+        number("inertia", self.about_com, -math.inf, math.inf, "give kg m²")
+        self._check_physical()
+
+    def _check_physical(self) -> None:
         if not all(map(math.isfinite, (self.mass, *self.com, self.about_com))):
             raise UsageError(f"inertia: {self} has a value that is not finite")
         if self.mass <= 0:
@@ -65,11 +72,14 @@ class Inertia:
 
     @classmethod
     def from_phi(cls, phi: ArrayLike) -> Inertia:
-        numbers: list[float] = np.asarray(phi, dtype=float).tolist()
-        if numbers[0] <= 0:
-            raise UsageError(f"mass: {numbers[0]:g} kg is not positive")
-        mass, com_x, com_y, about_com = _physical(*numbers)
-        return cls(mass, (com_x, com_y), about_com)
+        values: list[float] = np.asarray(phi, dtype=float).tolist()
+        if values[0] <= 0:
+            raise UsageError(f"mass: {values[0]:g} kg is not positive")
+        mass, com_x, com_y, about_com = _physical(*values)
+        found = object.__new__(cls)  # a fit may pass through bodies that nobody would write
+        found.__dict__.update(mass=mass, com=(com_x, com_y), about_com=about_com)
+        found._check_physical()
+        return found
 
     @property
     def phi(self) -> Array:

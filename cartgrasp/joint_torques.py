@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .checks import LARGEST_NUMBER, shown
 from .errors import UsageError
 from .frames import Array
-
-LARGEST_NUMBER = 1e12  # of a limit, rate, weight or lever that isn't infinite: squares of larger ones mean nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +23,10 @@ class JointTorques:
 
     def __post_init__(self) -> None:
         for field in ("jacobian", "gravity_torque", "torque_limit"):
-            values = np.array(getattr(self, field), dtype=float)
+            try:
+                values = np.array(getattr(self, field), dtype=float)
+            except (TypeError, ValueError) as error:
+                raise UsageError(f"joint torques: {field}: {shown(getattr(self, field))} are no numbers") from error
             values.setflags(write=False)
             object.__setattr__(self, field, values)
         if self.jacobian.ndim != 2 or len(self.jacobian) != 6 or not self.jacobian.size:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 import numpy as np
 
 from .cart_structure import CartStructure
+from .checks import brief, digits
 from .effects import ForceEffect, InertiaEffect
 from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
@@ -76,6 +77,12 @@ class Acting(NamedTuple):
 @dataclass(frozen=True)
 class CartModel(CartStructure):
     """A cart: what is pushed, and what acts on it; its parts are those of `CartStructure`."""
+
+    def __repr__(self) -> str:
+        body, rows = self.inertia, ("all casters", "no lateral slip", "on a rail")[self.constraints.n_rows]
+        what = f"{digits(body.mass)} kg, CoM {digits(body.com)} m, inertia {digits(body.about_com)} kg m²"
+        effects = "; ".join(f"{e.key} {digits(e.values.tolist())}" for e in self.effects) or "none"
+        return brief("CartModel", repr(self.name), what, rows, f"{len(self.wheels)} wheels", f"effects: {effects}")
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Writes `cart.yaml`, with the comments and order of the file it was read from."""
@@ -206,9 +213,9 @@ class CartModel(CartStructure):
 
     def floor_rows(self, state: Array, time: Any = 0.0) -> Array:
         """What the floor gives, for `FloorReaction`: of each wheel and of all fixed ones a row over the hands' spatial
-        wrench with an offset behind it, (..., n_wheels + 1, 7). `com_height` is needed."""
+        wrench with an offset behind it, (..., n_wheels + 1, 7). The wheels' need `com_height`."""
         point = self._point(state, None, time)
-        return self.dynamics.floor(point, np.array([self.com_height], dtype=float), self._foreign(point))
+        return self.dynamics.floor(point, np.array([self.com_height or 0.0]), self._foreign(point))
 
     # --- sensors ---------------------------------------------------------------------------------------------
 

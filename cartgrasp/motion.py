@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
+from .checks import brief, digits
 from .frames import Array
 from .inertia import N_PHI, physical_jacobian
 
@@ -57,6 +58,11 @@ class ParameterEstimate:
     unit: str
     identifiable: bool
 
+    def __repr__(self) -> str:
+        """± is one standard deviation."""
+        taught = "" if self.identifiable else ", not taught"
+        return f"{digits(self.value)} ± {self.std:.2g} {self.unit}{taught}"
+
 
 class Estimate(NamedTuple):
     """What an estimator knows at `time`: the motion, the parameters by name, and its own health. `structure` is the
@@ -70,6 +76,13 @@ class Estimate(NamedTuple):
     structure: CartModel
     model_parameters: Array
     covariance: Array | None = None
+
+    def __repr__(self) -> str:
+        pose, velocity = (digits(part.tolist()) for part in self.motion[:2])
+        seen = brief(
+            "Estimate", f"t = {digits(self.time)} s", f"health: {self.health}", f"pose {pose}", f"nu {velocity}"
+        )
+        return "\n  ".join([seen, "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())])
 
     def cart(self) -> CartModel:
         """The cart as now estimated."""

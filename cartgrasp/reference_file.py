@@ -16,6 +16,7 @@ from pathlib import Path
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+from .checks import number
 from .writing import write_atomically
 from .yaml_file import StrictModel, dump_yaml, file_error, read_yaml, validate
 
@@ -25,6 +26,9 @@ DIGITS = 6
 FASTEST = 100.0
 """m/s and rad/s: beyond, numbers are not in SI units."""
 
+LONGEST, STRONGEST = 1e5, 100.0
+"""s or m; m/s² or rad/s²: what is beyond is a slip of units."""
+
 
 @dataclass(frozen=True)
 class Stretch:
@@ -33,6 +37,11 @@ class Stretch:
     duration: float
     acceleration: float = 0.0
     yaw_acceleration: float = 0.0
+
+    def __post_init__(self) -> None:
+        number("stretch: duration", self.duration, 0.0, LONGEST, "give s")
+        number("stretch: acceleration", self.acceleration, -STRONGEST, STRONGEST, "give m/s²")
+        number("stretch: yaw_acceleration", self.yaw_acceleration, -STRONGEST, STRONGEST, "give rad/s²")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import FARTHEST, number
 from .errors import UsageError
 from .frames import Array
 
@@ -34,10 +35,8 @@ class Wheel:
     def __post_init__(self) -> None:
         if self.kind not in (FIXED, CASTER):
             raise UsageError(f"wheels: kind: {self.kind!r} is neither {FIXED!r} nor {CASTER!r}")
-        if not np.isfinite([self.x, self.y, self.trail]).all():
-            raise UsageError("wheels: a position or trail is not finite")
-        if self.trail < 0:
-            raise UsageError(f"wheels: trail: {self.trail:g} m is negative")
+        for what, value, low in (("x", self.x, -FARTHEST), ("y", self.y, -FARTHEST), ("trail", self.trail, 0.0)):
+            number(f"wheels: {what}", value, low, FARTHEST, "give m")
 
 
 @dataclass(frozen=True)

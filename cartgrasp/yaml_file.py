@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import io
 import os
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -17,6 +16,7 @@ from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import MarkedYAMLError, YAMLError, YAMLWarning
 from ruamel.yaml.scalarbool import ScalarBoolean
 
+from .checks import did_you_mean as did_you_mean
 from .errors import FileError, Place
 
 
@@ -111,13 +111,6 @@ def dump_yaml(document: CommentedMap) -> str:
     stream = io.StringIO()
     yaml.dump(document, stream)
     return stream.getvalue()
-
-
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """`; did you mean …?`, or the list of what is known."""
-    known = list(known)
-    close = difflib.get_close_matches(word, known, n=1)
-    return f"; did you mean {close[0]}?" if close else f"; known are {', '.join(known) or 'none'}"
 
 
 def _refuse_odd_shapes(document: CommentedMap, name: str) -> None:
@@ -215,7 +208,8 @@ def _first(document: Any, errors: Sequence[Any]) -> Any:
 
 
 def _why(error: Any) -> str:
-    given = error.get("input")
+    given, context = error.get("input"), error.get("ctx", {}).get
+    many = f"{context('actual_length')} given, but at"
     reasons = {
         "missing": "is missing; add it",
         "finite_number": f"{given} is not a finite number",
@@ -227,6 +221,15 @@ def _why(error: Any) -> str:
         "dict_type": f"{given!r} is not a mapping `key: value`",
         "model_type": f"{given!r} is not a mapping `key: value`",
         "model_attributes_type": f"{given!r} is not a mapping `key: value`",
+        "bool_type": f"{given!r} is neither true nor false",
+        "too_short": f"{many} least {context('min_length')} are needed",
+        "too_long": f"{many} most {context('max_length')} are allowed",
+        "greater_than": f"{given} is not > {context('gt')}",
+        "greater_than_equal": f"{given} is not >= {context('ge')}",
+        "less_than": f"{given} is not < {context('lt')}",
+        "less_than_equal": f"{given} is not <= {context('le')}",
+        "literal_error": f"{given!r} is not one of {context('expected')}",
+        "string_too_short": "is empty; a word is needed",
     }
     message = str(error.get("msg", "")).removeprefix("Value error, ")
     return reasons.get(error["type"], message[:1].lower() + message[1:])

@@ -15,6 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from cartgrasp.checks import LARGEST_NUMBER, brief, check_kind, number
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
@@ -24,6 +25,7 @@ from .augmented_filter import AugmentedFilter
 from .delayed_wrenches import Core, DelayedWrenches, longest_delay
 from .driven_motion import DrivenMotion
 from .gaussian import Gaussian
+from .given import Given, given
 from .health import Health, SensorHealth
 from .late_samples import LateSamples
 from .learning_filter import LearningFilter
@@ -37,23 +39,22 @@ EXACT, EXACT_BESIDE_MEMORIES = 1.0, 20.0
 density of their noise is then a tenth of it, or twice as much."""
 
 
-Given = tuple[CartModel, Sequence[str] | None, FilterNoise, Prior, Mapping[str, float]]
-"""Cart, arms, noise, prior and yaws."""
-
-
-def core_of(given: Given, least_speed: float = 0.0) -> AugmentedFilter | LearningFilter:
+def core_of(made_of: Given, least_speed: float = 0.0) -> AugmentedFilter | LearningFilter:
     """The filter behind a `CartFilter`, which takes samples in order."""
-    cart, _, noise, prior, _ = given
+    cart, _, noise, prior, _ = made_of
     with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
         if least_speed == 0.0 and not takes_rows(cart, noise):
-            return AugmentedFilter(*given)
-        return LearningFilter(ParameterLearner(*given, least_speed), DrivenMotion(cart, noise, prior.free(cart)))
+            return AugmentedFilter(*made_of)
+        return LearningFilter(ParameterLearner(*made_of, least_speed), DrivenMotion(cart, noise, prior.free(cart)))
 
 
 def takes_rows(cart: CartModel, noise: FilterNoise) -> bool:
     """Whether a regression learns more than an EKF."""
     exact = EXACT_BESIDE_MEMORIES if cart.memory_names else EXACT
     return bool(noise.force > exact * noise.disturbance)
+
+
+MEASUREMENT = "write Measurement(time, pose, velocity, wrenches, contacts)"
 
 
 class CartFilter:
@@ -77,9 +78,11 @@ class CartFilter:
         yaws: Mapping[str, float] | None = None,
         least_speed: float = 0.0,
     ) -> None:
-        self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
+        number("filter: least_speed", least_speed, 0.0, LARGEST_NUMBER, "give m/s")
+        made_of = given(cart, arms, noise, prior, yaws)
+        self.cart, _, self.noise, self.prior, _ = made_of
         self._tracked, self._arms = TrackedPoint(cart.pose_tb), arms
-        core = core_of((cart, arms, self.noise, self.prior, yaws or {}), least_speed)
+        core = core_of(made_of, least_speed)
         self._samples = LateSamples(DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
 
     def warm_up(self) -> None:
@@ -99,9 +102,14 @@ class CartFilter:
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
+        check_kind("filter: measurement", measurement, Measurement, MEASUREMENT)
         is_taken = self._samples.take(self._tracked.at_body(measurement))
         found = self.estimate
         return found if is_taken else found._replace(health=Health.CLOCK)
+
+    def __repr__(self) -> str:
+        seen = "no measurement yet" if self._samples.state.time == -math.inf else repr(self.estimate)
+        return brief("CartFilter", self.cart.name, seen)
 
     @property
     def belief(self) -> Gaussian:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from cartgrasp.checks import brief, check_kind, listed
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.frames import Array
@@ -58,6 +59,11 @@ class Identification:
     logs: tuple[LogFit, ...]
     refused: str = ""
 
+    def __repr__(self) -> str:
+        logs = f"{len(self.logs)} logs" + (f", refused: {self.refused}" if self.refused else "")
+        told = "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())
+        return f"{brief('Identification', self.structure.name, logs)}\n  {told}"
+
     def cart(self) -> CartModel:
         """The cart with the values put in."""
         cart = self.structure.with_parameters(self.model_parameters)
@@ -81,6 +87,8 @@ def identify(
 ) -> Identification:
     """Fits the cart to all logs at once; `cart` is the first guess, and the sensors' `noise` is read off each log
     unless given. `progress` is told the share done."""
+    logs = listed("identify: logs", logs, RunLog, 'write [read_log("run.csv")]')
+    check_kind("identify: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
     if not logs:
         raise UsageError("identify: no log is given; at least one is needed")
     prior = prior or Prior()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from cartgrasp.errors import UsageError
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
@@ -39,9 +39,7 @@ class FilterNoise:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            value = getattr(self, item.name)
-            if not (np.isfinite(value) and value >= 0):
-                raise UsageError(f"noise: {item.name}: {value} is not a finite number >= 0")
+            number(f"noise: {item.name}", getattr(self, item.name), 0.0, LARGEST_FLOAT)
 
     def sideways(self, cart: CartModel) -> float:
         """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cartgrasp.errors import UsageError
+from cartgrasp.checks import LARGEST_NUMBER, check_kind, check_known, listed, number
 from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, physical_jacobian
@@ -35,6 +35,15 @@ class Prior:
     known: frozenset[str] = frozenset()
     std: Mapping[str, float] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name in ("mass", "com", "inertia", "effects"):
+            number(f"prior: {name}", getattr(self, name), 0.0, LARGEST_NUMBER, "give one standard deviation")
+        form = 'write known={"mass"}, a set of names'
+        object.__setattr__(self, "known", frozenset(listed("prior: known", self.known, str, form)))
+        check_kind("prior: std", self.std, Mapping, "write {'mass': 2.0}")
+        for name, std in self.std.items():
+            number(f"prior: std of {name}", std, 0.0, LARGEST_NUMBER, "give one standard deviation")
+
     def free(self, cart: CartModel) -> np.ndarray:
         """Indices of the parameters (p,) `(phi | effects' values)` that are estimated. Of a body of which only a part
         is known, what is known is as good as sure (`deviations`)."""
@@ -47,8 +56,7 @@ class Prior:
         """Which of the reported parameters (p,) are known, are never estimated, or can't enter."""
         names = report_names(cart)
         unknown = self.known - set(names) - {e.key for e in cart.effects}
-        if unknown:
-            raise UsageError(f"prior: {', '.join(sorted(unknown))} is no parameter; they are {', '.join(names)}")
+        check_known("prior: known", sorted(unknown), names)
         known = self.known.union(cart.first_guess.known)
         fixed = [name in known for name in names[:N_PHI]]
         for effect in cart.effects:
@@ -78,9 +86,8 @@ class Prior:
                 deviations.append(max(self.effects * abs(value), parameter.typical))
         names = report_names(cart)
         told = {name: std for name, std in cart.first_guess.std if name in names}
+        check_known("prior: std", self.std, names)
         for name, std in {**told, **self.std}.items():
-            if name not in names:
-                raise UsageError(f"prior: {name} is no parameter; they are {', '.join(names)}")
             deviations[names.index(name)] = std
         sure = self._is_sure(cart)
         sure[0] = False

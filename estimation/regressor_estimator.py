@@ -8,12 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from cartgrasp.checks import brief
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.tracked_point import TrackedPoint
 
 from .gaussian import Gaussian
+from .given import given
 from .health import Health
 from .late_samples import LateSamples
 from .noise import FilterNoise
@@ -35,16 +37,21 @@ class RegressorEstimator:
         prior: Prior | None = None,
         yaws: Mapping[str, float] | None = None,
     ) -> None:
-        self.cart, self.noise, self.prior = cart, noise or FilterNoise(), prior or Prior()
+        made_of = given(cart, arms, noise, prior, yaws)
+        self.cart, _, self.noise, self.prior, _ = made_of
         self._tracked = TrackedPoint(cart.pose_tb)
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-            self._samples = LateSamples(ParameterLearner(cart, arms, self.noise, self.prior, yaws or {}))
+            self._samples = LateSamples(ParameterLearner(*made_of))
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
         is_taken = self._samples.take(self._tracked.at_body(measurement))
         found = self.estimate
         return found if is_taken else found._replace(health=Health.CLOCK)
+
+    def __repr__(self) -> str:
+        seen = "no measurement yet" if self._learner.time == -math.inf else repr(self.estimate)
+        return brief("RegressorEstimator", self.cart.name, seen)
 
     @property
     def belief(self) -> Gaussian:

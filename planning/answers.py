@@ -82,6 +82,7 @@ class Answers:
             message=solution.message,
             tell=lambda: Figures(base.effort(wrenches), program.active(solution), solution.residuals, proof),
             prove=lambda: (program, solution),
+            side_force=self._terms.side_force,
         )
 
     def _relaxed(self, solved: Solved, allocation: Allocation, last: Array, proof: ChoiceProof | None) -> Plan | None:

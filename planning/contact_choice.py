@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.frames import Array
 
 from .allocation_template import AllocationTemplate
@@ -68,6 +69,12 @@ class SearchLimit:
     solves: int = 5000
     seconds: float | None = None
     gap: float | None = None
+
+    def __post_init__(self) -> None:
+        number("search_limit: solves", self.solves, 0, LARGEST_FLOAT)
+        for name, value in (("seconds", self.seconds), ("gap", self.gap)):
+            if value is not None:
+                number(f"search_limit: {name}", value, 0.0)
 
     def gap_over(self, candidates: Candidates, template: AllocationTemplate) -> float:
         """The gap that is good enough for these candidates."""

@@ -24,6 +24,16 @@ class LastPlan:
         self.contacts = np.full((n_arms, 3), np.nan)
         self.choice: Array | None = None
 
+    def among(self, before: Sequence[str], names: Sequence[str]) -> Self:
+        """Of the arms `before`, what those have that are among `names`."""
+        other = type(self)(len(names))
+        for i, name in enumerate(names):
+            if name in before:
+                k = before.index(name)
+                other.wrenches[6 * i : 6 * i + 6] = self.wrenches[6 * k : 6 * k + 6]
+                other.contacts[i] = self.contacts[k]
+        return other
+
     def started(
         self, names: Sequence[str], wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike]
     ) -> Self:

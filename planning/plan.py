@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
+from cartgrasp.checks import brief, digits
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
@@ -47,8 +48,9 @@ class Plan:
 
     When `infeasible`, `certificate` proves it and holds the nearest plan; `relaxed` is that nearest plan. `held` is
     what `plan_or_hold` gives instead where there are no wrenches. `switched` are the arms that hold elsewhere than at
-    the last plan, told where switching has a cost. `tell` makes `figures`, and `prove` makes `proof`, when asked; and
-    `explain` what says why a wrench can't be given, where `plan_or_hold` leaves that open.
+    the last plan, told where switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `side_force` what
+    the wheels take, when asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves that
+    open.
     """
 
     status: str
@@ -64,6 +66,17 @@ class Plan:
     tell: Callable[[], Figures] = field(default=Figures, repr=False)
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
     explain: Callable[[], Plan] | None = field(default=None, repr=False)
+    side_force: Callable[[Array], float] | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        if not self.is_usable:
+            return brief("Plan", self.status, self.message)
+        arms = (
+            f"{name}: {digits(wrench.tolist())} at {digits(self.contacts[name].tolist())}"
+            for name, wrench in self.wrenches.items()
+        )
+        effort = "" if self.effort is None else f"effort {digits(self.effort)}"
+        return "\n".join([brief("Plan", self.status, effort), *(f"  {arm}" for arm in arms)])
 
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Self:
@@ -121,6 +134,19 @@ class Plan:
             raise UsageError(f"this plan is {self.status}: {self.message or 'it has no wrenches'}; use plan_or_hold")
         return self.held
 
+    @cached_property
+    def cart_wrench(self) -> Array | None:
+        """What the arms, or what is held, give the cart: (fx, fy, tau) (3,) in {b}. Its effective rows are those asked
+        for; a side force that fixed wheels take is whatever costs the arms least. None where there are no wrenches."""
+        return self.contact_wrenches.wrench_b if self.is_usable or self.held else None
+
+    @cached_property
+    def wheel_side_force(self) -> float | None:
+        """N that the floor gives the fixed wheels, to their left, under `cart_wrench`, at the motion of the estimate
+        given last or at rest: m (u r + dx r' - dy r²) - fy for an axle through {b}'s origin. None without wrenches."""
+        wrench = self.cart_wrench
+        return None if wrench is None or self.side_force is None else self.side_force(wrench)
+
     @property
     def nearest(self) -> Nearest | None:
         return None if self.certificate is None else self.certificate.nearest
@@ -157,6 +183,8 @@ class Plan:
         }
         if self.is_usable:
             document["margins"] = dict(self.margins)
+            document["cart_wrench"] = None if self.cart_wrench is None else self.cart_wrench.tolist()
+            document["wheel_side_force"] = self.wheel_side_force
         if self.certificate is not None:
             document["nearest"] = None if self.nearest is None else self.nearest.as_dict()
         elif self.status != OPTIMAL:

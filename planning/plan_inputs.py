@@ -48,6 +48,8 @@ def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str
 def read_arms(arms: Iterable[Arm], names: Sequence[str]) -> dict[str, Arm]:
     """By name."""
     given = list(arms) if isinstance(arms, Iterable) else [arms]
+    if not given:
+        raise RefusedError(INVALID_INPUT, "arms: none given; name those that hold, or leave `arms` out for the same")
     found = dict[str, Arm]()
     for arm in given:
         if not isinstance(arm, Arm):

@@ -8,15 +8,18 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import LARGEST_FLOAT, brief, check_kind, listed, number, positive
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 from cartgrasp.shallow import shallow
 
 from .answers import Answers, Solved, proof_of
@@ -32,8 +35,8 @@ from .given_contacts import GivenContacts
 from .last_plan import LastPlan
 from .limits import CartLimit
 from .objectives import Objective
-from .plan import TIMEOUT, Plan
-from .plan_inputs import RefusedError, read_wrench
+from .plan import INVALID_INPUT, TIMEOUT, Plan
+from .plan_inputs import RefusedError, read_arms, read_wrench
 from .program_at_contacts import ProgramAtContacts
 from .quadratic_program import INFEASIBLE, NUMERICAL
 from .refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided
@@ -44,7 +47,6 @@ from .switching_cost import SwitchingCost
 from .terms import Terms, scaled_into
 
 if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
 
 PERIOD = 1e-3  # s, between calls of plan_or_hold
@@ -79,25 +81,30 @@ class WrenchPlanner:
         search_limit: SearchLimit = DEFAULT_SEARCH,
         period: float = PERIOD,
     ) -> None:
-        if not (math.isfinite(min_hand_distance) and min_hand_distance >= 0):
-            raise UsageError(f"min_hand_distance: {min_hand_distance} is not a finite number >= 0, in m")
-        if not (math.isfinite(period) and period > 0):
-            raise UsageError(f"period: {period} is not a finite number > 0, in s")
-        if not relax >= 0:
-            raise UsageError(f"relax: {relax} is not a number >= 0, in N and N·m")
-        robust = RobustLimits(tuple(cart_limits), confidence)
-        self._terms = Terms(cart, arms, objective, robust, (min_hand_distance, period))
-        self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
-        self._limit, self._decay, self._relax = search_limit, math.exp(-period / HOLD_TIME), relax
-        self._solver, self._cases = QuadraticSolver(), CaseSolver(self._terms.template)
-        self._answers, self._program = Answers(self._terms, relax), ProgramAtContacts(self._terms)
-        self._switching = SwitchingCost(switching_cost, self._terms.base.names)
-        self._last = LastPlan(len(self._terms.sets))
-        self._given = GivenContacts(self._terms)
+        number("min_hand_distance", min_hand_distance, 0.0, LARGEST_FLOAT, "give m")
+        positive("period", period, LARGEST_FLOAT, "give s")
+        number("relax", relax, 0.0, math.inf, "give N and N·m")
+        check_kind("cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+        check_kind(
+            "objective", objective, (Objective, NoneType), "write LoadShare({'left': 0.7, 'right': 0.3}) or another"
+        )
+        check_kind("search_limit", search_limit, SearchLimit, "write SearchLimit(solves=5000)")
+        limits = listed("cart_limits", cart_limits, CartLimit, "write cart_limits=[Skid(0.5)]")
+        arms = listed("arms", arms, Arm, 'write [Arm("left", contacts=[(x, y, z)])]')
+        self._made = cart, objective, RobustLimits(limits, confidence), (min_hand_distance, period)
+        self._relax, self._switching_costs = relax, switching_cost
+        self._to_effective = np.ascontiguousarray(cart.basis_b.T)
+        self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
+        self._solver, self._last = QuadraticSolver(), LastPlan(0)
         self._compiled: CompiledPlanning | None = None
         self._is_warm = False
-        self._begin_terms()
+        self._begin(Terms(cart, arms, *self._made[1:]), ())
+        self._names = self._terms.base.names
         self.reset()
+
+    def __repr__(self) -> str:
+        objective = type(self._terms.base.objective).__name__
+        return brief("WrenchPlanner", self._made[0].name, f"arms {', '.join(self._terms.base.names)}", objective)
 
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
@@ -138,8 +145,9 @@ class WrenchPlanner:
         tick, and for arms left out the planner chooses. Where it can't be done, contacts are sought that would do.
 
         The limits of the cart are those of `estimate`'s cart and motion; one 0.5 s older than the newest given is
-        stale. `arms` take the place of those of their names: with other limits, joint torques, yaw or candidates; the
-        last wrench is scaled into their limits. Both hold until others are given."""
+        stale. Only `arms` hold the cart, with the limits, joint torques, yaw or candidates that they now have: of those
+        of the planner that are left out, the hand is off. The last wrench is scaled into their limits. Both hold until
+        others are given."""
         plan = self._plan(wrench, contacts, estimate, arms)
         if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
             return plan
@@ -170,7 +178,7 @@ class WrenchPlanner:
         self._remember(shrink * self._last.wrenches, self._last.contacts)
         by_arm, points = self._answers.by_arm, self._last.contacts_or(self._terms.first)
         held = ContactWrenches(by_arm(self._last.wrenches), by_arm(points), self._terms.yaws)
-        return Plan.of(vars(plan) | {"held": held})
+        return Plan.of(vars(plan) | {"held": held, "side_force": self._terms.side_force})
 
     def _plan(
         self,
@@ -183,7 +191,7 @@ class WrenchPlanner:
         """With `at_once`, one that can't be given is explained later, where that is proven already."""
         start = time.perf_counter()
         try:
-            if arms is not None and self._terms.take_arms(arms):  # first: what is held must obey them as well
+            if arms is not None and self._take_arms(arms):  # first: what is held must obey them as well
                 self._begin_terms()
                 self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
             asked = read_wrench(wrench)
@@ -235,6 +243,32 @@ class WrenchPlanner:
             if not self._terms.base.cart_rows.is_like(before):  # margins came, or went
                 self._compile()
         self._newest_estimate = newest  # one that is refused makes no later one stale
+
+    def _take_arms(self, arms: Sequence[Arm]) -> bool:
+        """True if that changed anything."""
+        new, before = read_arms(arms, self._names), self._terms
+        if new.keys() == before.sets.keys():
+            return before.take_arms(new)
+        try:
+            terms = Terms(self._made[0], [new[name] for name in self._names if name in new], *self._made[1:])
+        except UsageError as error:
+            raise RefusedError(INVALID_INPUT, str(error)) from error
+        if before.estimate is not None:
+            terms.take_estimate(before.estimate)
+        self._begin(terms, before.base.names)
+        return True
+
+    def _begin(self, terms: Terms, before: Sequence[str]) -> None:
+        """What is made for the arms of `terms`; of those `before` what was last is kept."""
+        names, costs = terms.base.names, self._switching_costs
+        if before and isinstance(costs, Mapping):
+            costs = {name: cost for name, cost in costs.items() if name in names}
+        self._terms, self._switching = terms, SwitchingCost(costs, names)
+        self._last = self._last.among(before, names)
+        self._cases, self._given = CaseSolver(terms.template), GivenContacts(terms)
+        self._answers, self._program = Answers(terms, self._relax), ProgramAtContacts(terms)
+        self._compiled, self._cost = None, terms.base.cost(self._last.wrenches)
+        self._begin_terms()
 
     def _begin_terms(self) -> None:
         """Drops what was made for other arms."""

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field
 
-from cartgrasp.joint_torques import LARGEST_NUMBER
+from cartgrasp.checks import LARGEST_NUMBER
 from cartgrasp.yaml_file import StrictModel
 
 from .switching_cost import LARGEST_COST

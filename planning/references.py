@@ -13,15 +13,19 @@ from functools import cached_property
 
 import numpy as np
 
+from cartgrasp.checks import angle as checked_angle
+from cartgrasp.checks import check_kind, listed, number, pose, positive
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
 from cartgrasp.motion import Reference
-from cartgrasp.reference_file import Stretch
+from cartgrasp.reference_file import LONGEST, STRONGEST, Stretch
 
 __all__ = ["PathReference", "Stretch", "chain", "pause", "speed_change", "straight", "turn"]
 
 KNOT_SPACING = 0.05
+FASTEST = 50.0
+"""m/s or rad/s: what is beyond is a slip of units."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
@@ -34,6 +38,10 @@ class PathReference:
     start_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        cure = "write chain(straight(distance, speed), turn(angle, yaw_rate), …)"
+        object.__setattr__(self, "stretches", listed("reference: stretches", self.stretches, Stretch, cure))
+        check_kind("reference: constraints", self.constraints, RollingConstraints, "give those of your cart")
+        object.__setattr__(self, "start_pose", pose("reference: start_pose", self.start_pose))
         if not self.stretches or any(s.duration <= 0 for s in self.stretches):
             raise UsageError("reference: every stretch needs a duration above 0 s, and there must be one")
         u, r = self._starts[-1]
@@ -119,6 +127,8 @@ class PathReference:
 
 def straight(distance: float, speed: float, acceleration: float = 0.5) -> list[Stretch]:
     """From rest to rest along a line with steps of acceleration; a negative distance drives backward."""
+    distance = number("straight: distance", distance, -LONGEST, LONGEST, "give m")
+    _check_rates("straight", speed, acceleration, ("m/s", "m/s²"))
     direction, distance = float(np.sign(distance)), abs(distance)
     ramp = min(speed / acceleration, (distance / acceleration) ** 0.5)
     cruise = (distance - acceleration * ramp**2) / (acceleration * ramp)
@@ -128,15 +138,27 @@ def straight(distance: float, speed: float, acceleration: float = 0.5) -> list[S
 
 def turn(angle: float, yaw_rate: float, yaw_acceleration: float = 0.5) -> list[Stretch]:
     """A curve by `angle` (rad) at the speed one has: yaw rate ramps up, holds, ramps down."""
-    direction, angle = float(np.sign(angle)), abs(angle)
+    direction, angle = float(np.sign(checked_angle("turn: angle", angle))), abs(angle)
+    _check_rates("turn", yaw_rate, yaw_acceleration, ("rad/s", "rad/s²"))
     ramp = min(yaw_rate / yaw_acceleration, (angle / yaw_acceleration) ** 0.5)
     hold = (angle - yaw_acceleration * ramp**2) / (yaw_acceleration * ramp)
     up, down = Stretch(ramp, 0.0, direction * yaw_acceleration), Stretch(ramp, 0.0, -direction * yaw_acceleration)
     return [up, down] if hold <= 1e-9 else [up, Stretch(hold), down]
 
 
+def _check_rates(what: str, speed: float, acceleration: float, units: tuple[str, str]) -> None:
+    positive(f"{what}: speed", speed, FASTEST, f"give {units[0]}")
+    positive(f"{what}: acceleration", acceleration, STRONGEST, f"give {units[1]}")
+
+
 def speed_change(change: float, acceleration: float = 0.5) -> list[Stretch]:
     """A step of acceleration that changes the forward speed by `change` (m/s)."""
+    _check_rates(
+        "speed_change",
+        abs(number("speed_change: change", change, -FASTEST, FASTEST, "give m/s")),
+        acceleration,
+        ("m/s", "m/s²"),
+    )
     return [Stretch(abs(change) / acceleration, float(np.sign(change)) * acceleration)]
 
 

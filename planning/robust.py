@@ -22,6 +22,7 @@ from typing import Literal
 
 import numpy as np
 
+from cartgrasp.checks import number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
@@ -41,7 +42,7 @@ class RobustLimits:
     confidence: float | None = None
 
     def __post_init__(self) -> None:
-        if self.confidence is not None and not 0.5 <= self.confidence < 1:
+        if self.confidence is not None and not 0.5 <= number("confidence", self.confidence) < 1:
             raise UsageError(f"confidence: {self.confidence} is not a probability from 0.5 to below 1")
 
     def rows(self, pushed: Pushed, covariance: Array | None = None) -> CartRows:

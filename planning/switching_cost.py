@@ -14,7 +14,7 @@ from typing import Self, final
 
 import numpy as np
 
-from cartgrasp.errors import UsageError
+from cartgrasp.checks import check_known, number
 from cartgrasp.frames import Array
 
 from .contact_bounds import Candidates
@@ -75,10 +75,10 @@ class SwitchingCost:
 
     def __init__(self, cost: float | Mapping[str, float], names: Sequence[str]) -> None:
         by_arm = dict(cost) if isinstance(cost, Mapping) else dict.fromkeys(names, cost)
+        check_known("switching_cost", by_arm, names)
+        for one in by_arm.values():
+            number("switching_cost", one, 0.0, LARGEST_COST, "give one for all arms, or one by arm")
         self._costs = np.array([by_arm.get(name, 0.0) for name in names], dtype=float)
-        if not set(by_arm) <= set(names) or not ((self._costs >= 0) & (self._costs <= LARGEST_COST)).all():
-            form = f"a number from 0 to {LARGEST_COST:g}, or such numbers by arm, of {', '.join(names)}"
-            raise UsageError(f"switching_cost: {cost} is not {form}")
         self.is_any = bool(self._costs.any())
         self._last: tuple[Candidates, Array, Switching] | None = None
 

@@ -6,7 +6,8 @@ the bounds about the last wrench; new arms cost their rows.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactSet
 from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import lateral_force
 from cartgrasp.frames import Array
 from cartgrasp.reach import Reach
 
@@ -23,7 +25,7 @@ from .estimate_inputs import read_cart, read_covariance
 from .limits import LimitRows, Pushed, WrenchRate
 from .objectives import Objective
 from .plan import INVALID_INPUT
-from .plan_inputs import LARGEST_WRENCH, RefusedError, read_arms
+from .plan_inputs import LARGEST_WRENCH, RefusedError
 from .robust import RobustLimits
 
 if TYPE_CHECKING:
@@ -54,17 +56,18 @@ class Terms:
         arms = tuple(arms)
         self._pushed = Pushed(cart, None, arms)
         self._covariance: Array | None = None
-        self._estimate: Estimate | None = None
+        self.estimate: Estimate | None = None
+        self.side_force: Callable[[Array], float] = partial(lateral_force, cart)
+        """N that the fixed wheels take under a wrench (3,) of the hands."""
         self._places: list[tuple[ContactSet, Reach | None]] = []
         self._cart_limits = cart_limits
         self._distance, self._period = distance_and_period
         base = AllocationTemplate.of(cart, arms, objective)
         self._use(base.with_cart_rows(cart_limits.rows(self._pushed)))
 
-    def take_arms(self, arms: Sequence[Arm]) -> bool:
-        """Puts these in the place of the arms of their names; True if that changed anything."""
-        new = read_arms(arms, self.base.names)
-        changed = tuple(new.get(arm.name, arm) for arm in self.base.arms)
+    def take_arms(self, new: Mapping[str, Arm]) -> bool:
+        """Puts these in the place of all arms, by their names; True if that changed anything."""
+        changed = tuple(new[arm.name] for arm in self.base.arms)
         if all(one is other for one, other in zip(changed, self.base.arms, strict=True)):
             return False
         try:
@@ -94,7 +97,10 @@ class Terms:
     def take_estimate(self, estimate: Estimate) -> bool:
         """The cart's limits for the cart and motion as now estimated; False if there are no such limits, or they
         are those of this very estimate already."""
-        if not self._cart_limits.limits or estimate is self._estimate:
+        if estimate is self.estimate:
+            return False
+        if not self._cart_limits.limits:
+            self._believe(estimate)
             return False
         cart = read_cart(estimate, self.base.basis_b)
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
@@ -107,9 +113,13 @@ class Terms:
         if not rows.are_numbers(LARGEST_WRENCH):
             what = f"by it a limit of the cart is not finite, or beyond {LARGEST_WRENCH:g}"
             raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
-        self._pushed, self._covariance, self._estimate = pushed, covariance, estimate
+        self._pushed, self._covariance = pushed, covariance
+        self._believe(estimate)
         self.template = self.base = self.base.with_cart_rows(rows)
         return True
+
+    def _believe(self, estimate: Estimate) -> None:
+        self.estimate, self.side_force = estimate, partial(_side_force, estimate, self.base.basis_b)
 
     def take_last(self, wrenches: Array) -> None:
         """Bounds about the last wrenches (6n,), where an arm has a rate."""
@@ -143,6 +153,10 @@ def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
     cones = [cone.offset + cone.rows @ wrenches for cone in limits.cones]
     outside = any(np.linalg.norm(s[1:]) > s[0] + rounding for s in cones)
     return np.zeros_like(wrenches) if outside else scale * wrenches
+
+
+def _side_force(estimate: Estimate, basis_b: Array, wrench_b: Array) -> float:
+    return lateral_force(read_cart(estimate, basis_b), wrench_b, estimate.motion)
 
 
 def _within_reach(arm: Arm) -> ContactSet:

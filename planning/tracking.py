@@ -18,6 +18,7 @@ from typing import final
 
 import numpy as np
 
+from cartgrasp.checks import LARGEST_NUMBER, number
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -34,6 +35,10 @@ class Gains:
     across: float = 6.0
     heading: float = 3.0
     velocity: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name in ("along", "across", "heading", "velocity"):
+            number(f"gains: {name}", getattr(self, name), 0.0, LARGEST_NUMBER)
 
     @property
     def numbers(self) -> tuple[float, float, float, float]:

@@ -42,4 +42,4 @@ def _print_cost(full: RunFigures, poorer: RunFigures) -> None:
         rows.append([f"{name} ({a['unit']})", f"{a['truth']:.3g}", *cells])
     rows.append(["largest tracking error (cm)", "", *(f"{100 * f.largest_error:.2f}" for f in (full, poorer))])
     title = "What it costs to leave casters and rolling resistance out of the model"
-    print_table(title, ["", "truth", "in the model", "left out"], rows)
+    print_table(title, ["± one standard deviation", "truth", "in the model", "left out"], rows)

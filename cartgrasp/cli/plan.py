@@ -45,6 +45,10 @@ def _print(plan: Plan) -> None:
     print_table("Wrench of each arm in its contact frame", columns, rows, left=2)
     if plan.is_usable:
         print(f"effort {plan.effort:.6g}; active: {', '.join(plan.active) or 'no limit'}")
+        if plan.cart_wrench is not None and plan.wheel_side_force is not None:
+            fx, fy, tau = plan.cart_wrench
+            beside = f"the fixed wheels take {plan.wheel_side_force:.4g} N to their left"
+            print(f"on the cart: fx {fx:.4g} N, fy {fy:.4g} N, moment {tau:.4g} N·m; {beside}")
         if plan.switched:
             print(f"hold elsewhere than before: {', '.join(plan.switched)}")
         residuals = {} if plan.residuals is None else plan.residuals.as_dict()

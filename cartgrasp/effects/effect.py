@@ -19,6 +19,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..checks import number
 from ..constraints import RollingConstraints
 from ..errors import SettingError, UsageError
 from ..frames import Array
@@ -150,6 +151,9 @@ class Effect(ABC):
         """What it has numbers for; the same for all of a class, unless settings say which."""
 
     def __post_init__(self) -> None:
+        for parameter in self.parameters:
+            if not isinstance(value := getattr(self, parameter.name, 0.0), float):
+                number(f"{self.key}.{parameter.name}", value, cure=f"give {parameter.unit}")
         for parameter, value in zip(self.parameters, self.values.tolist(), strict=True):
             if not math.isfinite(value):
                 raise UsageError(f"{self.key}.{parameter.name}: {value} is not a finite number")

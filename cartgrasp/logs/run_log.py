@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..checks import brief, digits
 from ..errors import DataError
 from ..frames import Array
 from ..motion import Measurement
@@ -59,6 +60,11 @@ class RunLog:
                 f"{self.name}: is said to coast, but the wrench of arm {pushing[0]} is not zero throughout; leave "
                 "--coasting out, or the arm's columns if nobody's hand was at its sensor"
             )
+
+    def __repr__(self) -> str:
+        arms = f"arms {', '.join(self.arms)}" if self.arms else "no arms"
+        velocity = "no velocity" if self.velocity is None else ""
+        return brief("RunLog", repr(self.name), f"{len(self)} rows", f"{digits(self.duration)} s", arms, velocity)
 
     def __len__(self) -> int:
         return len(self.time)

@@ -17,14 +17,16 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..checks import LARGEST_NUMBER, check_kind, pose, positive
 from ..contacts import ContactWrenches, grasp_map_spatial
-from ..errors import PlantError, UsageError
+from ..errors import PlantError
 from ..frames import Array, rotation_planar, wrap_angle
 from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
 from .mujoco_cart import RADIUS, MujocoCart, check_stands
 from .outer_forces import OuterForces
+from .plant import brief_plant
 
 LARGEST_TILT = np.radians(20.0)
 LIFT, LIFT_TIME = 0.01, 0.5
@@ -55,10 +57,10 @@ class MujocoPlant:
         timestep: float = 0.001,
         heading: ArrayLike | None = None,
     ) -> None:
-        if not timestep > 0:
-            raise UsageError(f"MuJoCo plant: timestep: {timestep} s is not positive")
+        check_kind("MuJoCo plant: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+        positive("MuJoCo plant: timestep", timestep, LARGEST_NUMBER, "give s")
         self._cart = MujocoCart.of(cart)
-        self._start = np.asarray(pose_sb, dtype=float)
+        self._start = np.array(pose("MuJoCo plant: pose_sb", pose_sb))
         self._timestep, self._time, self._yaw = timestep, 0.0, 0.0
         self._lifted = np.zeros(len(self._cart.wheels))
         self._casters = self._cart.numbered(CASTER)
@@ -73,6 +75,9 @@ class MujocoPlant:
         mujoco.mj_forward(self._model, self._data)
         self._pushed = np.zeros(6)
         self._outer = OuterForces(cart, self._cart.mechanisms.outer, self._whole_motion, 0.0)
+
+    def __repr__(self) -> str:
+        return brief_plant(self, self._cart.cart)
 
     # --- what can be seen -----------------------------------------------------------------------------------
 

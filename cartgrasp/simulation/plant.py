@@ -5,17 +5,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..checks import LARGEST_NUMBER, brief, check_kind, digits, pose, positive
 from ..compiled_dynamics import STABLE
 from ..contacts import ContactWrenches
 from ..errors import PlantError
 from ..frames import Array
 from ..model import CartModel
 from ..motion import Motion
+from ..roles import Plant
 from .integrate import held
 
 MAX_STEP = 0.005
 RESOLVED = 0.2
 """Of a step times how quick a force is that sets in: the energy of a touch is kept to a thousandth."""
+
+
+def brief_plant(plant: Plant, cart: CartModel) -> str:
+    """A `repr`."""
+    pose_sb, velocity = (digits(part.tolist()) for part in plant.motion[:2])
+    return brief(type(plant).__name__, cart.name, f"t = {digits(plant.time)} s", f"pose {pose_sb}", f"nu {velocity}")
 
 
 class ModelPlant:
@@ -30,14 +38,18 @@ class ModelPlant:
         timestep: float = MAX_STEP,
         caster_headings: ArrayLike | None = None,
     ) -> None:
-        self.cart, self.timestep = cart, timestep
-        self._state = cart.state(pose_sb, velocity)
+        check_kind("plant: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+        self.cart, self.timestep = cart, positive("plant: timestep", timestep, LARGEST_NUMBER, "give s")
+        self._state = cart.state(pose("plant: pose_sb", pose_sb), velocity)
         self._time = 0.0
         mass = float(cart.inertia.mass)
         self._quickness = max((effect.quickness(mass) for effect, _, _ in cart.force_effects), default=0.0)
         self._headings = [i for i, name in enumerate(cart.state_names) if name.rpartition(".")[2].startswith("heading")]
         if caster_headings is not None and self._headings:
             self._state[self._headings] = caster_headings
+
+    def __repr__(self) -> str:
+        return brief_plant(self, self.cart)
 
     @property
     def time(self) -> float:

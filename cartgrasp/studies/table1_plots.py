@@ -59,7 +59,11 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
         learning.set(title="Estimating", ylabel="Tracking error (cm)")
         kept.set(title="First guess kept", ylabel="Tracking error (cm)")
         mass.set(title="0.005 m of noise", ylabel="Mass error (%)", ylim=(1e-2, 1e2))
-        rough.set(title="More noise (9, 10), load changes (11); ± 2 sd", ylabel="Mass (kg)", ylim=(8.0, 32.0))
+        rough.set(
+            title="More noise (9, 10), load changes (11); ± one sd",
+            ylabel="Mass (kg)",
+            ylim=(8.0, 32.0),
+        )
         com.set(title="Tests with curves", ylabel="CoM's distance from truth (cm)", xlabel="Time (s)", ylim=(1e-2, 1e2))
         inertia.set(title="Tests with curves", ylabel="Inertia (kg·m²)", xlabel="Time (s)", ylim=(0.0, 5.0))
         handles = [Line2D([], [], **_style(result), label=str(result.row.test)) for result in results]
@@ -84,7 +88,7 @@ def draw_parameter_of_tests(axes: Axes, results: Sequence[RowResult], name: str,
         series = record.parameters[name]
         axes.plot(record.time, series.value, **style)
         if deviations:
-            low, high = series.value - 2 * series.std, series.value + 2 * series.std
+            low, high = series.value - series.std, series.value + series.std
             axes.fill_between(record.time, low, high, color=style["color"], alpha=0.15, linewidth=0)
         if series.truth is not None:
             axes.plot(record.time, series.truth, **TRUTH)

@@ -69,7 +69,7 @@ def _show(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
     words = f"t = {run.time[i]:.1f} s"
     if "mass" in run.parameters:
         mass = run.parameters["mass"]
-        words += f", mass {mass.value[i]:.1f} ± {2 * mass.std[i]:.1f} kg"
+        words += f", mass {mass.value[i]:.1f} ± {mass.std[i]:.1f} kg"
     return [*draw_top_view(axes, run, i), axes.text(0.02, 0.02, words, transform=axes.transAxes, zorder=20)]
 
 

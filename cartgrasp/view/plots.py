@@ -83,10 +83,10 @@ def draw_tracking_error(axes: Axes, time: Array, error: Array) -> list[Artist]:
 
 
 def draw_parameter(axes: Axes, time: Array, series: Series, name: str, legend: bool = True) -> list[Artist]:
-    """An estimate with its band of ±2 standard deviations, and its truth where known."""
-    value, band = np.asarray(series.value), 2.0 * np.asarray(series.std)
+    """An estimate with its band of ± one standard deviation, and its truth where known."""
+    value, band = np.asarray(series.value), np.asarray(series.std)
     artists: list[Artist] = [
-        axes.fill_between(time, value - band, value + band, color=PURPLE, alpha=0.25, linewidth=0, label="±2 sd"),
+        axes.fill_between(time, value - band, value + band, color=PURPLE, alpha=0.25, linewidth=0, label="± one sd"),
         *axes.plot(time, value, color=PURPLE, label="estimate"),
     ]
     truth = None if series.truth is None else np.broadcast_to(series.truth, value.shape)

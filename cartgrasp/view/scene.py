@@ -110,13 +110,13 @@ class Scene:
                 _join(scene, mujoco.mjtGeom.mjGEOM_ARROW, 0.6 * HAND, (hand, tip), colour)
 
     def _draw_com(self, scene: mujoco.MjvScene, i: int) -> None:
-        """Two standard deviations, along {b}'s axes."""
+        """One standard deviation, along {b}'s axes."""
         known, cart = self.run.estimated_com(i), self.run.cart
         if known is None:
             return
         com, covariance = known
         height = None if cart is None else cart.com_height
-        size = np.maximum([*(2 * np.sqrt(np.diagonal(covariance))), 0.0], LEAST_SPREAD)
+        size = np.maximum([*(np.sqrt(np.diagonal(covariance))), 0.0], LEAST_SPREAD)
         turned = np.eye(3)
         turned[:2, :2] = rotation_planar(self.run.pose[i, 2])
         place = self._in_s(np.array([*com, DEFAULT_COM_HEIGHT if height is None else height]), i)

@@ -68,13 +68,13 @@ def _wheels(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[Artist]
 
 
 def _estimated_com(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[Artist]:
-    """The ellipse of two standard deviations; without a covariance its axes are those of {b}."""
+    """The ellipse of one standard deviation; without a covariance its axes are those of {b}."""
     known = run.estimated_com(i)
     if known is None:
         return []
     com, covariance = known
     variances, directions = np.linalg.eigh(covariance)
-    height, width = 4 * np.sqrt(np.maximum(variances, 0.0))
+    height, width = 2 * np.sqrt(np.maximum(variances, 0.0))
     turn = math.degrees(math.atan2(directions[1, 1], directions[0, 1]))
     ellipse = Ellipse(com, width, height, angle=turn, facecolor=PURPLE, edgecolor=PURPLE, alpha=0.35, zorder=FRONT + 2)
     dot = axes.plot(*from_b.transform(com), color=PURPLE, marker=".", markersize=2, zorder=FRONT + 3)

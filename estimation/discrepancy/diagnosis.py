@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cartgrasp.checks import check_kind, listed
 from cartgrasp.effects import Effect, EndStop, LearnedForce
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.inertia import Inertia
@@ -75,6 +76,9 @@ class Diagnosis:
     impacts: tuple[Impact, ...] = ()
     withdrawn: tuple[Law, ...] = ()
     limits: Limits = field(default_factory=Limits)
+
+    def __repr__(self) -> str:
+        return f"Diagnosis({self.verdict}: {self.sentence})"
 
     @cached_property
     def stops(self) -> tuple[StopEstimate, ...]:
@@ -262,11 +266,13 @@ def diagnose(
 
     Raises DataError for a log that can't be used, UsageError for a candidate that the cart has already.
     """
+    check_kind("diagnose: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+    logs = [logs] if isinstance(logs, RunLog) else listed("diagnose: logs", logs, RunLog, 'write [read_log("run.csv")]')
+    listed("diagnose: candidates", candidates, Effect, "write candidates=[RollingResistance()]")
     has = {effect.key for effect in cart.effects}
     for one in candidates:
         if one.key in has and not isinstance(one, LearnedForce):
             raise UsageError(f"diagnose: candidates: the cart has {one.key} already; give another label")
-    logs = [logs] if isinstance(logs, RunLog) else list(logs)
     if not logs:
         raise UsageError("diagnose: no log is given; at least one is needed")
     try:

@@ -16,6 +16,7 @@ from typing import final
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_z
 
@@ -33,8 +34,7 @@ class InternalForce(CartLimit):
     axis: tuple[float, float, float] = HANDLE
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.bound) and self.bound >= 0):
-            raise UsageError(f"internal force: bound: {self.bound} is not a finite number >= 0, in N")
+        number("internal force: bound", self.bound, 0.0, LARGEST_FLOAT, "give N")
         if len(self.axis) != 3 or not np.isfinite(self.axis).all() or not np.any(self.axis):
             raise UsageError(f"internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 

@@ -12,6 +12,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
 
 from .cart_limit import CartLimit, CartRows, Pushed
@@ -30,8 +31,7 @@ class Skid(CartLimit):
     looks_at_arms: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.friction) and self.friction >= 0):
-            raise UsageError(f"skid: friction: {self.friction} is not a finite number >= 0")
+        number("skid: friction", self.friction, 0.0, LARGEST_FLOAT)
 
     def rows(self, pushed: Pushed) -> CartRows:
         cart = pushed.cart

@@ -8,6 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
 
 from .cart_limit import CartLimit, CartRows, Pushed
@@ -23,8 +24,7 @@ class TipOver(CartLimit):
     looks_at_arms: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.least_load) and self.least_load >= 0):
-            raise UsageError(f"tip-over: least_load: {self.least_load} is not a finite number >= 0, in N")
+        number("tip-over: least_load", self.least_load, 0.0, LARGEST_FLOAT, "give N")
 
     def rows(self, pushed: Pushed) -> CartRows:
         if not pushed.cart.wheel_set.spans_floor:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.limits.internal_force import HANDLE, departures_along
@@ -26,8 +27,7 @@ class LeastInternalForce(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.weight) and self.weight >= 0):
-            raise UsageError(f"least internal force: weight: {self.weight} is not a finite number >= 0")
+        number("least internal force: weight", self.weight, 0.0, LARGEST_FLOAT)
         if len(self.axis) != 3 or not np.isfinite(self.axis).all() or not np.any(self.axis):
             raise UsageError(f"least internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 
@@ -28,8 +29,7 @@ class LoadShare(Objective):
         shares = list(self.shares.values())
         if not (np.isfinite(shares).all() and min(shares, default=-1.0) >= 0 and abs(sum(shares) - 1) <= 1e-9):
             raise UsageError(f"load share: {dict(self.shares)} are not shares >= 0 that add up to 1")
-        if not (np.isfinite(self.weight) and self.weight >= 0):
-            raise UsageError(f"load share: weight: {self.weight} is not a finite number >= 0")
+        number("load share: weight", self.weight, 0.0, LARGEST_FLOAT)
 
     @property
     def looks_back(self) -> bool:

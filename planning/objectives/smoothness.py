@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.errors import UsageError
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.frames import Array
 
 from .objective import Cost, Objective
@@ -23,8 +23,7 @@ class Smoothness(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.rate) and self.rate >= 0):
-            raise UsageError(f"smoothness: rate: {self.rate} is not a finite number >= 0")
+        number("smoothness: rate", self.rate, 0.0, LARGEST_FLOAT)
 
     @property
     def looks_back(self) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import LARGEST_FLOAT, positive
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.limits import LimitRows
@@ -27,8 +28,7 @@ class WorstArm(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.weight) and self.weight > 0):
-            raise UsageError(f"worst arm: weight: {self.weight} is not a finite number > 0")
+        positive("worst arm: weight", self.weight, LARGEST_FLOAT, "give a share of the cost")
 
     @property
     def looks_back(self) -> bool:

@@ -136,7 +136,7 @@ def test_random_problems_reach_the_optimum(capsys, tmp_path, seed):
         check_infeasible(answer, A, b, C, h)
         return
     assert answer.status == 0
-    assert set(document) == KEYS | {"margins"}
+    assert set(document) == KEYS | {"margins", "cart_wrench", "wheel_side_force"}
     assert document["status"] == "optimal"
     assert document["certificate"] is None
     assert list(document["arms"]) == [a["name"] for a in problem["arms"]]

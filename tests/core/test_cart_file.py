@@ -146,7 +146,7 @@ MISTAKES = [
     ("com: [0, 0]\nmass: 0\ninertia: 2\n", 2, 1, "mass", "0 kg is not positive"),
     ("com: [0, 0]\nmass: -3.5\ninertia: 2\n", 2, 1, "mass", "-3.5 kg is not positive"),
     ("com: [0, 0]\nmass: 20\ninertia: 0\n", 3, 1, "inertia", r"J m > |m d|² fails"),
-    ("com: [0, 0, 0]\nmass: 20\ninertia: 1\n", 1, 1, "com", "at most 2 items"),
+    ("com: [0, 0, 0]\nmass: 20\ninertia: 1\n", 1, 1, "com", "at most 2 are allowed"),
     ("com: 0\nmass: 20\ninertia: 1\n", 1, 1, "com", "0 is not a list"),
     ("mass: 20\ncom: [0.3, left]\ninertia: 1\n", 2, 12, "com.1", "'left' is not a number"),
     (SHORT + "com_height: -1\n", 4, 1, "com_height", "below the floor"),

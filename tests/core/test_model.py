@@ -174,7 +174,7 @@ def test_free_velocities_span_what_the_constraints_allow(constraints, nu):
 
 @pytest.mark.parametrize(
     ("values", "words"),
-    [((None, True), "no_rotation needs no_lateral_slip"), ((np.nan, False), "x = nan is not finite")],
+    [((None, True), "no_rotation needs no_lateral_slip"), ((np.nan, False), "axle_x: nan is not a number")],
 )
 def test_constraints_that_cannot_be_are_refused(values, words):
     with pytest.raises(UsageError, match=words):

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 from scipy.optimize import linprog
 
 from cartgrasp.arms import Arm, Friction
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.inertia import Inertia
 from cartgrasp.joint_torques import JointTorques
+from cartgrasp.model import CartModel
 
 FORCE, MOMENT = (60.0, 60.0, 40.0), (8.0, 8.0, 6.0)
 
 
 def cart(rows=1, axle_x=0.0):
-    """A stand-in for CartModel with 0, 1 or 2 constraint rows."""
+    """With 0, 1 or 2 constraint rows."""
     constraints = RollingConstraints(None if rows == 0 else axle_x, no_rotation=rows == 2)
-    return SimpleNamespace(constraints=constraints, rolling=constraints, basis_b=constraints.basis_b)
+    return CartModel(Inertia(24.0, (0.3, 0.0), 2.0), constraints)
 
 
 def arm(name="left", contacts=((-0.25, 0.2, 1.0),), **changes):

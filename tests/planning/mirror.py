@@ -59,18 +59,20 @@ class Mirror:
     phi: Any = None
     covariance: Any = None
     last: Any = field(default=None)
+    names: Any = field(default=None)
 
     def __post_init__(self):
         self.velocity = np.zeros(self.structure.constraints.n_free)
         self.phi = self.structure.inertia.phi
-        self.last = np.zeros(6 * len(self.arms))
+        self.last, self.names = np.zeros(6 * len(self.arms)), list(self.arms)
 
     # --- what is taken ----------------------------------------------------------------------------------------
 
     def take_arms(self, new):
-        if any(one is not self.arms[one.name] for one in new):
-            self.arms |= {one.name: one for one in new}
-            self.start_from(self.last)
+        given, before = {one.name: one for one in new}, dict(zip(self.arms, self.last.reshape(-1, 6), strict=True))
+        if given != self.arms:
+            self.arms = {name: given[name] for name in self.names if name in given}
+            self.start_from(np.concatenate([before.get(name, np.zeros(6)) for name in self.arms]))
 
     def take_estimate(self, estimate):
         self.newest = max(self.newest, estimate.time)
@@ -90,8 +92,10 @@ class Mirror:
         self.last, self.newest = np.zeros(6 * len(self.arms)), -np.inf
 
     def objective_refuses(self, new):
-        arms = {**self.arms, **{one.name: one for one in new}}.values()
+        arms = new
         parts = _parts(self.objective)
+        if any(isinstance(part, LoadShare) for part in parts) and len(arms) < len(self.names):
+            return True  # shares are of all
         if any(isinstance(part, LeastJointTorque) for part in parts) and all(a.joints is None for a in arms):
             return True
         limits = np.array([[*a.force_limit, *a.moment_limit] for a in arms])

@@ -57,7 +57,9 @@ class Run:
         refused_by = self._follow(tick, plan)
         if refused_by is not None:
             assert plan.status == ("stale_estimate" if refused_by == "stale" else "invalid_input"), plan
-            assert plan.message.startswith(("arm", "wrench", "estimate", "contacts", "least joint torque", "worst arm"))
+            assert plan.message.startswith(
+                ("arm", "wrench", "estimate", "contacts", "least joint torque", "worst arm", "load share")
+            )
         else:
             assert plan.status not in REFUSALS, plan.message
             self._judge(plan, tick.wrench.value, tick.contacts.value or {})
@@ -95,7 +97,8 @@ class Run:
             return verdict
         if tick.estimate.value is not None:
             mirror.take_estimate(tick.estimate.value)
-        return "contacts" if tick.contacts.verdict == BAD else None
+        is_bad = tick.contacts.verdict == BAD or set(tick.contacts.value or {}) - set(mirror.arms)
+        return "contacts" if is_bad else None
 
     def _judge(self, plan, wrench, given):
         mirror = self.mirror

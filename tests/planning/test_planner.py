@@ -65,6 +65,8 @@ def test_a_plan_as_json():
         "certificate",
         "solve_time_s",
         "margins",
+        "cart_wrench",
+        "wheel_side_force",
     ]
     assert document["margins"] == dict(plan.margins)
     assert document["status"] == "optimal"

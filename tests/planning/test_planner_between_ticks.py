@@ -154,7 +154,7 @@ def test_new_arms_are_as_a_new_planner(seed):
             "arm0", new.contacts, yaw=new.yaw, force_limit=new.force_limit, friction=new.friction, joints=joints(rng)
         )
         arms = [new, arms[1]]
-        plan, fresh = planner.plan_or_hold(wrench, arms=[new]), WrenchPlanner(cart(), arms).plan_or_hold(wrench)
+        plan, fresh = planner.plan_or_hold(wrench, arms=arms), WrenchPlanner(cart(), arms).plan_or_hold(wrench)
         assert plan.status == fresh.status
         if plan.status == "optimal":
             assert plan.effort == pytest.approx(fresh.effort, rel=1e-8)
@@ -169,7 +169,7 @@ def test_a_wrench_that_new_limits_forbid_is_not_held():
     weak = arm("left", force_limit=(10, 60, 40))
     held = planner.plan_or_hold((np.nan, 0, 0)).contact_wrenches.wrenches["left"]
     assert held[0] > 10
-    assert planner.plan((100, 0, 0), arms=[weak]).status == "infeasible"
+    assert planner.plan((100, 0, 0), arms=[weak, pair()[1]]).status == "infeasible"
     held = planner.plan_or_hold((np.nan, 0, 0)).contact_wrenches.wrenches["left"]
     assert 0 < held[0] <= 10
 

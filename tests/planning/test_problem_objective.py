@@ -104,7 +104,7 @@ CONFIDENCE = "confidence: {probability: 0.95, std: {mass: 1.0, com_x: 0.02}}\n"
         ("motion: {pose: [0, 0, 0]}\n", "6:1: motion.velocity", "is missing"),
         (CONFIDENCE.replace("com_x", "comx"), "6:50: confidence.std.comx", "has no parameter comx; it has mass, com_x"),
         (CONFIDENCE.replace("1.0", "-1"), "6:39: confidence.std.mass", "-1 is negative"),
-        (CONFIDENCE.replace("0.95", "95"), "6:14: confidence.probability", "less than 1"),
+        (CONFIDENCE.replace("0.95", "95"), "6:14: confidence.probability", "95 is not < 1"),
         ("confidence: {probability: 0.9}\n", "6:1: confidence.std", "is missing"),
     ],
 )

@@ -244,9 +244,9 @@ def test_arms_whose_candidates_change(make):
     planner = make(cart(), [arm("left", HANDLE), arm("right", HANDLE)], switching_cost=500.0)
     held = planner.plan((40, 0, 3)).contacts
     weak = arm("left", HANDLE, force_limit=(50, 60, 40))
-    assert planner.plan((40, 0, 4), arms=[weak]).switched == ()
+    assert planner.plan((40, 0, 4), arms=[weak, arm("right", HANDLE)]).switched == ()
     left = [point for point in HANDLE if point != tuple(held["left"])]
-    plan = planner.plan((40, 0, 4), arms=[arm("left", left)])
+    plan = planner.plan((40, 0, 4), arms=[arm("left", left), arm("right", HANDLE)])
     assert plan.switched[0] == "left"
     assert plan.choice.switching == 500.0 * len(plan.switched)
     plan = planner.plan((40, 0, 0), arms=[arm("left", HANDLE[:1]), arm("right", HANDLE[-1:])])

@@ -198,16 +198,16 @@ def sent_contacts(rng, mirror):
 
 
 def sent_arms(rng, mirror):
-    dice, names = rng.random(), list(mirror.arms)
+    dice, names = rng.random(), mirror.names
     if dice < 0.8:
         return Sent()
     if dice < 0.85:
         far = cg.Arm(names[0], [(0.0, 0.0, 1.0)], reach=cg.Reach.box((5, 5, 5), (6, 6, 6)))
         one = drawn_arm(rng, names[0])
-        odd = [[None], "left", 7, names, {names[0]: one}, [one, one], [drawn_arm(rng, "nobody")], [far]]
+        odd = [[], [None], "left", 7, names, {names[0]: one}, [one, one], [drawn_arm(rng, "nobody")], [far]]
         return Sent(odd[int(rng.integers(len(odd)))], BAD)
-    new = [drawn_arm(rng, name, 1 if len(names) > 2 else None) for name in names if rng.random() < 0.6]
-    return Sent(new, BAD if mirror.objective_refuses(new) else GOOD)
+    new = [drawn_arm(rng, name, 1 if len(names) > 2 else None) for name in names if rng.random() < 0.7]
+    return Sent(new, BAD if not new or mirror.objective_refuses(new) else GOOD)
 
 
 def sent_estimate(rng, mirror):

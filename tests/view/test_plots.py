@@ -100,14 +100,14 @@ def test_lines_hold_the_data_in_the_unit_of_their_axis(shown: ShownRun):
     np.testing.assert_array_equal(right.get_ydata(), shown.wrenches["right"][:, 5])
 
 
-def test_band_is_two_standard_deviations_and_truth_is_dashed():
+def test_band_is_one_standard_deviation_and_truth_is_dashed():
     time = np.linspace(0, 1, 5)
     series = Series(np.full(5, 20.0), np.linspace(2, 1, 5), np.full(5, 21.0), "kg")
     axes = Figure().subplots()
     band, estimate, truth = plots.draw_parameter(axes, time, series, "mass")
     edges = band.get_paths()[0].vertices
-    assert edges[:, 1].max() == 24.0
-    assert edges[:, 1].min() == 16.0
+    assert edges[:, 1].max() == 22.0
+    assert edges[:, 1].min() == 18.0
     assert estimate.get_linestyle() == "-"
     assert truth.get_linestyle() == "--"
     assert axes.get_ylabel() == "Mass (kg)"

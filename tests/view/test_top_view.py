@@ -57,7 +57,7 @@ def test_the_ellipse_is_that_of_the_covariance(shown: ShownRun):
     large = ellipse.get_patch_transform() + Affine2D().scale(1e6)
     edge = 1e-6 * large.transform_path(ellipse.get_path()).to_polygons()[0]
     distance = np.einsum("ni,ij,nj->n", edge - ellipse.center, np.linalg.inv(covariance), edge - ellipse.center)
-    np.testing.assert_allclose(distance, 4.0, rtol=1e-2)  # two standard deviations
+    np.testing.assert_allclose(distance, 1.0, rtol=1e-2)  # one standard deviation
 
 
 def test_a_missing_pose_draws_nothing_and_a_cart_that_is_not_known_is_dotted(shown: ShownRun):

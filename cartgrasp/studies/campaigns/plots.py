@@ -17,17 +17,17 @@ ACROSS = 3
 
 
 def draw_errors(axes: Axes, results: Sequence[Mapping[str, Any]], name: str) -> None:
-    """Error of a parameter over time: its mean over the runs, where 95 % of them are, and dashed the two standard
-    deviations that were claimed on average."""
+    """Error of a parameter over time: its mean over the runs, where 68 % of them are, and dashed the standard
+    deviation that was claimed on average."""
     time = np.array(results[0]["series"]["time"])
     found = [one["series"]["parameters"][name] for one in results]
     truth = np.array([one["parameters"][name]["truth"] for one in results])
     error = np.array([one["value"] for one in found]) - truth[:, None]
     std = np.sqrt(np.mean(np.square([one["std"] for one in found]), axis=0))
-    low, high = np.percentile(error, [2.5, 97.5], axis=0)
+    low, high = np.percentile(error, [16, 84], axis=0)
     axes.fill_between(time, low, high, color=PURPLE, alpha=0.25, linewidth=0)
     axes.plot(time, error.mean(axis=0), color=PURPLE)
-    for sign in (-2, 2):
+    for sign in (-1, 1):
         axes.plot(time, sign * std, color="black", linestyle="--", linewidth=0.8)
     axes.set_xlabel("Time (s)")
     axes.set_ylabel(f"Error of {name} ({results[0]['parameters'][name]['unit']})")

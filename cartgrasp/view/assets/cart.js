@@ -79,7 +79,7 @@ function drawTrueCom(context, pose, x, y) {
   context.stroke();
 }
 
-// The ellipse of two standard deviations: the covariance's axes, from the deviations and the correlation.
+// The ellipse of one standard deviation: the covariance's axes, from the deviations and the correlation.
 function drawEstimatedCom(context, pose, sample) {
   const [px, py] = [parameterOf("com_x"), parameterOf("com_y")];
   if (!px || !py) return;
@@ -104,9 +104,9 @@ function drawEstimatedCom(context, pose, sample) {
   });
 }
 
-// Radii and turn of the ellipse at two deviations.
+// Radii and turn of the ellipse at one deviation.
 function ellipseOf(sx, sy, correlation) {
   const [mean, half, both] = [(sx * sx + sy * sy) / 2, (sx * sx - sy * sy) / 2, correlation * sx * sy];
   const far = Math.hypot(half, both);
-  return [2 * Math.sqrt(mean + far), 2 * Math.sqrt(Math.max(mean - far, 0)), Math.atan2(both, half) / 2];
+  return [Math.sqrt(mean + far), Math.sqrt(Math.max(mean - far, 0)), Math.atan2(both, half) / 2];
 }

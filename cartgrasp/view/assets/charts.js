@@ -17,7 +17,7 @@ function tickText(value, ticks) {
 // Range over which a chart spans: all of its lines, and of a band what is not only its wide beginning.
 function rangeOf(spec) {
   const lines = finite(spec.lines.map((line) => line.values));
-  const edges = (spec.bands || []).flatMap((band) => [-2, 2].map((k) => band.value.map((v, i) => v + k * band.std[i])));
+  const edges = (spec.bands || []).flatMap((band) => [-1, 1].map((k) => band.value.map((v, i) => v + k * band.std[i])));
   const spread = edges.flatMap((edge) => [0.05, 0.95].map((fraction) => quantile(finite([edge]), fraction)));
   const all = lines.concat(spread.filter(Number.isFinite), spec.zero ? [0] : []);
   if (!all.length) return [0, 1];
@@ -138,11 +138,11 @@ class Chart {
     for (let first = 0; first < frameCount; first++) {
       let last = first;
       const follows = (i) => i === first || run.time[i] - run.time[i - 1] <= run.gap;
-      while (last < frameCount && Number.isFinite(edge(last, 2)) && follows(last)) last++;
+      while (last < frameCount && Number.isFinite(edge(last, 1)) && follows(last)) last++;
       if (last - first > 1) {
         context.beginPath();
-        for (let i = first; i < last; i++) context.lineTo(this.x(run.time[i]), edge(i, 2));
-        for (let i = last - 1; i >= first; i--) context.lineTo(this.x(run.time[i]), edge(i, -2));
+        for (let i = first; i < last; i++) context.lineTo(this.x(run.time[i]), edge(i, 1));
+        for (let i = last - 1; i >= first; i--) context.lineTo(this.x(run.time[i]), edge(i, -1));
         context.fill();
       }
       first = Math.max(first, last - 1);

@@ -53,7 +53,7 @@ function parameterSpec(parameter) {
 }
 
 function parameterText(parameter, sample) {
-  const [value, band] = [mix(parameter.value, sample), 2 * mix(parameter.std, sample)];
+  const [value, band] = [mix(parameter.value, sample), mix(parameter.std, sample)];
   const digits = digitsFor(Math.abs(value));
   const truth = parameter.truth ? ", true " + fixed(mix(parameter.truth, sample), digits) : "";
   return fixed(value, digits) + " \u00b1 " + fixed(band, digits) + truth + " " + parameter.unit;
@@ -114,7 +114,8 @@ function fillWrenches(panel, seek) {
 function fillParameters(panel, seek) {
   for (const parameter of run.parameters) {
     const value = make("output", "");
-    const chart = addFigure(panel, [shorten(parameter.label, 30), ""], parameterSpec(parameter), seek, [value]);
+    const title = [shorten(parameter.label, 30), "\u00b1 one standard deviation"];
+    const chart = addFigure(panel, title, parameterSpec(parameter), seek, [value]);
     chart.onDraw = (sample) => (value.value = parameterText(parameter, sample));
   }
 }
