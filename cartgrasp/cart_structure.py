@@ -45,6 +45,8 @@ class CartStructure(ABC):
     def __post_init__(self) -> None:
         check_kind("cart: inertia", self.inertia, Inertia, "write Inertia(mass, (x, y), inertia about the CoM)")
         check_kind("cart: constraints", self.constraints, RollingConstraints, "write RollingConstraints(axle_x=0.0)")
+        check_kind("cart: name", self.name, str, 'write name="cart"')
+        check_kind("cart: first_guess", self.first_guess, FirstGuess, "write FirstGuess(std, known)")
         form = f"write effects=(RollingResistance(), …); known are {', '.join(KNOWN_EFFECTS)}"
         object.__setattr__(self, "effects", listed("cart: effects", self.effects, Effect, form))
         form = "write wheels=(Wheel('fixed', x, y), …)"
@@ -73,6 +75,7 @@ class CartStructure(ABC):
         return replace(self, effects=left)
 
     def with_inertia(self, inertia: Inertia) -> Self:
+        check_kind("cart: inertia", inertia, Inertia, "write Inertia(mass, (x, y), inertia about the CoM)")
         return self._with_numbers(inertia, self.effects)
 
     def with_parameters(self, parameters: ArrayLike) -> Self:

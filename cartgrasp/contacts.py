@@ -63,6 +63,9 @@ class Segment:
     start: tuple[float, float, float]
     stop: tuple[float, float, float]
 
+    def __post_init__(self) -> None:
+        points_of("segment", (self.start, self.stop))
+
     def at(self, fraction: float) -> Array:
         start, stop = np.array(self.start), np.array(self.stop)
         return np.asarray(start + fraction * (stop - start))
@@ -79,8 +82,7 @@ class ContactSet:
         if not self.points and not self.segments:
             raise UsageError("contacts: none given; an arm needs a point or a segment to hold")
         points_of("contacts", self.points)
-        for segment in listed("contacts: segments", self.segments, Segment, "write [Segment(start, stop)]"):
-            points_of("contacts", (segment.start, segment.stop))
+        listed("contacts: segments", self.segments, Segment, "write [Segment(start, stop)]")
 
     @property
     def first(self) -> Array:

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import LARGEST_NUMBER, numbers
 from .contacts import ContactSet, Segment
 from .errors import UsageError
 from .frames import Array
@@ -23,7 +24,10 @@ class Reach:
     offsets: Array
 
     def __post_init__(self) -> None:
-        normals, offsets = np.array(self.normals, dtype=float), np.array(self.offsets, dtype=float)
+        try:
+            normals, offsets = np.array(self.normals, dtype=float), np.array(self.offsets, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise UsageError("reach: normals or offsets are no numbers; write Reach.box(low, high)") from error
         if normals.ndim != 2 or normals.shape[1] != 3 or offsets.shape != (len(normals),):
             raise UsageError(f"reach: normals {normals.shape} and offsets {offsets.shape} are not (k, 3) and (k,)")
         with np.errstate(over="ignore"):
@@ -37,7 +41,8 @@ class Reach:
     @classmethod
     def box(cls, low: Sequence[float], high: Sequence[float]) -> Self:
         """All points between two corners (x, y, z) in {b}, m."""
-        if len(low) != 3 or len(high) != 3 or not np.all(np.asarray(low) <= np.asarray(high)):
+        low, high = (numbers("reach", corner, "(x, y, z) in {b}, m", -LARGEST_NUMBER) for corner in (low, high))
+        if not np.all(np.asarray(low) <= np.asarray(high)):
             raise UsageError(f"reach: {list(low)} and {list(high)} are not the lowest and the highest corner of a box")
         return cls(np.vstack([np.eye(3), -np.eye(3)]), np.concatenate([high, -np.asarray(low, dtype=float)]))
 

@@ -16,6 +16,7 @@ from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import MarkedYAMLError, YAMLError, YAMLWarning
 from ruamel.yaml.scalarbool import ScalarBoolean
 
+from .checks import check_kind
 from .checks import did_you_mean as did_you_mean
 from .errors import FileError, Place
 
@@ -34,6 +35,7 @@ DEEPEST = 50
 
 def read_yaml(path: str | os.PathLike[str]) -> CommentedMap:
     """The document of a file, with comments and places kept."""
+    check_kind("file", path, (str, os.PathLike), "name it by its path")
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_NUMBER, brief, check_kind, number
+from cartgrasp.checks import LARGEST_NUMBER, brief, number
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
@@ -25,7 +25,7 @@ from .augmented_filter import AugmentedFilter
 from .delayed_wrenches import Core, DelayedWrenches, longest_delay
 from .driven_motion import DrivenMotion
 from .gaussian import Gaussian
-from .given import Given, given
+from .given import Given, check_measurement, given
 from .health import Health, SensorHealth
 from .late_samples import LateSamples
 from .learning_filter import LearningFilter
@@ -52,9 +52,6 @@ def takes_rows(cart: CartModel, noise: FilterNoise) -> bool:
     """Whether a regression learns more than an EKF."""
     exact = EXACT_BESIDE_MEMORIES if cart.memory_names else EXACT
     return bool(noise.force > exact * noise.disturbance)
-
-
-MEASUREMENT = "write Measurement(time, pose, velocity, wrenches, contacts)"
 
 
 class CartFilter:
@@ -102,8 +99,11 @@ class CartFilter:
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
-        check_kind("filter: measurement", measurement, Measurement, MEASUREMENT)
-        is_taken = self._samples.take(self._tracked.at_body(measurement))
+        try:
+            is_taken = self._samples.take(self._tracked.at_body(measurement))
+        except (TypeError, ValueError, AttributeError):
+            check_measurement(measurement)
+            raise
         found = self.estimate
         return found if is_taken else found._replace(health=Health.CLOCK)
 

@@ -15,7 +15,7 @@ from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.tracked_point import TrackedPoint
 
 from .gaussian import Gaussian
-from .given import given
+from .given import check_measurement, given
 from .health import Health
 from .late_samples import LateSamples
 from .noise import FilterNoise
@@ -45,7 +45,11 @@ class RegressorEstimator:
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
-        is_taken = self._samples.take(self._tracked.at_body(measurement))
+        try:
+            is_taken = self._samples.take(self._tracked.at_body(measurement))
+        except (TypeError, ValueError, AttributeError):
+            check_measurement(measurement)
+            raise
         found = self.estimate
         return found if is_taken else found._replace(health=Health.CLOCK)
 

@@ -21,22 +21,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
+from types import NoneType
+from typing import Self
 
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import check_kind, listed
 from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 
 from .effective_rows import in_words
 from .limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
 from .objectives import Cost, Lexicographic, Objective, WeightedWrench
 from .quadratic_program import QuadraticProgram
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,9 @@ class AllocationTemplate:
         cart_limits: Sequence[CartLimit] = (),
     ) -> Self:
         """`cart_limits` are those of the cart at rest, until `with_cart_rows`."""
-        arms = tuple(arms)
+        check_kind("cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+        check_kind("objective", objective, (Objective, NoneType), "write LoadShare({'left': 0.7, 'right': 0.3}), …")
+        arms = listed("arms", arms, Arm, 'write [Arm("left", contacts=[(x, y, z)])]')
         names = [arm.name for arm in arms]
         if not arms:
             raise UsageError("arms: none given; at least one arm is needed")

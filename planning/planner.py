@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +18,6 @@ from cartgrasp.checks import LARGEST_FLOAT, brief, check_kind, listed, number, p
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.model import CartModel
 from cartgrasp.shallow import shallow
 
 from .answers import Answers, Solved, proof_of
@@ -47,6 +45,7 @@ from .switching_cost import SwitchingCost
 from .terms import Terms, scaled_into
 
 if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
 
 PERIOD = 1e-3  # s, between calls of plan_or_hold
@@ -84,22 +83,17 @@ class WrenchPlanner:
         number("min_hand_distance", min_hand_distance, 0.0, LARGEST_FLOAT, "give m")
         positive("period", period, LARGEST_FLOAT, "give s")
         number("relax", relax, 0.0, math.inf, "give N and N·m")
-        check_kind("cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
-        check_kind(
-            "objective", objective, (Objective, NoneType), "write LoadShare({'left': 0.7, 'right': 0.3}) or another"
-        )
         check_kind("search_limit", search_limit, SearchLimit, "write SearchLimit(solves=5000)")
         limits = listed("cart_limits", cart_limits, CartLimit, "write cart_limits=[Skid(0.5)]")
-        arms = listed("arms", arms, Arm, 'write [Arm("left", contacts=[(x, y, z)])]')
         self._made = cart, objective, RobustLimits(limits, confidence), (min_hand_distance, period)
         self._relax, self._switching_costs = relax, switching_cost
-        self._to_effective = np.ascontiguousarray(cart.basis_b.T)
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
         self._solver, self._last = QuadraticSolver(), LastPlan(0)
         self._compiled: CompiledPlanning | None = None
         self._is_warm = False
         self._begin(Terms(cart, arms, *self._made[1:]), ())
         self._names = self._terms.base.names
+        self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
         self.reset()
 
     def __repr__(self) -> str:

@@ -53,8 +53,8 @@ class Terms:
         cart_limits: RobustLimits,
         distance_and_period: tuple[float, float],
     ) -> None:
-        arms = tuple(arms)
-        self._pushed = Pushed(cart, None, arms)
+        base = AllocationTemplate.of(cart, arms, objective)
+        self._pushed = Pushed(cart, None, base.arms)
         self._covariance: Array | None = None
         self.estimate: Estimate | None = None
         self.side_force: Callable[[Array], float] = partial(lateral_force, cart)
@@ -62,7 +62,6 @@ class Terms:
         self._places: list[tuple[ContactSet, Reach | None]] = []
         self._cart_limits = cart_limits
         self._distance, self._period = distance_and_period
-        base = AllocationTemplate.of(cart, arms, objective)
         self._use(base.with_cart_rows(cart_limits.rows(self._pushed)))
 
     def take_arms(self, new: Mapping[str, Arm]) -> bool:

@@ -13,7 +13,17 @@ from cartgrasp.errors import CartgraspError
 from cartgrasp.logs import ArmLog
 from cartgrasp.simulation.plant import ModelPlant
 from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator, diagnose, identify
-from planning import InternalForce, LoadShare, SearchLimit, Skid, Smoothness, TipOver, WrenchPlanner
+from planning import (
+    InternalForce,
+    Lexicographic,
+    LoadShare,
+    SearchLimit,
+    Skid,
+    Smoothness,
+    TipOver,
+    WrenchPlanner,
+    build_allocation,
+)
 from planning.references import PathReference, Stretch, chain, pause, speed_change, straight, turn
 from planning.tracking import Gains
 
@@ -24,6 +34,7 @@ BODY = cg.Inertia(24.0, (0.3, 0.0), 2.0)
 TRUE = cg.CartModel(BODY, effects=(RollingResistance(0.02),))
 LEFT = cg.Arm("left", [POINT], force_limit=(60, 60, 40))
 RIGHT = cg.Arm("right", [(-0.25, -0.2, 1.0)], force_limit=(60, 60, 40))
+SHORT = cg.Measurement(0.0, None, None, {"left": (1, 2)}, {"left": POINT})
 LOG = cg.RunLog(np.arange(3) / 100, np.zeros((3, 3)), None, {"left": ArmLog(np.zeros((3, 3)), np.zeros((3, 6)))})
 
 
@@ -120,6 +131,19 @@ PYTHON = [
     (lambda: CartFilter(TRUE, yaws={"left": 90}), "yaws: left: 90 rad .* 90 degrees are 1.571 rad"),
     (lambda: CartFilter(TRUE, prior=Prior(known={"masss"})), "there is no 'masss'; did you mean mass?"),
     (lambda: CartFilter(TRUE).update((0.0, 0.0)), r"filter: measurement: .* is no Measurement; write Measurement\("),
+    (lambda: CartFilter(TRUE).update(cg.Measurement("0")), "measurement: time: '0' is not a number; give s"),
+    (lambda: CartFilter(TRUE).update(cg.Measurement(0.0, (1, 2))), r"measurement: pose: \(1, 2\) is not 3 numbers"),
+    (lambda: CartFilter(TRUE).update(SHORT), r"measurement: wrenches: left: \(1, 2\) is not 6 numbers"),
+    (lambda: TRUE.with_inertia(24.0), "cart: inertia: 24.0 is no Inertia; write"),
+    (lambda: cg.CartModel(BODY, name=3), "cart: name: 3 is no str; write"),
+    (lambda: cg.load_cart(None), "file: None is no str; name it by its path"),
+    (lambda: cg.Reach.box(0, 1), r"reach: 0 is not \(x, y, z\) in \{b\}, m"),
+    (lambda: cg.Segment(1, 2), r"segment: .* is one point; a list of points"),
+    (lambda: LoadShare(0.5), "load share: shares: 0.5 is no Mapping; write {'left': 0.7, 'right': 0.3}"),
+    (lambda: LoadShare({"left": "most"}), "load share: left: 'most' is not a number from 0 to 1"),
+    (lambda: Lexicographic(1, 2), r"lexicographic: 1 is no Objective; write"),
+    (lambda: InternalForce(3.0, "up"), r"internal force: axis: 'up' is not \(x, y, z\)"),
+    (lambda: build_allocation("cart.yaml", [LEFT], {"left": POINT}, (40, 0, 3)), "cart: 'cart.yaml' is no CartModel"),
     (lambda: CartFilter(TRUE).estimate, "no measurement has come yet"),
     (lambda: RegressorEstimator(TRUE, "left"), "filter: arms: 'left' is no list"),
     (lambda: FilterNoise(force="3"), "noise: force: '3' is not a finite number"),

@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import LARGEST_FLOAT, number, numbers
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_z
 
@@ -35,7 +35,7 @@ class InternalForce(CartLimit):
 
     def __post_init__(self) -> None:
         number("internal force: bound", self.bound, 0.0, LARGEST_FLOAT, "give N")
-        if len(self.axis) != 3 or not np.isfinite(self.axis).all() or not np.any(self.axis):
+        if not any(numbers("internal force: axis", self.axis, "(x, y, z) in {b}", -LARGEST_FLOAT, LARGEST_FLOAT)):
             raise UsageError(f"internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 
     def rows(self, pushed: Pushed) -> CartRows:

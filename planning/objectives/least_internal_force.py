@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import LARGEST_FLOAT, number, numbers
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.limits.internal_force import HANDLE, departures_along
@@ -28,7 +28,7 @@ class LeastInternalForce(Objective):
 
     def __post_init__(self) -> None:
         number("least internal force: weight", self.weight, 0.0, LARGEST_FLOAT)
-        if len(self.axis) != 3 or not np.isfinite(self.axis).all() or not np.any(self.axis):
+        if not any(numbers("least internal force: axis", self.axis, "(x, y, z) in {b}", -LARGEST_FLOAT, LARGEST_FLOAT)):
             raise UsageError(f"least internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 
     @property

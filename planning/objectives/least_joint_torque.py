@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
@@ -23,8 +24,7 @@ class LeastJointTorque(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.weight) and self.weight >= 0):
-            raise UsageError(f"least joint torque: weight: {self.weight} is not a finite number >= 0")
+        number("least joint torque: weight", self.weight, 0.0, LARGEST_FLOAT)
 
     @property
     def looks_back(self) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import check_kind
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
@@ -21,6 +22,8 @@ class Lexicographic(Objective):
     second: Objective
 
     def __post_init__(self) -> None:
+        for one in (self.first, self.second):
+            check_kind("lexicographic", one, Objective, "write Lexicographic(WorstArm(), WeightedWrench())")
         if isinstance(self.first, Lexicographic) or isinstance(self.second, Lexicographic):
             raise UsageError("lexicographic: an order of two; neither may be an order itself")
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import LARGEST_FLOAT, check_kind, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 
@@ -26,8 +26,9 @@ class LoadShare(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        shares = list(self.shares.values())
-        if not (np.isfinite(shares).all() and min(shares, default=-1.0) >= 0 and abs(sum(shares) - 1) <= 1e-9):
+        check_kind("load share: shares", self.shares, Mapping, "write {'left': 0.7, 'right': 0.3}")
+        shares = [number(f"load share: {arm}", share, 0.0, 1.0) for arm, share in self.shares.items()]
+        if not (shares and abs(sum(shares) - 1) <= 1e-9):
             raise UsageError(f"load share: {dict(self.shares)} are not shares >= 0 that add up to 1")
         number("load share: weight", self.weight, 0.0, LARGEST_FLOAT)
 

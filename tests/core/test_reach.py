@@ -58,7 +58,7 @@ def test_lengths_of_normals_do_not_matter():
         (lambda: Reach([[0, 0, 0]], [1]), "a normal is zero"),
         (lambda: Reach([[1, 0, 0]], [np.nan]), "not finite"),
         (lambda: Reach.box((0, 0, 0), (1, -1, 1)), "corner of a box"),
-        (lambda: Reach.box((0, 0), (1, 1)), "corner of a box"),
+        (lambda: Reach.box((0, 0), (1, 1)), "3 numbers are needed, 2 given"),
     ],
 )
 def test_what_cannot_be_meant_is_refused(call, words):

@@ -106,7 +106,7 @@ def test_ellipses_and_columns_are_those_of_python(page: Path, shown: ShownRun):
     wide, narrow, turn, x, std, *angles = map(float, title_after(page, script))
     across = -0.6 * 0.03 * 0.01
     variances, axes = np.linalg.eigh([[0.03**2, across], [across, 0.01**2]])
-    np.testing.assert_allclose([narrow, wide], 2 * np.sqrt(variances), rtol=1e-9)
+    np.testing.assert_allclose([narrow, wide], np.sqrt(variances), rtol=1e-9)
     assert np.tan(turn) == pytest.approx(axes[1, 1] / axes[0, 1])
     row = frame_indices(shown.time)[700]
     assert x == pytest.approx(shown.pose[row, 0], abs=6e-5)
