@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of, inner
+from cartgrasp.compiling import OPTIONS, F, cached_as, digest, digest_of, inner
+from cartgrasp.contacts import LARGEST_POSITION
 
 # Sums may be reordered, which lets loops be vectorised; infinite limits and NaN keep their meaning.
 QUICK: dict[str, Any] = {**OPTIONS, "fastmath": {"reassoc", "contract", "nsz"}}
-DIGEST = digest_of(Path(__file__).parent)
+DIGEST = f"{digest_of(Path(__file__).parent)}_{digest([repr(LARGEST_POSITION).encode()])}"
+"""Of the sources, and of a number that they have from elsewhere."""
 entry = cached_as(DIGEST, QUICK)
 
 

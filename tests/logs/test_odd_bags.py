@@ -169,11 +169,11 @@ def test_a_transform_that_is_not_there_is_told_with_those_that_are(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "place"),
     [
-        ("velocity: twist", "velocity: twist, body: [1.0e+300, 0, 0]", r"pose\.body\.0: input should be less"),
-        ("on_cart", "on_cart, sensor: {position: [0, -1.0e+300, 0]}", r"position\.1: input should be greater"),
-        ("on_cart", "on_cart, tool: {mass: 1.0e+300, com: [0, 0, 0]}", r"tool\.mass: input should be less"),
-        ("twist", "spline, noise: {position: 1.0e+300, heading: 1}", r"noise\.position: input should be less"),
-        ("clock: pose", "clock: 100000", r"clock: input should be less than or equal to 10000"),
+        ("velocity: twist", "velocity: twist, body: [1.0e+300, 0, 0]", r"pose\.body\.0: 1e\+300 is not <= "),
+        ("on_cart", "on_cart, sensor: {position: [0, -1.0e+300, 0]}", r"position\.1: -1e\+300 is not >= "),
+        ("on_cart", "on_cart, tool: {mass: 1.0e+300, com: [0, 0, 0]}", r"tool\.mass: 1e\+300 is not <= "),
+        ("twist", "spline, noise: {position: 1.0e+300, heading: 1}", r"noise\.position: 1e\+300 is not <= "),
+        ("clock: pose", "clock: 100000", r"clock: 100000 is not <= 10000"),
         ("[-0.25, 0.2, 1.0]", "{topic: /tf, frame: base_link}", r"contact\.child: is missing"),
     ],
 )

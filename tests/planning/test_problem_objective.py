@@ -97,7 +97,12 @@ CONFIDENCE = "confidence: {probability: 0.95, std: {mass: 1.0, com_x: 0.02}}\n"
         ("objective: {worst_arm: {weight: 0}}\n", "6:25: objective.worst_arm.weight", "0 is not > 0"),
         ("objective: {smoothness: {rate: -1}}\n", "6:26: objective.smoothness.rate", "-1 is negative"),
         ("objective: {load_share: {shares: {left: 1}}}\n", "6:13: objective.load_share", "shares of ['left']"),
-        ("objective: {load_share: {shares: {left: 2, right: 1}}}\n", "6:13: objective.load_share", "add up to 1"),
+        (
+            "objective: {load_share: {shares: {left: 2, right: 1}}}\n",
+            "6:13: objective.load_share",
+            "2.0 is not a number",
+        ),
+        ("objective: {load_share: {shares: {left: 0.7, right: 1}}}\n", "6:13: objective.load_share", "add up to 1"),
         ("objective: {least_joint_torque: {}}\n", "6:13: objective.least_joint_torque", "states its joints"),
         ("objective: {effort: false}\n", "6:13: objective.effort", "nothing is left to minimise"),
         ("motion: {velocity: [1.0]}\n", "6:10: motion.velocity", "1 numbers, but this cart moves freely in u, r"),
