@@ -57,15 +57,19 @@ def _module_of(library: Any) -> Any:
 
 
 def _all_called(libraries: list[Any]) -> list[Any]:
-    """With what those call that are not finished, each once."""
-    found: dict[Any, None] = {}
-    left = list(libraries)
-    while left:
-        library = left.pop()
-        if library not in found:
-            found[library] = None
-            left += library._linking_libraries if isinstance(library, InnerLibrary) else []
-    return list(found)
+    """With what those call that are not finished, each once and after all that call it: LLVM leaves out a function
+    that nothing linked so far asks for."""
+    finished: dict[Any, None] = {}
+
+    def visit(library: Any) -> None:
+        if library not in finished:
+            for called in library._linking_libraries if isinstance(library, InnerLibrary) else []:
+                visit(called)
+            finished[library] = None
+
+    for library in libraries:
+        visit(library)
+    return list(reversed(finished))
 
 
 class SharedFlags(Flags):

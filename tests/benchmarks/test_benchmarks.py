@@ -30,7 +30,8 @@ def test_each_benchmark_runs(tmp_path):
     out = tmp_path / "results" / "benchmarks.md"
     command = [sys.executable, "-m", "benchmarks", "--quick", "--out", str(out)]
     threads = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    subprocess.run(command, check=True, capture_output=True, cwd=ROOT, env=threads)
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=threads)
+    assert done.returncode == 0, done.stderr
     text = out.read_text(encoding="utf-8")
     assert all(f"## {title}" in text for title in TITLES)
     rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| ") and "---" not in line]
