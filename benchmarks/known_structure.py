@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-from estimation.discrepancy.gap import held_out_rollouts
+from estimation.discrepancy.held_out import held_out_rollouts
 from estimation.discrepancy.model import Model
 from estimation.discrepancy.search import resized, searched_again
 from estimation.glitches import without_glitches

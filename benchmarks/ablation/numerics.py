@@ -19,6 +19,7 @@ REASONS: dict[str, dict[str, str]] = {
         "ROW_STEPS": "grid of bands",
         "FEWEST": "rows, to be solvable",
         "TRACE": "columns that are nought",
+        "EVERY": "all rows",
     },
     "weak_form.fit": {
         "ROUNDS": "of Gauss-Newton",
@@ -95,9 +96,11 @@ REASONS: dict[str, dict[str, str]] = {
         "LONGEST_HOLE": "effort: a pause that makes two logs of one",
     },
     "discrepancy.gap": {
+        "COORDINATES": "words",
+    },
+    "discrepancy.held_out": {
         "FOLDS": "number of folds",
         "DRAWS": "effort",
-        "COORDINATES": "words",
         "MOST_MOVED": "of a linear step",
     },
     "discrepancy.isolability": {

@@ -18,7 +18,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..prior import Prior, report_names, report_units
-from ..weak_form.band import Band, pooled
+from ..weak_form.band import Band
 from ..weak_form.fit import coordinates, with_coordinates
 from ..weak_form.score import Score
 from .laws import Law
@@ -28,6 +28,7 @@ from .refine import is_open, moves, refined
 from .screening import Screen
 from .search import absent, added
 from .soft_push import begun_earlier, soft_gain, with_impulse_of
+from .told_mass import told_mass
 
 TAUGHT = 0.25
 """Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
@@ -57,28 +58,10 @@ class Certainty:
     bands: tuple[Band, ...] = ()
     undecided: Array | None = None
 
-    @property
-    def band(self) -> Band | None:
-        """The one that tells the mass best."""
-        return min(self.bands, key=lambda band: band.share, default=None)
-
-    @property
-    def bracket(self) -> float:
-        """Share of the mass that the bands leave open."""
-        return pooled([(band, band.bracket / band.mass) for band in self.bands])
-
     @cached_property
     def _mass(self) -> tuple[float, float]:
-        """Logarithm of the mass, and its standard deviation: of the model, in the middle of what its band leaves open,
-        and of the band alone, beside forces of many forms; each as sure as it is, both no surer than they agree."""
-        model = self.model
-        own = float(np.log(model.cart.inertia.mass) + np.log1p(self.bracket))
-        std = float(np.hypot(self._covariance[0, 0] ** 0.5, self.bracket))
-        if self.band is None:
-            return own, std
-        other, its = float(np.log(self.band.middle)), self.band.deviation / self.band.middle
-        weight = its**2 / (std**2 + its**2)
-        return weight * own + (1 - weight) * other, max(min(std, its), abs(own - other) / 2)
+        """Logarithm of the mass, and its standard deviation."""
+        return told_mass(float(np.log(self.model.cart.inertia.mass)), self._covariance[0, 0] ** 0.5, self.bands)
 
     @cached_property
     def cart(self) -> CartModel:

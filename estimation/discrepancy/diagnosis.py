@@ -33,7 +33,8 @@ from .attempts import Step
 from .candidates import free_label
 from .certainty import Certainty
 from .clock_offset import clock_offsets
-from .gap import BEYOND_NOISE, Gap, held_out_rollouts, measured_gap
+from .gap import BEYOND_NOISE, Gap, measured_gap
+from .held_out import held_out_rollouts
 from .isolability import Isolability, isolability
 from .laws import Law, row_values
 from .log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
@@ -323,7 +324,7 @@ def _diagnosed(
         nominal,
         final,
         tuple(steps),
-        _shares(steps, nominal, gap),
+        _shares(steps, final, gap),
         gap,
         is_refused,
         tuple(hits),
@@ -353,15 +354,16 @@ def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:
     return cart.with_inertia(Inertia(band.mass, body.com, body.about_com * band.mass / body.mass))
 
 
-def _shares(steps: Sequence[Step], nominal: Model, gap: Gap) -> tuple[float, ...]:
+def _shares(steps: Sequence[Step], final: Model, gap: Gap) -> tuple[float, ...]:
     """Of the gap above the noise floor, what each step closed; of logs at rest, nothing."""
-    if not any(len(starts(balances)) for balances in nominal.logs):
+    if not any(len(starts(balances)) for balances in final.logs):
         return (0.0,) * len(steps)
     whole = max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
     found, before = [], gap.refitted**2
     for step in steps:
         model = step.added.model if step.added is not None else None
-        after = before if model is None else float(held_out_rollouts(model).gaps()[1]) ** 2
+        told = model and replace(model, band_steps=final.band_steps)
+        after = before if told is None else float(held_out_rollouts(told).gaps()[1]) ** 2
         found.append(float(np.clip((before - after) / whole, 0.0, 1.0)))
         before = after
     return tuple(found)

@@ -115,7 +115,8 @@ class RowNoise:
 @dataclass(frozen=True, eq=False)
 class Model:
     """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
-    follow and no effect of the vocabulary makes; `candidates` may be missing, too. Where models are compared, rows are
+    follow and no effect of the vocabulary makes; `candidates` may be missing, too;
+    `band_steps` (s) are those of the bands in which logs tell the mass. Where models are compared, rows are
     told apart from what neighbours and balances share. To fit one they are not: that would weigh what changes fast,
     which models know least, and hand what is missing in one balance to another; the deviations of a fit allow for it
     (`certainty.py`)."""
@@ -131,6 +132,7 @@ class Model:
     at_bound: np.ndarray | None = None
     candidates: tuple[Effect, ...] = ()
     compares: bool = False
+    band_steps: tuple[float | None, ...] = ()
 
     @property
     def is_pushed(self) -> bool:

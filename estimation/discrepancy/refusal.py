@@ -11,7 +11,8 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .gap import BEYOND_NOISE, FOLDS, floor_rollouts, fold_carts, fold_starts
+from .gap import BEYOND_NOISE
+from .held_out import FOLDS, floor_rollouts, fold_carts, fold_starts
 from .model import Model
 from .rollouts import HORIZONS, rollouts
 

@@ -14,7 +14,7 @@ from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
 from .drawing import KINDS, grid
-from .gap import FOLDS, fold_carts, fold_starts
+from .held_out import FOLDS, fold_carts, fold_starts
 from .rollouts import HORIZONS, rolled_out, rollouts
 
 if TYPE_CHECKING:

@@ -37,17 +37,19 @@ def searched(
         nominal, final, steps = in_band(parts)
         again = (consistent(bands(balances, final.whole)) for balances in final.logs)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
-            return nominal, final, steps, _extended(final, known)
+            return _told(nominal, final, steps, known)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
     long = [(b, band) for b, band in zip(narrowed, known, strict=True) if len(b.used)]
     nominal, final, steps = in_band([b for b, _ in long])
-    return nominal, final, steps, _extended(final, [band for _, band in long])
+    return _told(nominal, final, steps, [band for _, band in long])
 
 
-def _extended(final: Model, known: Sequence[Band | None]) -> tuple[Band | None, ...]:
-    """Each log's band, with what was found."""
+def _told(nominal: Model, final: Model, steps: list[Step], known: Sequence[Band | None]) -> Searched:
+    """With each log's band, with what was found."""
     again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
-    return tuple(new or old for new, old in zip(again, known, strict=True))
+    found = tuple(new or old for new, old in zip(again, known, strict=True))
+    row_steps = tuple(None if band is None else band.row_step for band in found)
+    return replace(nominal, band_steps=row_steps), replace(final, band_steps=row_steps), steps, found
 
 
 def at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:

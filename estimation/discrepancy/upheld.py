@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..weak_form.band import Band
+from ..weak_form.band import INERTIAL, Band, pooled
 from .attempts import Step
 from .certainty import Certainty
-from .gap import file_rollouts, floor_rollouts, held_out_rollouts
+from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .laws import Law
 from .model import Model
 from .named import faded
-from .plausible import ODDS
+from .plausible import ODDS, TOLD
 from .refusal import WORSE
 from .rivals import undecided
 from .rollouts import Rollouts
@@ -24,10 +24,10 @@ from .search import added
 def upheld(
     final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
 ) -> tuple[Model, tuple[Law, ...]]:
-    """Without effects of which next to nothing is left, without laws that close nothing of the gap, and without the
-    last ones as long as unseen stretches are predicted no better with them than by what is known, or refitted, and
-    farther off than noise; and the laws that were withdrawn."""
-    for key in faded(final, certainty_of(final, steps, known)):
+    """Without effects of which next to nothing is left, without loads that what nobody recorded may look like, without
+    laws that close nothing of the gap, and without the last ones as long as unseen stretches are predicted no better
+    with them than by what is known, or refitted, and farther off than noise; and the laws that were withdrawn."""
+    for key in (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)):
         final = final.refitted(final.cart.without_effect(key)).settled()
     laws = final.laws
     if not (laws or added(final)):
@@ -45,6 +45,15 @@ def upheld(
         final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
         error = rollout_error(held_out_rollouts(final))
     return final, tuple(law for law in laws if law not in final.laws)
+
+
+def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:
+    """Keys of added loads that are within what the bands leave open of the mass: what moves a cart beside its recorded
+    wrenches (a rider who leans) looks like a load that swings or changes."""
+    share = pooled([(band, band.bracket / band.mass) for band in known if band is not None])
+    most = TOLD * share * final.cart.inertia.mass
+    loads = [effect for effect in added(final) if effect.name in INERTIAL]
+    return [e.key for e in loads if abs(e.values[e.keys.index(f"{e.key}.mass")]) < most]
 
 
 def _most(final: Model, best: float) -> float:

@@ -36,6 +36,7 @@ RICH: tuple[Effect, ...] = (RollingResistance(), QuadraticDrag(), DirectionalDra
 INERTIAL = ("payload_change", "load_slosh")
 """Effects that change how much a push moves a cart."""
 TRACE = 1e-6
+EVERY = slice(None)
 AS_WELL = 2.0
 """Times the least deviation: that of a dozen rows is told to about a factor of two itself."""
 LEAST_KNOWN = 0.25
@@ -91,7 +92,7 @@ def bands(balances: Balances, cart: CartModel, guess: CartModel | None = None) -
     finest = 2 * KNOT_STEPS * balances.motion.step * (1 - 1e-6)
     fit = (step for step in ROW_STEPS if finest <= step < span / (FEWEST + SUPPORT))
     steps = [step for step in fit if balances.wrenches.arms]
-    found = (_band(balances.every(step), cart, guess or cart) for step in steps)
+    found = (band_in(balances.every(step), cart, guess or cart) for step in steps)
     return [band for band in found if band is not None]
 
 
@@ -123,10 +124,11 @@ def pooled(known: Sequence[tuple[Band, float]]) -> float:
     return sum(band.energy * share for band, share in known) / total if known else 0.0
 
 
-def _band(balances: Balances, cart: CartModel, guess: CartModel) -> Band | None:
-    left, slopes = balances.beside(None).residual(cart)
+def band_in(balances: Balances, cart: CartModel, guess: CartModel, kept: np.ndarray | slice = EVERY) -> Band | None:
+    """Of the rows' own test functions, from rows that are kept (k,); None where they don't tell the mass."""
+    left, slopes = (rows[kept] for rows in balances.beside(None).residual(cart))
     taken = {effect.name for effect in cart.effects}
-    rich = [balances.columns(cart, e)[:, 0] for e in RICH if e.name not in taken]
+    rich = [balances.columns(cart, e)[kept, 0] for e in RICH if e.name not in taken]
     known = {effect.key for effect in guess.effects}
     loose = [e.key in known or e.name not in INERTIAL for e in cart.effects for _ in e.parameters]
     own = slopes[:, 0, np.array([True] * N_PHI + loose)]

@@ -37,6 +37,14 @@ def test_a_person_who_rolls_a_wheelchair(guess):
     assert found.gap.refitted == told["1 s"] == pytest.approx(told["along"])
 
 
+def test_coarse_poses_of_a_wheelchair_tell_its_drag():
+    assert [effect.name for effect in told_of("wheelchair", 1.0, "x in 5 mm").effects] == ["rolling_resistance"]
+
+
+def test_a_person_who_leans_is_no_load_that_swings():
+    assert "load_slosh" not in {effect.name for effect in told_of("wheelchair", 1.0, "last 60 %").effects}
+
+
 @pytest.mark.parametrize("variant", ["half the rows", "at 50 Hz", "first 60 %"])
 def test_an_axis_with_two_frictions_is_no_patch_of_floor(variant):
     """The stroke is all the floor that there is."""

@@ -12,7 +12,8 @@ from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.discrepancy import rollouts as module
-from estimation.discrepancy.gap import floor_rollouts, measured_gap
+from estimation.discrepancy.gap import measured_gap
+from estimation.discrepancy.held_out import floor_rollouts
 from estimation.discrepancy.model import Model
 from estimation.discrepancy.rollouts import HORIZONS, rolled_out, rollouts, starts
 from estimation.weak_form.balances import Balances
