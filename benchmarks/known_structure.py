@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-from estimation.discrepancy.held_out import held_out_rollouts
-from estimation.discrepancy.model import Model
-from estimation.discrepancy.search import resized, searched_again
+from estimation.discrepancy.findings.held_out import held_out_rollouts
+from estimation.discrepancy.search.model import Model
+from estimation.discrepancy.search.search import resized, searched_again
 from estimation.glitches import without_glitches
 from estimation.impacts import impacts
 from estimation.sensor_check import put_right

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from estimation.discrepancy.named import RIVAL, true_alone
-from estimation.discrepancy.search import WORTH
+from estimation.discrepancy.findings.named import RIVAL, true_alone
+from estimation.discrepancy.search.search import WORTH
 
 from .sealed.calibration import bins, brier
 from .sealed.judging import bare

@@ -19,7 +19,7 @@ from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
-from .discrepancy.model import Model
+from .discrepancy.search.model import Model
 from .weak_form.balances import Balances
 from .weak_form.fit import coordinates, jacobian, with_coordinates
 

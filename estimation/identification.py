@@ -24,8 +24,8 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .corrected_fit import corrected
-from .discrepancy.model import Model
-from .discrepancy.refusal import refused
+from .discrepancy.findings.refusal import refused
+from .discrepancy.search.model import Model
 from .log_parts import LogPart, NothingSaidError, learnable_parts
 from .noise import FilterNoise
 from .prior import Prior, report_names, report_units

@@ -73,7 +73,7 @@ ASSUMPTIONS = (
         },
     ),
     *_of(
-        "discrepancy.certainty",
+        "discrepancy.findings.certainty",
         {
             "SIZE_SHARE": "of an effect's size, what its form leaves open",
             "LEAST_TIME": "half a sample: no onset is known better",
@@ -81,14 +81,14 @@ ASSUMPTIONS = (
             "FORM_SHARE": "of a length, what the form of its effect leaves open",
         },
     ),
-    *_of("discrepancy.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
-    *_of("discrepancy.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
+    *_of("discrepancy.search.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
+    *_of("discrepancy.findings.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
     *_of(
         "weak_form.flights",
         {"TOUCH": "how long a touch lasts", "NEAR": "how near a stop a cart leans on it"},
     ),
     *_of(
-        "discrepancy.laws",
+        "discrepancy.search.laws",
         {
             "SETTING_IN": "speeds from which on a drag may grow",
             "SINCE": "ways since a reversal over which a drag may change",
@@ -97,7 +97,7 @@ ASSUMPTIONS = (
         },
     ),
     *_of(
-        "discrepancy.model",
+        "discrepancy.search.model",
         {
             "GUESS_STD": "prior of the logarithms of mass and inertia",
             "COM_STD": "prior of the CoM",
@@ -108,9 +108,9 @@ ASSUMPTIONS = (
             "TIMING_STD": "of a step, how late a sensor's samples may be",
         },
     ),
-    *_of("discrepancy.rivals", {"SIMPLER": "nats for each number that a rival takes less"}),
+    *_of("discrepancy.findings.rivals", {"SIMPLER": "nats for each number that a rival takes less"}),
     *_of(
-        "discrepancy.named",
+        "discrepancy.findings.named",
         {
             "TRUE_AT": "log odds that a name is true which gains what a name is worth",
             "TRUE_BY": "by what more, for each time e as many nats",
@@ -119,23 +119,27 @@ ASSUMPTIONS = (
             "UNTRIED": "probability of a name that no step added",
         },
     ),
-    *_of("discrepancy.refusal", {"BLOCK": "time over which errors of rollouts are related"}),
-    *_of("discrepancy.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),
+    *_of("discrepancy.findings.refusal", {"BLOCK": "time over which errors of rollouts are related"}),
+    *_of("discrepancy.findings.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),
     # what is usual: the table of priors
-    Constant("discrepancy.plausible", "ODDS[rolling_resistance]", B, 0.0, "log odds of rolling resistance before data"),
-    Constant("discrepancy.plausible", "LEAST[time_delay.delay]", B, 0.0, "least delay with a name"),
-    Constant("discrepancy.plausible", "LEAST[load_slosh.damping]", B, 0.0, "least damping of a load"),
-    Constant("discrepancy.plausible", "MOST[time_delay.delay]", B, inf, "largest delay with a name"),
-    Constant("discrepancy.plausible", "MOST[load_slosh.damping]", B, inf, "largest damping of a load"),
-    Constant("discrepancy.plausible", "MOST[load_slosh.frequency]", B, inf, "highest frequency of a load"),
-    Constant("discrepancy.plausible", "MOST[external_push.duration]", B, inf, "longest push"),
-    Constant("discrepancy.plausible", "MOST[stribeck_friction.speed]", B, inf, "largest speed of Stribeck friction"),
-    Constant("discrepancy.plausible", "MOST[caster_realignment.trail]", B, inf, "longest trail of a caster"),
-    Constant("discrepancy.plausible", "LEAST[force_scale.gain]", B, 0.0, "least gain of a sensor"),
-    Constant("discrepancy.plausible", "MOST[force_scale.gain]", B, inf, "largest gain of a sensor"),
-    Constant("discrepancy.plausible", "MOST[force_misalignment.angle]", B, inf, "largest angle of a sensor"),
-    Constant("discrepancy.plausible", "ESSENTIAL", B, {}, "what makes an effect what its name says"),
-    Constant("discrepancy.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
+    Constant(
+        "discrepancy.search.plausible", "ODDS[rolling_resistance]", B, 0.0, "log odds of rolling resistance before data"
+    ),
+    Constant("discrepancy.search.plausible", "LEAST[time_delay.delay]", B, 0.0, "least delay with a name"),
+    Constant("discrepancy.search.plausible", "LEAST[load_slosh.damping]", B, 0.0, "least damping of a load"),
+    Constant("discrepancy.search.plausible", "MOST[time_delay.delay]", B, inf, "largest delay with a name"),
+    Constant("discrepancy.search.plausible", "MOST[load_slosh.damping]", B, inf, "largest damping of a load"),
+    Constant("discrepancy.search.plausible", "MOST[load_slosh.frequency]", B, inf, "highest frequency of a load"),
+    Constant("discrepancy.search.plausible", "MOST[external_push.duration]", B, inf, "longest push"),
+    Constant(
+        "discrepancy.search.plausible", "MOST[stribeck_friction.speed]", B, inf, "largest speed of Stribeck friction"
+    ),
+    Constant("discrepancy.search.plausible", "MOST[caster_realignment.trail]", B, inf, "longest trail of a caster"),
+    Constant("discrepancy.search.plausible", "LEAST[force_scale.gain]", B, 0.0, "least gain of a sensor"),
+    Constant("discrepancy.search.plausible", "MOST[force_scale.gain]", B, inf, "largest gain of a sensor"),
+    Constant("discrepancy.search.plausible", "MOST[force_misalignment.angle]", B, inf, "largest angle of a sensor"),
+    Constant("discrepancy.search.plausible", "ESSENTIAL", B, {}, "what makes an effect what its name says"),
+    Constant("discrepancy.search.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
     Constant("weak_form.band", "INERTIAL", B, (), "names that nobody gets who does not push"),
-    Constant("discrepancy.candidates", "TURNING", B, (), "names that no cart on a rail gets"),
+    Constant("discrepancy.search.candidates", "TURNING", B, (), "names that no cart on a rail gets"),
 )

@@ -17,37 +17,51 @@ DECIDING = (
     Constant("weak_form.band", "LEAST_KNOWN", A, inf, "scatter of the mass beyond which a band says nothing"),
     Constant("weak_form.band", "AS_WELL", A, inf, "times the least deviation of a mass, in a band that is taken"),
     # what is tried
-    Constant("discrepancy.screening", "LEAST_SIDE", A, 0.0, "time before and after a lasting change"),
+    Constant("discrepancy.search.screening", "LEAST_SIDE", A, 0.0, "time before and after a lasting change"),
     # what is added and dropped
-    Constant("discrepancy.search", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"),
-    Constant("discrepancy.search", "SHARE", A, 0.0, "least gain as a share of the largest so far"),
-    Constant("discrepancy.search", "RESIZED", A, 0.0, "least gain of another size of an effect of the file"),
-    Constant("discrepancy.search", "SURE", A, 0.0, "least gain in standard errors over stretches"),
-    Constant("discrepancy.model", "LONG_MEAN", A, NEVER, "means whose size divides the gain of what lasts for a while"),
-    # what may be called so
-    Constant("discrepancy.plausible", "LEAST_SIZE", A, 0.0, "least size of a named effect"),
     Constant(
-        "discrepancy.plausible",
+        "discrepancy.search.search", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"
+    ),
+    Constant("discrepancy.search.search", "SHARE", A, 0.0, "least gain as a share of the largest so far"),
+    Constant("discrepancy.search.search", "RESIZED", A, 0.0, "least gain of another size of an effect of the file"),
+    Constant("discrepancy.search.search", "SURE", A, 0.0, "least gain in standard errors over stretches"),
+    Constant(
+        "discrepancy.search.model", "LONG_MEAN", A, NEVER, "means whose size divides the gain of what lasts for a while"
+    ),
+    # what may be called so
+    Constant("discrepancy.search.plausible", "LEAST_SIZE", A, 0.0, "least size of a named effect"),
+    Constant(
+        "discrepancy.search.plausible",
         "SPARE",
         A,
         inf,
         "times what is plausible that estimates may be",
     ),
-    Constant("discrepancy.plausible", "LEAST_LAW", A, 0.0, "least size of a law"),
-    Constant("discrepancy.plausible", "TOLD", A, 0.0, "deviations from nought of what makes an effect what it is"),
+    Constant("discrepancy.search.plausible", "LEAST_LAW", A, 0.0, "least size of a law"),
     Constant(
-        "discrepancy.drag_floor",
+        "discrepancy.search.plausible", "TOLD", A, 0.0, "deviations from nought of what makes an effect what it is"
+    ),
+    Constant(
+        "discrepancy.search.drag_floor",
         "LEAST_SURE",
         A,
         inf,
         "deviations by which a law's drag is never nought",
     ),
-    Constant("discrepancy.refusal", "WORSE", A, inf, "times the error on unseen stretches that speaks against a name"),
-    # what is said
-    Constant("discrepancy.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"),
-    Constant("discrepancy.gap", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant(
-        "discrepancy.diagnosis",
+        "discrepancy.findings.refusal",
+        "WORSE",
+        A,
+        inf,
+        "times the error on unseen stretches that speaks against a name",
+    ),
+    # what is said
+    Constant(
+        "discrepancy.search.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"
+    ),
+    Constant("discrepancy.findings.gap", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
+    Constant(
+        "discrepancy.diagnosis.diagnosis",
         "CLOSED",
         A,
         inf,

@@ -61,8 +61,8 @@ REASONS: dict[str, dict[str, str]] = {
         "STIFF": "range of the penalty",
         "ROUNDS": "effort",
     },
-    "discrepancy.candidates": {"EVER": "stands for infinity"},
-    "discrepancy.certainty": {
+    "discrepancy.search.candidates": {"EVER": "stands for infinity"},
+    "discrepancy.findings.certainty": {
         "TAUGHT": "a flag that the report does not tell",
         "MOST_MOVED": "of a linear step",
         "LEAST_LEFT": "keeps it solvable",
@@ -73,42 +73,44 @@ REASONS: dict[str, dict[str, str]] = {
         "DOUBLINGS": "range of a grid",
         "POINTS": "grid",
     },
-    "discrepancy.acting": {"WORDS": "words"},
-    "discrepancy.diagnosis": {
+    "discrepancy.where.acting": {"WORDS": "words"},
+    "discrepancy.diagnosis.diagnosis": {
         "OTHER_CART": "a warning",
     },
-    "discrepancy.changes": {"PENALTY": "change points of sentences and figures", "MOST": "effort"},
-    "discrepancy.circumstances": {"SMOOTHED": "wrenches in sentences"},
+    "discrepancy.where.changes": {"PENALTY": "change points of sentences and figures", "MOST": "effort"},
+    "discrepancy.where.circumstances": {"SMOOTHED": "wrenches in sentences"},
     "discrepancy.clock_offset": {"UNKNOWN": "whether a lateness is told"},
-    "discrepancy.fast_noise": {
+    "discrepancy.findings.fast_noise": {
         "ROW_STEP": "grid",
         "THIRD": "third differences",
         "FEWEST": "differences, to be solvable",
     },
-    "discrepancy.drawing": dict.fromkeys(("NO_METADATA", "KINDS", "SIDES", "BAND", "ZERO", "FLAT"), "of a figure"),
-    "discrepancy.figures": {"BARS": "colours"},
-    "discrepancy.residual_figures": dict.fromkeys(
+    "discrepancy.diagnosis.drawing": dict.fromkeys(
+        ("NO_METADATA", "KINDS", "SIDES", "BAND", "ZERO", "FLAT"), "of a figure"
+    ),
+    "discrepancy.diagnosis.figures": {"BARS": "colours"},
+    "discrepancy.diagnosis.residual_figures": dict.fromkeys(
         ("MOST_ROWS", "CLOSER", "WORST", "PERIODS", "LEAST_FOLLOWED", "FOLDED", "CUT"), "of a figure"
     ),
-    "discrepancy.rollout_figure": dict.fromkeys(("EVERY", "LAST"), "of a figure"),
+    "discrepancy.diagnosis.rollout_figure": dict.fromkeys(("EVERY", "LAST"), "of a figure"),
     "weak_form.flights": {
         "SHORTEST": "parts of a log that are too short to solve",
         "LONGEST_HOLE": "effort: a pause that makes two logs of one",
     },
-    "discrepancy.gap": {
+    "discrepancy.findings.gap": {
         "COORDINATES": "words",
     },
-    "discrepancy.held_out": {
+    "discrepancy.findings.held_out": {
         "FOLDS": "number of folds",
         "DRAWS": "effort",
         "MOST_MOVED": "of a linear step",
     },
-    "discrepancy.isolability": {
+    "discrepancy.findings.isolability": {
         "ALIKE": "table of what is alike",
         "SHOWN": "table of what is alike",
         "PARALLEL": "rounding",
     },
-    "discrepancy.laws": {
+    "discrepancy.search.laws": {
         "AT_HANDS": "word",
         "VARIABLES": "words",
         "UNITS": "words",
@@ -116,16 +118,16 @@ REASONS: dict[str, dict[str, str]] = {
         "PLACES": "knots of fields",
         "LEAST_SPAN": "keeps knots apart",
     },
-    "discrepancy.law_figure": dict.fromkeys(("LEAST_UNIT", "POINTS", "MOST_DOTS"), "of a figure"),
-    "discrepancy.learned": dict.fromkeys(("FORCES", "OF_TIME", "USUAL", "TURN", "WALK"), "words"),
-    "discrepancy.periods": {
+    "discrepancy.diagnosis.law_figure": dict.fromkeys(("LEAST_UNIT", "POINTS", "MOST_DOTS"), "of a figure"),
+    "discrepancy.findings.learned": dict.fromkeys(("FORCES", "OF_TIME", "USUAL", "TURN", "WALK"), "words"),
+    "discrepancy.search.periods": {
         "SCANNED": "grid of periods",
         "OF": "words",
         "OVERSAMPLED": "grid of a Fourier transform",
         "KNOWN": "effort",
         "LIKELY": "effort",
     },
-    "discrepancy.sentence": {"REFITTED": "whether a sentence tells of the refit"},
+    "discrepancy.diagnosis.sentence": {"REFITTED": "whether a sentence tells of the refit"},
     "discrepancy.log_check": {
         "FEWEST_ROWS": "refuses a log",
         "SHORTEST": "refuses a log",
@@ -135,15 +137,15 @@ REASONS: dict[str, dict[str, str]] = {
         "ROLLING": "words on the motion",
         "STILL_TURNING": "words on the motion",
     },
-    "discrepancy.model": {"ROUNDS": "effort", "FEWEST_MEANS": "means, to be solvable"},
-    "discrepancy.named": {"SURE": "which of an effect's numbers are told"},
-    "discrepancy.next_experiments": {
+    "discrepancy.search.model": {"ROUNDS": "effort", "FEWEST_MEANS": "means, to be solvable"},
+    "discrepancy.findings.named": {"SURE": "which of an effect's numbers are told"},
+    "discrepancy.diagnosis.next_experiments": {
         "NOTHING_OPEN": "words",
         "FORM": "which motion is proposed",
         "MOST_TOLD": "words",
     },
-    "discrepancy.page": dict.fromkeys(("POLICY", "STYLE", "ONE_STD", "COMMANDS", "WORDS"), "of the page"),
-    "discrepancy.refine": {
+    "discrepancy.diagnosis.page": dict.fromkeys(("POLICY", "STYLE", "ONE_STD", "COMMANDS", "WORDS"), "of the page"),
+    "discrepancy.search.refine": {
         "HALVINGS": "effort",
         "EVALUATIONS": "effort",
         "TIME_STEP": "first step",
@@ -151,12 +153,12 @@ REASONS: dict[str, dict[str, str]] = {
         "DELAY_STEP": "first step",
         "FACTOR": "first step",
     },
-    "discrepancy.refusal": {
+    "discrepancy.findings.refusal": {
         "FEWEST": "blocks, to be solvable",
         "HORIZON": "the gap's",
         "SURE": "of `identify`",
     },
-    "discrepancy.residual": {
+    "discrepancy.where.residual": {
         "LATERAL": "word",
         "DIRECTIONS": "words",
         "LEAST_CREEP": "whether a place is told",
@@ -166,8 +168,13 @@ REASONS: dict[str, dict[str, str]] = {
         "EDGE": "of a stretch, by rounding",
         "SURE": "whether a place is told",
     },
-    "discrepancy.residual_map": {"HEADING": "word", "BINS": "grid", "HALF": "grid", "FEWEST": "stretches in a mean"},
-    "discrepancy.rollouts": {
+    "discrepancy.where.residual_map": {
+        "HEADING": "word",
+        "BINS": "grid",
+        "HALF": "grid",
+        "FEWEST": "stretches in a mean",
+    },
+    "discrepancy.findings.rollouts": {
         "HORIZONS": "what a gap is",
         "EVERY": "effort",
         "STEP": "of the integrator",
@@ -175,7 +182,7 @@ REASONS: dict[str, dict[str, str]] = {
         "LOST": "keeps finite",
         "SAMPLED": "effort",
     },
-    "discrepancy.screening": {
+    "discrepancy.search.screening": {
         "KEPT": "effort",
         "BLOCK": "grid of times",
         "LENGTHS": "grid of times",
@@ -189,7 +196,7 @@ REASONS: dict[str, dict[str, str]] = {
         "EXACT": "effort",
         "LARGEST": "what ran away in an integrator",
     },
-    "discrepancy.search": {
+    "discrepancy.search.search": {
         "NEAR": "effort",
         "MOST_REFITTED": "effort",
         "MOST_LAWS": "effort",
@@ -201,10 +208,10 @@ REASONS: dict[str, dict[str, str]] = {
         "RELATIVE": "keeps solvable",
         "LATEST": "a delay that nobody asks about",
     },
-    "discrepancy.rivals": {"LONGEST": "keeps finite"},
-    "discrepancy.soft_push": {"EARLIER": "geometry of half a sine"},
-    "discrepancy.verdicts": {"ADDED": "words", "ROUGHLY": "words"},
-    "discrepancy.where": {
+    "discrepancy.findings.rivals": {"LONGEST": "keeps finite"},
+    "discrepancy.findings.soft_push": {"EARLIER": "geometry of half a sine"},
+    "discrepancy.findings.verdicts": {"ADDED": "words", "ROUGHLY": "words"},
+    "discrepancy.where.where": {
         "LEAST_SHARE": "which sentences are told",
         "LEAST_LIFT": "which sentences are told",
         "LEAST_ALONG": "which sentences are told",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .model import Model
+from .search.model import Model
 
 UNKNOWN = 0.05
 """s: whoever does not know it better knows nothing."""

@@ -21,7 +21,8 @@ from benchmarks.ablation.patching import patched
 from benchmarks.ablation.sources import copies, declared, names_in, worked_out_from
 from cartgrasp.effects import FloorSlope
 from cartgrasp.errors import UsageError
-from estimation.discrepancy import attempts, search, verdicts
+from estimation.discrepancy.findings import verdicts
+from estimation.discrepancy.search import attempts, search
 
 ABLATED = [c for c in CONSTANTS if c.group is not Group.WORKS_OUT]
 BY_NAME = {c.full_name: c for c in CONSTANTS}
@@ -185,9 +186,9 @@ def test_copies_of_copies_are_found():
 
 
 def test_a_move_says_its_value():
-    one = Constant("discrepancy.search", "WORTH", Group.DECIDES, 0.0, "least gain")
+    one = Constant("discrepancy.search.search", "WORTH", Group.DECIDES, 0.0, "least gain")
     assert (one.moved(OFF), one.moved("0.7"), one.moved("1.3")) == (0.0, 0.7 * search.WORTH, 1.3 * search.WORTH)
     assert (one.full_name, one.attribute, one.entry) == ("search.WORTH", "WORTH", "")
     entry = BY_NAME["plausible.MOST[time_delay.delay]"]
     assert (entry.attribute, entry.entry) == ("MOST", "time_delay.delay")
-    assert entry.value == import_module("estimation.discrepancy.plausible").MOST["time_delay.delay"]
+    assert entry.value == import_module("estimation.discrepancy.search.plausible").MOST["time_delay.delay"]

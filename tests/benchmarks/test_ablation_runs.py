@@ -16,7 +16,7 @@ from benchmarks.ablation.every import CONSTANTS
 from benchmarks.ablation.running import Job, Watch, run, unnoticed, wanted
 from benchmarks.ablation.table import affected, rows, section
 from cartgrasp.errors import DataError
-from estimation.discrepancy import search
+from estimation.discrepancy.search import search
 
 from .test_sealed_score import CART, effect, entry, report
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from benchmarks.ablation.every import CONSTANTS
 from benchmarks.ablation.watching import Watched, is_watched, noticed
-from estimation.discrepancy import plausible, search
+from estimation.discrepancy.search import plausible, search
 
 KEYS = (("a", "off"), ("a", "1.3"), ("b", "off"))
 NUMBERS = st.floats(-5, 5).map(lambda x: round(x, 2) + 0.0) | st.sampled_from([0.0, 1.0, math.inf])

@@ -12,8 +12,8 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 from estimation.agreement import disagreements
-from estimation.discrepancy import refusal
-from estimation.discrepancy.model import Model
+from estimation.discrepancy.findings import refusal
+from estimation.discrepancy.search.model import Model
 from estimation.identification import identify
 from estimation.weak_form.balances import Balances
 

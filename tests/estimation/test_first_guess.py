@@ -6,7 +6,7 @@ import pytest
 from cartgrasp.cart_file import cart_from_text, cart_text
 from cartgrasp.errors import FileError
 from estimation import CartFilter, Prior
-from estimation.discrepancy.model import structure_prior
+from estimation.discrepancy.search.model import structure_prior
 from estimation.identification import identify
 
 from .runs import simulate

@@ -13,7 +13,7 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.clock_offset import clock_offsets
 from estimation.discrepancy.log_check import check_rows, checked, moving, with_clock_offsets
-from estimation.discrepancy.model import Model
+from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 
 from ..runs import STEP, simulate

@@ -10,9 +10,9 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
-from estimation.discrepancy.certainty import Certainty
-from estimation.discrepancy.model import Model
-from estimation.discrepancy.search import searched_again
+from estimation.discrepancy.findings.certainty import Certainty
+from estimation.discrepancy.search.model import Model
+from estimation.discrepancy.search.search import searched_again
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate, simulate_two_hands

@@ -13,7 +13,7 @@ from cartgrasp.first_guess import FirstGuess
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
-from estimation.discrepancy.candidates import families
+from estimation.discrepancy.search.candidates import families
 from tests.effects.free_body import STEP, driven, pushes, recorded
 from tests.effects.test_pose_offset import tracked
 

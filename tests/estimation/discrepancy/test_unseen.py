@@ -76,7 +76,7 @@ def test_equations_without_a_solution_are_no_traceback(monkeypatch):
     def singular(*_):
         raise np.linalg.LinAlgError("Singular matrix")
 
-    monkeypatch.setattr("estimation.discrepancy.search_in_band.search", singular)
+    monkeypatch.setattr("estimation.discrepancy.search.search_in_band.search", singular)
     with pytest.raises(DataError, match="no solution"):
         diagnose(LOG, CART)
 

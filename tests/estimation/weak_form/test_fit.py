@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimation.discrepancy.model import Model
+from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.fit import coordinates, jacobian, with_coordinates
 

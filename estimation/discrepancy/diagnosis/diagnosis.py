@@ -1,0 +1,369 @@
+"""The discrepancy workflow: logs and a cart in; what the cart's model lacks, with its proof, out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cartgrasp.checks import check_kind, listed
+from cartgrasp.effects import Effect, EndStop, LearnedForce
+from cartgrasp.errors import DataError, UsageError
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import RunLog
+from cartgrasp.logs.coasting import without_idle_arms
+from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
+from cartgrasp.reference_file import StoredReference
+
+from ...end_stops import StopEstimate, end_stops
+from ...experiments.manoeuvres import Limits
+from ...glitches import without_glitches
+from ...impacts import Impact, impacts
+from ...sensor_check import check_sizes, of_wrenches, put_right
+from ...weak_form.balances import Balances
+from ...weak_form.band import Band, bands, consistent
+from ...weak_form.flights import LONGEST_HOLE, flights, unbroken
+from ...weak_form.rows import wrench_noise
+from ..clock_offset import clock_offsets
+from ..findings.certainty import Certainty
+from ..findings.gap import BEYOND_NOISE, Gap, measured_gap
+from ..findings.held_out import held_out_rollouts
+from ..findings.isolability import Isolability, isolability
+from ..findings.named import NamedEffect, named, named_stops
+from ..findings.rollouts import starts
+from ..findings.upheld import certainty_of, rollout_error, upheld
+from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
+from ..search.attempts import Step
+from ..search.candidates import free_label
+from ..search.laws import Law, row_values
+from ..search.model import Model
+from ..search.search import added
+from ..search.search_in_band import at_rest, searched
+from ..where.acting import acting
+from ..where.residual import Residual, fine_residuals, finely, residuals
+from ..where.residual_map import ResidualMap, residual_maps
+from ..where.where import Disagreement, repeats, where
+from .next_experiments import Next, next_experiment
+from .sentence import sentence
+
+if TYPE_CHECKING:
+    from .report import Report
+
+OTHER_CART = 3.0
+"""Standard deviations between masses of logs: they are of different loads."""
+CLOSED = 0.05
+"""Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What came out. `nominal` is the cart refitted, `final` extended; `is_refused` says that the refit foretold unseen
+    stretches worse than the file's values, which stay; `withdrawn` are laws that did; `limits` are those of a next
+    motion."""
+
+    nominal_cart: CartModel
+    checks: tuple[LogCheck, ...]
+    bands: tuple[Band | None, ...]
+    nominal: Model
+    final: Model
+    steps: tuple[Step, ...]
+    shares: tuple[float, ...]
+    gap: Gap
+    is_refused: bool
+    impacts: tuple[Impact, ...] = ()
+    withdrawn: tuple[Law, ...] = ()
+    limits: Limits = field(default_factory=Limits)
+
+    def __repr__(self) -> str:
+        return f"Diagnosis({self.verdict}: {self.sentence})"
+
+    @cached_property
+    def stops(self) -> tuple[StopEstimate, ...]:
+        """What the cart ran against several times, but for what its file knows."""
+        known = [effect for effect in self.nominal_cart.effects if isinstance(effect, EndStop)]
+        return tuple(stop for stop in end_stops(self.impacts) if not any(map(stop.is_at, known)))
+
+    @cached_property
+    def certainty(self) -> Certainty:
+        return certainty_of(self.final, self.steps, self.bands)
+
+    @cached_property
+    def cart(self) -> CartModel:
+        """The extended model."""
+        cart = self.nominal_cart if self.is_refused else self.certainty.cart
+        for _, law in self.certainty.laws:
+            cart = cart.with_effect(law.effect)
+        for stop in self.stops:
+            cart = cart.with_effect(stop.effect(label=free_label(EndStop, cart)))
+        return cart
+
+    @cached_property
+    def effects(self) -> tuple[NamedEffect, ...]:
+        stops = named_stops(self.stops, self.nominal_cart)
+        return (*named(self.steps, self.final, self.certainty, self.shares), *stops)
+
+    @cached_property
+    def before(self) -> tuple[Residual, ...]:
+        return residuals(self.nominal, self.final)
+
+    @cached_property
+    def after(self) -> tuple[Residual, ...]:
+        return residuals(self.final, self.final)
+
+    @cached_property
+    def where(self) -> tuple[Disagreement, ...]:
+        """Of what the refitted nominal model leaves; nowhere, where it agrees with the logs."""
+        first = [*acting(self.final, self.before), *self._repeating()] if self.disagrees else []
+        return tuple(where(self.before, first)) if self.disagrees else ()
+
+    def _repeating(self) -> Iterator[Disagreement]:
+        """What repeats with the period of a law, of the coordinate that it acts on."""
+        laws = [law for law in (*self.final.laws, *self.withdrawn) if law.period]
+        fine = fine_residuals(self.nominal, self.final) if laws else ()
+        for law in laws:
+            turns = law.effects[0].acts_on == "yaw_moment" and self.final.cart.constraints.n_free > 1
+            residual = fine[self.final.cart.constraints.n_free - 1 if turns else 0]
+            yield from repeats(residual, row_values(law.effects[0], finely(self.final.logs)), law)
+
+    @cached_property
+    def residual_maps(self) -> tuple[ResidualMap, ...]:
+        """The residual against all that it may depend on, refitted and extended."""
+        return residual_maps(self.before, self.after)
+
+    @cached_property
+    def isolability(self) -> dict[str, Isolability]:
+        return isolability(self.nominal)
+
+    @cached_property
+    def disagrees(self) -> bool:
+        """Whether the refitted nominal model is farther from the logs than noise, or follows something."""
+        beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor and self._is_noisy
+        return bool(self.effects or beyond)
+
+    @property
+    def _is_noisy(self) -> bool:
+        """Whether rows scatter more than the sensors' noise makes them."""
+        f = self.final.cart.constraints.n_free
+        sensors = np.max([wrench_noise(balances, self.final.cart) for balances in self.final.logs], axis=0)
+        return bool((self.final.noise.excess[:f] > BEYOND_NOISE * sensors).any())
+
+    @cached_property
+    def is_moved(self) -> bool:
+        """Whether the cart does, anywhere in the logs."""
+        return any(moves(balances) for balances in self.nominal.logs)
+
+    @cached_property
+    def verdict(self) -> str:
+        if not self.disagrees:
+            return "no_discrepancy"
+        if not self.effects:
+            return "unexplained"
+        gap, noise = self.gap, BEYOND_NOISE * self.gap.noise_floor
+        left, whole = gap.after**2 - noise**2, max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
+        return "partly_explained" if left > CLOSED * whole else "explained"
+
+    @cached_property
+    def file_parameters(self) -> dict[str, tuple[float, ParameterEstimate]]:
+        """Of the cart file: the value there, and what the logs say beside what was added."""
+        found, body = self.certainty.parameters, self.nominal_cart.inertia
+        nominal = {"mass": body.mass, "com_x": body.com[0], "com_y": body.com[1], "inertia": body.about_com}
+        for effect in self.nominal_cart.effects:
+            nominal |= dict(zip(effect.keys, effect.values.tolist(), strict=True))
+        return {name: (float(value), found[name]) for name, value in nominal.items() if name in found}
+
+    @property
+    def parameter_mismatch(self) -> dict[str, dict[str, float]]:
+        told = {
+            name: {"nominal": nominal, "refitted": found.value, "std": found.std}
+            for name, (nominal, found) in self.file_parameters.items()
+        }
+        if "viscous_drag.linear" in told:
+            told["viscous_drag"] = told["viscous_drag.linear"]
+        return told
+
+    @cached_property
+    def unexplained(self) -> dict[str, Any]:
+        """What the final model leaves: root mean square size by coordinate, and what it may follow, though that made
+        unseen stretches no better."""
+        is_left = self.verdict in ("unexplained", "partly_explained")
+        told: dict[str, Any] = {
+            "size": {residual.coordinate: residual.size if is_left else 0.0 for residual in self.after},
+            "depends_on": [law.words for law in self.withdrawn],
+        }
+        for law in self.withdrawn:
+            if law.period is not None:
+                told.setdefault("period", law.period)
+                told.setdefault("period_unit", law.unit)
+        return told
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the logs' sensors seem to do, in words, what makes estimates worthless first."""
+        told = [(check.name, one) for check in self.checks for one in check.suspicions]
+        sensors = (f"{name}: {one.words}" for name, one in sorted(told, key=lambda pair: not pair[1].is_refused))
+        return (*sensors, *self._of_several_carts)
+
+    @property
+    def _of_several_carts(self) -> Iterator[str]:
+        """Logs whose masses are not those of one cart."""
+        known = [(b.name, band) for b, band in zip(self.final.logs, self.bands, strict=True) if band is not None]
+        if len(known) > 1:
+            (light, least), (heavy, most) = (end(known, key=_mass) for end in (min, max))
+            if most.mass - least.mass > OTHER_CART * float(np.hypot(least.deviation, most.deviation)):
+                told = (f"{b.mass:.3g} ± {b.deviation:.2g} kg" for b in (least, most))
+                yield (
+                    f"{light} and {heavy} tell of {' and of '.join(told)}: if the cart carried different loads, "
+                    "compare each log alone"
+                )
+
+    @property
+    def sentence(self) -> str:
+        """The verdict, for people."""
+        return sentence(self)
+
+    @cached_property
+    def named_share(self) -> float:
+        """Of the held-out gap above the noise floor, what names alone close (0 to 1)."""
+        whole = self.gap.refitted**2 - self.gap.noise_floor**2
+        if whole <= 0.0 or not self.effects:
+            return 0.0
+        bare = replace(self.final, laws=()).refitted(self.final.cart) if self.final.laws else self.final
+        left = rollout_error(held_out_rollouts(bare)) if self.final.laws else self.gap.after
+        return float(np.clip((self.gap.refitted**2 - left**2) / whole, 0.0, 1.0))
+
+    @cached_property
+    def next_experiment(self) -> Next:
+        """What to record next."""
+        return next_experiment(self)
+
+    @property
+    def next_reference(self) -> StoredReference | None:
+        """The motion that best tells what is still open, to be simulated or run; None where nothing is, or where none
+        would tell (`next_experiment.why_none`)."""
+        proposal = self.next_experiment.proposal
+        return None if proposal is None else proposal.reference
+
+    @property
+    def report(self) -> Report:
+        from .report import Report
+
+        return Report(self)
+
+
+def diagnose(
+    logs: RunLog | Sequence[RunLog],
+    cart: CartModel,
+    progress: Callable[[str], None] | None = None,
+    candidates: Sequence[Effect] = (),
+    limits: Limits | None = None,
+) -> Diagnosis:
+    """Finds where logs and the cart's model disagree, names what is missing, and adds it. Beside the vocabulary and
+    laws of its own it tries `candidates`: effects, of classes of one's own, too, and laws (`LearnedForce`) at their
+    settings; their amplitudes are fitted. What it proposes to run next keeps within `limits`.
+
+    Raises DataError for a log that can't be used, UsageError for a candidate that the cart has already.
+    """
+    check_kind("diagnose: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+    logs = [logs] if isinstance(logs, RunLog) else listed("diagnose: logs", logs, RunLog, 'write [read_log("run.csv")]')
+    listed("diagnose: candidates", candidates, Effect, "write candidates=[RollingResistance()]")
+    has = {effect.key for effect in cart.effects}
+    for one in candidates:
+        if one.key in has and not isinstance(one, LearnedForce):
+            raise UsageError(f"diagnose: candidates: the cart has {one.key} already; give another label")
+    if not logs:
+        raise UsageError("diagnose: no log is given; at least one is needed")
+    try:
+        found = _diagnosed(logs, cart, progress or (lambda _: None), tuple(candidates))
+    except np.linalg.LinAlgError as error:
+        raise DataError(
+            f"{', '.join(log.name for log in logs)}: the equations of a fit have no solution; look for long stretches "
+            "without motion or wrenches, and for numbers that are not in SI units"
+        ) from error
+    return found if limits is None else replace(found, limits=limits)
+
+
+def _diagnosed(
+    logs: Sequence[RunLog], cart: CartModel, tell: Callable[[str], None], candidates: tuple[Effect, ...]
+) -> Diagnosis:
+    parts, known, checks, hits = list[Balances](), list[Band | None](), [], list[Impact]()
+    for log in (part for whole in logs for part in _without_holes(whole)):
+        tell(f"reading {log.name}")
+        check_rows(log)
+        sound = without_glitches(without_idle_arms(log))
+        check_sizes(sound)
+        sensors = put_right(sound, cart)
+        whole = Balances.of(sensors.log, cart)
+        band = consistent(bands(whole, cart))
+        found = impacts(log, _as_heavy(cart, band))
+        check = checked(log, cart, whole)
+        checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart))))
+        between = [part for part in flights(sensors.log, cart, found) if len(part.used)] if found else []
+        parts += between or [whole]
+        known += [consistent(bands(part, cart)) for part in between] or [band]
+        hits += found
+    is_moved = any(moves(balances) for balances in parts)
+    found_in = searched(parts, known, cart, candidates, tell) if is_moved else at_rest(parts, cart)
+    nominal, final, steps, widest = found_in
+    final, withdrawn = upheld(final, nominal, steps, widest)
+    tell("measuring the gap")
+    gap = measured_gap(nominal, final)
+    is_worse = gap.refitted > max(gap.before, gap.noise_floor)  # then the file's values are the better nominal model
+    is_refused = is_moved and is_worse and not (added(final) or final.laws)
+    if is_worse:
+        gap = gap.as_the_file_has_it("refitted", *(["after"] if is_refused else []))
+    offsets = clock_offsets(final)
+    told = checks if hits else with_clock_offsets(checks, offsets)
+    return Diagnosis(
+        cart,
+        tuple(told),
+        widest,
+        nominal,
+        final,
+        tuple(steps),
+        _shares(steps, final, gap),
+        gap,
+        is_refused,
+        tuple(hits),
+        withdrawn,
+    )
+
+
+def _without_holes(log: RunLog) -> list[RunLog]:
+    """Logs of what a recorder that paused, or whose clock jumped, left of one."""
+    parts = unbroken(log, LONGEST_HOLE)
+    if len(parts) == 1:
+        return parts
+    named = (replace(part, name=f"{log.name}, part {i + 1}") for i, part in enumerate(parts))
+    return [part for part in named if is_long_enough(part)] or [log]
+
+
+def _mass(known: tuple[str, Band]) -> float:
+    return known[1].mass
+
+
+def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:
+    """The cart with the mass that a log's band tells, and as much more inertia, for what a first guess should not
+    decide."""
+    if band is None:
+        return cart
+    body = cart.inertia
+    return cart.with_inertia(Inertia(band.mass, body.com, body.about_com * band.mass / body.mass))
+
+
+def _shares(steps: Sequence[Step], final: Model, gap: Gap) -> tuple[float, ...]:
+    """Of the gap above the noise floor, what each step closed; of logs at rest, nothing."""
+    if not any(len(starts(balances)) for balances in final.logs):
+        return (0.0,) * len(steps)
+    whole = max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
+    found, before = [], gap.refitted**2
+    for step in steps:
+        model = step.added.model if step.added is not None else None
+        told = model and replace(model, band_steps=final.band_steps)
+        after = before if told is None else float(held_out_rollouts(told).gaps()[1]) ** 2
+        found.append(float(np.clip((before - after) / whole, 0.0, 1.0)))
+        before = after
+    return tuple(found)

@@ -1,0 +1,70 @@
+"""What laws say against what the logs do: forces row by row, over the variable, folded where it repeats, with the law's
+curve and its band on top; and what is left with the law."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from cartgrasp.effects import LearnedForce
+from cartgrasp.frames import Array
+
+from ..search.laws import row_values, variable_of
+from ..where.residual import finely
+from .drawing import KINDS, ZERO, on_floor, sides
+
+if TYPE_CHECKING:
+    from ..findings.learned import LearnedLaw
+    from .diagnosis import Diagnosis
+
+LEAST_UNIT = 0.3
+"""Of the largest: rows in which a law shows less tell its force too badly to be drawn."""
+POINTS, MOST_DOTS = 400, 3000
+
+
+def law_figure(found: Diagnosis) -> Figure:
+    """A row for each law."""
+    laws = [law for _, law in found.certainty.laws]
+    figure, axes = sides(len(laws), 2, 2.4)
+    for row, law in zip(axes, laws, strict=True):
+        at, force, told = asked_forces(found, law)
+        effect, unit, every = law.effect, law.effect.parameters[0].unit, slice(None, None, 1 + len(at) // MOST_DOTS)
+        if effect.knots_y:
+            on_floor(figure, row, at[every], [force[every], (force - told)[every]], f"force ({unit})")
+            continue
+        at = at % effect.cycle if effect.cycle else at
+        curve = np.linspace(at.min(), at.max(), POINTS)
+        value, std = law.curve(curve)
+        for ax, dots in zip(row, (force, force - told), strict=True):
+            ax.plot(at[every], dots[every], ".", ms=2, color="0.6")
+            ax.axhline(0, **ZERO)
+            ax.set_xlabel(f"{variable_of(effect)} ({law.unit}){', folded' if effect.cycle else ''}")
+        row[0].plot(curve, value, color=KINDS["extended"], lw=1.5)
+        row[0].fill_between(curve, value - std, value + std, color=KINDS["extended"], alpha=0.3, lw=0)
+        row[0].set_ylabel(f"{effect.acts_on.replace('_', ' ')} ({unit})")
+    return figure
+
+
+def asked_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Array]:
+    """Of rows (n,) in which it shows, values of a law's variable, the forces that they ask for beside everything but
+    this law, and what the law says of them."""
+    model, logs, parts = found.final, finely(found.final.logs), list[tuple[Array, Array, Array]]()
+    left = np.split(model.left_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
+    last = model.cart.constraints.n_free - 1 if law.effect.acts_on == "yaw_moment" else 0
+    at = np.split(row_values(law.effect, logs), np.cumsum([len(rest) for rest in left])[:-1])
+    for balances, rest, own_at in zip(logs, left, at, strict=True):
+        own = (balances.columns(model.cart, law.effect) @ law.effect.values)[:, last]
+        unit = balances.columns(model.cart, _constant(law.effect))[:, last, 0]
+        shown = np.abs(unit) >= LEAST_UNIT * np.abs(unit).max()
+        parts.append((own_at[shown], ((rest[:, last] + own) / unit)[shown], (own / unit)[shown]))
+    where, force, told = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return where, force, told
+
+
+def _constant(effect: LearnedForce) -> LearnedForce:
+    """One unit of the same force throughout."""
+    plain = LearnedForce(effect.acts_on, "speed", lever=effect.lever, ahead=effect.ahead, amplitudes=(1.0,))
+    return replace(plain, direction=effect.direction) if effect.acts_on == "world_force" else plain

@@ -1,0 +1,227 @@
+"""What to record next: which effects are still open after the logs so far, the motion that tells them apart, and what
+else would help, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.information import WrenchNoise
+
+from ...experiments.proposal import Experiment, Proposal, Question
+from ...experiments.separation import Belief, Hands
+from ...weak_form.fit import jacobian
+from ..findings.rivals import rivals
+from ..search.candidates import amplitudes_of
+from ..search.model import Model
+from ..search.plausible import is_plausible
+from ..search.search import CONFUSABLE, WORTH, added, every_family
+
+if TYPE_CHECKING:
+    from .diagnosis import Diagnosis
+
+FORM = 0.01
+"""Of the wrench, by which a model is wrong, as in rows (`rows.py`)."""
+MOST_TOLD = 4
+"""Of names in a sentence: so many are told, the rest is counted."""
+
+
+NOTHING_OPEN = "nothing is undecided that another motion would tell"
+
+
+@dataclass(frozen=True, eq=False)
+class Next:
+    """What to run next, None where nothing is open, or where no motion tells; and what to do, in words, the most useful
+    first."""
+
+    proposal: Proposal | None
+    words: tuple[str, ...]
+
+    @property
+    def why_none(self) -> str:
+        """Why there is no motion to run; empty where there is one."""
+        if self.proposal is not None:
+            return ""
+        return self.words[0] if self.words else NOTHING_OPEN
+
+
+def next_experiment(found: Diagnosis) -> Next:
+    """For what a diagnosis leaves open."""
+    experiment = undecided(found)
+    proposal, words = None, list[str]()
+    if experiment is not None:
+        log = found.final.logs[0].log
+        start = np.round(log.pose[np.isfinite(log.pose).all(axis=1)][0], 3)
+        whole = experiment.proposed(found.limits, start, max(float(b.log.time[-1]) for b in found.final.logs))
+        apart, alone = _judged(whole)
+        told = _told(whole, apart, alone)
+        proposal = whole if told else None
+        words += [*told, *_untold(apart, alone)]
+    return Next(proposal, tuple(dict.fromkeys([*words, *_beside(found)])))
+
+
+def undecided(found: Diagnosis) -> Experiment | None:
+    """Pairs of carts between which the logs so far don't decide; None where there are none, or where nobody pushes."""
+    hands = _hands(found)
+    if not hands.contacts or not found.is_moved:
+        return None
+    final, beliefs, questions = found.final, list[Belief](), list[Question]()
+
+    def add(model: Model) -> int:
+        beliefs.append(_belief(model))
+        return len(beliefs) - 1
+
+    own = add(final)
+    for effect, others in _rivals(found):
+        known = [(one.key, add(_swapped(final, effect, one))) for one in others]
+        for k, (name, place) in enumerate(known):
+            questions += [Question(effect.key, name, own, place), Question(name, effect.key, place, own)]
+            for other, beside in known[:k]:
+                questions += [Question(name, other, place, beside, 0.5), Question(other, name, beside, place, 0.5)]
+    for effect in _nearly(found):
+        questions.append(Question(effect.key, "", add(final.refitted(final.cart.with_effect(effect))), own))
+    usual = _usual_effects(found, {one.name.partition(".")[0] for one in questions})
+    for effect, before in usual:
+        cart = final.cart.with_effect(effect)
+        beliefs.append(Belief(cart, np.zeros((len(cart.parameters), 0))))  # by nobody's fit
+        questions.append(Question(effect.key, "", len(beliefs) - 1, own, 1.0 / len(usual), before))
+    return Experiment(tuple(beliefs), tuple(questions), hands) if any(map(_is_open, questions)) else None
+
+
+def _is_open(question: Question) -> bool:
+    """Whether logs tell it by less than a name takes."""
+    return _nats(question.before) < WORTH
+
+
+def _belief(model: Model) -> Belief:
+    """Of a fit: its cart, and what the rows and the prior leave open of the parameters."""
+    free = model.prior.free
+    covariance = model.score.covariance[: free.sum(), : free.sum()]
+    return Belief(model.cart, jacobian(model.cart)[:, free] @ np.linalg.cholesky(covariance))
+
+
+def _rivals(found: Diagnosis) -> Iterator[tuple[Effect, list[Effect]]]:
+    """Each effect that was added, with what explains about as much in its place."""
+    left = {effect.key: effect for effect in added(found.final)}
+    for step in found.steps:
+        own = left.pop(step.added.key, None) if step.added else None
+        known = [one.candidate for _, one in rivals(step)] if own else []
+        others = [one for one in known if isinstance(one, Effect) and _is_seen(one) and one.key not in left]
+        if own and _is_seen(own) and others:
+            yield own, others
+
+
+def _swapped(final: Model, effect: Effect, other: Effect) -> Model:
+    return final.refitted(final.cart.without_effect(effect.key).with_effect(other))
+
+
+def _nearly(found: Diagnosis) -> list[Effect]:
+    """What the logs speak for, and was left out at the end, or withdrawn for what unseen stretches say."""
+    last = found.steps[-1].attempts if found.steps and found.steps[-1].added is None else ()
+    near = [step.added for step in found.steps if step.added is not None]
+    near += [one for one in last if one.model is not None and one.gain > CONFUSABLE]
+    effects = {one.key: one.candidate for one in near if isinstance(one.candidate, Effect)}
+    has, wheels = {effect.key for effect in found.final.cart.effects}, found.final.cart.wheel_set
+    return [e for key, e in effects.items() if key not in has and _is_seen(e) and is_plausible(e, wheels)]
+
+
+def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, float]]:
+    """Of usual size, but for some names, each with the deviations by which the logs' motion shows it; of variants, the
+    middle one."""
+    shown = {key: one.z for key, one in found.isolability.items()}
+    late = [check.clock_offset.std for check in found.checks if check.clock_offset]
+    shown[TimeDelay.name] = TimeDelay.parameters[0].typical / min(late) if late else 0.0
+    known = [family for family in every_family(found.final) if family.key in shown]
+    middle = [(_usual(family.variants[len(family.variants) // 2]), shown[family.key]) for family in known]
+    return [(e, z) for e, z in middle if e.name not in names and e.gate is Gate.ALWAYS and _is_seen(e)]
+
+
+def _usual(effect: Effect) -> Effect:
+    if isinstance(effect, ConstraintEffect):
+        return effect
+    values = effect.values.copy()
+    for i in amplitudes_of(effect):
+        values[i] = effect.parameters[i].absent + effect.parameters[i].typical
+    return effect.with_values(values)
+
+
+def _is_seen(effect: Effect) -> bool:
+    """Whether expected wrenches and speeds across the wheels tell what it does: not of a frame that is tracked."""
+    return not (isinstance(effect, SensorEffect) and effect.moves_pose)
+
+
+def _hands(found: Diagnosis) -> Hands:
+    """Where the arms hold in the first log that has each, and the first log's noise."""
+    logs = [balances.log for balances in found.final.logs]
+    known = (
+        (arm, own.contact[np.isfinite(own.contact).all(axis=1)]) for log in logs[::-1] for arm, own in log.arms.items()
+    )
+    contacts = {arm: np.median(points, axis=0) for arm, points in known if len(points)}
+    check = found.checks[0]
+    noise = WrenchNoise(check.noise.force, check.noise.moment, check.rate)
+    return Hands(contacts, noise, check.noise.position, FORM)
+
+
+def _nats(z: float) -> float:
+    """By how much the likelihood's logarithm differs at so many deviations."""
+    return z * z / 2.0
+
+
+Pairs = dict[tuple[str, str], float]
+"""Deviations by which two differ, whichever of them is true."""
+
+
+def _told(proposal: Proposal, pairs: Pairs, alone: dict[str, float]) -> list[str]:
+    """What the motion is for, what to do, and how well it tells; nothing where it tells nothing."""
+    apart = list(dict.fromkeys(name for pair, z in pairs.items() if _nats(z) >= CONFUSABLE for name in pair))
+    shown = [name for name, z in alone.items() if _nats(z) >= CONFUSABLE]
+    goals = [f"to tell {_listed(apart, 'and')} apart"] if apart else []
+    goals += [f"to see whether there is {_listed(shown, 'or')}"] if shown else []
+    told = [z for z in pairs.values() if _nats(z) >= CONFUSABLE] + [alone[name] for name in shown]
+    return [f"{', and '.join(goals)}: {proposal.says} ({min(told):.0f} deviations at least)"] if goals else []
+
+
+def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
+    """What it leaves open."""
+    for (one, other), z in pairs.items():
+        if _nats(z) < CONFUSABLE:
+            yield f"no motion of this speed and length tells {one} from {other}: they differ by {z:.1f} deviations"
+    hidden = [name for name, z in alone.items() if _nats(z) < CONFUSABLE]
+    if hidden:
+        yield f"no motion of this speed and length shows {_listed(hidden, 'or')}"
+
+
+def _judged(proposal: Proposal) -> tuple[Pairs, dict[str, float]]:
+    """Of rivals, and the deviations by which what may be there, and didn't show before, does."""
+    pairs, alone = Pairs(), dict[str, float]()
+    for one, z in zip(proposal.questions, proposal.deviations, strict=True):
+        if one.other:
+            pair = (one.name, one.other) if (one.other, one.name) not in pairs else (one.other, one.name)
+            pairs[pair] = min(z, pairs.get(pair, z))
+        elif _is_open(one):
+            alone[one.name] = z
+    return pairs, alone
+
+
+def _listed(names: list[str], link: str) -> str:
+    told = names if len(names) <= MOST_TOLD + 1 else [*names[:MOST_TOLD], f"{len(names) - MOST_TOLD} more"]
+    return f" {link} ".join((", ".join(told[:-1]), told[-1])[len(told) < 2 :])
+
+
+def _beside(found: Diagnosis) -> Iterator[str]:
+    """What no other motion alone would do."""
+    if not found.is_moved or not _hands(found).contacts:
+        yield f"push the cart: {'nobody does' if found.is_moved else 'nothing moves'} in these logs"
+    for effect in found.effects:
+        if effect.name in effect.confusable_with:
+            yield f"push with one arm alone, then with another: that tells whose {effect.name} it is"
+    for law in (*found.final.laws, *found.withdrawn)[:1]:
+        yield f"repeat the motion with another {law.name}, to see whether the force follows it"
+    if found.verdict in ("unexplained", "partly_explained"):
+        yield "record the same motion twice: what comes back is the cart's, what does not is noise"

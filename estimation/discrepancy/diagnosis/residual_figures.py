@@ -1,0 +1,146 @@
+"""What is left without what was added and with it, row by row: over time, over what it follows, and on the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.ndimage import uniform_filter1d
+
+from cartgrasp.frames import Array
+
+from ..search.laws import row_values, unit_of, variable_of
+from ..where.residual import Residual, fine_residuals, finely
+from ..where.residual_map import means, most_followed, variables
+from .drawing import BAND, KINDS, SIDES, ZERO, named, on_floor, sides
+
+if TYPE_CHECKING:
+    from .diagnosis import Diagnosis
+
+Pair = tuple[Residual, ...]
+"""Of one coordinate, what the refitted model leaves, and, where anything was added, the extended one."""
+MOST_ROWS = 1500
+"""Of a log that is drawn row by row, else by means; and of dots."""
+CLOSER, WORST, PERIODS = 10.0, 1.0, 8
+"""s, of a closer look, about the worst of so long; and how many periods it shows of what repeats in time, where these
+are shorter."""
+LEAST_FOLLOWED = 0.3
+"""Of the disagreement, that goes along with a variable which is drawn."""
+FOLDED = 12
+"""Bins of a period."""
+CUT = 99.8
+"""Percentile: what is larger is cut off."""
+
+
+def pairs(found: Diagnosis) -> list[tuple[Pair, Pair]]:
+    """Row by row, and in means over stretches, of the coordinates that disagree, the most first; else of the first."""
+    models = [found.nominal, found.final] if found.effects else [found.nominal]
+    fine = zip(*(fine_residuals(model, found.final) for model in models), strict=True)
+    coarse = zip(*(found.before, found.after)[: len(models)], strict=True)
+    every = sorted(zip(fine, coarse, strict=True), key=lambda both: -float(both[1][0].beyond.sum()))
+    return [both for both in every if found.disagrees and any(one.disagrees for one in both[1])] or every[:1]
+
+
+def over_time(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
+    """A row for each coordinate, of the log that disagrees the most, and below a closer look at the worst of it."""
+    worst = shown[0][0][0]
+    names, logs = worst.circumstances.names, worst.circumstances.log
+    k = max(range(len(names)), key=lambda k: float(worst.beyond[logs == k].sum()))
+    figure, axes = sides(len(shown) + 1, len(shown[0][0]), 1.6)
+    for row, (fine, coarse) in zip(axes, shown, strict=False):
+        _draw(row, fine if (logs == k).sum() <= MOST_ROWS else coarse, k)
+    _draw(axes[-1], shown[0][0], k, _closer(found, worst, k))
+    name = f" of {Path(names[k]).name}" if len(names) > 1 else ""
+    for upper, ax in zip(axes[-2], axes[-1], strict=True):
+        upper.set_xlabel(f"t (s){name}")
+        ax.set_xlabel(f"t (s){name}, closer")
+    return figure
+
+
+def _draw(axes: Sequence[Axes], pair: Pair, k: int, window: tuple[float, float] = (-np.inf, np.inf)) -> None:
+    for ax, residual, name in zip(axes, pair, SIDES, strict=False):
+        own = (residual.circumstances.log == k) & (residual.start >= window[0]) & (residual.start <= window[1])
+        time = residual.circumstances.time[own]
+        ax.fill_between(time, -residual.std[own], residual.std[own], **BAND)
+        ax.plot(time, residual.value[own], color=KINDS[name], lw=0.7)
+        ax.axhline(0, **ZERO)
+        ax.margins(x=0.01)
+    axes[0].set_ylabel(named(pair[0]))
+    _cut(axes[0], pair)
+
+
+def _cut(ax: Axes, pair: Pair) -> None:
+    top = 1.15 * max(float(np.percentile(np.abs(one.value), CUT)) for one in pair)
+    ax.set_ylim(-top, top)
+
+
+def _closer(found: Diagnosis, worst: Residual, k: int) -> tuple[float, float]:
+    """From when to when: so many periods of what repeats in time, else some seconds."""
+    periods = [law.period for law in (*found.final.laws, *found.withdrawn) if law.of == "time" and law.period]
+    long = min(CLOSER, PERIODS * min(periods, default=CLOSER))
+    own = worst.circumstances.log == k
+    inside = max(round(WORST / worst.duration), 1)
+    middle = float(worst.start[own][int(np.argmax(uniform_filter1d(worst.beyond[own], inside, mode="constant")))])
+    first, last = worst.start[own][[0, -1]]
+    begin = float(np.clip(middle - long / 2, first, max(last - long, first)))
+    return begin, begin + long
+
+
+@dataclass(frozen=True)
+class Followed:
+    """What a pair may follow: the variable in words, its values (b,) at the rows, and means (k,), each with what it is
+    at, of the refitted and of the extended model, with standard deviations where they are known."""
+
+    pair: Pair
+    words: str
+    values: Array
+    means: tuple[tuple[Array, Array, Array | None], ...]
+
+
+def followed(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterator[Followed]:
+    """Of what disagrees, what it goes along with (but for time, which is drawn), and what withdrawn laws are of."""
+    maps = {(one.coordinate, one.variable): (one.refitted, one.extended) for one in found.residual_maps}
+    for fine, coarse in shown:
+        share, best = most_followed(coarse[0], but="time")
+        if found.disagrees and share > LEAST_FOLLOWED and best:
+            values = variables(fine[0].circumstances)[best.variable, best.unit]
+            means = tuple((one.at, one.mean, one.std) for one in maps[coarse[0].coordinate, best.variable])
+            yield Followed(fine, f"{best.variable} ({best.unit})", values, means)
+    for effect in (law.effects[0] for law in found.withdrawn if law.period):
+        fine = shown[0][0]
+        values = row_values(effect, finely(found.final.logs)) % effect.cycle
+        yield Followed(fine, f"{variable_of(effect)} ({unit_of(effect)}), folded", values, tuple(_folded(fine, values)))
+
+
+def _folded(pair: Pair, values: Array) -> Iterator[tuple[Array, Array, None]]:
+    for residual in pair:
+        at, mean, _ = means(residual, values, np.linspace(0.0, values.max(), FOLDED + 1))
+        yield at, mean, None
+
+
+def over_what_it_follows(rows: Sequence[Followed]) -> Figure:
+    """Rows as dots, and their means in bins."""
+    figure, axes = sides(len(rows), len(rows[0].pair), 2.2)
+    for one, row in zip(rows, axes, strict=True):
+        every = slice(None, None, 1 + len(one.values) // MOST_ROWS)
+        for ax, residual, (at, mean, std), name in zip(row, one.pair, one.means, SIDES, strict=False):
+            ax.plot(one.values[every], residual.value[every], ".", ms=2, color="0.7")
+            ax.errorbar(at, mean, std, fmt=".-", lw=1.0, ms=5, color=KINDS[name])
+            ax.axhline(0, **ZERO)
+            ax.set_xlabel(one.words)
+        row[0].set_ylabel(named(one.pair[0]))
+        _cut(row[0], one.pair)
+    return figure
+
+
+def on_the_floor(shown: Sequence[tuple[Pair, Pair]]) -> Figure:
+    """A row for each coordinate."""
+    figure, axes = sides(len(shown), len(shown[0][1]), 2.6, sharex=True)
+    for row, (_, pair) in zip(axes, shown, strict=True):
+        on_floor(figure, row, pair[0].circumstances.course.place, [one.value for one in pair], named(pair[0]))
+    return figure

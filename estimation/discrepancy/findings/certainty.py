@@ -1,0 +1,282 @@
+"""How sure a model's numbers are: by the noise of its rows, by how whole stretches scatter, and by what the band leaves
+open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from ...prior import Prior, report_names, report_units
+from ...weak_form.band import Band
+from ...weak_form.fit import coordinates, with_coordinates
+from ...weak_form.score import Score
+from ..search.laws import Law
+from ..search.model import FORM_LEVER, Model
+from ..search.refine import is_open, moves, refined
+from ..search.screening import Screen
+from ..search.search import absent, added
+from .learned import LearnedLaw, learned
+from .soft_push import begun_earlier, soft_gain, with_impulse_of
+from .told_mass import told_mass
+
+TAUGHT = 0.25
+"""Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
+MOST_MOVED = 1.0
+"""Of the logarithm of the mass: what goes farther with the middle of a bracket is no linear matter any more."""
+FAINT = 6.0
+"""Nats below the best: what is less likely counts for nothing."""
+DOUBLINGS, POINTS = 9, 17
+LEAST_TIME, LEAST_PLACE, FORM_SHARE = 0.005, 0.02, 0.05
+"""s, m: half a sample, and what an edge is; of a length, what its effect's form leaves open."""
+LEAST_LEFT = 0.05
+"""Of a stretch's residual, that a fit leaves: what it tells alone scatters no more."""
+PERIOD_STEP = 1e-4
+"""Of a period: where a search for how well it is known begins."""
+SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
+"""By their unit, else of its value: steps of differences by a setting."""
+SIZE_SHARE = 0.03
+"""Of an effect's size: what its form leaves open, which no length of a log makes less."""
+
+
+@dataclass(frozen=True, eq=False)
+class Certainty:
+    """Of a model; `bands` are those of logs that somebody pushed, `undecided` a covariance of its first guess's
+    coordinates beside, for what explains about as much as what it has."""
+
+    model: Model
+    bands: tuple[Band, ...] = ()
+    undecided: Array | None = None
+
+    @cached_property
+    def _mass(self) -> tuple[float, float]:
+        """Logarithm of the mass, and its standard deviation."""
+        return told_mass(float(np.log(self.model.cart.inertia.mass)), self._covariance[0, 0] ** 0.5, self.bands)
+
+    @cached_property
+    def cart(self) -> CartModel:
+        """The model's, with the mass that is told, and all else as it goes with that."""
+        cart, free = self._with_spans(self.model.cart), np.flatnonzero(self.model.prior.free)
+        z = coordinates(cart)
+        z[free] += self._moved[: len(free)]
+        return with_coordinates(cart, z)
+
+    @cached_property
+    def _moved(self) -> Array:
+        """By how much the numbers of the rows' columns (q,) are others with the mass that is told."""
+        score = self.model.score
+        if not self.model.prior.free[0]:
+            return 0.0 * score.fit
+        along = score.covariance[:, 0] / score.covariance[0, 0]
+        return np.asarray(along * np.clip(self._mass[0] - coordinates(self.model.cart)[0], -MOST_MOVED, MOST_MOVED))
+
+    @cached_property
+    def laws(self) -> tuple[tuple[str, LearnedLaw], ...]:
+        """The model's laws as forces, each with the law's key."""
+        model, cart, found = self.model, self.cart, list[tuple[str, LearnedLaw]]()
+        numbers, motions = model.score.fit + self._moved, model.motions
+        for law, place in zip(model.laws, model.law_places, strict=True):
+            of, std = self.covariance[place, place], self._period_std(law)
+            for force in learned(law, numbers[place], of, cart, std, motions):
+                cart = cart.with_effect(force.effect)
+                found.append((law.key, force))
+        return tuple(found)
+
+    def _period_std(self, law: Law) -> float:
+        """In the variable's unit; 0 of what does not repeat."""
+        if law.period is None:
+            return 0.0
+        period, rest = law.period, tuple(one for one in self.model.laws if one is not law)
+        screen = Screen(replace(self.model, laws=rest).refitted(self.model.cart))
+
+        def gain(distance: float) -> float:
+            return screen.of_law(law.repeating(period + distance)) if period + distance > period / 2 else -np.inf
+
+        return _spread(gain, PERIOD_STEP * period)
+
+    def _with_spans(self, cart: CartModel) -> CartModel:
+        """With pushes that begin and end where they most likely do."""
+        spans = {key: effect for key, (effect, _) in self._set.items() if effect.gate is Gate.WHILE}
+        effects = tuple(with_impulse_of(e, spans[e.key]) if e.key in spans else e for e in cart.effects)
+        return replace(cart, effects=effects)
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Of the rows' columns (q, q), with a mass that is as sure as it is."""
+        found = self._covariance
+        if self.model.prior.free[0]:
+            more = max(self._mass[1] ** 2 - found[0, 0], 0.0)
+            found = found + np.outer(found[0], found[0]) / found[0, 0] ** 2 * more
+        if self.undecided is None:
+            return found
+        free = np.flatnonzero(self.model.prior.free[: len(self.undecided)])
+        beside = np.zeros_like(found)
+        beside[: len(free), : len(free)] = self.undecided[np.ix_(free, free)]
+        return np.asarray(found + beside)
+
+    @property
+    def _covariance(self) -> Array:
+        """Of the rows' columns (q, q), whatever the settings of added effects are."""
+        q = len(self.model.score.fit)
+        return self._joint[0][:q, :q]
+
+    @cached_property
+    def _joint(self) -> tuple[Array, dict[str, float]]:
+        """Covariance of the rows' columns and of the settings that the logs tell, and these settings' standard
+        deviations by full name: what a setting does to the rows is one column more (Gauss-Newton)."""
+        model, found = self.model, dict[str, tuple[Array, float]]()
+        for effect in (one for one in self._new if not isinstance(one, SensorEffect)):
+            for which in dict.fromkeys(move.which for move in moves(effect)):
+                step = SETTING_STEP.get(effect.parameters[which].unit, RELATIVE_STEP * abs(float(effect.values[which])))
+                ends = [effect.values + share * step * np.eye(len(effect.values))[which] for share in (-1.0, 1.0)]
+                if step and all(is_open(effect, end) for end in ends):
+                    bare = model.cart.without_effect(effect.key)
+                    low, high = (bare.with_effect(effect.with_values(end)) for end in ends)
+                    raw = [balances.between(low, high) / (2 * step) for balances in model.logs]
+                    found[effect.keys[which]] = model.whitened(raw), effect.parameters[which].typical
+        if not found:
+            return sandwich(model.sums, model.score, model.folds.stretches), {}
+        columns = np.concatenate([one for one, _ in found.values()], axis=2)
+        sums = model.folds.sums(model.rows_with(columns))
+        score = model.with_columns(columns, np.array([std for _, std in found.values()]))
+        whole = sandwich(sums, score, model.folds.stretches)
+        std = np.sqrt(np.diagonal(whole)[-len(found) :]).tolist()
+        return whole, dict(zip(found, std, strict=True))
+
+    @property
+    def _new(self) -> list[Effect]:
+        """Added effects but those of constraints."""
+        return [effect for effect in added(self.model) if not isinstance(effect, ConstraintEffect)]
+
+    @cached_property
+    def parameters(self) -> dict[str, ParameterEstimate]:
+        """By the names under which they are reported; at a bound, nothing is taught."""
+        model, cart = self.model, self.cart
+        prior = model.prior
+        free = np.flatnonzero(prior.free)
+        std = prior.std.copy()
+        std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
+        std = np.hypot(std, SIZE_SHARE * np.abs(self._added_sizes))
+        if not model.is_pushed:
+            std[:N_PHI] = 0.0  # as given
+        body = cart.inertia
+        values = np.concatenate([[body.mass, *body.com, body.about_com], cart.parameters[N_PHI:]])
+        scale = np.ones(len(values))
+        scale[[0, 3]] = body.mass, body.about_com
+        usual = np.minimum(Prior().deviations(cart), prior.std * scale)
+        taught = prior.free & (std * scale < TAUGHT * usual) & ~self._at_bound
+        rows = zip(report_names(cart), report_units(cart), values, std * scale, taught, strict=True)
+        return {n: ParameterEstimate(float(v), float(s), unit, bool(known)) for n, unit, v, s, known in rows}
+
+    @property
+    def _added_sizes(self) -> Array:
+        """Values (p,) of added effects' parameters, as far from absent as they are; nought elsewhere."""
+        known = {effect.key for effect in self.model.guess.effects}
+        found = [
+            value - parameter.absent if effect.key not in known and parameter.estimated else 0.0
+            for effect in self.cart.effects
+            for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True)
+        ]
+        return np.array([0.0] * N_PHI + found)
+
+    @property
+    def _at_bound(self) -> np.ndarray:
+        found = np.zeros(len(self.model.cart.parameters), dtype=bool)
+        limits = [(p.lower, p.upper) for effect in self.cart.effects for p in effect.parameters]
+        values = self.cart.parameters[N_PHI:]
+        found[N_PHI:] = [v <= low or v >= high for v, (low, high) in zip(values, limits, strict=True)]
+        return found
+
+    @cached_property
+    def settings(self) -> Mapping[str, float]:
+        """Standard deviations of what enters nonlinearly, by full name."""
+        found: dict[str, float] = {}
+        prior = self.model.prior
+        first = int(prior.free.sum())
+        for i, constraint in enumerate(self.model.cart.constraint_effects):
+            share = float(np.hypot(np.sqrt(self.covariance[first + i, first + i]), SIZE_SHARE))
+            found[constraint.keys[0]] = share * abs(float(constraint.values[0]))
+        for _, own in self._set.values():
+            found |= own
+        return found
+
+    @cached_property
+    def _set(self) -> dict[str, tuple[Effect, dict[str, float]]]:
+        """Added effects by key, at their most likely settings, with these settings' standard deviations."""
+        return {effect.key: self._of(effect) for effect in self._new if moves(effect)}
+
+    def _of(self, effect: Effect) -> tuple[Effect, dict[str, float]]:
+        less = self.model.refitted(self.model.cart.without_effect(effect.key))
+        screen, none = Screen(less), effect if isinstance(effect, TimeDelay) else absent(effect)
+        gain: Callable[[Effect], float] = screen.gain
+        if effect.gate is Gate.WHILE:
+            softly = partial(soft_gain, screen)
+            whole = refined(begun_earlier(none), softly)
+            if softly(whole) > gain(none):
+                gain, none, effect = softly, whole, with_impulse_of(effect, whole)
+        found = dict[str, float]()
+        for which in dict.fromkeys(move.which for move in moves(effect)):
+            unit = effect.parameters[which].unit
+            size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
+            alone = _spread(partial(_gain_at, gain, none, which), size)
+            spread = max(alone, self._joint[1].get(effect.keys[which], 0.0))
+            least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
+            if effect.gate.n_parameters <= which:
+                name = effect.parameters[which].name
+                least = FORM_LEVER if name in "xy" else min(least, FORM_SHARE * abs(float(effect.values[which])))
+            found[effect.keys[which]] = float(np.hypot(spread, least))
+        return effect, found
+
+
+def sandwich(sums: Array, score: Score, groups: np.ndarray) -> Array:
+    """Covariance (q, q) of columns whose sums of products (c, b, q + 1, q + 1) have the residual last: the larger of
+    what noise makes of them, and what groups of blocks (b,) scatter (a sandwich estimator with clusters, whose
+    residuals are as much larger as the fit makes them smaller: CR2, Bell and McCaffrey 2002)."""
+    kept = np.tensordot(score.scale**-2.0, sums, (0, 0))
+    q = len(score.fit)
+    pulls = kept[:, :q, q] - kept[:, :q, :q] @ score.fit
+    steps, root = [], np.linalg.cholesky(score.covariance)
+    for group in np.unique(groups):
+        own = groups == group
+        share, axes = np.linalg.eigh(root.T @ kept[own, :q, :q].sum(axis=0) @ root)
+        pull = axes.T @ root.T @ pulls[own].sum(axis=0)
+        steps.append(root @ axes @ (pull / np.sqrt(np.maximum(1.0 - share, LEAST_LEFT))))
+    scatter = np.array(steps).T @ np.array(steps)
+    stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
+    return np.asarray(score.covariance * np.outer(stretch, stretch))
+
+
+def _gain_at(gain: Callable[[Effect], float], effect: Effect, which: int, distance: float) -> float:
+    """With one setting farther by a distance."""
+    values = effect.values.copy()
+    values[which] += distance
+    return gain(effect.with_values(values)) if is_open(effect, values) else -np.inf
+
+
+def _spread(gain: Callable[[float], float], size: float) -> float:
+    """Root of the mean square distance of a setting from the best, weighed by how likely it is there: a log in which
+    nothing happens for a while does not tell when it began."""
+    best = gain(0.0)
+
+    def reach(step: float) -> float:
+        for _ in range(DOUBLINGS):
+            if gain(step) < best - FAINT:
+                break
+            step *= 2
+        return step
+
+    offsets = np.linspace(reach(-size), reach(size), POINTS)
+    gains = np.array([gain(offset) for offset in offsets])
+    likely = np.exp(gains - max(best, gains.max()))
+    total = float(likely.sum())
+    return float(np.sqrt((likely * offsets**2).sum() / total)) if total > 0 else size

@@ -1,0 +1,75 @@
+"""The gap between simulation and measurement on stretches that no fit saw, beside what noise alone would do."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+
+from ..search.model import Model
+from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
+from .rollouts import HORIZONS, starts
+
+BEYOND_NOISE = 2.0
+"""Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
+COORDINATES = ("along", "across", "heading")
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Root mean square error (m) of 1 s rollouts on stretches that no fit saw: of the nominal model, of the same
+    refitted, with the effects added, and what noise alone would do; by coordinate (m, m, rad) and by horizon."""
+
+    before: float
+    refitted: float
+    after: float
+    noise_floor: float
+    per_coordinate: dict[str, dict[str, float]]
+    per_horizon: dict[str, dict[str, float]]
+
+    def as_the_file_has_it(self, *kinds: str) -> Gap:
+        """With the errors of the cart as it was believed for those of such kinds, of which it foretells better."""
+
+        def told(table: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+            return {of: one | dict.fromkeys(kinds, one["before"]) for of, one in table.items()}
+
+        horizons = told(self.per_horizon)
+        return Gap(**horizons["1 s"], per_coordinate=told(self.per_coordinate), per_horizon=horizons)
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"metric": "root mean square distance after a 1 s rollout on held-out stretches, m", **asdict(self)}
+
+
+def measured_gap(nominal: Model, final: Model) -> Gap:
+    """Of the cart as it was believed, refitted and extended. Where nothing moves, all is noise."""
+    if not any(len(starts(balances)) for balances in nominal.logs):
+        return _at_rest(nominal)
+    rolled = {
+        "before": file_rollouts(nominal),
+        "refitted": held_out_rollouts(nominal),
+        "after": held_out_rollouts(final),
+        "noise_floor": min(floor_rollouts(nominal), floor_rollouts(final), key=lambda one: float(one.gaps()[1])),
+    }
+    gaps = {name: one.gaps() for name, one in rolled.items()}
+    horizons = {
+        f"{horizon:g} s": {name: float(gap[i]) for name, gap in gaps.items()}
+        for i, horizon in enumerate(HORIZONS)
+        if all(np.isfinite(gap[i]) for gap in gaps.values())
+    }
+    if "1 s" not in horizons:
+        names = ", ".join(balances.name for balances in nominal.logs)
+        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
+    by = {name: one.by_coordinate()[1].tolist() for name, one in rolled.items()}
+    by_coordinate = {c: {name: each[i] for name, each in by.items()} for i, c in enumerate(COORDINATES)}
+    return Gap(**horizons["1 s"], per_coordinate=by_coordinate, per_horizon=horizons)
+
+
+def _at_rest(model: Model) -> Gap:
+    std = np.max([balances.motion.noise.pose for balances in model.logs], axis=0)
+    names = ("before", "refitted", "after", "noise_floor")
+    alike = dict.fromkeys(names, float(np.hypot(std[0], std[1])))
+    by = {c: dict.fromkeys(names, float(s)) for c, s in zip(COORDINATES, std, strict=True)}
+    return Gap(**alike, per_coordinate=by, per_horizon={"1 s": alike})

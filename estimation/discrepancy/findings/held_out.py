@@ -1,0 +1,118 @@
+"""Rollouts over stretches that no fit saw, beside what noise alone would do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
+
+from ...weak_form.balances import Balances
+from ...weak_form.band import Band, band_in
+from ...weak_form.fit import coordinates, with_coordinates
+from ..search.model import Model
+from .fast_noise import fast_noise
+from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
+from .told_mass import told_mass
+
+FOLDS = 3
+"""Every third stretch is simulated with what the others teach, in turn."""
+DRAWS = 3
+MOST_MOVED = 1.0
+"""Of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
+
+
+def file_rollouts(model: Model) -> Rollouts:
+    """With the first guess."""
+    return joined([rollouts(balances, model.guess, starts(balances)) for balances in model.logs])
+
+
+def held_out_rollouts(model: Model) -> Rollouts:
+    """Each stretch with a cart that was fitted to the others."""
+    carts = fold_carts(model)
+    return joined([rollouts(balances, carts[k], first) for balances, k, first in fold_starts(model)])
+
+
+def fold_carts(model: Model) -> list[CartModel]:
+    """The cart as it is fitted without each fold."""
+    return [_without(model, fold) for fold in range(FOLDS)]
+
+
+def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
+    """Of each log, by fold, the points from which rollouts begin in its stretches."""
+    for balances, own in _row_folds(model):
+        first = starts(balances)
+        fold = _folds_at(balances.motion.time[first] + HORIZONS[1] / 2, balances, own)
+        yield from ((balances, k, first[fold == k]) for k in range(FOLDS) if (fold == k).any())
+
+
+def _row_folds(model: Model) -> Iterator[tuple[Balances, np.ndarray]]:
+    """Each log, with the fold of each of its rows (k,)."""
+    ends = np.cumsum([len(balances.used) for balances in model.logs])[:-1]
+    for balances, block in zip(model.logs, np.split(model.folds.block, ends), strict=True):
+        yield balances, model.folds.stretches[block] % FOLDS
+
+
+def _folds_at(times: Array, balances: Balances, own: np.ndarray) -> np.ndarray:
+    """Of times (n,), by those of a log's rows (k,); all in the first of a log without rows."""
+    if not len(own):
+        return np.zeros(len(times), dtype=int)
+    return np.asarray(own[np.clip(np.searchsorted(balances.time, times), 0, len(own) - 1)])
+
+
+def floor_rollouts(model: Model) -> Rollouts:
+    """What noise alone would do to a right model."""
+    generator, found, whole = np.random.default_rng(0), [], model.whole
+    for balances in model.logs:
+        noise = fast_noise(balances, whole)
+        found += [noise_rollouts(balances, model.cart, noise, generator) for _ in range(DRAWS)]
+    return joined(found)
+
+
+def _without(model: Model, fold: int) -> CartModel:
+    """The model's cart, with its laws, as the stretches of other folds teach it; what happens once stays as it is."""
+    z, q, free = coordinates(model.cart), len(model.prior_std), np.flatnonzero(model.prior.free)
+    kept = model.sums[:, model.folds.stretches % FOLDS != fold].sum(axis=1)
+    joint = np.tensordot(model.score.scale**-2.0, kept, (0, 0))
+    information, here = joint[:q, :q] + np.diag(model.prior_std**-2.0), np.zeros(q)
+    here[: len(free)] = model.moved
+    own = np.flatnonzero(np.append(~_once(model.cart)[free], np.ones(q - len(free), dtype=bool)))
+    step, covariance = np.zeros(q), np.linalg.inv(information[np.ix_(own, own)])
+    step[own] = covariance @ (joint[:q, q] - information @ here)[own]
+    if model.prior.free[0] and (known := _bands_without(model, fold)):  # what is told is what has to hold
+        mass = float(z[0] + step[0])
+        more = told_mass(mass, float(covariance[0, 0] ** 0.5), known)[0] - mass
+        step[own] += covariance[:, 0] / covariance[0, 0] * np.clip(more, -MOST_MOVED, MOST_MOVED)
+    far = np.abs(step[: len(free)])[free < N_PHI].max(initial=0.0)
+    step /= max(far / MOST_MOVED, 1.0)
+    z[free] += step[: len(free)]
+    cart = with_coordinates(model.cart, z)
+    sizes = zip(model.cart.constraint_effects, step[len(free) :], strict=False)
+    changed = {effect.key: effect.scaled(1.0 + float(more)) for effect, more in sizes}
+    cart = replace(cart, effects=tuple(changed.get(effect.key, effect) for effect in cart.effects))
+    return model.with_laws(cart, step)
+
+
+def _bands_without(model: Model, fold: int) -> list[Band]:
+    """Of the logs, in which the stretches of other folds tell the mass."""
+    found = []
+    for (balances, own), step in zip(_row_folds(model), model.band_steps, strict=False):
+        if step is not None:
+            every = balances.every(step)
+            kept = _folds_at(every.time, balances, own) != fold
+            found.append(band_in(every, model.whole, model.guess, kept))
+    return [band for band in found if band is not None]
+
+
+def _once(cart: CartModel) -> np.ndarray:
+    """Parameters (p,) of what happens once: held out, it can't be learned."""
+    once = [False] * N_PHI
+    for effect in cart.effects:
+        passes = effect.gate.passes and not isinstance(effect, ConstraintEffect)
+        once += [passes] * len(effect.parameters)
+    return np.array(once)

@@ -1,0 +1,178 @@
+"""Laws that logs follow, as effects with their sizes, and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.effects import LearnedForce
+from cartgrasp.effects.learned_force import AT_A_LEVER
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from ...weak_form.motion import Motion
+from ..search.laws import Law, labelled, seen_values, unit_of, variable_of
+
+FORCES = {
+    "forward_force": "a forward force",
+    "lateral_force": "a sideways force",
+    "yaw_moment": "a yaw moment",
+    "drag": "a drag",
+    "viscous_drag": "a drag in proportion to speed",
+    "world_force": "a force",
+}
+OF_TIME = {"world_force": "wind that grows", "forward_force": "a force sensor whose zero drifts, or a tether"}
+USUAL = {
+    "travelled_distance": "a floor or a wheel that changes along the way",
+    "place": "a tether, a ramp or a floor that changes",
+    "speed": "air, a churned liquid, or bearings at speed",
+    "yaw_rate": "tyres that scrub in turns",
+    "since_reversal": "casters that swing round, or play that is taken up",
+}
+"""What usually makes a law that does not repeat."""
+TURN = 2 * np.pi
+WALK = (0.4, 1.1)
+"""s from step to step of a person who walks."""
+
+
+@dataclass(frozen=True, eq=False)
+class LearnedLaw:
+    """One force of a law: the effect with its amplitudes (a,), their covariance (a, a), how well a period is known (in
+    the variable's unit), and values (n,; n, 2 of places with knots of y) of the variable along the logs."""
+
+    effect: LearnedForce
+    covariance: Array
+    period_std: float
+    seen: Array
+
+    @property
+    def std(self) -> Array:
+        """Of the amplitudes (a,)."""
+        return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance), 0.0)))
+
+    @property
+    def unit(self) -> str:
+        """Of the variable."""
+        return unit_of(self.effect)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Between what the force (N; N·m, N·s/m) was, as the logs went."""
+        force = self.curve(self.seen)[0]
+        return float(force.min()), float(force.max())
+
+    @property
+    def size(self) -> float:
+        """Root mean square of the force as the logs went."""
+        return float(np.sqrt(np.mean(self.curve(self.seen)[0] ** 2)))
+
+    def curve(self, at: Array) -> tuple[Array, Array]:
+        """The force at values of the variable, and its standard deviation (n,)."""
+        shares = self.effect.shares(at)
+        variance = np.einsum("na,ab,nb->n", shares, self.covariance, shares)
+        return shares @ self.effect.values, np.sqrt(np.maximum(variance, 0.0))
+
+    @property
+    def words(self) -> str:
+        """One sentence without a full stop."""
+        low, high = self.range
+        unit = self.effect.parameters[0].unit
+        return f"{self._force} {self._course}, between {low:.2g} and {high:.2g} {unit}"
+
+    def is_beside(self, other: LearnedLaw) -> bool:
+        """Whether it is the other part of one force of the world: of the same variable, another way."""
+        one, before = self.effect, other.effect
+        same = (one.of, one.period, one.knots, one.knots_y) == (before.of, before.period, before.knots, before.knots_y)
+        return same and one.acts_on == before.acts_on == "world_force" and one.direction != before.direction
+
+    @property
+    def words_beside(self) -> str:
+        """After the words of the other part."""
+        low, high = self.range
+        return f", and{self._towards} between {low:.2g} and {high:.2g} {self.effect.parameters[0].unit}"
+
+    @property
+    def _towards(self) -> str:
+        return f" towards {np.degrees(self.effect.direction):.0f}° of the world"
+
+    @property
+    def _force(self) -> str:
+        effect, where = self.effect, ""
+        if effect.acts_on == "world_force":
+            where = self._towards
+        if effect.lever and effect.acts_on in AT_A_LEVER:
+            where = f" {self._side}"
+        return FORCES[effect.acts_on] + where
+
+    @property
+    def _side(self) -> str:
+        return f"{abs(self.effect.lever):.2g} m to the {'left' if self.effect.lever > 0 else 'right'}"
+
+    @property
+    def _course(self) -> str:
+        effect = self.effect
+        if effect.period:
+            value = f"{effect.period:.3g} {self.unit}"
+            return f"that repeats every {value}" + {
+                "time": "",
+                "travelled_distance": f" of the way rolled {self._side if effect.lever else ''}".rstrip(),
+                "place": f" of the floor along {'y' if abs(np.sin(effect.direction)) > 0.5 else 'x'}",
+            }.get(effect.of, f" of {variable_of(effect)}")
+        name = variable_of(effect)
+        return f"that changes with the {name}" if effect.knots or effect.cycle else f"that is the same at every {name}"
+
+    @property
+    def likely(self) -> str:
+        """What usually makes such a law."""
+        return " or ".join(self._causes())
+
+    def _causes(self) -> Iterator[str]:
+        effect, period = self.effect, self.effect.period
+        if effect.of == "travelled_distance" and period:
+            wheel = f"the wheel {self._side}" if effect.lever else "a wheel"
+            size = f"of radius {1e3 * period / TURN:.0f} mm: {period:.3g} m a turn"
+            yield f"a flat spot, a bent rim or dirt on {wheel} {size}"
+            if len(effect.harmonics) > 1:
+                first = period / effect.harmonics[1]
+                yield f"on one of {1e3 * first / TURN:.0f} mm"
+        elif effect.of == "time" and period:
+            yield f"a second drive, a pump or a motor at {1 / period:.3g} Hz"
+            if WALK[0] <= period <= WALK[1]:
+                yield f"the steps of a person ({60 / period:.0f} a minute)"
+        elif effect.of == "place" and period:
+            yield f"seams or ridges of the floor, {period:.3g} m apart"
+        elif not effect.knots and not effect.cycle:
+            yield "rolling resistance of the wheels at {b} alone: list which wheels carry the load"
+        elif effect.of == "heading":
+            yield "the grain of the floor, or a carpet's pile" if "drag" in effect.acts_on else "wind, or a slope"
+        elif effect.of == "time":
+            yield OF_TIME.get(effect.acts_on, "bearings that warm")
+        else:
+            yield USUAL[effect.of]
+
+    def as_dict(self) -> dict[str, Any]:
+        """For a report."""
+        period = self.effect.period or None
+        return {
+            "acts_on": self.effect.acts_on,
+            "of": self.effect.of,
+            "period": period and {"value": period, "std": self.period_std, "unit": self.unit},
+            "words": self.words,
+            "likely": self.likely,
+        }
+
+
+def learned(
+    law: Law, numbers: Array, covariance: Array, cart: CartModel, period_std: float, motions: Sequence[Motion]
+) -> Iterator[LearnedLaw]:
+    """The forces of a law of such numbers (q,) with their covariance (q, q), labelled beside a cart's."""
+    whole, at = law.basis @ covariance @ law.basis.T, 0
+    for force in law.sized(numbers):
+        effect = labelled(force, cart)
+        cart = cart.with_effect(effect)
+        own = slice(at, at + len(effect.parameters))
+        at = own.stop
+        yield LearnedLaw(effect, whole[own, own], period_std, seen_values(effect, motions))

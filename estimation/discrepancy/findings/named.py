@@ -1,0 +1,177 @@
+"""Effects that were added, as a report tells them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from scipy.special import expit
+
+from cartgrasp.effects import Effect, EndStop
+from cartgrasp.effects.effect import Parameter
+from cartgrasp.model import CartModel
+
+from ...end_stops import StopEstimate
+from ..search.attempts import Attempt, Step
+from ..search.candidates import free_label
+from ..search.model import Model
+from ..search.plausible import is_negligible
+from ..search.search import WORTH, added
+from .certainty import Certainty
+from .learned import LearnedLaw
+from .rivals import rivals
+from .verdicts import called
+
+SURE = 2.0
+"""Standard deviations from which on a value is there."""
+TRUE_AT, TRUE_BY, TRUE_BESIDE = 1.5, 1.2, 1.0
+"""Log odds that a name is true, but for its rivals: where it gains the nats that a name is worth, more for each time e
+as many, and less for each time e that the largest gain of a step is larger: what is small beside that may be what the
+form of the first leaves. Fitted to names whose truth is known (`python -m benchmarks.name_probabilities`)."""
+RIVAL = 0.2
+"""Of the odds of what explains about as much: that it was not chosen, for it is less simple or less usual, counts."""
+UNTRIED = 0.95
+"""How probable a name is that no step added."""
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """An effect that was added: how sure that its name is right; parameters' values, standard deviations and units;
+    what the log can't tell it apart from; the share of the held-out gap above the noise floor that it closed; its gain
+    (nats) when it was added (0: no step did); of a force that no name fits, the law."""
+
+    name: str
+    label: str
+    probability: float
+    parameters: dict[str, tuple[float, float, str]]
+    confusable_with: tuple[str, ...]
+    gap_share: float
+    gain: float = 0.0
+    law: LearnedLaw | None = None
+
+    @property
+    def called(self) -> str:
+        """The name, with its label."""
+        return f"{self.name} {self.label}".rstrip()
+
+    def as_dict(self) -> dict[str, Any]:
+        told = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "law"}
+        told["parameters"] = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
+        told["confusable_with"] = list(self.confusable_with)
+        return told if self.law is None else told | {"law": self.law.as_dict()}
+
+
+@dataclass(frozen=True)
+class _Told:
+    """Of what a step added, or none did."""
+
+    probability: float
+    confusable_with: tuple[str, ...] = ()
+    gap_share: float = 0.0
+    gain: float = 0.0
+
+
+def named(
+    steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
+) -> tuple[NamedEffect, ...]:
+    """In order of addition; laws last."""
+    by, first = dict[str, _Told](), max((step.added.gain for step in steps if step.added), default=0.0)
+    for step, share in zip(steps, shares, strict=True):
+        if step.added is not None:
+            by.setdefault(step.added.key, _told(step, step.added, first, share))
+    values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
+    for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
+        parameters = _parameters(values[effect.key], certainty)
+        found.append(_named(effect, parameters, by.get(effect.key, _Told(UNTRIED))))
+    for key, law in certainty.laws:
+        sizes = zip(law.effect.parameters, law.effect.values.tolist(), law.std.tolist(), strict=True)
+        parameters = {p.name: (value, std, p.unit) for p, value, std in sizes}
+        found.append(replace(_named(law.effect, parameters, by.get(key, _Told(UNTRIED))), law=law))
+    return tuple(found)
+
+
+def _named(effect: Effect, parameters: dict[str, tuple[float, float, str]], told: _Told) -> NamedEffect:
+    return NamedEffect(effect.name, effect.label, parameters=parameters, **vars(told))
+
+
+def together(effects: Sequence[NamedEffect]) -> list[list[NamedEffect]]:
+    """Each alone, but both parts of one force of the world."""
+    found = list[list[NamedEffect]]()
+    for one in effects:
+        before = found[-1][-1].law if found else None
+        if before and one.law and one.law.is_beside(before):
+            found[-1].append(one)
+        else:
+            found.append([one])
+    return found
+
+
+def words_of(effects: Sequence[NamedEffect], alike: bool = True) -> str:
+    """Of what belongs together, in a sentence: the law, or the name, with its size, and, if `alike`, what it may be
+    as well."""
+    one, others = effects[0], effects[0].confusable_with if alike else ()
+    told = f", or {' or '.join(others)}: these logs can't tell" if others else ""
+    if one.law:
+        return one.law.words + "".join(more.law.words_beside for more in effects[1:] if more.law) + told
+    sizes = (with_unit(f"{name} {value:.3g}", unit) for name, (value, _, unit) in one.parameters.items())
+    return f"{one.called} ({', '.join(sizes)}{told})"
+
+
+def with_unit(number: str, unit: str) -> str:
+    """Of what has one."""
+    return number if unit == "-" else f"{number} {unit}"
+
+
+def faded(final: Model, certainty: Certainty) -> list[str]:
+    """Keys of added effects of which next to nothing is left beside the mass that is told."""
+    values = {effect.key: effect for effect in certainty.cart.effects}
+    return [effect.key for effect in added(final) if is_negligible(values[effect.key])]
+
+
+def _told(step: Step, own: Attempt, first: float, share: float) -> _Told:
+    """Its name's probability, and the names of what explains about as much; another arm's effect has the same name."""
+    known = rivals(step)
+    names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
+    others = sum(odds for odds, one in known if called(one) != called(own))
+    return _Told(true_alone(own.gain, first) / (1.0 + RIVAL * others), tuple(names), share, own.gain)
+
+
+def true_alone(gain: float, first: float) -> float:
+    """How probable a name is that gains so much (nats), where the largest gain is the `first`, were there no rivals."""
+    more, beside = np.log(max(gain, 1.0) / WORTH), np.log(max(gain, 1.0) / max(first, gain, 1.0))
+    return float(expit(TRUE_AT + TRUE_BY * more + TRUE_BESIDE * beside))
+
+
+def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
+    """But for those of which the logs say nothing, where they say something of another."""
+    told, untaught = {}, set()
+    for parameter, key, value in zip(effect.parameters, effect.keys, effect.values.tolist(), strict=True):
+        known, settings = certainty.parameters[key], certainty.settings
+        std = settings.get(key, known.std if parameter.estimated else 0.05 * abs(value))
+        told[parameter.name] = (float(value), float(std), parameter.unit)
+        if parameter.estimated and _says_nothing(parameter, value, std):
+            untaught.add(parameter.name)
+    estimated = {parameter.name for parameter in effect.parameters if parameter.estimated}
+    return told if untaught == estimated else {name: one for name, one in told.items() if name not in untaught}
+
+
+def _says_nothing(parameter: Parameter, value: float, std: float) -> bool:
+    """Whether it may as well be absent as of its usual size."""
+    return std > parameter.typical and abs(value - parameter.absent) < SURE * std
+
+
+def named_stops(stops: Sequence[StopEstimate], cart: CartModel) -> tuple[NamedEffect, ...]:
+    """What a cart ran against several times, labelled beside the cart's."""
+    found = []
+    for stop in stops:
+        effect = stop.effect(label=free_label(EndStop, cart))
+        cart = cart.with_effect(effect)
+        parameters = {
+            "position": (stop.position, stop.position_std, "m"),
+            "side": (stop.side, 0.0, "-"),
+            "restitution": (stop.restitution, stop.restitution_std, "-"),
+        }
+        found.append(NamedEffect(effect.name, effect.label, UNTRIED, parameters, (), 0.0))
+    return tuple(found)

@@ -1,0 +1,69 @@
+"""Whether a refit foretells stretches that it did not see worse than the first guess: then it is no better, whatever
+its likelihood says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from ..search.model import Model
+from .gap import BEYOND_NOISE
+from .held_out import FOLDS, floor_rollouts, fold_carts, fold_starts
+from .rollouts import HORIZONS, rollouts
+
+WORSE = 1.05
+"""Times the first guess's error, where too little moves to tell a standard error."""
+SURE = 2.0
+"""Standard errors of the mean by which squares are larger: one chance in forty."""
+BLOCK, FEWEST = 3.0, 3
+"""s, over which errors of rollouts are taken to be related; and how many such tell a standard error."""
+HORIZON = 1
+
+
+def refused(model: Model, guess: CartModel) -> str:
+    """Why the refit is no use; empty where it is of use, or too little moves to tell."""
+    squares, block = _squares(model, [guess] * FOLDS)
+    before, after = np.sqrt(squares.mean(axis=0)) if len(squares) else (0.0, 0.0)
+    score = _score(squares[:, 1] - squares[:, 0], block)
+    if after <= WORSE * before if score is None else score < SURE:
+        return ""
+    if after <= BEYOND_NOISE * floor_rollouts(model).gaps()[HORIZON]:  # no farther off than noise takes a right one
+        return ""
+    return (
+        f"the fit foretells unseen stretches worse than the first guess: {1e3 * after:.1f} mm off after "
+        f"{HORIZONS[HORIZON]:g} s, not {1e3 * before:.1f} mm; the first guess stays"
+    )
+
+
+def _squares(model: Model, others: Sequence[CartModel]) -> tuple[Array, np.ndarray]:
+    """Of rollouts' errors (n, 2), with another cart for each fold and with the model as the rest taught it; and blocks
+    (n,) to which they belong."""
+    carts, pairs, blocks, count = fold_carts(model), [np.zeros((0, 2))], [np.zeros(0, dtype=int)], 0
+    for balances, k, first in fold_starts(model):
+        with np.errstate(all="ignore"):  # what runs away is told below
+            errors = [rollouts(balances, cart, first).error[:, HORIZON, :2] for cart in (others[k], carts[k])]
+        pairs.append(np.stack([(e**2).sum(axis=1) for e in errors], axis=1))
+        own = ((balances.motion.time[first] - balances.motion.time[0]) // BLOCK).astype(int)
+        blocks.append(count + own)
+        count += int(own.max(initial=-1)) + 1
+    squares = np.concatenate(pairs)
+    if not np.isfinite(squares).all():
+        names = ", ".join(balances.name for balances in model.logs)
+        raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
+    return squares, np.concatenate(blocks)
+
+
+def _score(differences: Array, block: np.ndarray) -> float | None:
+    """The mean of differences (n,) over its standard error, by blocks that are independent; None of too few."""
+    names, own = np.unique(block, return_inverse=True)
+    if len(names) < FEWEST:
+        return None
+    centred = differences - differences.mean()
+    sums = np.bincount(own, centred)
+    error = np.sqrt((sums**2).sum() * len(names) / (len(names) - 1)) / len(differences)
+    return float(differences.mean() / max(error, 1e-300))

@@ -1,0 +1,61 @@
+"""What explains about as much as what was added, or was left out: how probable it is, how unsure it makes a cart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cartgrasp.effects import Effect
+from cartgrasp.frames import Array
+
+from ...weak_form.fit import coordinates
+from ..search.attempts import Attempt, Refit, Step
+from ..search.laws import Law
+from ..search.model import Model
+from ..search.search import CONFUSABLE
+
+SIMPLER = 2.0
+"""Nats for each number by which less something takes."""
+LONGEST = 100.0
+"""Odds: as long as any."""
+
+
+def rivals(step: Step) -> list[tuple[float, Attempt]]:
+    """What explains about as much as what a step added, an effect beside an effect, each with its odds against that."""
+    own, found = step.added, list[tuple[float, Attempt]]()
+    if own is None or isinstance(own.candidate, Refit):
+        return found
+    for one in step.attempts:
+        if one.key == own.key or not _is_rival(one, own):
+            continue
+        if one.gain > max(own.gain - CONFUSABLE, 0.0):
+            more = max(one.numbers - own.numbers, 0) if one.gain > own.gain else 0
+            found.append((float(np.exp(min(one.gain - own.gain - SIMPLER * more, 0.0))), one))
+    return found
+
+
+def _is_rival(one: Attempt, own: Attempt) -> bool:
+    """Whether it says another thing: a law of the same variable is the same law, and no rival of an effect."""
+    if isinstance(one.candidate, Law):
+        return isinstance(own.candidate, Law) and one.candidate.of != own.candidate.of
+    return isinstance(one.candidate, Effect)
+
+
+def _left_out(step: Step) -> list[tuple[float, Attempt]]:
+    """What a step without an addition was too careful to add, each with its odds against nothing."""
+    return [(float(np.exp(min(one.gain, LONGEST))), one) for one in step.attempts if one.model is not None]
+
+
+def undecided(steps: Sequence[Step], final: Model, count: int) -> Array:
+    """Covariance (count, count) of the first coordinates of a cart: mean squares of what rivals, and what was left out,
+    would make of them."""
+    found = np.zeros((count, count))
+    for step in steps:
+        known, base = (_left_out(step), final) if step.added is None else (rivals(step), step.added.model or final)
+        total, own = 1.0 + sum(odds for odds, _ in known), coordinates(base.cart)[:count]
+        for odds, one in known:
+            if one.model is not None:
+                off = coordinates(one.model.cart)[:count] - own
+                found += odds / total * np.outer(off, off)
+    return found

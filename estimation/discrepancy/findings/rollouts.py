@@ -1,0 +1,160 @@
+"""Simulations that start from a log's motion and run on with its wrenches: how far they are from it after a while."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from cartgrasp.frames import Array, body_to_world, wrap_angle
+from cartgrasp.model import CartModel
+from cartgrasp.simulation.integrate import runge_kutta_4
+
+from ...weak_form.balances import STILL_SPEED, Balances
+
+HORIZONS = (0.5, 1.0, 2.0)
+"""s."""
+EVERY = 0.5
+"""s from start to start."""
+STEP = 0.01
+"""s: of the integrator, where nothing is stiff."""
+STABLE = 0.5
+"""Of a step times the fastest rate: inside the region where the integrator is stable."""
+MOST_STILL = 0.2
+"""Of a rollout's time: where a cart stands longer, anything may have held it."""
+LOST = 1e6
+"""m, rad: a rollout that has run away is as far off."""
+SAMPLED = 40
+"""States at which stiffness is looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rollouts:
+    """Errors in {b} (starts, horizons, 3): m along and across, rad; NaN where a log ends before."""
+
+    error: Array
+
+    def gaps(self) -> Array:
+        """Root mean square distance (horizons,), m."""
+        return _root_mean((self.error[..., :2] ** 2).sum(axis=2))
+
+    def by_coordinate(self) -> Array:
+        """Root mean square (horizons, 3)."""
+        return _root_mean(self.error**2)
+
+
+def _root_mean(squares: Array) -> Array:
+    """Over starts, of those that are known; NaN where none is."""
+    known = np.ma.masked_invalid(squares)
+    return np.asarray(np.sqrt(known.mean(axis=0).filled(np.nan)))
+
+
+def starts(balances: Balances) -> np.ndarray:
+    """Points of the grid from which a rollout stays where everything was seen, on the move."""
+    motion, seen = balances.motion, balances.wrenches.seen
+    last = round(HORIZONS[1] / motion.step)
+    if len(seen) <= last:
+        return np.zeros(0, dtype=int)
+    unseen = np.append(0, np.cumsum(~seen))
+    first = np.arange(0, len(seen) - last, max(round(EVERY / motion.step), 1))
+    stands = np.append(0, np.cumsum(balances.turning_speed < STILL_SPEED))
+    moves = stands[first + last] - stands[first] < MOST_STILL * last
+    return np.asarray(first[(unseen[first + last] == unseen[first]) & moves])
+
+
+def rolled_out(
+    balances: Balances,
+    cart: CartModel,
+    first: np.ndarray,
+    off: tuple[Array, Array] | None = None,
+    after: np.ndarray | None = None,
+) -> Array:
+    """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. `off` are errors of
+    poses and velocities at the start (starts, 3 + f), and of the reduced wrench along the grid (n, f); `after` are
+    steps of the grid in place of the horizons'."""
+    motion, side = balances.motion, balances.wrenches.planar(cart)
+    wrench = side @ cart.basis_b
+    state = balances.state(cart)[first].copy()
+    if off is not None:
+        state[:, : off[0].shape[1]] += off[0]
+        wrench = wrench + off[1]
+    planar = cart.planar_wrench(wrench)
+    ends = (_steps(balances) if after is None else after).tolist()
+    found = np.full((len(first), len(ends), 3), np.nan)
+    seen = np.append(0, np.cumsum(~balances.wrenches.seen))
+    step, ones = _stable_step(balances, cart), np.ones((len(first), cart.constraints.n_free))
+    parameters = np.broadcast_to(cart.parameters, (len(first), len(cart.parameters)))
+    count = np.full(len(first), np.ceil(motion.step / step - 1e-9))
+    for k in range(ends[-1]):
+        at = np.minimum(first + k, len(motion.time) - 1)
+        point = state, motion.time[at], parameters
+        push = (planar[at] + planar[np.minimum(at + 1, len(planar) - 1)]) / 2
+        creep = _creep(cart, point, side[at]) * motion.step if cart.slip_compliance else 0.0
+        if cart.is_compiled:
+            state = cart.dynamics.advanced(point, (push, ones), motion.step / count, count)
+        else:  # effects from outside have no kernel
+            state = runge_kutta_4(partial(_rate, cart, push), motion.time[at], state, motion.step)
+        state[:, :2] += creep
+        if k + 1 in ends:
+            last = first + k + 1
+            inside = last < len(motion.time)
+            inside[inside] = seen[last[inside]] == seen[first[inside]]
+            found[inside, ends.index(k + 1)] = np.clip(np.nan_to_num(state[inside, :3], nan=LOST), -LOST, LOST)
+    return found
+
+
+def rollouts(balances: Balances, cart: CartModel, first: np.ndarray) -> Rollouts:
+    """How far a cart's are from the log's smooth poses."""
+    at = first[:, None] + _steps(balances)
+    measured = balances.motion.of_body(cart).pose[np.minimum(at, len(balances.motion.time) - 1)]
+    return Rollouts(_in_body(measured, rolled_out(balances, cart, first)))
+
+
+def noise_rollouts(balances: Balances, cart: CartModel, noise: Array, generator: np.random.Generator) -> Rollouts:
+    """What errors of the smooth motion, and white noise (N/√Hz, N·m/√Hz; (f,)) of the wrenches do to a right model."""
+    motion, first, f = balances.motion, starts(balances), cart.constraints.n_free
+    rate = motion.rate_std[[0, 2] if f == 2 else list(range(f))]
+    std = np.concatenate([motion.pose_std, rate])
+    start = generator.standard_normal((len(first), len(std))) * std
+    wrench = generator.standard_normal((len(motion.time), f)) * noise / motion.step**0.5
+    right, wrong = rolled_out(balances, cart, first), rolled_out(balances, cart, first, (start, wrench))
+    end = generator.standard_normal(right.shape) * motion.pose_std
+    return Rollouts(_in_body(right, wrong + end))
+
+
+def joined(parts: Sequence[Rollouts]) -> Rollouts:
+    return Rollouts(np.concatenate([one.error for one in parts]))
+
+
+def _steps(balances: Balances) -> np.ndarray:
+    """Of the grid, of each horizon."""
+    return np.rint(np.array(HORIZONS) / balances.motion.step).astype(int)
+
+
+def _in_body(true: Array, found: Array) -> Array:
+    error = (body_to_world(true[..., 2]).mT @ (found - true)[..., None])[..., 0]
+    error[..., 2] = wrap_angle(error[..., 2])
+    return error
+
+
+def _rate(cart: CartModel, push: Array, time: Array, state: Array) -> Array:
+    return cart.state_rate(state, push, time=time)
+
+
+def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) -> Array:
+    """What creeping wheels add to the velocity of the pose (r, 2)."""
+    state, time, _ = point
+    full = cart.state_rate(state, wrench, time=time)[:, :2]
+    held = cart.dynamics.rate(point, (wrench, np.ones((len(state), cart.constraints.n_free))))[:, :2]
+    return np.asarray(full - held)
+
+
+def _stable_step(balances: Balances, cart: CartModel) -> float:
+    """That keeps what is stiff inside the region where the integrator is stable."""
+    if not cart.memory_names:
+        return STEP
+    rows = np.linspace(0, len(balances.motion.time) - 1, SAMPLED).astype(int)
+    planar = balances.wrenches.planar(cart)[rows]
+    return STABLE / max(STABLE / STEP, cart.stiffness(balances.state(cart)[rows], planar, balances.motion.time[rows]))

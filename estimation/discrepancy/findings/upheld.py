@@ -1,0 +1,72 @@
+"""What of an extended model holds on stretches that it did not see."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...weak_form.band import INERTIAL, Band, pooled
+from ..search.attempts import Step
+from ..search.laws import Law
+from ..search.model import Model
+from ..search.plausible import ODDS, TOLD
+from ..search.search import added
+from .certainty import Certainty
+from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
+from .named import faded
+from .refusal import WORSE
+from .rivals import undecided
+from .rollouts import Rollouts
+
+
+def upheld(
+    final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
+) -> tuple[Model, tuple[Law, ...]]:
+    """Without effects of which next to nothing is left, without loads that what nobody recorded may look like, without
+    laws that close nothing of the gap, and without the last ones as long as unseen stretches are predicted no better
+    with them than by what is known, or refitted, and farther off than noise; and the laws that were withdrawn."""
+    for key in (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)):
+        final = final.refitted(final.cart.without_effect(key)).settled()
+    laws = final.laws
+    if not (laws or added(final)):
+        return final, ()
+    best = min(rollout_error(file_rollouts(nominal)), rollout_error(held_out_rollouts(nominal)))
+    floor, error = rollout_error(floor_rollouts(final)), rollout_error(held_out_rollouts(final))
+    for law in laws:
+        if error <= floor:
+            break
+        less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
+        if (without := rollout_error(held_out_rollouts(less))) <= error:
+            final, error = less, without
+    while (final.laws or added(final)) and error >= max(_most(final, best), floor):
+        cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
+        final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
+        error = rollout_error(held_out_rollouts(final))
+    return final, tuple(law for law in laws if law not in final.laws)
+
+
+def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:
+    """Keys of added loads that are within what the bands leave open of the mass: what moves a cart beside its recorded
+    wrenches (a rider who leans) looks like a load that swings or changes."""
+    share = pooled([(band, band.bracket / band.mass) for band in known if band is not None])
+    most = TOLD * share * final.cart.inertia.mass
+    loads = [effect for effect in added(final) if effect.name in INERTIAL]
+    return [e.key for e in loads if abs(e.values[e.keys.index(f"{e.key}.mass")]) < most]
+
+
+def _most(final: Model, best: float) -> float:
+    """From which error on stretches speak against what was added last: against what every cart has, only where they are
+    predicted worse."""
+    return best if final.laws or added(final)[-1].name not in ODDS else WORSE * best
+
+
+def rollout_error(rolled: Rollouts) -> float:
+    """After a second; endless where none goes so far."""
+    return float(np.nan_to_num(rolled.gaps()[1], nan=np.inf)) if len(rolled.error) else np.inf
+
+
+def certainty_of(final: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Certainty:
+    told = tuple(band for band in known if band is not None)
+    return Certainty(final, told, undecided(steps, final, len(final.guess.parameters)))

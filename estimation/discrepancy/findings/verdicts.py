@@ -1,0 +1,54 @@
+"""Why each candidate of a step of the search was added, or was not, in words that tell the rule and its numbers."""
+
+from __future__ import annotations
+
+from cartgrasp.effects import Effect
+
+from ..search.attempts import Attempt, Refit, Step
+from ..search.laws import Law
+from ..search.plausible import ODDS, law_objection, objection
+from ..search.search import SURE, least_gain, unseen
+
+ADDED = "added"
+ROUGHLY = "not fitted with all else: others gain more at first sight"
+
+
+def called(one: Attempt) -> str:
+    """The effect's name; of a law, what it is a law of."""
+    candidate = one.candidate
+    return candidate.effect.name if isinstance(candidate, Refit) else candidate.name
+
+
+def verdict(step: Step, one: Attempt) -> str:
+    """Of one of a step's attempts."""
+    if one is step.added:
+        return ADDED
+    if one.gain < (least := least_gain(one, step.form_error)):
+        return f"gains {one.gain:.1f} nats, and {least:.1f} are needed"
+    if one.gain < SURE * one.error:
+        return f"gains less than {SURE:g} standard deviations of its gain: from stretch to stretch it is not sure"
+    if odd := _objection(one):
+        return odd
+    return ROUGHLY if step.added is None else _beside(one, step.added)
+
+
+def _objection(one: Attempt) -> str:
+    """Why nobody would call it so at its values; empty where somebody would, or where it was not fitted."""
+    if one.model is None or isinstance(one.candidate, Refit):
+        return ""
+    if isinstance(one.candidate, Law):
+        return law_objection(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
+    return objection(one.candidate, one.model.cart.wheel_set) or unseen(one.candidate, one.model)
+
+
+def _beside(one: Attempt, added: Attempt) -> str:
+    """Why it lost against what was added."""
+    less, more = round(added.gain, 1) - round(one.gain, 1), one.numbers - added.numbers
+    usual = ODDS.get(called(added), 0.0) - ODDS.get(called(one), 0.0)
+    if one.model is None and less <= 0:
+        return ROUGHLY
+    if less <= 0:
+        return f"gains {-less:.1f} nats more than {added.key} by {more} number{'s' * (more != 1)} more: not surely more"
+    if usual > 0 and less <= usual and isinstance(one.candidate, Effect):
+        return f"gains {less:.1f} nats less than {added.key}, which is likelier beforehand by {usual:g}"
+    return f"gains {less:.1f} nats less than {added.key}"

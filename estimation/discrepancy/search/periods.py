@@ -1,0 +1,156 @@
+"""Forces and moments that repeat after a period in time, way or place: found by a Fourier transform of what pulls at a
+model, then by columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cartgrasp.effects import LearnedForce
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.wheels import FIXED
+
+from ...weak_form.balances import THIN, Balances
+from .course import Course
+from .laws import AT_HANDS, Law, both_ways
+
+SCANNED = (("time", 0.0, 0.25, 4.0), ("way", 0.0, 0.25, 2.5), ("x", 0.0, 0.3, 2.0), ("y", np.pi / 2, 0.3, 2.0))
+"""Variables of a course, which way they go in the world, and between which periods a law is looked for."""
+OF = {"time": "time", "way": "travelled_distance", "x": "place", "y": "place"}
+OVERSAMPLED = 16
+"""Points of a Fourier transform's grid in the shortest period."""
+KNOWN, LIKELY = 24, 40
+"""Periods of a scan of which the information is worked out, and then the gain."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Of forces like one of a law, over a variable of a course, with frequencies (v,) that increase."""
+
+    variable: str
+    effect: LearnedForce
+    place: str
+    frequencies: Array
+
+    @property
+    def longest(self) -> float:
+        """Period."""
+        return float(1 / self.frequencies[0])
+
+    def law(self, period: float, harmonics: int = 1, has_mean: bool = False) -> Law:
+        """Of so many harmonics, about nought or a mean."""
+        numbers = tuple(float(k) for k in range(0 if has_mean else 1, harmonics + 1))
+        form = self.place + (f" of {harmonics} harmonics" if harmonics > 1 else "") + (", with a mean" * has_mean)
+        law = Law.free(form, replace(self.effect, period=period, harmonics=numbers, amplitudes=()))
+        law = replace(law, basis=np.delete(law.basis, 1, axis=1)) if has_mean else law
+        is_of_world = self.variable == "time" and self.effect.acts_on == "world_force"
+        return both_ways(form, law.effects[0], law.basis) if is_of_world else law
+
+    def of(self, course: Course) -> Array:
+        """The variable (n,) where the force is."""
+        return np.asarray(
+            getattr(course, self.variable) - self.effect.lever * course.heading * (self.variable == "way")
+        )
+
+    def columns(self, chosen: np.ndarray, course: Course, balances: Balances, cart: CartModel) -> Array:
+        """Raw (k, c, v, 2) of cosines and sines of the chosen frequencies over a thinned course."""
+        phase = 2 * np.pi * self.frequencies[chosen] * self.of(course)[:, None]
+        waves, unit = np.stack([np.cos(phase), np.sin(phase)], axis=2), self._unit(course, cart.constraints.n_free)
+        found = np.zeros((len(balances.used), balances.n_balances(cart), *waves.shape[1:]))
+        for i in range(unit.shape[1]):
+            found[:, i] = balances.integrated(unit[:, i, None, None] * waves) if unit[:, i].any() else 0.0
+        return found
+
+    def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:
+        """How much pulls (n, f) of the residual on forces and moments along the courses go with each frequency (v,):
+        by a fast Fourier transform of pulls over the variable, each shared by the two nearest of its grid's points."""
+        step = 1 / (OVERSAMPLED * self.frequencies[-1])
+        first = min(float(self.of(c).min()) for c in courses)
+        count = round(1 / (step * float(np.diff(self.frequencies[:2])[0])))
+        total = np.zeros(count)
+        for course, pull in zip(courses, pulls, strict=True):
+            at = (self.of(course) - first) / step
+            low = np.floor(at).astype(int)
+            signal = (pull * self._unit(course, pull.shape[1])).sum(axis=1)
+            for where, share in ((low, 1 - (at - low)), (low + 1, at - low)):
+                total += np.bincount(where % count, weights=signal * share, minlength=count)
+        found = np.abs(np.fft.rfft(total)) ** 2
+        return np.asarray(np.interp(self.frequencies, np.fft.rfftfreq(count, step), found), dtype=float)
+
+    def _unit(self, course: Course, free: int) -> Array:
+        """What a unit of the force gives in the free directions (n, f)."""
+        effect, angle, found = self.effect, self.effect.direction - course.heading, np.zeros((len(course.time), free))
+        if effect.acts_on == "yaw_moment":
+            found[:, -1] = 1.0
+            return found
+        is_of_world = effect.acts_on == "world_force"
+        if free > 1:
+            found[:, -1] = effect.ahead * np.sin(angle) if is_of_world else -effect.lever
+        found[:, 0] = np.cos(angle) if is_of_world else 1.0
+        return found
+
+
+def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> list[Scan]:
+    """Those that a motion allows: periods of which it saw two at least; with a lever of the hands' (m; none: 0)."""
+    found, turns = [], cart.constraints.n_free > 1
+    levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
+    for variable, direction, least, most in SCANNED:
+        span = max(float(np.ptp(getattr(c, variable))) for c in courses)
+        if span < 2 * least or (variable in "xy" and not turns):
+            continue
+        force = LearnedForce("forward_force", OF[variable], period=1.0)
+        if variable in "xy":
+            force = replace(force, acts_on="world_force", direction=direction)
+        places = [(force, "force")]
+        if variable == "time" and turns:  # at the CoM, as what shakes the floor
+            shaken = replace(force, acts_on="world_force", ahead=float(cart.inertia.com[0]))
+            places += [(replace(shaken, direction=way), "force of the world") for way in (0.0, np.pi / 2)]
+        places += [(replace(force, acts_on="yaw_moment"), "moment")] if turns else []
+        places += [(replace(force, lever=hands), f"force {AT_HANDS}")] if hands and variable not in "xy" else []
+        for y in levers if variable == "way" else ():
+            places += [(replace(force, lever=y), f"force at the wheel at y = {y:g} m")]
+            places += [(replace(force, acts_on="yaw_moment", lever=y), f"moment of the wheel at y = {y:g} m")]
+        frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
+        if len(frequencies) > 1:
+            found += [Scan(variable, effect, place, frequencies) for effect, place in places]
+    return found
+
+
+Found = tuple[float, Scan, float]
+"""A gain, of what, and with which period."""
+
+
+def scanned(
+    logs: Sequence[Balances],
+    cart: CartModel,
+    pulls: Sequence[Array],
+    gain: Callable[[Array, Array], Array],
+    whitened: Callable[[Sequence[Array]], Array],
+    hands: float = 0.0,
+) -> tuple[list[Found], int]:
+    """Of each scan the best period of one harmonic, and of how many: of those with most power for the information that
+    whitened columns have."""
+    found, count = list[Found](), 0
+    courses = [Course.along(balances.motion) for balances in logs]
+    thin = [course.at(np.arange(0, len(course.time), THIN)) for course in courses]
+
+    def columns(scan: Scan, chosen: np.ndarray) -> Array:
+        """Whitened (v, k, c, 2)."""
+        raw = [scan.columns(chosen, course, b, cart) for course, b in zip(thin, logs, strict=True)]
+        white = whitened([one.reshape(*one.shape[:2], -1) for one in raw])
+        return np.moveaxis(white.reshape(*white.shape[:2], len(chosen), 2), 2, 0)
+
+    for scan in scans(courses, cart, hands):
+        v = len(scan.frequencies)
+        count += v
+        known = np.unique(np.linspace(0, v - 1, KNOWN).astype(int))
+        information = np.interp(np.arange(v), known, (columns(scan, known) ** 2).sum(axis=(1, 2, 3)))
+        likely = scan.power(courses, pulls) / np.maximum(information, 1e-300)
+        chosen = np.argsort(-likely)[:LIKELY]
+        gains = gain(columns(scan, chosen), np.full(2, scan.effect.parameters[0].typical))
+        best = int(np.argmax(gains))
+        found.append((float(gains[best]), scan, float(1 / scan.frequencies[chosen[best]])))
+    return found, count

@@ -1,0 +1,110 @@
+"""What an effect may be to be called by its name: one table of sizes and bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.wheels import WheelSet
+
+from ...weak_form.balances import LEVER
+from ...weak_form.motion import Motion
+from .candidates import amplitudes_of
+from .laws import seen_values
+
+ODDS = {"rolling_resistance": 4.0}
+"""Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
+LEAST_SIZE = 0.1
+"""Of an effect's usual size: nobody calls less by its name."""
+LEAST_LAW = 0.02
+"""Of a law's usual size."""
+LEAST = {
+    "time_delay.delay": 0.008,  # s: sensors that hold or average samples at 100 Hz are as late
+    "load_slosh.damping": 0.003,  # less has no spring or liquid
+    "force_scale.gain": 0.5,  # beyond, units are wrong (`check`)
+}
+MOST = {
+    "time_delay.delay": 0.15,  # s: what is later has another cause
+    "load_slosh.damping": 0.3,  # nothing swings beyond
+    "load_slosh.frequency": 4.0,  # Hz: what is faster is no load
+    "external_push.duration": 6.0,  # s: what lasts longer has another cause
+    "stribeck_friction.speed": 0.5,  # m/s: beyond, it is Coulomb's drag at all speeds that a cart has
+    "caster_realignment.trail": 0.15,  # m
+    "force_scale.gain": 2.0,
+    "force_misalignment.angle": 0.5,  # rad: beyond, axes are wrong (`check`)
+}
+"""Between which a setting of what bears the name lies."""
+LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
+"""No wheel drives: the moment of wheels that drag unlike is at most the drag times half a track."""
+ESSENTIAL = {"wheel_drag_imbalance": "moment"}
+"""What makes an effect what its name says: without it, the wheels of an axle drag alike."""
+TOLD = 2.0
+"""Standard deviations beyond nought of what is essential."""
+SPARE = 1.5
+"""Times what is plausible: estimates have errors. What gains most beyond is something else, and is not followed."""
+
+
+def is_plausible(effect: Effect, wheels: WheelSet) -> bool:
+    """Whether somebody who knows carts would call it so at its values."""
+    return not objection(effect, wheels)
+
+
+def objection(effect: Effect, wheels: WheelSet) -> str:
+    """Why nobody would call it so at its values; empty where somebody would."""
+    if is_negligible(effect):
+        return f"less than {LEAST_SIZE:g} of its usual size has no name"
+    if isinstance(effect, ConstraintEffect):
+        return ""
+    if beyond := out_of_bounds(effect):
+        return beyond
+    values = dict(zip((f"{effect.name}.{p.name}" for p in effect.parameters), effect.values.tolist(), strict=True))
+    if effect.name in LEVERS:
+        moment, force = (abs(values[f"{effect.name}.{name}"]) for name in LEVERS[effect.name])
+        tracks = [abs(wheel.y) for wheel in wheels.wheels if wheel.y]
+        if moment > SPARE * max(tracks, default=LEVER) * force:
+            return f"a moment of {moment:.2g} N·m is more than {force:.2g} N at a wheel make"
+    return ""
+
+
+def is_negligible(effect: Effect) -> bool:
+    """Whether there is next to nothing of it."""
+    if isinstance(effect, ConstraintEffect):
+        usual = type(effect).usual("")
+        if effect.slip_compliance:
+            return effect.slip_compliance <= LEAST_SIZE * usual.slip_compliance
+        return bool(abs(effect.values[0]) <= LEAST_SIZE * abs(usual.values[0]))
+    if isinstance(effect, TimeDelay):
+        return False
+    own = amplitudes_of(effect)
+    sizes = [abs(effect.values[i] - effect.parameters[i].absent) / effect.parameters[i].typical for i in own]
+    return max(sizes, default=0.0) <= LEAST_SIZE
+
+
+def is_lawful(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> bool:
+    """Whether forces of a law are more than next to nothing, as motions go, and no drag of the speed drives."""
+    return not law_objection(forces, motions)
+
+
+def law_objection(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> str:
+    """Why there is no such law; empty where there may be."""
+    found = [(one, one.shares(seen_values(one, motions)) @ one.values) for one in forces]
+    for one, drag in found:
+        if one.acts_on == "drag" and one.of == "speed" and drag.min() < -LEAST_SIZE * np.abs(drag).max():
+            return f"a drag of {drag.min():.2g} N would drive the cart"
+    if any(np.abs(drag).max() >= LEAST_LAW * one.parameters[0].typical for one, drag in found):
+        return ""
+    return f"less than {LEAST_LAW:g} of a law's usual size is none"
+
+
+def out_of_bounds(effect: Effect, spare: float = 1.0) -> str:
+    """Which of its settings is not one that it may have, nor beyond by a factor at most; empty where none is."""
+    for p, value in zip(effect.parameters, effect.values.tolist(), strict=True):
+        key = f"{effect.name}.{p.name}"
+        least, most = LEAST.get(key, -np.inf), MOST.get(key, np.inf)
+        if spare * value < least or abs(value) > spare * most:
+            bound = f"{least:g} at least" if spare * value < least else f"{most:g} at most"
+            return f"a {p.name} of {value:.3g} {p.unit} is none of this name: {bound}"
+    return ""

@@ -1,0 +1,268 @@
+"""Every variant of a candidate at once, by what its columns take away of a model's residual: gates by sums over blocks
+of time, places by sums over cells of the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from itertools import combinations, product
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.frames import Array, rotation_planar
+
+from ...weak_form.rows import wrench_covariance
+from ...weak_form.score import log_evidence
+from .candidates import Family, amplitudes_of
+from .laws import Law, seen_values, smooth_laws
+from .model import Model
+from .periods import scanned
+
+KEPT = 3
+"""Variants of a candidate whose score is worked out."""
+BLOCK = 0.2
+"""s, in which onsets and ends are tried."""
+LENGTHS = (1, 2, 3, 5, 8, 12, 18, 28)
+"""Blocks that something may last."""
+LEAST_SIDE = 1.0
+"""s before and after a lasting change."""
+CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
+"""m, cells along an axis, and m around all wheels' tracks."""
+LEAST_LEVER = 0.02
+"""m: hands that are nearer push at {b}'s x."""
+HARMONICS, TURNS = (1, 2, 4, 6), (1, 2, 3)
+"""Of a law; and what the strongest of them may be, as a multiple of the whole turn."""
+NEARBY, EXACT = 0.5, 0.02
+"""Of a period, how many are more or less in a log than a scan says, at most; and, of that, how exactly it is told."""
+LARGEST = 1e12
+"""Of whitened columns: an effect's memory beyond ran away in the integrator's steps, at settings that no cart has."""
+
+Found = tuple[float, Effect]
+
+
+class Screen:
+    """Around one model."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self._scale = model.score.scale
+        rows = model.rows / self._scale[:, None]
+        self._base, self._left = rows[..., :-1], rows[..., -1]
+        flat = self._base.reshape(-1, self._base.shape[2])
+        self._covariance = np.linalg.inv(flat.T @ flat + np.diag(model.prior_std**-2.0))
+        self._fit = self._covariance @ (flat.T @ self._left.ravel())
+
+    # --- gains ---------------------------------------------------------------------------------------------------
+
+    def gain(self, effect: Effect, share: Callable[[Array], Array] | None = None) -> float:
+        """Log of the Bayes factor of one setting, about, with all amplitudes free; of a `share` of it at each time."""
+        if isinstance(effect, TimeDelay):
+            return self._delayed(effect)
+        columns, std = self.model.columns_of(effect, share)
+        if not (np.abs(columns) < LARGEST).all():
+            return -np.inf
+        return float(self.gains(columns[None], std, is_one_sided(effect))[0])
+
+    def gains(self, columns: Array, std: Array, one_sided: bool = False) -> Array:
+        """Of variants' whitened columns (v, k, c, q)."""
+        own = (columns / self._scale[:, None]).reshape(len(columns), -1, columns.shape[3])
+        across = own.swapaxes(1, 2)
+        products = across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel()
+        return self._factor(products, std, one_sided)
+
+    def _factor(self, products: tuple[Array, Array, Array], std: Array, one_sided: bool) -> Array:
+        """From products with themselves (v, q, q), with the base (v, q, p), with the residual (v, q). A `one_sided`
+        amplitude that would be negative gains nothing."""
+        own, to_base, pull = products
+        information = own - to_base @ self._covariance @ to_base.swapaxes(-1, -2) + np.diag(std**-2.0)
+        pull = pull - to_base @ self._fit
+        best = np.linalg.solve(information, pull[..., None])[..., 0]
+        size = np.linalg.slogdet(information)[1] / 2 + np.log(std).sum()
+        gain = 0.5 * (pull * best).sum(axis=-1)
+        if one_sided:
+            gain = np.where(best[..., 0] > 0, gain, 0.0)
+        return np.asarray(gain - size)
+
+    def _delayed(self, effect: TimeDelay) -> float:
+        """Of a log whose wrenches were felt earlier."""
+        late = self.model.late(effect.delay)
+        evidence = [
+            log_evidence(m.folds.sums(m.rows).sum(axis=1), m.prior_std, self._scale, 0.0 * self._scale)
+            for m in (late, self.model)
+        ]
+        return float(evidence[0] * len(self.model.rows) / len(late.rows) - evidence[1])
+
+    # --- variants ------------------------------------------------------------------------------------------------
+
+    def best(self, family: Family) -> tuple[list[Effect], int]:
+        """The best few variants, and of how many; of one that is there all the time, none has to be chosen."""
+        if len(family.variants) == 1 and family.variants[0].gate is Gate.ALWAYS:
+            return list(family.variants), 1
+        found: list[Found] = []
+        for effect in family.variants:
+            if effect.gate is Gate.INSIDE:
+                found += self._placed(effect)
+            elif effect.gate.passes:
+                found += self._timed(effect)
+            else:
+                found.append((self.gain(effect), effect))
+        found = [one for one in found if np.isfinite(one[0])]
+        found.sort(key=lambda one: -one[0])
+        return [effect for _, effect in found[:KEPT]], len(found)
+
+    def _timed(self, effect: Effect) -> list[Found]:
+        """From or between blocks of time."""
+        columns, std = self.model.columns_of(effect)
+        found, at = [], 0
+        for balances in self.model.logs:
+            k = len(balances.used)
+            own = slice(at, at + k)
+            at += k
+            size = max(1, round(BLOCK / balances.row_step))
+            n = k // size
+            if n < 2:
+                continue
+            edges = np.append(balances.time[: n * size : size], balances.time[n * size - 1] + balances.row_step)
+            sums = self._running(columns[own][: n * size] / self._scale[:, None], own, (n, size))
+            spans = _spans(n, effect.gate, max(1, round(LEAST_SIDE / (size * balances.row_step))))
+            if not len(spans):
+                continue
+            own_sums, base_sums, pulls = (s[spans[:, 1]] - s[spans[:, 0]] for s in sums)
+            gains = self._factor((own_sums, base_sums, pulls), std, is_one_sided(effect))
+            starts, ends = edges[spans[:, 0]] - balances.row_step / 2, edges[spans[:, 1]] - balances.row_step / 2
+            gates = starts[:, None] if effect.gate is Gate.FROM else np.column_stack([starts, ends - starts])
+            best = set(np.argsort(-gains)[:KEPT].tolist())
+            for i, (gain, gate) in enumerate(zip(gains.tolist(), gates, strict=True)):
+                found.append(
+                    (gain, effect.with_values(np.r_[gate, effect.values[len(gate) :]]) if i in best else effect)
+                )
+        return found
+
+    def _running(self, columns: Array, own: slice, shape: tuple[int, int]) -> list[Array]:
+        n, size = shape
+        grouped = columns.reshape(n, -1, columns.shape[2])
+        base = self._base[own][: n * size].reshape(n, -1, self._base.shape[2])
+        left = self._left[own][: n * size].reshape(n, -1, 1)
+        across = grouped.swapaxes(1, 2)
+        parts = across @ grouped, across @ base, (across @ left)[..., 0]
+        return [np.concatenate([np.zeros((1, *part.shape[1:])), np.cumsum(part, axis=0)]) for part in parts]
+
+    def _placed(self, effect: Effect) -> list[Found]:
+        """In boxes of cells."""
+        x, y = self._cells
+        cells = list(product(range(len(x) - 1), range(len(y) - 1)))
+        columns = []
+        for i, j in cells:
+            inside = effect.with_values(np.r_[x[i], x[i + 1], y[j], y[j + 1], effect.values[4:]])
+            own, std = self.model.columns_of(inside)
+            columns.append((own[..., 0] / self._scale).ravel())
+        each = np.array(columns)
+        spans = [list(combinations(range(len(edges)), 2)) for edges in (x, y)]
+        boxes = list(product(*spans))
+        chosen = np.zeros((len(boxes), len(x) - 1, len(y) - 1))
+        for k, ((left, right), (low, high)) in enumerate(boxes):
+            chosen[k, left:right, low:high] = 1.0
+        pick = chosen.reshape(len(boxes), -1)
+        within = np.einsum("vi,ij,vj->v", pick, each @ each.T, pick, optimize=True)[:, None, None]
+        base, pull = each @ self._base.reshape(each.shape[1], -1), each @ self._left.ravel()
+        gains = self._factor((within, (pick @ base)[:, None], (pick @ pull)[:, None]), std, is_one_sided(effect))
+        best = set(np.argsort(-gains)[:KEPT].tolist())
+        found = []
+        for k, (gain, ((a, b), (c, d))) in enumerate(zip(gains.tolist(), boxes, strict=True)):
+            box = effect.with_values(np.r_[x[a], x[b], y[c], y[d], effect.values[4:]]) if k in best else effect
+            found.append((gain, box))
+        return found
+
+    @cached_property
+    def _cells(self) -> tuple[Array, Array]:
+        """Edges over all wheels' tracks."""
+        wheels, tracks = self.model.cart.wheel_set.wheels, []
+        for balances in self.model.logs:
+            pose = balances.motion.pose
+            tracks += [pose[:, :2] + rotation_planar(pose[:, 2]) @ [wheel.x, wheel.y] for wheel in wheels]
+        points = np.concatenate(tracks)
+        low, high = points.min(axis=0) - RIM, points.max(axis=0) + RIM
+        counts = np.clip(np.ceil((high - low) / CELL), 1, MOST_CELLS).astype(int)
+        return np.linspace(low[0], high[0], counts[0] + 1), np.linspace(low[1], high[1], counts[1] + 1)
+
+    # --- laws ----------------------------------------------------------------------------------------------------
+
+    def laws(self) -> Iterator[tuple[Law, int]]:
+        """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
+        model = self.model
+        taken = {law.key for law in model.laws}
+        motions = model.motions
+        for law in smooth_laws(motions, model.cart, self._hands):
+            if law.key not in taken:
+                yield law, 1
+        periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened, self._hands)
+        periods.sort(key=lambda one: -one[0])
+        for _, scan, period in periods[:KEPT]:
+            best = float(self.tuned(scan.law(period)).period or period)
+            for harmonics, turns, has_mean in product(HARMONICS, TURNS, (False, True)):
+                if turns <= harmonics and turns * best <= scan.longest:
+                    yield scan.law(turns * best, harmonics, has_mean), count
+
+    @cached_property
+    def _hands(self) -> float:
+        """The lever (m) at which a force is felt as force sensors' noise is; none where it is next to nothing."""
+        cart = self.model.cart
+        if cart.constraints.n_free == 1:
+            return 0.0
+        noise = [wrench_covariance(balances, cart) for balances in self.model.logs]
+        lever = -float(np.mean([one[-1, 0] / one[0, 0] for one in noise]))
+        return lever if abs(lever) > LEAST_LEVER else 0.0
+
+    @cached_property
+    def _pulls(self) -> list[Array]:
+        """By how much the residual would have forces and moments along each log's grid (n, f)."""
+        rest = self._left - self._base @ self._fit
+        found, at = [], 0
+        for balances, whiten in zip(self.model.logs, self.model.whitenings, strict=True):
+            own = rest[at : at + len(balances.used)]
+            at += len(balances.used)
+            found.append(balances.spread(whiten.transposed(own / self._scale))[:, : self.model.cart.constraints.n_free])
+        return found
+
+    def tuned(self, law: Law) -> Law:
+        """At the period nearby that gains most."""
+        if law.period is None:
+            return law
+        width = NEARBY * law.period / self._cycles(law)
+        best = minimize_scalar(
+            lambda period: -self.of_law(law.repeating(period)),
+            bounds=(law.period - width, law.period + width),
+            method="bounded",
+            options={"xatol": EXACT * width},
+        )
+        return law.repeating(float(best.x)) if -best.fun > self.of_law(law) else law
+
+    def of_law(self, law: Law) -> float:
+        """Log of the Bayes factor of a law, about."""
+        columns = self.model.whitened([law.columns(b, self.model.cart) for b in self.model.logs])
+        return float(self.gains(columns[None], law.std)[0])
+
+    def _cycles(self, law: Law) -> float:
+        """How often it repeats in the longest log."""
+        spans = [np.ptp(seen_values(law.effects[0], [balances.motion])) for balances in self.model.logs]
+        return float(max(spans)) / float(law.period or 1.0)
+
+
+def is_one_sided(effect: Effect) -> bool:
+    """Whether it has one amplitude, and none but positive ones are possible."""
+    if isinstance(effect, ConstraintEffect | TimeDelay):
+        return False
+    own = [effect.parameters[i] for i in amplitudes_of(effect)]
+    return len(own) == 1 and own[0].lower >= own[0].absent
+
+
+def _spans(n: int, gate: Gate, side: int) -> np.ndarray:
+    """Of blocks (v, 2), first and one past the last."""
+    if gate is Gate.FROM:
+        first = np.arange(side, n - side)
+        return np.column_stack([first, np.full(len(first), n)])
+    return np.array([(i, i + size) for size in LENGTHS for i in range(n - size + 1)]).reshape(-1, 2)

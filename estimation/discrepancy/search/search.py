@@ -1,0 +1,356 @@
+"""Which effects logs' model lacks: by one score, added one at a time, and dropped where they are worth nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.effects.time_delay import TimeDelay
+
+from ...weak_form.score import Score
+from .attempts import Attempt, Refit, Step
+from .candidates import Family, amplitudes_of, families
+from .drag_floor import with_floor_named
+from .laws import Law
+from .model import Model
+from .plausible import ESSENTIAL, ODDS, TOLD, is_lawful, is_plausible
+from .refine import refined
+from .screening import LEAST_SIDE, Screen
+
+WORTH = 10.0
+"""Of the score: what is added gains so much at least, and what is simpler than what acts for a while may lack."""
+SHARE = 0.12
+"""Of the largest gain so far: what is smaller may be what the form of the first leaves, unless every cart has it
+(`ODDS`)."""
+CONFUSABLE = float(np.log(100.0))
+"""Of the score: by what less a candidate explains about as much."""
+NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
+"""Of the best gain, and how many of the vocabulary and beside it: candidates that are refined and refitted."""
+RESIZED = 2.0
+"""Of the score: what another size of an effect of the file gains at least."""
+SURE = 1.5
+"""Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
+MOST_STEPS, MOST_SWAPPED = 6, 2
+
+
+def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[Model, list[Step]]:
+    """The model with all that is worth it, and what was tried on the way."""
+    nominal = replace(model, compares=True).rewhitened()
+    model, steps = _grown(nominal, tell)
+    if model.laws:
+        bare = replace(model, laws=()).refitted(model.cart)
+        named, others = _grown(bare, tell, len(model.laws), _first(steps), has_laws=False)
+        alike = replace(model, laws=()).refitted(named.cart)
+        if worth(alike.score, model.score, None) <= margin(alike, model):
+            model, steps = named, [*(step for step in steps if not _adds_law(step)), *others]
+    model, steps = simplified(with_floor_named(model), steps)
+    return replace(resized(model), compares=False).settled(), steps
+
+
+def _grown(
+    model: Model, tell: Callable[[str], None], most: int = MOST_STEPS, first: float = 0.0, has_laws: bool = True
+) -> tuple[Model, list[Step]]:
+    """With candidates added, so many at most, as long as they are worth it beside what gained most so far."""
+    steps = list[Step]()
+    for number in range(most):
+        tell(f"looking for what is missing, step {number + 1}")
+        attempts = tried(model, has_laws)
+        form_error = SHARE * first
+        best = chosen(attempts, form_error)
+        steps.append(Step(tuple(attempts), best, form_error))
+        if best is None or best.model is None:
+            break
+        first = max(first, _first(steps))
+        more = searched_again(replace(best.model, compares=False).rewhitened())
+        more = dropped(replace(more, compares=True).rewhitened(), WORTH).settled()
+        if keys(more) == keys(model):
+            break
+        model = more
+    return model, steps
+
+
+def _first(steps: list[Step]) -> float:
+    """What an effect or a law gained at most."""
+    found = (step.added for step in steps if step.added is not None)
+    return max((one.gain for one in found if not isinstance(one.candidate, Refit)), default=0.0)
+
+
+def _adds_law(step: Step) -> bool:
+    return step.added is not None and isinstance(step.added.candidate, Law)
+
+
+def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
+    """With what takes fewer numbers, where beside all else it explains about as much as an effect that was added:
+    alone, what takes more may have stood in for two."""
+    if len(added(model)) + len(model.laws) < 2:
+        return model, steps
+    for effect in added(model):
+        less = model.refitted(model.cart.without_effect(effect.key))
+        own = Attempt(effect, added_worth(less, model, effect), 1, model)
+        others = (e for family in every_family(less) for e in family.variants)
+        simpler = [e for e in others if e.gate is Gate.ALWAYS and len(e.parameters) < own.numbers]
+        near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MOST_SWAPPED]
+        found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
+        best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
+        if best is own or best.model is None or best.gain < WORTH:
+            continue
+        is_once = effect.gate is not Gate.ALWAYS  # stretches don't tell what chance makes of it
+        if own.gain - best.gain <= (WORTH if is_once else margin(best.model, model)):
+            model, steps = best.model, [_with(step, best, own) for step in steps]
+    return model, steps
+
+
+def _beside(model: Model, effect: Effect) -> Attempt:
+    """An effect that acts all the time, fitted with all else."""
+    new = model.refitted(model.cart.with_effect(effect))
+    found = next(one for one in new.cart.effects if one.key == effect.key)
+    return Attempt(found, worth(model.score, new.score, None), 1, new)
+
+
+def _with(step: Step, best: Attempt, own: Attempt) -> Step:
+    """The step that added what now is the rival of another."""
+    if step.added is None or step.added.key != own.key:
+        return step
+    rest = (one for one in step.attempts if one.key not in (best.key, own.key))
+    return Step((best, own, *rest), best, step.form_error)
+
+
+def keys(model: Model) -> set[str]:
+    """Of all that it has beside the guess."""
+    return {effect.key for effect in added(model)} | {law.key for law in model.laws}
+
+
+def resized(model: Model) -> Model:
+    """With effects of the file at other sizes than it says, where the logs do: that names nothing."""
+    for effect in model.guess.effects:
+        if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
+            new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
+            if worth(model.score, new.score, None) > RESIZED:
+                model = new
+    return model
+
+
+def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
+    """All candidates, with laws or without, the most worth first; the best few refitted."""
+    screen, found = Screen(model), []
+    for family in every_family(model):
+        best, count = screen.best(family)
+        own = [one for effect in best if np.isfinite((one := attempt(model, effect, count)).gain)]
+        if own:
+            found.append(max(own, key=lambda one: one.gain))
+    for effect in model.guess.effects:
+        if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
+            new = replace(model, wide=model.wide | {effect.key})
+            new = new.refitted(model.cart)
+            gain, error = worth(model.score, new.score, None), standard_error(model.score, new.score)
+            found.append(Attempt(Refit(effect), gain, 1, new, error))
+    for law, count in (*model.other_laws, *screen.laws()) if has_laws else ():
+        score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
+        found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
+    found.sort(key=lambda one: -one.gain)
+    enough = max(NEAR * found[0].gain, WORTH / 2)
+    names = [one for one in found if not isinstance(one.candidate, Law)][:MOST_REFITTED]
+    laws = _simplest([one for one in found if isinstance(one.candidate, Law)])[:MOST_LAWS]
+    near = [extended(model, screen, one) for one in (*names, *laws) if one.gain > enough]
+    rest = [one for one in found if one.key not in {n.key for n in near}]
+    return sorted(near, key=lambda one: -one.gain) + rest
+
+
+def every_family(model: Model) -> list[Family]:
+    """Of the vocabulary, and from outside."""
+    return families(model.cart, model.logs[0].wrenches.arms, model.candidates)
+
+
+def _simplest(laws: list[Attempt]) -> list[Attempt]:
+    """Of each variable and way of acting, the simplest law that explains about as much as the best."""
+    groups = dict[tuple[Any, ...], list[Attempt]]()
+    for one in laws:
+        assert isinstance(one.candidate, Law)
+        groups.setdefault(one.candidate.kind, []).append(one)
+    alike = ([one for one in group if group[0].gain - one.gain <= CONFUSABLE] for group in groups.values())
+    return sorted((min(group, key=lambda one: one.numbers) for group in alike), key=lambda one: -one.gain)
+
+
+def chosen(attempts: list[Attempt], form_error: float) -> Attempt | None:
+    """Of those that are worth it, and more than what the form of others may have left, the simplest that is not surely
+    worth less than the best that somebody would call so (Breiman's rule of one standard error)."""
+    known = [one for one in attempts if one.model and one.gain >= least_gain(one, form_error) and _may_be(one)]
+    best = max(known, key=lambda one: one.gain, default=None)
+    alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
+    return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
+
+
+def least_gain(one: Attempt, form_error: float) -> float:
+    """What an attempt takes: more than the form of others may have left, unless every cart has it."""
+    return WORTH if one.is_usual else max(WORTH, form_error)
+
+
+def _margin(one: Attempt, best: Attempt) -> float:
+    """By how much less than the best a candidate may explain; of what acts at a time or a place alone, which stretches
+    don't tell, by what a name is worth."""
+    assert one.model is not None
+    assert best.model is not None
+    return margin(one.model, best.model) if one.error and best.error else WORTH
+
+
+def margin(one: Model, best: Model) -> float:
+    """By how much less a model may explain: what chance makes of the difference from stretch to stretch."""
+    return max(CONFUSABLE, SURE * standard_error(one.score, best.score))
+
+
+def _may_be(one: Attempt) -> bool:
+    if one.gain < SURE * one.error:
+        return False
+    assert one.model is not None
+    if isinstance(one.candidate, Refit):
+        return True
+    if isinstance(one.candidate, Law):
+        return is_lawful(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
+    return is_plausible(one.candidate, one.model.cart.wheel_set) and not unseen(one.candidate, one.model)
+
+
+def unseen(effect: Effect, model: Model) -> str:
+    """What logs lack to tell an effect from a simpler one, in words; empty where nothing."""
+    if (
+        effect.gate is Gate.INSIDE
+        and sum(b.time_outside(effect.values[:4], model.cart) for b in model.logs) < LEAST_SIDE
+    ):
+        return f"no wheel was outside for {LEAST_SIDE:g} s"
+    name = ESSENTIAL.get(effect.name, "")
+    key = f"{effect.key}.{name}"
+    if name and abs(effect.values[effect.keys.index(key)]) <= TOLD * model.deviation(key):
+        return f"its {name} is within {TOLD:g} standard deviations of nought"
+    return ""
+
+
+def worth(base: Score, score: Score, colour: float | None) -> float:
+    """By how much a score is better: in pieces, and, of what acts everywhere, in stretches too. Of what happens once,
+    beside noise of a colour, as many times less."""
+    pieces = float(score.pieces.sum() - base.pieces.sum())
+    return pieces / colour if colour is not None else min(pieces, float(score.stretches.sum() - base.stretches.sum()))
+
+
+def standard_error(base: Score, score: Score) -> float:
+    """Of a gain, by how it differs from stretch to stretch."""
+    gains = score.stretches - base.stretches
+    return float(len(gains) ** 0.5 * gains.std())
+
+
+def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
+    """Its score where the model's parameters move a little, if at all; the effect with its amplitudes."""
+    colour: float | None = None
+    if isinstance(effect, TimeDelay):
+        score = model.late(effect.delay).score
+        fitted: Effect = effect
+    else:
+        columns, std = model.columns_of(effect)
+        score = model.with_columns(columns, std)
+        own, values = score.fit[-columns.shape[2] :], effect.values.copy()
+        if isinstance(effect, ConstraintEffect):
+            fitted = effect.scaled(float(own[0]))
+        else:
+            values[amplitudes_of(effect)] += own
+            fitted = effect.with_values(values)
+            if effect.gate is not Gate.ALWAYS:
+                colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
+    gain = worth(model.score, score, colour) - float(np.log(tried))
+    if not _is_possible(fitted):
+        gain = min(gain, 0.0)
+    return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
+
+
+def added_worth(less: Model, model: Model, effect: Effect) -> float:
+    """What an effect of a model is worth, against one without; of what does not act everywhere, beside noise of the
+    colour that is left with it: a push is like anything that drifts."""
+    if effect.gate is Gate.ALWAYS:
+        return worth(less.score, model.score, None)
+    return worth(less.score, model.score, model.colour if effect.gate.ends else 1.0)
+
+
+def _is_possible(effect: Effect) -> bool:
+    """Whether not all of its amplitudes are beyond their bounds."""
+    if isinstance(effect, ConstraintEffect | TimeDelay):
+        return True
+    own = [(effect.parameters[i], effect.values[i]) for i in amplitudes_of(effect)]
+    return any(p.lower <= value <= p.upper for p, value in own)
+
+
+def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
+    """With its settings where they are best, and fitted with all else."""
+    if isinstance(one.candidate, Refit):
+        return one
+    if isinstance(one.candidate, Law):
+        law = screen.tuned(one.candidate)
+        new = replace(model, laws=(*model.laws, law)).refitted(model.cart)
+        gain = worth(model.score, new.score, None) - float(np.log(one.tried))
+        return Attempt(law, gain, one.tried, new, standard_error(model.score, new.score))
+    best = refined(absent(one.candidate), screen.gain)
+    best_attempt = attempt(model, best, one.tried)
+    effect = best_attempt.candidate
+    assert not isinstance(effect, Law | Refit)
+    new = model.refitted(model.cart.with_effect(effect))
+    gain = added_worth(model, new, effect) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
+    fitted = next(e for e in new.cart.effects if e.key == effect.key)
+    error = standard_error(model.score, new.score) if effect.gate is Gate.ALWAYS else 0.0
+    return Attempt(fitted, gain, one.tried, new, error)
+
+
+def absent(effect: Effect) -> Effect:
+    """At the same settings, without amplitudes."""
+    if isinstance(effect, ConstraintEffect):
+        return type(effect).usual(effect.label)
+    values = effect.values.copy()
+    own = amplitudes_of(effect)
+    values[own] = [effect.parameters[i].absent for i in own]
+    return effect.with_values(values)
+
+
+def added(model: Model) -> list[Effect]:
+    known = {effect.key for effect in model.guess.effects}
+    return [effect for effect in model.cart.effects if effect.key not in known]
+
+
+def searched_again(model: Model) -> Model:
+    """With the settings of what was added where they are best beside all else."""
+    for effect in added(model):
+        if isinstance(effect, ConstraintEffect):
+            continue
+        less = model.refitted(model.cart.without_effect(effect.key))
+        screen = Screen(less)
+        near = [absent(effect), *_elsewhere(less, screen, effect)]
+        best = max((refined(one, screen.gain) for one in near), key=screen.gain)
+        if not np.allclose(best.values, absent(effect).values):
+            fitted = attempt(less, best, 1).candidate
+            assert not isinstance(fitted, Law | Refit)
+            model = less.refitted(less.cart.with_effect(fitted))
+    return model
+
+
+def _elsewhere(model: Model, screen: Screen, effect: Effect) -> list[Effect]:
+    """Where else, or when, an effect may act: what was there alone may have hidden it."""
+    if effect.gate is Gate.ALWAYS:
+        return []
+    known = (family for family in every_family(model) if family.key == effect.key)
+    return [absent(one) for family in known for one in screen.best(family)[0]]
+
+
+def dropped(model: Model, least: float) -> Model:
+    """Without what later ones have made superfluous."""
+    while len(added(model)) + len(model.laws) > 1:
+        losses = []
+        for effect in added(model):
+            less = model.refitted(model.cart.without_effect(effect.key))
+            losses.append((added_worth(less, model, effect) + ODDS.get(effect.name, 0.0), less))
+        for law in model.laws:
+            less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
+            losses.append((worth(less.score, model.score, None), less))
+        loss, less = min(losses, key=lambda one: one[0])
+        if loss >= least:
+            break
+        model = less.rewhitened()
+    return model

@@ -1,0 +1,58 @@
+"""In which band of frequencies what is missing is searched for: up to where the model foretells the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from cartgrasp.effects import Effect
+from cartgrasp.model import CartModel
+
+from ...weak_form.balances import Balances
+from ...weak_form.band import Band, bands, consistent, is_narrower
+from .attempts import Step
+from .model import Model
+from .search import search
+
+Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
+"""Before and after a search, its steps, and the band of each log."""
+
+
+def searched(
+    parts: Sequence[Balances],
+    known: Sequence[Band | None],
+    cart: CartModel,
+    candidates: tuple[Effect, ...],
+    tell: Callable[[str], None],
+) -> Searched:
+    """In the widest band in which the model foretells the motion: with what it lacks, laws included, where that makes
+    the mass the same in all bands, else without: in those that are `known` of the cart as it is."""
+
+    def in_band(chosen: Sequence[Balances]) -> tuple[Model, Model, list[Step]]:
+        tell("fitting the model as it is")
+        nominal = replace(Model.started(chosen, cart), candidates=candidates)
+        return nominal, *search(nominal, tell)
+
+    if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
+        nominal, final, steps = in_band(parts)
+        again = (consistent(bands(balances, final.whole)) for balances in final.logs)
+        if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
+            return _told(nominal, final, steps, known)
+    narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
+    long = [(b, band) for b, band in zip(narrowed, known, strict=True) if len(b.used)]
+    nominal, final, steps = in_band([b for b, _ in long])
+    return _told(nominal, final, steps, [band for _, band in long])
+
+
+def _told(nominal: Model, final: Model, steps: list[Step], known: Sequence[Band | None]) -> Searched:
+    """With each log's band, with what was found."""
+    again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
+    found = tuple(new or old for new, old in zip(again, known, strict=True))
+    row_steps = tuple(None if band is None else band.row_step for band in found)
+    return replace(nominal, band_steps=row_steps), replace(final, band_steps=row_steps), steps, found
+
+
+def at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
+    """Whatever holds a cart has no name."""
+    nominal = replace(Model.started(parts, cart), cart=cart)
+    return nominal, nominal, [], (None,) * len(parts)

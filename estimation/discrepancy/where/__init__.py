@@ -1,0 +1,1 @@
+"""In which conditions the residual of a model lies."""

@@ -1,0 +1,121 @@
+"""What a model leaves of each coordinate: means over stretches, their standard deviations, and the circumstances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from cartgrasp.frames import Array
+
+from ...weak_form.balances import Balances
+from ...weak_form.whitening import Whitening
+from ..search.model import Model
+from .changes import changes
+from .circumstances import Circumstances
+
+LATERAL = "lateral_velocity"
+DIRECTIONS = {
+    1: ("forward_force",),
+    2: ("forward_force", "yaw_moment"),
+    3: ("forward_force", "side_force", "yaw_moment"),
+}
+"""Of the residual wrench, by the number of free directions."""
+LEAST_CREEP = 0.002
+"""m/s, root mean square beyond noise: less is in every bearing, and no disagreement."""
+UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m", LATERAL: "m/s"}
+STRETCH = 0.5
+"""s, of means, where rows come as often as that."""
+FINE = 0.1
+"""s, from row to row, where a figure shows each."""
+EDGE = 1e-6
+"""Of a stretch: rows at its very begin are in it."""
+SURE = 3.0
+"""Standard deviations of what noise makes of the squares."""
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Of one coordinate: means (b,) over stretches that begin at `start` (b,) and last for `duration` (s), and their
+    standard deviations (b,)."""
+
+    coordinate: str
+    value: Array
+    std: Array
+    start: Array
+    duration: float
+    circumstances: Circumstances
+
+    @property
+    def unit(self) -> str:
+        return UNITS[self.coordinate]
+
+    @property
+    def standard(self) -> Array:
+        return self.value / self.std
+
+    @cached_property
+    def beyond(self) -> Array:
+        """Of each stretch (b,), by how much its square is more than that of noise: noise alone takes some below, and
+        none on the whole."""
+        return self.standard**2 - 1.0
+
+    @cached_property
+    def changes(self) -> tuple[tuple[int, ...], ...]:
+        """Of each log, the places among its stretches at which the residual's size changes."""
+        logs = range(len(self.circumstances.names))
+        return tuple(tuple(changes(self.standard[self.circumstances.log == k])) for k in logs)
+
+    @property
+    def size(self) -> float:
+        """Root mean square beyond noise, each stretch as much as it is known: of one in which the cart was held,
+        nothing is."""
+        return float(max(self.beyond.sum() / (self.std**-2.0).sum(), 0.0) ** 0.5)
+
+    @property
+    def disagrees(self) -> bool:
+        """Whether all stretches together are farther off than noise takes them, by an amount that counts."""
+        is_sure = self.beyond.sum() > SURE * (2 * len(self.beyond)) ** 0.5
+        return bool(is_sure and self.size > (LEAST_CREEP if self.coordinate == LATERAL else 0.0))
+
+
+def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
+    """Of every coordinate, what `model` leaves, against what `noise`, whose rows' noise is believed, says of it."""
+    return _residuals(model, noise, model.logs, max(STRETCH, *(balances.row_step for balances in model.logs)))
+
+
+def fine_residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
+    """As `residuals`, of single rows, as fine as any, whatever the model was fitted to."""
+    logs = finely(model.logs)
+    return _residuals(model, noise, logs, max(balances.row_step for balances in logs))
+
+
+def finely(logs: Sequence[Balances]) -> tuple[Balances, ...]:
+    """With rows as fine as any."""
+    return tuple(balances.every(FINE) for balances in logs)
+
+
+def _residuals(model: Model, noise: Model, logs: tuple[Balances, ...], duration: float) -> tuple[Residual, ...]:
+    left = np.split(model.left_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
+    parts = [_means(*each, duration) for each in zip(logs, left, noise.noise.whitenings(logs), strict=True)]
+    log = np.repeat(np.arange(len(parts)), [len(first) for first, _, _ in parts])
+    start, value, std = (np.concatenate(each) for each in zip(*parts, strict=True))
+    found = Circumstances.of(start + duration / 2, log, logs, model.cart)
+    names = (*DIRECTIONS[model.cart.constraints.n_free], LATERAL)
+    return tuple(Residual(names[i], value[:, i], std[:, i], start, duration, found) for i in range(value.shape[1]))
+
+
+def _means(balances: Balances, left: Array, whitening: Whitening, duration: float) -> tuple[Array, Array, Array]:
+    """Of one log's stretches that hold rows: begins (b,), and of raw rows (k, c) means of what test functions weigh
+    (b, c) and their standard deviations; neighbours overlap, so their noise is theirs together."""
+    is_fine = duration < 2 * balances.row_step
+    first = float(balances.time[0]) - duration / 2 if is_fine else float(balances.motion.time[0])
+    weight = balances.integrated(np.ones(len(balances.motion.time)))
+    place = (balances.time - first) / duration + EDGE
+    number, stretch = np.unique(place.astype(int), return_inverse=True)
+    share = 1.0 / np.bincount(stretch)[stretch] / weight
+    mean = csr_array((share, (stretch, np.arange(len(weight)))), shape=(len(number), len(weight)))
+    return first + duration * number, np.asarray(mean @ left), whitening.deviations(mean)

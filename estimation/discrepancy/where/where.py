@@ -1,0 +1,218 @@
+"""Where and when simulation and measurement disagree, in sentences that a person can act on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.special import rel_entr
+
+from cartgrasp.frames import Array
+
+from ..search.course import ROLLING, Course
+from ..search.laws import Law
+from .circumstances import Circumstances
+from .residual import UNITS, Residual
+from .residual_map import means, most_followed
+
+LEAST_SHARE, LEAST_LIFT = 0.25, 1.4
+"""Of the disagreement, and how much more of it than of the time, for a condition worth telling."""
+LEAST_ALONG = 0.5
+"""Of the disagreement, for a variable that it goes with."""
+MOST, PARTS = 5, 12
+"""Sentences; parts of a period."""
+MOST_KNOWN, WIDER = 0.8, 1.25
+"""Of a condition's disagreement, in another that was told and is no more than so many times as wide: it says nothing
+new."""
+SLOW, TURNING = 0.12, 0.08
+"""m/s, rad/s."""
+FAST_SHARE, STRONG_SHARE, WEAK_SHARE = 0.75, 0.7, 0.2
+"""Of the fastest speed, and of the largest force or moment."""
+LARGEST = 98.0
+"""Percentile: what is larger is an accident."""
+AFTER_REVERSAL, AROUND = 0.4, 0.5
+"""m; s, about the worst."""
+MOST_CONTACTS = 6
+
+
+def short(value: float) -> str:
+    """Of two digits, without an exponent where there need be none: 230 and not 2.3e+02."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
+Condition = tuple[str, np.ndarray]
+"""In words, and the stretches (b,) that meet it."""
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """A part of a log, what it has in common, and how large the residual is there (root mean square, in the
+    coordinate's unit) and its share of the coordinate's whole disagreement. `intervals` (s): when, between `start` and
+    `stop`, the condition holds."""
+
+    start: float
+    stop: float
+    coordinate: str
+    condition: str
+    size: float
+    share: float
+    intervals: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        coordinate = self.coordinate.replace("_", " ").capitalize()
+        return f"{coordinate}, {short(self.size)} {UNITS[self.coordinate]}: {self.condition}"
+
+
+def where(residuals: Sequence[Residual], first: Sequence[Disagreement] = ()) -> list[Disagreement]:
+    """The few things that tell the most: what is known `first`, then conditions that gather it, by how much more of it
+    they hold than of the time, after what it goes along with where that tells more of it than any, else before."""
+    found = list[tuple[float, Disagreement]]()
+    for residual in (residual for residual in residuals if residual.disagrees):
+        gathered = list(_gathering(residual))
+        most = max((one.share for _, one in gathered), default=0.0)
+        found += [*gathered, *((np.inf if one.share > most else 0.0, one) for one in _along(residual))]
+    return [*first, *(one for _, one in sorted(found, key=lambda told: -told[0]))][:MOST]
+
+
+def _gathering(residual: Residual) -> Iterator[tuple[float, Disagreement]]:
+    """With what they tell, but for what says the same as one that tells more, or as all motion does."""
+    course, told, others = residual.circumstances.course, [], list[np.ndarray]()
+    moves = (np.abs(course.speed) > ROLLING) | (np.abs(course.yaw_rate) > TURNING)
+    total = max(float(residual.beyond[moves].sum()), 1e-12)
+    for words, condition in _conditions(residual):
+        chosen = condition & moves
+        share = float(np.clip(residual.beyond[chosen].sum() / total, 0.0, 1.0))
+        of_time = float(chosen.sum() / max(moves.sum(), 1))
+        if 0 < of_time < 1 and share >= LEAST_SHARE and share >= LEAST_LIFT * of_time:
+            known = total * float(rel_entr(share, of_time) + rel_entr(1 - share, 1 - of_time))
+            text = f"{100 * share:.0f} % of the misfit lies {words} ({100 * of_time:.0f} % of the time on the move)"
+            told.append((known, chosen, share, text))
+    for known, chosen, share, text in sorted(told, key=lambda one: -one[0])[:MOST]:
+        if not any(_says(residual, other, chosen) for other in others):
+            others.append(chosen)
+            yield known, _disagreement(residual, chosen, share, text)
+
+
+def repeats(residual: Residual, values: Array, law: Law) -> Iterator[Disagreement]:
+    """Of single rows, how much repeats with a law's period over values (b,) of its variable, where that is a part."""
+    if not (law.period and residual.disagrees):
+        return
+    at, mean, std = means(residual, values % law.period, np.linspace(0.0, law.period, PARTS + 1))
+    share = float(np.nansum((mean / std) ** 2 - 1.0) / residual.beyond.sum())
+    if share >= LEAST_SHARE:
+        low, high = int(np.nanargmin(mean)), int(np.nanargmax(mean))
+        told = (f"{short(mean[k])} {residual.unit} at {short(at[k])} {law.unit} of it" for k in (low, high))
+        text = f"{100 * min(share, 1.0):.0f} % of the misfit repeats every {law.period:.3g} {law.unit} of {law.name}: "
+        every = np.ones(len(residual.start), dtype=bool)
+        yield _disagreement(residual, every, min(share, 1.0), text + ", ".join(told))
+
+
+def _disagreement(residual: Residual, chosen: np.ndarray, share: float, text: str) -> Disagreement:
+    """From when to when stretches lie, in the log that holds the most of their disagreement."""
+    logs = np.where(chosen, residual.circumstances.log, -1)
+    most = max(np.unique(logs[chosen]), key=lambda k: float(residual.beyond[logs == k].sum()))
+    start, size = residual.start[logs == most], float(np.sqrt((residual.value[chosen] ** 2).mean()))
+    intervals = runs(start, residual.duration)
+    return Disagreement(intervals[0][0], intervals[-1][1], residual.coordinate, text, size, share, intervals)
+
+
+def runs(start: np.ndarray, duration: float) -> tuple[tuple[float, float], ...]:
+    """From when to when stretches (n,) of one duration (s) follow one another, in order of time."""
+    start = np.sort(start)
+    pieces = np.split(start, np.flatnonzero(np.diff(start) > 1.5 * duration) + 1)
+    return tuple((float(piece[0]), float(piece[-1]) + duration) for piece in pieces)
+
+
+def _along(residual: Residual) -> Iterator[Disagreement]:
+    """What the residual goes along with the most, where that is most of it; time only where nothing else comes near."""
+    share, best = most_followed(residual)
+    other, steadier = most_followed(residual, but="time")
+    if other >= MOST_KNOWN * share:
+        share, best = other, steadier
+    if best is not None and share >= LEAST_ALONG:
+        ends = sorted((int(np.nanargmin(best.mean)), int(np.nanargmax(best.mean))))
+        told = (f"{short(best.mean[k])} {residual.unit} at {short(best.at[k])} {best.unit}" for k in ends)
+        text = f"{100 * share:.0f} % of the misfit goes with the {best.variable}: {', '.join(told)}"
+        yield _disagreement(residual, np.ones(len(residual.start), dtype=bool), share, text)
+
+
+def _says(residual: Residual, told: np.ndarray, chosen: np.ndarray) -> bool:
+    """Whether one condition says what another does: what this holds lies there."""
+    within = residual.beyond[told & chosen].sum() > MOST_KNOWN * residual.beyond[chosen].sum()
+    return bool(within and told.sum() <= WIDER * chosen.sum())
+
+
+def _conditions(residual: Residual) -> Iterator[Condition]:
+    found = residual.circumstances
+    yield from _in_motion(found.course)
+    yield from _in_time(residual)
+    if found.wrenches:
+        yield from _in_force(found)
+
+
+def _in_motion(course: Course) -> Iterator[Condition]:
+    """How it moves, along which quarter of the circle, and in which square metre."""
+    speed, turning = course.speed, course.yaw_rate
+    moving, fast = np.abs(speed) > ROLLING, FAST_SHARE * float(np.abs(speed).max())
+    yield f"within {AFTER_REVERSAL} m after a reversal", moving & (course.since_reversal < AFTER_REVERSAL)
+    yield "while it rolls forward", speed > ROLLING
+    yield "while it rolls backward", speed < -ROLLING
+    yield f"below {SLOW} m/s", moving & (np.abs(speed) < SLOW)
+    yield f"above {fast:.2f} m/s", np.abs(speed) > fast
+    yield "while it turns left", turning > TURNING
+    yield "while it turns right", turning < -TURNING
+    yield "while it goes straight", moving & (np.abs(turning) <= TURNING)
+    for k, name in enumerate(("+x", "+y", "-x", "-y")):
+        yield f"while it heads along the floor's {name}", np.round(course.heading / (np.pi / 2)) % 4 == k
+    squares, number = np.unique(np.floor(course.place), axis=0, return_inverse=True)
+    for k, (x, y) in enumerate(squares):
+        yield f"where x is {x:.0f} to {x + 1:.0f} m and y {y:.0f} to {y + 1:.0f} m", number.ravel() == k
+
+
+def _in_time(residual: Residual) -> Iterator[Condition]:
+    """About the worst of each log, between change points, and before and after each."""
+    found, start = residual.circumstances, residual.start
+    for k, name in enumerate(found.names):
+        own, of_log = found.log == k, f" of {name}" if len(found.names) > 1 else ""
+        if of_log:
+            yield f"in {name}", own
+        begins, ways, changes = start[own], found.course.travelled[own], residual.changes[k]
+        worst = begins[int(np.argmax(residual.beyond[own]))]
+        yield f"at t = {worst:.1f} s{of_log} or within {AROUND} s", own & (np.abs(start - worst) <= AROUND)
+        for change in changes:
+            at = f"t = {begins[change]:.1f} s{of_log}, {ways[change]:.1f} m of its way"
+            yield f"after {at}", own & (start >= begins[change])
+            yield f"before {at}", own & (start < begins[change])
+        for first, end in pairwise((0, *changes, len(begins))):
+            begin, last = begins[first], begins[end - 1]
+            at = f"t = {begin:.1f} s to {last + residual.duration:.1f} s{of_log}"
+            way = f"{ways[first]:.1f} to {ways[end - 1]:.1f} m of its way"
+            yield f"from {at}, {way}", own & (start >= begin) & (start <= last)
+
+
+def _in_force(found: Circumstances) -> Iterator[Condition]:
+    """What all arms give together, and each where there are several, and where it holds."""
+    for values, unit, more, less, little in (
+        (found.total[:, 0], "N", "push it forward", "pull it backward", "push or pull"),
+        (found.total[:, 2], "N·m", "turn it to the left", "turn it to the right", "turn it"),
+    ):
+        most = float(np.percentile(np.abs(values), LARGEST))
+        strong, weak = STRONG_SHARE * most, WEAK_SHARE * most
+        yield f"while the arms {more} with more than {short(strong)} {unit}", values > strong
+        yield f"while the arms {less} with more than {short(strong)} {unit}", values < -strong
+        yield f"while the arms {little} with less than {short(weak)} {unit}", np.abs(values) < weak
+    several, whole = len(found.wrenches) > 1, sum(map(found.strength, found.wrenches))
+    for arm in found.wrenches:
+        who, strength = f"arm {arm}" if several else "the arm", found.strength(arm)
+        if several:
+            strong = STRONG_SHARE * float(np.percentile(strength, LARGEST))
+            yield f"while {who} gives more than {short(strong)} N", strength > strong
+            yield f"while {who} gives most of the force", 2 * strength > whole
+        held = np.round(found.contacts[arm], 2)
+        places = np.unique(held[np.isfinite(held).all(axis=1)], axis=0)
+        for x, y in places if len(places) <= MOST_CONTACTS else ():
+            yield f"while {who} holds at x = {x:.2f} m, y = {y:.2f} m of the cart", (held == (x, y)).all(axis=1)

@@ -1,0 +1,44 @@
+"""What is held against stretches that no fit saw is the cart that is told, its mass in the middle of its bracket."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimation.discrepancy.findings.held_out import _row_folds, fold_carts, held_out_rollouts
+from estimation.discrepancy.search.model import Model
+from estimation.weak_form.balances import Balances
+from estimation.weak_form.band import band_in, bands, consistent
+
+from ...weak_form.motions import RAIL, RAIL_MASS, on_rail
+
+LEANS = 0.012
+"""m/s: of a rider, whom no force at the handle moves."""
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_mass_of_each_fold_is_in_the_middle_of_its_bracket(seed):
+    whole = Balances.of(on_rail(share=LEANS, seed=seed), RAIL)
+    step = consistent(bands(whole, RAIL)).row_step
+    model = Model.started([whole.every(step)], RAIL)
+    told = replace(model, band_steps=(step,))
+    raw, masses = ([cart.inertia.mass for cart in fold_carts(each)] for each in (model, told))
+    off, less = (np.abs(np.array(each) - RAIL_MASS) for each in (raw, masses))
+    assert (less <= np.maximum(0.85 * off, 0.005 * RAIL_MASS)).all()
+    assert held_out_rollouts(told).gaps()[1] < 1.001 * held_out_rollouts(model).gaps()[1]
+
+
+def test_a_band_from_some_rows_knows_nothing_of_the_others():
+    """Wrenches that are seven times as large within a stretch."""
+    log = on_rail(share=LEANS)
+    balances = Balances.of(log, RAIL)
+    ((_, folds),) = _row_folds(Model.started([balances], RAIL))
+    edges = balances.time[np.flatnonzero(np.diff(folds)) + 1]
+    of_sample = folds[np.searchsorted(balances.time, log.time).clip(max=len(folds) - 1)]
+    inside = (of_sample == 1) & (np.abs(log.time[:, None] - edges).min(axis=1) > 0.5)
+    other = {n: replace(a, wrench=np.where(inside[:, None], 7.0, 1.0) * a.wrench) for n, a in log.arms.items()}
+    both = (balances, Balances.of(replace(log, arms=other), RAIL))
+    first, second = (band_in(each, RAIL, RAIL, folds != 1) for each in both)
+    assert second.mass == pytest.approx(first.mass, rel=1e-9)
+    first, second = (band_in(each, RAIL, RAIL) for each in both)
+    assert second is None or second.mass > 1.2 * first.mass

@@ -1,0 +1,115 @@
+"""Rollouts against closed forms, and what noise alone does to them against a plant of the tests' own."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import CasterRealignment, ViscousDrag
+from cartgrasp.errors import DataError
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog
+from cartgrasp.model import CartModel
+from cartgrasp.wheels import Wheel
+from estimation.discrepancy.findings import rollouts as module
+from estimation.discrepancy.findings.gap import measured_gap
+from estimation.discrepancy.findings.held_out import floor_rollouts
+from estimation.discrepancy.findings.rollouts import HORIZONS, rolled_out, rollouts, starts
+from estimation.discrepancy.search.model import Model
+from estimation.weak_form.balances import Balances
+
+from ...runs import STEP, reduced_rate, simulate, simulate_two_hands
+from ..logs import straight
+
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+DRAG = (ViscousDrag(linear=3.0, angular=1.2),)
+CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=DRAG)
+ROWS = 100
+"""Of a rollout of 1 s."""
+
+
+def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
+    cart = CartModel(Inertia(25.0, (0.3, 0.0), 2.0))
+    balances = Balances.of(straight(), cart)
+    found = rollouts(balances, cart, starts(balances))
+    first = found.error[:, HORIZONS.index(1.0)]
+    assert len(first) >= 4
+    assert first[:, 0] == pytest.approx(0.5 * (20.0 / 25.0 - 1.0) / 2, abs=2e-4)
+    assert first[:, 1:] == pytest.approx(0.0, abs=1e-6)
+    assert found.gaps()[HORIZONS.index(1.0)] == pytest.approx(0.05, abs=3e-4)
+
+
+def test_rollouts_of_stiff_swivels_are_those_of_finer_steps(monkeypatch):
+    """A light cart on heavy casters: in steps of 5 ms it would shake itself off its way."""
+    wheels = (Wheel("fixed", 0.0, 0.2), Wheel("fixed", 0.0, -0.2), Wheel("caster", 0.8, 0.2, 0.04))
+    cart = CartModel(Inertia(12.0, (0.28, 0.06), 1.0), effects=(*DRAG, CasterRealignment(0.8)), wheels=wheels)
+    log, _ = simulate(TRUTH, 0, 12.0)
+    balances = Balances.of(log, cart)
+    first = starts(balances)
+    found = rolled_out(balances, cart, first)[:, :2]
+    monkeypatch.setattr(module, "STEP", 2e-4)
+    assert np.isfinite(found).all()
+    assert found == pytest.approx(rolled_out(balances, cart, first)[:, :2], abs=1e-3)
+
+
+def slow_noise(n, columns, time_constant, seed):
+    random = np.random.default_rng(seed)
+    fade = np.exp(-STEP / time_constant)
+    noise = random.standard_normal((n, columns))
+    for k in range(1, n):
+        noise[k] = fade * noise[k - 1] + (1 - fade**2) ** 0.5 * noise[k]
+    return noise
+
+
+def recorded(seed, force, slow):
+    """A log with white wrench noise of `force` (N), and slow noise of `slow` (N)."""
+    log = simulate_two_hands(TRUTH, seed, 24.0, noise=(0.0004, 0.005, force))
+    scale, arms = slow * np.array([1.0, 1.0, 1.0, 0.05, 0.05, 0.05]), {}
+    for k, (name, arm) in enumerate(log.arms.items()):
+        arms[name] = ArmLog(arm.contact, arm.wrench + scale * slow_noise(len(log), 6, 0.04, 100 + 2 * seed + k))
+    return replace(log, arms=arms)
+
+
+def reduced(log):
+    """Forward force and moment about {b} (n, 2), of both hands."""
+    return sum(
+        np.column_stack([w[:, 0], w[:, 5] + px * w[:, 1] - py * w[:, 0]])
+        for w, (px, py, _) in ((arm.wrench, arm.contact[0]) for arm in log.arms.values())
+    )
+
+
+def misses(balances, log):
+    """Squared distances (r,) by which the true cart, pushed by the recorded wrenches, misses the motion after 1 s."""
+    wrench, found = reduced(log), []
+    poses = balances.motion.pose
+    state_of = balances.state(CART)
+    for first in starts(balances):
+        state = state_of[first].copy()
+        for k in range(first, first + ROWS):
+            fx, tau = wrench[k]
+            k1 = reduced_rate(state, fx, tau, TRUTH)
+            k2 = reduced_rate(state + STEP / 2 * k1, fx, tau, TRUTH)
+            k3 = reduced_rate(state + STEP / 2 * k2, fx, tau, TRUTH)
+            k4 = reduced_rate(state + STEP * k3, fx, tau, TRUTH)
+            state = state + STEP / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        found.append(((state[:2] - poses[first + ROWS, :2]) ** 2).sum())
+    return found
+
+
+@pytest.mark.parametrize(("force", "slow"), [(1.0, 0.0), (3.0, 0.0), (0.5, 3.0)])
+def test_the_floor_is_what_a_true_model_does(force, slow):
+    true, floors = [], []
+    for seed in range(6):
+        log = recorded(seed, force, slow)
+        balances = Balances.of(log, CART)
+        true += misses(balances, log)
+        floors.append(floor_rollouts(Model.started([balances], CART)).gaps()[HORIZONS.index(1.0)])
+    assert np.sqrt(np.mean(np.square(floors))) == pytest.approx(np.sqrt(np.mean(true)), rel=0.25)
+
+
+def test_simulations_that_run_away_are_refused(monkeypatch):
+    """As they do on a log in mN or mm."""
+    model = Model.started([Balances.of(simulate(TRUTH, 0, 12.0)[0], CART)], CART)
+    monkeypatch.setattr(module.Rollouts, "gaps", lambda self: np.full(len(HORIZONS), np.nan))
+    with pytest.raises(DataError, match=r"run: .*SI units"):
+        measured_gap(model, model)

@@ -1,0 +1,26 @@
+"""What a search found is upheld only where nothing else is as likely to look like it."""
+
+from dataclasses import replace
+
+import pytest
+
+from cartgrasp.effects import LoadSlosh, RollingResistance
+from estimation.discrepancy.findings.upheld import within_bracket
+from estimation.discrepancy.search.model import Model
+from estimation.weak_form.balances import Balances
+from estimation.weak_form.band import Band
+
+from ...weak_form.motions import RAIL, RAIL_MASS, on_rail
+
+LOAD = 0.25 * RAIL_MASS
+
+
+@pytest.mark.parametrize(("bracket", "named"), [(0.02, True), (0.12, True), (0.13, False), (0.4, False)])
+def test_a_load_has_to_be_more_than_the_mass_is_open_by(bracket, named):
+    """Twice half of the bracket, as for whatever is essential to a name; a drag is of no account there."""
+    model = Model.started([Balances.of(on_rail(), RAIL)], RAIL)
+    cart = model.cart.with_effect(RollingResistance(coefficient=0.01))
+    cart = cart.with_inertia(replace(cart.inertia, mass=RAIL_MASS))
+    model = replace(model, cart=cart.with_effect(LoadSlosh(mass=LOAD, frequency=1.0, damping=0.1)))
+    band = Band(0.1, RAIL_MASS, 0.1, bracket * RAIL_MASS)
+    assert within_bracket(model, (None, band)) == ([] if named else ["load_slosh"])
