@@ -140,6 +140,7 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.search.model": {"ROUNDS": "effort", "FEWEST_MEANS": "means, to be solvable"},
     "discrepancy.findings.named": {"SURE": "which of an effect's numbers are told"},
     "discrepancy.diagnosis.next_experiments": {
+        "ALIKE": "words",
         "NOTHING_OPEN": "words",
         "FORM": "which motion is proposed",
         "MOST_TOLD": "words",

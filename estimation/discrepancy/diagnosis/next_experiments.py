@@ -30,8 +30,8 @@ FORM = 0.01
 """Of the wrench, by which a model is wrong, as in rows (`rows.py`)."""
 MOST_TOLD = 4
 """Of names in a sentence: so many are told, the rest is counted."""
-
-
+ALIKE = 0.05
+"""Deviations: less rounds to nought."""
 NOTHING_OPEN = "nothing is undecided that another motion would tell"
 
 
@@ -191,7 +191,8 @@ def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
     """What it leaves open."""
     for (one, other), z in pairs.items():
         if _nats(z) < CONFUSABLE:
-            yield f"no motion of this speed and length tells {one} from {other}: they differ by {z:.1f} deviations"
+            how = f"they differ by {z:.1f} deviations" if z > ALIKE else "they act alike"
+            yield f"no motion of this speed and length tells {one} from {other}: {how}"
     hidden = [name for name, z in alone.items() if _nats(z) < CONFUSABLE]
     if hidden:
         yield f"no motion of this speed and length shows {_listed(hidden, 'or')}"
@@ -222,6 +223,7 @@ def _beside(found: Diagnosis) -> Iterator[str]:
         if effect.name in effect.confusable_with:
             yield f"push with one arm alone, then with another: that tells whose {effect.name} it is"
     for law in (*found.final.laws, *found.withdrawn)[:1]:
-        yield f"repeat the motion with another {law.name}, to see whether the force follows it"
+        other = "begin the same motion later" if law.name == "time" else f"repeat the motion with another {law.name}"
+        yield f"{other}, to see whether the force follows {'the clock' if law.name == 'time' else 'it'}"
     if found.verdict in ("unexplained", "partly_explained"):
         yield "record the same motion twice: what comes back is the cart's, what does not is noise"

@@ -64,7 +64,7 @@ def test_rivals_are_told_by_the_worse_of_both_ways(asked):
 def test_where_no_motion_tells_that_is_said_and_none_is_proposed(asked):
     found = asked([(("a", "b"), 0.0), (("b", "a"), 9.0), (("d", ""), 2.0), (("e", ""), 1.0)])
     assert found.proposal is None
-    assert found.why_none == "no motion of this speed and length tells a from b: they differ by 0.0 deviations"
+    assert found.why_none == "no motion of this speed and length tells a from b: they act alike"
     assert found.words[1] == "no motion of this speed and length shows d or e"
 
 
