@@ -12,7 +12,7 @@ import numpy as np
 from cartgrasp import Arm
 from cartgrasp.frames import Array
 from planning import WrenchPlanner, build_allocation
-from planning.allocation_template import AllocationTemplate
+from planning.allocation.allocation_template import AllocationTemplate
 
 from .measuring import Run, interleave
 from .peers import bare_daqp, most

@@ -8,7 +8,7 @@ from cartgrasp import Arm
 from cartgrasp.arms import Friction
 from cartgrasp.frames import Array
 from planning import WrenchPlanner
-from planning.contact_relaxation import relax_contact_choice
+from planning.contacts.contact_relaxation import relax_contact_choice
 
 from .measuring import interleave
 from .report import Result, Table, number, timed_table

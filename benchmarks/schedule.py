@@ -6,7 +6,7 @@ from functools import partial
 
 from cartgrasp.effects import RollingResistance
 from planning.references import PathReference, chain, pause, speed_change, turn
-from planning.schedule import RegraspCost, plan_schedule
+from planning.schedule.schedule import RegraspCost, plan_schedule
 
 from .measuring import interleave
 from .report import Result, timed_table

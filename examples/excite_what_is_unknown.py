@@ -9,7 +9,7 @@ import numpy as np
 import cartgrasp as cg
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.information import WrenchNoise
-from planning.excitation_choice import Allowance, ExcitationChooser
+from planning.excitation.excitation_choice import Allowance, ExcitationChooser
 from planning.references import PathReference, pause, speed_change
 
 cart = cg.CartModel(cg.Inertia(20.0, (-0.4, 0.0), 2.0), effects=(ViscousDrag(3.0, 1.2),))

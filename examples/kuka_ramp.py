@@ -27,9 +27,9 @@ except ImportError:
 from cartgrasp.arm_postures import find_posture
 from cartgrasp.spatial_pose import SpatialPose
 from cartgrasp.urdf_arm import LinkMass, read_urdf_arm
-from planning.polytope_projection import project
-from planning.push_capacity import push_capacity
-from planning.wrench_polytope import WrenchPolytope
+from planning.polytopes.polytope_projection import project
+from planning.polytopes.push_capacity import push_capacity
+from planning.polytopes.wrench_polytope import WrenchPolytope
 
 # --- the arms -------------------------------------------------------------------------------------------------
 URDF = files(rtbdata) / "xacro/kuka_description/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.urdf"  # kinematics alone

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from cartgrasp.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .allocation import Allocation, allocate, build_allocation
-    from .contact_choice import SearchLimit
+    from .allocation.allocation import Allocation, allocate, build_allocation
+    from .contacts.contact_choice import SearchLimit
     from .limits import InternalForce, Skid, TipOver
     from .objectives import (
         LeastInternalForce,
@@ -49,8 +49,8 @@ __all__ = [
 ]
 
 _HOMES = {
-    "allocation": "Allocation allocate build_allocation",
-    "contact_choice": "SearchLimit",
+    "allocation.allocation": "Allocation allocate build_allocation",
+    "contacts.contact_choice": "SearchLimit",
     "limits": "InternalForce Skid TipOver",
     "objectives": "LeastInternalForce LeastJointTorque Lexicographic LoadShare Nothing Objective Smoothness "
     "WeightedWrench WorstArm",

@@ -13,7 +13,7 @@ from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .infeasibility import Certificate, Nearest
+from .allocation.infeasibility import Certificate, Nearest
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals
 
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"

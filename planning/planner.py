@@ -20,29 +20,29 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.shallow import shallow
 
-from .answers import Answers, Solved, proof_of
-from .compiled_allocation import SOLVER, Point
-from .compiled_planning import CompiledPlanning
-from .contact_bounds import Candidates
-from .contact_cases import CaseSolver, Question
-from .contact_choice import Choice, ContactSearch, SearchLimit
-from .contact_regions import DISTANCE_TOLERANCE
-from .contradiction import contradiction
-from .estimate_inputs import check_estimate
-from .given_contacts import GivenContacts
-from .last_plan import LastPlan
+from .allocation.contradiction import contradiction
+from .contacts.contact_bounds import Candidates
+from .contacts.contact_cases import CaseSolver, Question
+from .contacts.contact_choice import Choice, ContactSearch, SearchLimit
+from .contacts.contact_regions import DISTANCE_TOLERANCE
+from .contacts.switching_cost import SwitchingCost
 from .limits import CartLimit
+from .limits.robust import RobustLimits
 from .objectives import Objective
 from .plan import INVALID_INPUT, TIMEOUT, Plan
-from .plan_inputs import RefusedError, read_arms, read_wrench
-from .program_at_contacts import ProgramAtContacts
 from .quadratic_program import INFEASIBLE, NUMERICAL
-from .refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided
-from .remedy import find_remedy, with_remedy
-from .robust import RobustLimits
 from .solvers import QuadraticSolver, solve_with_clarabel
-from .switching_cost import SwitchingCost
-from .terms import Terms, scaled_into
+from .tick.answers import Answers, Solved, proof_of
+from .tick.compiled_allocation import SOLVER, Point
+from .tick.compiled_planning import CompiledPlanning
+from .tick.estimate_inputs import check_estimate
+from .tick.given_contacts import GivenContacts
+from .tick.last_plan import LastPlan
+from .tick.plan_inputs import RefusedError, read_arms, read_wrench
+from .tick.program_at_contacts import ProgramAtContacts
+from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided
+from .tick.remedy import find_remedy, with_remedy
+from .tick.terms import Terms, scaled_into
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from planning.embedded import EmbeddedProblem, check_free, export_c
 from planning.objectives import WeightedWrench
-from planning.problem_file import Problem, read_problem
+from planning.problem.problem_file import Problem, read_problem
 
 from ..errors import UsageError
 from ..frames import Array

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from planning import Plan
 from planning.plan import INVALID_INPUT
-from planning.problem_file import read_problem
+from planning.problem.problem_file import read_problem
 
 from ..errors import UsageError
 from .output import print_json, print_table

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimation import FilterNoise, Prior
-from planning.excitation_choice import D_OPTIMAL, E_OPTIMAL, Allowance, ExcitationChooser
-from planning.excitation_plan import ExcitationPlan, plan_excitation
+from planning.excitation.excitation_choice import D_OPTIMAL, E_OPTIMAL, Allowance, ExcitationChooser
+from planning.excitation.excitation_plan import ExcitationPlan, plan_excitation
 from planning.references import PathReference, chain, pause, speed_change, turn
 
 from ..arms import Arm

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from planning.excitation_choice import D_OPTIMAL, Allowance
+from planning.excitation.excitation_choice import D_OPTIMAL, Allowance
 
 from ..frames import Array
 from ..inertia import physical_jacobian

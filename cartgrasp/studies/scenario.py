@@ -9,7 +9,7 @@ import numpy as np
 
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
 from planning import WrenchPlanner
-from planning.contact_switching import FixedContacts, LeastEffortContacts, PeriodicContacts
+from planning.contacts.contact_switching import FixedContacts, LeastEffortContacts, PeriodicContacts
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains, build_tracker
 

@@ -14,8 +14,8 @@ from scipy import sparse
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from planning.allocation import contact_array
-from planning.allocation_template import AllocationTemplate
+from planning.allocation.allocation import contact_array
+from planning.allocation.allocation_template import AllocationTemplate
 from planning.limits import CartLimit
 from planning.quadratic_program import QuadraticProgram
 

@@ -16,7 +16,7 @@ from .objective import Cost, Objective
 @dataclass(frozen=True)
 class Lexicographic(Objective):
     """`first` decides, contacts too; `second` decides what `first` leaves open (give `first` the base `Nothing()`,
-    or it leaves nothing open). A second program is solved for it (planning/second_stage.py)."""
+    or it leaves nothing open). A second program is solved for it (planning/allocation/second_stage.py)."""
 
     first: Objective
     second: Objective

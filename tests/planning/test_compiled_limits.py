@@ -10,8 +10,8 @@ from cartgrasp.arms import Friction
 from cartgrasp.motion import Motion
 from cartgrasp.reach import Reach
 from planning import WrenchPlanner
-from planning.compiled_allocation import SOLVER
 from planning.limits import InternalForce, Skid, TipOver
+from planning.tick.compiled_allocation import SOLVER
 
 from .drawn import arm, cart
 from .test_compiled_planning import warm

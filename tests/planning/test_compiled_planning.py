@@ -11,16 +11,16 @@ from hypothesis import strategies as st
 
 from cartgrasp.arms import Friction
 from planning import LoadShare, SearchLimit, Smoothness, WrenchPlanner, allocate
-from planning.allocation_template import AllocationTemplate
-from planning.compiled_allocation import SOLVER, CompiledAllocation
-from planning.compiled_choice import CompiledChoice
-from planning.contact_bounds import Candidates
-from planning.contact_regions import hand_distance
-from planning.duality import effort_cut
+from planning.allocation.allocation_template import AllocationTemplate
+from planning.allocation.duality import effort_cut
+from planning.contacts.contact_bounds import Candidates
+from planning.contacts.contact_regions import hand_distance
 from planning.kernels import cut
 from planning.kernels.cut import Table
 from planning.kernels.proof import COST
 from planning.quadratic_program import QPSolution
+from planning.tick.compiled_allocation import SOLVER, CompiledAllocation
+from planning.tick.compiled_choice import CompiledChoice
 from tests.kernels_called import called
 
 from .drawn import arm, bar, cart, first_contacts, random_arms, random_cart, violation

@@ -9,8 +9,8 @@ import pytest
 
 from cartgrasp.arms import Friction
 from planning import LoadShare, SearchLimit, Smoothness, WrenchPlanner, allocate
-from planning.contact_cases import Answer
-from planning.contact_regions import Box, Region, hand_distance
+from planning.contacts.contact_cases import Answer
+from planning.contacts.contact_regions import Box, Region, hand_distance
 
 from .drawn import arm, bar, cart, is_feasible, random_arms, random_cart, violation
 

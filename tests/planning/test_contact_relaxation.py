@@ -9,7 +9,7 @@ from cartgrasp.arms import Arm, Friction
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from planning import WrenchPlanner
-from planning.contact_relaxation import relax_contact_choice
+from planning.contacts.contact_relaxation import relax_contact_choice
 
 CART = CartModel(Inertia(20.0, (0.3, 0.0), 2.0))
 ONLY_PUSH = {"weights": (1.0, 1.0, 1.0, 1.0, 1.0, 1.0), "moment_limit": (0.0, 0.0, 0.0)}

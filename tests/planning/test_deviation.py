@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import body_to_world, rotation_planar
-from planning.deviation import DeviatedReference, Deviation, Wave, steady_part
+from planning.excitation.deviation import DeviatedReference, Deviation, Wave, steady_part
 from planning.references import PathReference, Stretch, chain, pause
 
 STEP = 1e-5

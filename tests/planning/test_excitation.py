@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import planning.excitation_family as family_module
+import planning.excitation.excitation_family as family_module
 from cartgrasp.arms import Arm, Friction
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ViscousDrag
@@ -14,10 +14,10 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.information import WrenchNoise, reduced_noise
 from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import regressor_b
-from planning.allocation import allocate
-from planning.excitation_choice import Allowance, ExcitationChooser
-from planning.excitation_family import FreeSplit, motions
-from planning.excitation_plan import plan_excitation
+from planning.allocation.allocation import allocate
+from planning.excitation.excitation_choice import Allowance, ExcitationChooser
+from planning.excitation.excitation_family import FreeSplit, motions
+from planning.excitation.excitation_plan import plan_excitation
 from planning.references import PathReference, Stretch, chain, pause, turn
 
 NOISE = WrenchNoise(3.0, 0.1, 100.0)

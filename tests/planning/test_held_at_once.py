@@ -40,7 +40,7 @@ def test_no_general_solver_is_asked_at_the_tick(places, monkeypatch):
     expected = cold.plan_or_hold(BEYOND)
     with monkeypatch.context() as patched:
         patched.setattr("planning.solvers.QuadraticSolver.solve", None)
-        patched.setattr("planning.contact_choice.ContactSearch.run", None)
+        patched.setattr("planning.contacts.contact_choice.ContactSearch.run", None)
         plan = warm.plan_or_hold(BEYOND)
         held = plan.contact_wrenches
         assert plan.status == INFEASIBLE

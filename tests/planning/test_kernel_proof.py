@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.duality import infeasible_by
+from planning.allocation.duality import infeasible_by
 from planning.kernels import loading, proof
 from planning.kernels.workspace import Sizes, views
 from planning.quadratic_program import QPSolution, verify

@@ -18,8 +18,8 @@ from planning import (
     WorstArm,
     WrenchPlanner,
 )
-from planning.allocation_template import AllocationTemplate
-from planning.duality import least_cost
+from planning.allocation.allocation_template import AllocationTemplate
+from planning.allocation.duality import least_cost
 
 from .drawn import arm, bar, cart
 

@@ -14,10 +14,10 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import rotation_planar
 from cartgrasp.joint_torques import JointTorques
 from planning import LoadShare, Smoothness, WeightedWrench, WrenchPlanner, allocate
-from planning.allocation_template import AllocationTemplate
+from planning.allocation.allocation_template import AllocationTemplate
+from planning.allocation.second_stage import second_stage
 from planning.objectives import LeastInternalForce, LeastJointTorque, Lexicographic, Nothing, WorstArm
 from planning.quadratic_program import verify
-from planning.second_stage import second_stage
 from planning.solvers import QuadraticSolver
 
 from .drawn import arm, cart, effective_matrix, first_contacts

@@ -11,7 +11,7 @@ from cartgrasp.arms import Friction
 from cartgrasp.contacts import Segment
 from cartgrasp.errors import FileError
 from planning import InternalForce, Skid, TipOver, WrenchPlanner
-from planning.problem_file import read_problem
+from planning.problem.problem_file import read_problem
 
 CART = """\
 name: shopping cart

@@ -12,7 +12,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.motion import Estimate, Motion
 from planning import Skid, WrenchPlanner
 from planning.objectives import LeastInternalForce, LoadShare, Nothing, Smoothness, WeightedWrench, WorstArm
-from planning.problem_file import read_problem
+from planning.problem.problem_file import read_problem
 
 from .test_problem_file import CART, WHEELS, problem_file
 

@@ -13,8 +13,8 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
 from planning.planner import WrenchPlanner
-from planning.push_capacity import push_capacity
-from planning.wrench_polytope import WrenchPolytope
+from planning.polytopes.push_capacity import push_capacity
+from planning.polytopes.wrench_polytope import WrenchPolytope
 
 from ..core.drawn import vectors
 

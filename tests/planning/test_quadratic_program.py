@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from cartgrasp.arms import Friction
-from planning.allocation import build_allocation
-from planning.duality import infeasible_by
-from planning.projection import project, projection_program
+from planning.allocation.allocation import build_allocation
+from planning.allocation.duality import infeasible_by
+from planning.allocation.projection import project, projection_program
 from planning.quadratic_program import Cone, QuadraticProgram, verify
 from planning.solvers import QuadraticSolver, solve_with_clarabel
 from planning.solvers.polish import polish

@@ -16,7 +16,7 @@ from cartgrasp.inertia import physical_jacobian
 from cartgrasp.motion import Motion
 from planning import InternalForce, Skid, TipOver, WrenchPlanner
 from planning.limits import Pushed
-from planning.robust import RobustLimits, root
+from planning.limits.robust import RobustLimits, root
 
 from .test_contact_choice_with_cart_limits import WHEELS
 

@@ -13,10 +13,10 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from planning.allocation import build_allocation
+from planning.allocation.allocation import build_allocation
 from planning.references import PathReference, Stretch, chain, pause, turn
-from planning.regrasp_graph import RegraspGraph
-from planning.schedule import Grip, Horizon, RegraspCost, plan_schedule, wanted_wrench
+from planning.schedule.regrasp_graph import RegraspGraph
+from planning.schedule.schedule import Grip, Horizon, RegraspCost, plan_schedule, wanted_wrench
 
 from .reference_allocation import solve_reference
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from planning.allocation import build_allocation
+from planning.allocation.allocation import build_allocation
 from planning.quadratic_program import QuadraticProgram
 from planning.solvers import QuadraticSolver, solve_with_clarabel
 from planning.solvers.daqp_solver import DaqpSolver

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.errors import UsageError
 from planning import Skid, TipOver, WrenchPlanner, allocate
-from planning.contact_regions import hand_distance
+from planning.contacts.contact_regions import hand_distance
 
 from .drawn import arm, bar, cart, random_arms, random_cart, violation
 from .test_contact_choice_with_cart_limits import shopping_cart

@@ -12,7 +12,7 @@ from scipy import sparse
 from cartgrasp.contacts import grasp_map_spatial
 from planning import Skid, TipOver
 from planning.limits import Pushed
-from planning.robust import RobustLimits
+from planning.limits.robust import RobustLimits
 
 from .mirror import Cost, Holds, Mirror
 from .test_robust import BEND, LEFT, REST, RIGHT, cart, covariance, estimate, hands

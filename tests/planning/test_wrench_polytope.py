@@ -14,8 +14,8 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from cartgrasp.arms import Arm, Friction
 from cartgrasp.errors import UsageError
 from cartgrasp.joint_torques import JointTorques
-from planning.polytope_projection import project
-from planning.wrench_polytope import WrenchPolytope
+from planning.polytopes.polytope_projection import project
+from planning.polytopes.wrench_polytope import WrenchPolytope
 
 POINT = (0.0, 0.0, 1.0)
 PLAIN = Arm("hand", [POINT], force_limit=(200, 150, 100), moment_limit=(9, 8, 7))

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PositiveFloat
 
-from planning.problem_schema import ArmEntry, NotNegative, Positive
+from planning.problem.problem_schema import ArmEntry, NotNegative, Positive
 
 from ...yaml_file import StrictModel
 from ..scenario import FIRST_GUESS, LEARNING, PAPER

@@ -10,7 +10,7 @@ from typing import Any
 from ruamel.yaml.comments import CommentedMap
 
 from estimation import FilterNoise, Prior
-from planning.problem_file import arms_of
+from planning.problem.problem_file import arms_of
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains
 

@@ -11,9 +11,9 @@ import numpy as np
 from estimation.cart_filter import core_of, takes_rows
 from estimation.kernels.filtered_row import BLOCK, LAG, WIDTH
 from estimation.learning_filter import LearningFilter
-from planning.allocation_template import AllocationTemplate
-from planning.compiled_allocation import CompiledAllocation
+from planning.allocation.allocation_template import AllocationTemplate
 from planning.planner import WrenchPlanner
+from planning.tick.compiled_allocation import CompiledAllocation
 
 from ...bounce import walls_of
 from ...compiled_dynamics import STABLE

@@ -1,0 +1,181 @@
+"""When the arms can't give what is asked: the nearest they can, and a Farkas certificate that they can't.
+
+At the optimum of the projection (projection.py) the missing t is normal to what the arms can give, so
+
+    t · Sᵀ wrench_b  >  max over F within limits of  t · Sᵀ sum G_i F_i,
+
+and the multipliers of the limits in the projection name those that conflict. The right side is bounded by
+weak duality (see duality.py) in plain numpy: the inequality is what `verified` means.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.frames import Array
+
+from ..quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
+from ..solvers import QuadraticSolver, solve_with_clarabel
+from .allocation_template import AllocationTemplate
+from .duality import Cut, farkas_cut
+from .effective_rows import in_words
+from .projection import Projection
+
+FORCE_WORDS = frozenset({"fx", "fy", "fz", "payload", "force"})
+SINGLE_DIRECTIONS = {
+    "fx": "forward force",
+    "-fx": "backward force",
+    "fy": "force to the left",
+    "-fy": "force to the right",
+    "tau": "counter-clockwise moment",
+    "-tau": "clockwise moment",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Nearest:
+    """The feasible cart wrench (3,) in {b} nearest to the one asked for, in effective rows, with its
+    least-effort plan, its `missing` part of each effective row (N, N·m), and the solved program."""
+
+    wrench: Array
+    distance: float
+    missing: Mapping[str, float]
+    contacts: Mapping[str, Array]
+    wrenches: Mapping[str, Array]
+    effort: float
+    program: QuadraticProgram
+    solution: QPSolution
+
+    def may_stand_in(self, most: float) -> bool:
+        """Whether it misses what was asked by `most` or less, and was verified."""
+        return self.distance <= most and self.solution.residuals.feasible
+
+    def as_dict(self) -> dict[str, Any]:
+        arms = {
+            name: {"contact": self.contacts[name].tolist(), "wrench": wrench.tolist()}
+            for name, wrench in self.wrenches.items()
+        }
+        return {
+            "wrench": self.wrench.tolist(),
+            "distance": self.distance,
+            "arms": arms,
+            "effort": self.effort,
+        }
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Why a wrench is out of reach. In the unit `direction` of (fx, fy, tau), `asked` is more than `most`,
+    the most that `limits` (name: value) allow. Empty direction: it is about the hands' distance or reach, in m, or
+    about limits that no wrench keeps, in N, instead. `remedy` names contacts that would do, where some were found."""
+
+    words: str
+    asked: float
+    most: float
+    direction: tuple[float, ...] = ()
+    limits: Mapping[str, float] = field(default_factory=dict)
+    nearest: Nearest | None = None
+    remedy: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+
+    @property
+    def verified(self) -> bool:
+        return self.asked > self.most
+
+    def as_dict(self) -> dict[str, Any]:
+        most = self.most if np.isfinite(self.most) else None
+        numbers = {"asked": self.asked, "most": most, "direction": list(self.direction)}
+        remedy = {"remedy": {name: list(point) for name, point in self.remedy.items()}} if self.remedy else {}
+        return {"words": self.words, **numbers, "limits": dict(self.limits), **remedy}
+
+
+def nearest_plan(
+    template: AllocationTemplate, contacts: Array, projection: Projection, program: QuadraticProgram
+) -> Nearest:
+    """Least effort among the wrenches that reach the nearest point; `program` is the infeasible
+    allocation."""
+    reachable = program.with_equality_value(program.equality[1] - projection.slack)
+    solution = QuadraticSolver().solve(reachable)
+    if solution.status != OPTIMAL:
+        solution = solve_with_clarabel(reachable)
+    if solution.status != OPTIMAL:
+        cones = [np.zeros(len(cone.offset)) for cone in reachable.cones]
+        solution = QPSolution.checked(
+            reachable, projection.wrenches, np.zeros(len(reachable.upper)), cones, "projection"
+        )
+    wrenches = solution.x[: template.n]
+    parts = wrenches.reshape(-1, 6)
+    return Nearest(
+        wrench=_total(template, contacts, parts),
+        distance=projection.distance,
+        missing=dict(zip(template.row_names, projection.slack.tolist(), strict=True)),
+        contacts=dict(zip(template.names, contacts, strict=True)),
+        wrenches=dict(zip(template.names, parts, strict=True)),
+        effort=template.effort(wrenches),
+        program=reachable,
+        solution=solution,
+    )
+
+
+def certify(template: AllocationTemplate, contacts: Array, projection: Projection, target: Array) -> Certificate | None:
+    """The separating direction with the limits that hold it; None if it doesn't verify."""
+    if not np.isfinite(projection.slack).all() or projection.distance == 0.0:
+        return None
+    cut = farkas_cut(template, projection.normal_solution, projection.normal, target)
+    margin = float(cut.value(template.contact_rows(contacts)))
+    normal = -cut.multipliers[-len(target) :]
+    asked = float(normal @ target)
+    if margin <= 1e-12 * max(1.0, float(np.abs(target).max())):
+        return None
+    direction = template.basis_b @ normal
+    limits = conflicting_limits(template, contacts, cut, projection.normal_solution)
+    words = _words(limits, direction, (asked, asked - margin))
+    return Certificate(words, asked, asked - margin, tuple(direction.tolist()), limits)
+
+
+def conflicting_limits(
+    template: AllocationTemplate, contacts: Array, cut: Cut, solution: QPSolution
+) -> dict[str, float]:
+    """Names and values of the limits that hold the arms back in the direction of a ray."""
+    fixed, cart, found = template.fixed, template.cart_rows, dict[str, float]()
+    slope = (cut.linear + cut.multipliers @ template.contact_rows(contacts)).ravel()
+    smallest = 1e-7 * float(np.abs(slope).max())
+    for j in np.flatnonzero(np.abs(slope) > smallest):
+        names, values = (fixed.lower_names, fixed.lower) if slope[j] > 0 else (fixed.upper_names, fixed.upper)
+        found[names[j]] = float(values[j])
+    smallest = 1e-7 * float(np.abs(solution.multipliers).max())
+    dual = solution.multipliers[len(solution.x) :][: len(fixed.limits) + len(cart.low)]
+    lows = zip(fixed.low_names + cart.low_names, [*fixed.low_limits, *cart.low], strict=True)
+    highs = zip(fixed.names + cart.high_names, [*fixed.limits, *cart.high], strict=True)
+    for y, low, high in zip(dual, lows, highs, strict=True):
+        if abs(y) > smallest:
+            name, value = high if y > 0 else low
+            found[name] = float(value)
+    cone_names = [cone.name for cone in fixed.cones] + [cone.name for cone in cart.cones]
+    pairs = zip(cone_names, solution.cone_multipliers, strict=True)
+    found.update({name: 0.0 for name, z in pairs if z[0] > smallest})
+    return found
+
+
+def _words(limits: Mapping[str, float], direction: Array, numbers: tuple[float, float]) -> str:
+    name = in_words(direction)
+    unit = " N" if not direction[2] else " N·m" if not direction[:2].any() else ""
+    of_what = SINGLE_DIRECTIONS.get(name, f"{name}" if unit else f"{name} (fx, fy in N, tau in N·m)")
+    parts = []
+    for limit, value in limits.items():
+        words = limit.rpartition(":")[2].split()  # an arm may be called "force"
+        is_force = FORCE_WORDS.intersection(words)
+        number = value if "rate" in words else abs(value)  # about the last wrench, which has a sign
+        bound = f" {number:.6g} {'N' if is_force else 'N·m'}" if words[-1] in ("lower", "upper") else ""
+        parts.append(limit + bound)
+    asked, most = (f"{round(number, 9) + 0.0:.6g}{unit}" for number in numbers)
+    subject = "together they give" if len(parts) > 1 else "it gives"
+    return f"{'; '.join(parts)}: {subject} at most {most} of {of_what}, {asked} is asked"
+
+
+def _total(template: AllocationTemplate, contacts: Array, wrenches: Array) -> Array:
+    return np.asarray(np.einsum("nij,nj->i", grasp_map_planar(contacts, template.yaws), wrenches))

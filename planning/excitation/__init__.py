@@ -1,0 +1,1 @@
+"""Contacts and a small weave that teach most for an allowed effort."""

@@ -1,0 +1,67 @@
+"""All wrenches that an arm can give at a contact and a posture: `{F : rows @ F <= limits}`, F (6,) in {a}.
+
+What an arm states about itself (box, friction pyramid) and what its joints bear, `|Jᵀ F + tau_0| <= tau_max`, are all
+linear, so the set is a polytope; how far it goes in a direction is a linear program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import compress
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cartgrasp.arms import Arm
+from cartgrasp.contacts import WRENCH_NAMES
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from ..limits import limits_of
+from .linear_program import maximizer
+
+
+class Farthest(NamedTuple):
+    """The wrench (6,) that goes farthest in a direction, and how far, in the direction's unit."""
+
+    distance: float
+    wrench: Array
+
+
+@dataclass(frozen=True, eq=False)
+class WrenchPolytope:
+    """`names` (k,) tell the rows (k, 6) apart."""
+
+    rows: Array
+    limits: Array
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, arm: Arm) -> WrenchPolytope:
+        """Of all that the arm states about itself; friction as a pyramid."""
+        stated = limits_of(arm)
+        if stated.cones:
+            raise UsageError(f"arm {arm.name}: a polytope needs friction with a number of sides, not the exact cone")
+        rows = np.vstack([np.eye(6), -np.eye(6), stated.rows, -stated.rows])
+        limits = np.concatenate([stated.upper, -stated.lower, stated.limits, -stated.low_limits])
+        names = (*stated.upper_names, *stated.lower_names, *stated.names, *stated.low_names)
+        finite = np.isfinite(limits)
+        return cls(rows[finite], limits[finite], tuple(compress(names, finite)))
+
+    def support(self, direction: ArrayLike) -> Farthest:
+        """max direction · F over the polytope: the other components may be whatever helps. Solved by HiGHS."""
+        towards = _checked(direction)
+        wrench = maximizer(towards, self.rows, self.limits, what=_in_words(towards))
+        return Farthest(float(towards @ wrench), wrench)
+
+
+def _checked(direction: ArrayLike) -> Array:
+    towards = np.asarray(direction, dtype=float)
+    if towards.shape != (6,) or not np.isfinite(towards).all() or not towards.any():
+        raise UsageError(f"wrench polytope: a direction is six finite numbers, not all 0: {towards.tolist()}")
+    return towards
+
+
+def _in_words(direction: Array) -> str:
+    return " + ".join(f"{size:g} {name}" for size, name in zip(direction, WRENCH_NAMES, strict=True) if size)

@@ -1,0 +1,1 @@
+"""A problem file: strict, with exact places."""

@@ -1,0 +1,223 @@
+"""`PROBLEM.yaml` of `cartgrasp plan`: strict to read, exact about places."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ruamel.yaml.comments import CommentedMap
+
+from cartgrasp.arms import EXACT, Arm, Friction
+from cartgrasp.cart_file import cart_from_document, load_cart
+from cartgrasp.contacts import ContactSet, Segment
+from cartgrasp.errors import FileError, UsageError
+from cartgrasp.joint_torques import JointTorques
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
+from cartgrasp.reach import Reach
+from cartgrasp.yaml_file import file_error, read_yaml, validate
+
+from ..limits import CartLimit, InternalForce, Pushed, Skid, TipOver
+from ..objectives import Objective
+from ..plan import Plan
+from ..planner import WrenchPlanner
+from .problem_estimate import estimate_of
+from .problem_objective import Refuse, objective_of
+from .problem_schema import ArmEntry, CartLimitsEntry, FrictionEntry, JointsEntry, ProblemEntry, ReachEntry
+
+NO_LIMIT = (float("inf"),) * 3
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A cart, its arms, and the wrench (fx, fy, tau) wanted on the cart in {b}; `last` are the wrenches (6,) by arm
+    that rates of change count from, one `period` (s) ago, `held` the contacts (3,) that the cost of switching does.
+    `estimate` is the cart as it moves and as well as it is known, where the file says so."""
+
+    cart: CartModel
+    arms: tuple[Arm, ...]
+    wrench: tuple[float, float, float]
+    min_hand_distance: float
+    cart_limits: tuple[CartLimit, ...]
+    relax: float
+    period: float
+    last: Mapping[str, Sequence[float]]
+    switching_cost: float
+    held: Mapping[str, Sequence[float]]
+    objective: Objective
+    confidence: float | None
+    estimate: Estimate | None
+
+    def plan(self) -> Plan:
+        return self.planner().plan(self.wrench, estimate=self.estimate)
+
+    def planner(self) -> WrenchPlanner:
+        planner = WrenchPlanner(
+            self.cart,
+            self.arms,
+            objective=self.objective,
+            confidence=self.confidence,
+            cart_limits=self.cart_limits,
+            min_hand_distance=self.min_hand_distance,
+            relax=self.relax,
+            switching_cost=self.switching_cost,
+            period=self.period,
+        )
+        planner.start_from(self.last, self.held)
+        return planner
+
+
+def read_problem(path: str | os.PathLike[str]) -> Problem:
+    """A mistake is refused as `file:line:column: key: why`."""
+    document, name = read_yaml(path), str(path)
+    entry = validate(ProblemEntry, document, name)
+
+    def refuse(location: list[str | int], why: str) -> FileError:
+        return file_error(document, name, location, why)
+
+    arms = arms_of(entry.arms, ["arms"], refuse)
+    fx, fy, tau = entry.wrench
+    cart = _cart(entry.cart, document, Path(path), refuse)
+    return Problem(
+        cart=cart,
+        arms=tuple(arms),
+        wrench=(fx, fy, tau),
+        min_hand_distance=entry.min_hand_distance,
+        cart_limits=_cart_limits(entry.cart_limits, cart, arms, refuse),
+        relax=entry.relax,
+        period=entry.period,
+        last={arm.name: arm.rate.last for arm in entry.arms if arm.rate is not None},
+        switching_cost=entry.switching_cost,
+        held=_held(entry.arms, refuse),
+        objective=objective_of(entry.objective, arms, refuse),
+        confidence=None if entry.confidence is None else entry.confidence.probability,
+        estimate=estimate_of(entry, cart, refuse),
+    )
+
+
+def arms_of(entries: Sequence[ArmEntry], where: list[str | int], refuse: Refuse) -> list[Arm]:
+    """The arms of a list that stands at a place of a document."""
+    arms: list[Arm] = []
+    for i, entry in enumerate(entries):
+        if entry.name in [other.name for other in arms]:
+            raise refuse([*where, i, "name"], f"{entry.name} stands twice; names must differ")
+        arms.append(_arm(entry, [*where, i], refuse))
+    return arms
+
+
+def _cart(entry: Any, document: CommentedMap, path: Path, refuse: Refuse) -> CartModel:
+    if isinstance(entry, str):
+        return load_cart(path.parent / entry)
+    if isinstance(entry, dict):
+        return cart_from_document(document["cart"], str(path), ["cart"])
+    raise refuse(["cart"], f"{entry!r} is neither the path of a cart file nor a mapping")
+
+
+def _cart_limits(entry: CartLimitsEntry, cart: CartModel, arms: Sequence[Arm], refuse: Refuse) -> tuple[CartLimit, ...]:
+    limits: list[tuple[str, Callable[[], CartLimit]]] = []
+    if entry.skid is not None:
+        friction = entry.skid.friction
+        limits.append(("skid", lambda: Skid(friction)))
+    if entry.tip_over is not None:
+        least = entry.tip_over.least_load
+        limits.append(("tip_over", lambda: TipOver(least)))
+    if entry.internal_force is not None:
+        bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
+        limits.append(("internal_force", lambda: InternalForce(bound, (x, y, z))))
+    found, pushed = [], Pushed(cart, None, arms)
+    for key, make in limits:
+        try:
+            found.append(make())
+            found[-1].rows(pushed)
+        except UsageError as error:
+            raise refuse(["cart_limits", key], str(error)) from error
+    return tuple(found)
+
+
+def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
+    if not entry.contacts and entry.segment is None:
+        raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
+    held = _contacts(entry, where, refuse)
+    friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
+    joints = _joints(entry.joints, [*where, "joints"], refuse)
+    reach = _reach(entry.reach, held, [*where, "reach"], refuse)
+    rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
+    try:
+        return Arm(
+            entry.name,
+            held,
+            yaw=entry.yaw,
+            force_limit=entry.limits.force or NO_LIMIT,
+            moment_limit=entry.limits.moment or NO_LIMIT,
+            friction=friction,
+            weights=entry.weights,
+            push_only=entry.push_only,
+            payload=float("inf") if entry.payload is None else entry.payload,
+            wrench_rate=rate or NO_LIMIT * 2,
+            joints=joints,
+            reach=reach,
+        )
+    except UsageError as error:
+        raise refuse([*where, "name"], str(error)) from error
+
+
+def _contacts(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> ContactSet:
+    points = tuple((x, y, z) for x, y, z in entry.contacts)
+    try:
+        if entry.segment is None:
+            return ContactSet(points)
+        (x, y, z), (x2, y2, z2) = entry.segment
+        return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
+    except UsageError as error:
+        raise refuse([*where, "contacts" if points else "segment"], str(error)) from error
+
+
+def _held(entries: Sequence[ArmEntry], refuse: Refuse) -> dict[str, Sequence[float]]:
+    held: dict[str, Sequence[float]] = {}
+    for i, entry in enumerate(entries):
+        if entry.held is not None:
+            x, y, z = entry.held
+            try:
+                held[entry.name] = ContactSet(((x, y, z),)).points[0]
+            except UsageError as error:
+                raise refuse(["arms", i, "held"], str(error)) from error
+    return held
+
+
+def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refuse) -> Friction | None:
+    if entry is None:
+        return None
+    sides = entry.sides
+    if sides != EXACT and not (isinstance(sides, int) and not isinstance(sides, bool) and 3 <= sides <= 256):
+        raise refuse(where, f"{sides!r} is neither a whole number of 3 to 256 nor `exact`")
+    return Friction(entry.mu, sides)
+
+
+def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -> JointTorques | None:
+    if entry is None:
+        return None
+    n = len(entry.torque_limit)
+    for row, values in enumerate(entry.jacobian):
+        if len(values) != n:
+            why = f"{len(values)} numbers, but there are {n} torque limits: one for each joint is needed"
+            raise refuse([*where, "jacobian", row], why)
+    try:
+        return JointTorques(*(np.array(part) for part in (entry.jacobian, entry.gravity_torque, entry.torque_limit)))
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
+
+
+def _reach(entry: ReachEntry | None, held: ContactSet, where: list[str | int], refuse: Refuse) -> Reach | None:
+    if entry is None:
+        return None
+    try:
+        reach = Reach.box(entry.low, entry.high)
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
+    if reach.clip(held) is None:
+        raise refuse(where, "no candidate contact is within it")
+    return reach

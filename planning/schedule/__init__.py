@@ -1,0 +1,1 @@
+"""When and where to regrasp over a horizon, by dynamic programming."""

@@ -1,0 +1,175 @@
+"""When and where to regrasp over a horizon: the proven least effort, by dynamic programming over grips.
+
+The horizon is cut into stages; the wrench that the reference asks for in a stage's middle stands for the stage. A
+schedule costs
+
+    sum over stages of (effort of the stage's QP) * (its length) + (effort of a regrasp) * (number of regrasps),
+
+and an arm on its way gives nothing, so the others bear the whole. The sum separates over stages, so the dynamic program
+finds the least; run again over certified lower bounds of every QP, it gives a bound that no schedule is below.
+`plan_schedule` is a pure function of reference, cart and what is held now: call it again when the estimate has changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
+from ..quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL
+from .regrasp_graph import Indices, RegraspGraph
+from .regrasps import BlockedStage, Grip, Horizon, Regrasp, RegraspCost, Schedule
+from .stage_efforts import AWAY, StageEfforts, candidate_points, stage_efforts, why_not
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.roles import ReferencePath
+
+__all__ = ["BlockedStage", "Grip", "Horizon", "Regrasp", "RegraspCost", "Schedule", "plan_schedule", "wanted_wrench"]
+
+EQUAL = 1e-12
+"""Relative difference of totals that counts as none."""
+DEFAULT_COST, WHOLE = RegraspCost(), Horizon()
+
+
+def plan_schedule(
+    reference: ReferencePath,
+    cart: CartModel,
+    arms: Sequence[Arm],
+    cost: RegraspCost = DEFAULT_COST,
+    horizon: Horizon = WHOLE,
+) -> Schedule:
+    """The least effort from now to the reference's end, over every way to hold and to regrasp the arms' points."""
+    problem = _Problem.of(reference, cart, arms, cost, horizon)
+    graph, times, length = problem.graph, problem.times, problem.length
+    efforts = stage_efforts(cart, arms, problem.wrenches, horizon.min_hand_distance)
+    starts = problem.starts(horizon)
+    values = graph.costs_to_go(length * efforts.efforts, cost.effort)
+    bound = float(graph.costs_to_go(length * efforts.bounds, cost.effort)[0, starts].min())
+    least = float(values[0, starts].min())
+    if not np.isfinite(least):
+        status = INFEASIBLE if np.isinf(bound) else NUMERICAL
+        blocked = problem.blocked(efforts, starts, horizon.min_hand_distance)
+        return Schedule(status, times, bound=bound, solved=efforts.solved, blocked=blocked)
+    equal = starts[values[0, starts] <= least * (1.0 + EQUAL)]
+    paths = [graph.best_path(length * efforts.efforts, cost.effort, values, int(start)) for start in equal]
+    path = min(paths, key=lambda path: int(graph.options.regrasps[path].sum()))
+    choices = graph.options.choice[path]
+    return Schedule(
+        status=OPTIMAL,
+        times=times,
+        contacts=problem.contacts(path),
+        holds={name: efforts.grips[choices, i] != AWAY for i, name in enumerate(problem.points)},
+        efforts=efforts.efforts[np.arange(len(choices)), choices],
+        regrasps=problem.regrasps(path),
+        total=least,
+        bound=bound,
+        solved=efforts.solved,
+    )
+
+
+def wanted_wrench(reference: ReferencePath, cart: CartModel, time: float) -> Array:
+    """The planar wrench (3,) in {b} with which a cart that is on its reference stays on it."""
+    wanted = reference.at(time)
+    state = cart.state(wanted.pose_sb, wanted.velocity)
+    return cart.planar_wrench(cart.required_wrench(state, wanted.acceleration, time=time))
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Stages between `times` (K + 1,) that ask for `wrenches` (K, 3); the arms' points by name, and their grips in
+    time."""
+
+    cart: CartModel
+    arms: Sequence[Arm]
+    times: Array
+    wrenches: Array
+    points: Mapping[str, Array]
+    graph: RegraspGraph
+
+    @classmethod
+    def of(
+        cls, reference: ReferencePath, cart: CartModel, arms: Sequence[Arm], cost: RegraspCost, horizon: Horizon
+    ) -> _Problem:
+        times = _stage_times(reference, horizon)
+        wrenches = np.array([wanted_wrench(reference, cart, time) for time in (times[:-1] + times[1:]) / 2])
+        points = candidate_points(arms)
+        stages = int(np.ceil(cost.duration / (times[1] - times[0]) - 1e-9))
+        graph = RegraspGraph.of([len(candidates) for candidates in points.values()], stages)
+        return cls(cart, arms, times, wrenches, points, graph)
+
+    @property
+    def length(self) -> float:
+        return float(self.times[1] - self.times[0])
+
+    def starts(self, horizon: Horizon) -> Indices:
+        """The states that one may start in."""
+        graph, points = self.graph, self.points
+        if horizon.held is None:
+            states = graph.at_rest
+            grips = np.array([graph.grips(int(state)) for state in states])
+            contacts = np.stack([p[grips[:, i]] for i, p in enumerate(points.values())], axis=1)
+            return states[hand_distance(contacts) >= horizon.min_hand_distance - DISTANCE_TOLERANCE]
+        if set(horizon.held) != set(points):
+            raise UsageError(f"horizon: grips of {sorted(horizon.held)} are given, arms are {sorted(points)}")
+        pairs = [self._start(name, horizon.held[name], horizon.now) for name in points]
+        return np.array([graph.state(*zip(*pairs, strict=True))])
+
+    def _start(self, name: str, grip: Grip, now: float) -> tuple[int, int]:
+        """Which point an arm holds or goes to, and for how many stages it is still on its way."""
+        away = np.abs(self.points[name] - np.asarray(grip.contact, dtype=float)).max(axis=1)
+        if not away.min() < 1e-6:
+            raise UsageError(f"horizon: arm {name} holds {list(grip.contact)}, which is none of its points")
+        wait = int(np.ceil(max(0.0, grip.ready - now) / self.length - 1e-9))
+        if wait > max(0, self.graph.stages - 1):
+            raise UsageError(f"horizon: arm {name} is ready at {grip.ready:g} s, later than a regrasp from now takes")
+        return int(away.argmin()), wait
+
+    def contacts(self, path: Sequence[int]) -> dict[str, Array]:
+        """By arm, what is held or gone to in each stage, (K, 3)."""
+        after = self._grips(self.graph.options.after[path])
+        return {name: candidates[after[:, i]] for i, (name, candidates) in enumerate(self.points.items())}
+
+    def regrasps(self, path: Sequence[int]) -> tuple[Regrasp, ...]:
+        before, after = (self._grips(part[path]) for part in (self.graph.options.before, self.graph.options.after))
+        found = []
+        for i, (name, candidates) in enumerate(self.points.items()):
+            for k in np.flatnonzero(after[:, i] != before[:, i]).tolist():
+                stop = self.times[min(k + self.graph.stages, len(self.times) - 1)]
+                ends = candidates[before[k, i]], candidates[after[k, i]]
+                found.append(Regrasp(name, float(self.times[k]), float(stop), *ends))
+        return tuple(sorted(found, key=lambda regrasp: regrasp.start))
+
+    def blocked(self, efforts: StageEfforts, starts: Indices, distance: float) -> tuple[BlockedStage, ...]:
+        """Stages that no grips can do, and the one that no sequence of regrasps gets past."""
+        found = {}
+        for k in np.flatnonzero(np.isinf(efforts.efforts).all(axis=1)).tolist():
+            words = why_not(self.cart, self.arms, self.wrenches[k], distance)
+            found[k] = words or "no solver gave a verified answer"
+        last = self.graph.blocked(efforts.efforts, starts)
+        if last is not None and last not in found:
+            found[last] = (
+                "some grips can do it, but no sequence of regrasps leads to them: what is held before can't do it, "
+                "and while an arm is on its way the others can't bear the wrench"
+            )
+        edges = self.times.tolist()
+        return tuple(BlockedStage(edges[k], edges[k + 1], found[k]) for k in sorted(found))
+
+    def _grips(self, states: Indices) -> Indices:
+        return np.array([self.graph.grips(int(state)) for state in states])
+
+
+def _stage_times(reference: ReferencePath, horizon: Horizon) -> Array:
+    left = reference.duration - horizon.now
+    if not (np.isfinite(left) and left > 0):
+        raise UsageError(f"horizon: now = {horizon.now} s is not before the reference's end, {reference.duration:g} s")
+    if not (np.isfinite(horizon.stage) and horizon.stage > 0):
+        raise UsageError(f"horizon: a stage of {horizon.stage} s is not a finite time > 0")
+    return np.linspace(horizon.now, reference.duration, int(np.ceil(left / horizon.stage - 1e-9)) + 1)

@@ -1,0 +1,92 @@
+"""What each stage of a horizon costs with each choice of grips: one certified QP for each, or the reason why not.
+
+A grip says which candidate of an arm holds, or `AWAY`: the arm is on its way to another and gives no wrench. The
+programs of one choice of grips differ in the wrench alone, so each choice keeps one warm planner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from ..planner import WrenchPlanner
+from ..quadratic_program import EQUALITY_TOLERANCE, INFEASIBLE, OPTIMAL
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+
+AWAY = -1
+
+
+@dataclass(frozen=True, eq=False)
+class StageEfforts:
+    """Effort (stages, choices) of each choice of grips (choices, n), infinite where there is none; no effort is below
+    `bounds`, zero where no solver gave a verified answer. `solved` counts programs."""
+
+    grips: Array
+    efforts: Array
+    bounds: Array
+    solved: int
+
+
+def stage_efforts(
+    cart: CartModel, arms: Sequence[Arm], wrenches: Array, min_hand_distance: float = 0.0
+) -> StageEfforts:
+    """For planar wrenches (stages, 3) in {b}, and every choice of grips of all arms."""
+    points = candidate_points(arms)
+    choices = [range(AWAY, len(candidates)) for candidates in points.values()]
+    grips = np.array(list(product(*choices)))
+    asked, stage = np.unique(wrenches, axis=0, return_inverse=True)
+    table = [_efforts(cart, arms, _held(points, row), (asked, min_hand_distance)) for row in grips]
+    efforts, bounds = (np.array(part).T[stage] for part in zip(*table, strict=True))
+    return StageEfforts(grips, efforts, bounds, len(asked) * (len(grips) - 1))
+
+
+def candidate_points(arms: Sequence[Arm]) -> dict[str, Array]:
+    """Candidate points (m, 3) by arm; a schedule is made over points."""
+    for arm in arms:
+        if arm.contacts.segments:
+            raise UsageError(f"schedule: arm {arm.name} may hold anywhere on a segment; list points of it instead")
+    return {arm.name: np.array(arm.contacts.points) for arm in arms}
+
+
+def why_not(cart: CartModel, arms: Sequence[Arm], wrench_b: Array, min_hand_distance: float) -> str:
+    """In words, what keeps a wrench (3,) from being given with the best contacts of all arms; empty if nothing does."""
+    plan = WrenchPlanner(cart, arms, min_hand_distance=min_hand_distance).plan(wrench_b)
+    return "" if plan.status == OPTIMAL else plan.message
+
+
+def _held(points: Mapping[str, Array], grips: Array) -> dict[str, Array]:
+    pairs = zip(points.items(), grips, strict=True)
+    return {name: candidates[grip] for (name, candidates), grip in pairs if grip != AWAY}
+
+
+def _efforts(
+    cart: CartModel, arms: Sequence[Arm], held: Mapping[str, Array], asked: tuple[Array, float]
+) -> tuple[Array, Array]:
+    """Efforts and their bounds, (stages,) each, of the arms that hold."""
+    wrenches, distance = asked
+    if not held:
+        idle = np.abs(wrenches @ cart.basis_b).max(axis=1) <= EQUALITY_TOLERANCE
+        efforts = np.where(idle, 0.0, np.inf)
+        return efforts, efforts
+    planner = WrenchPlanner(cart, [arm for arm in arms if arm.name in held], min_hand_distance=distance)
+    pairs = [_effort(planner, wrench, held) for wrench in wrenches]
+    efforts, bounds = np.array(pairs).T
+    return efforts, bounds
+
+
+def _effort(planner: WrenchPlanner, wrench: Array, held: Mapping[str, Array]) -> tuple[float, float]:
+    plan = planner.plan(wrench, contacts=held)
+    if plan.status == OPTIMAL and plan.effort is not None and plan.residuals is not None:
+        gap = plan.residuals.gap * max(1.0, plan.effort)
+        return plan.effort, max(0.0, plan.effort - gap)
+    return np.inf, np.inf if plan.status == INFEASIBLE else 0.0

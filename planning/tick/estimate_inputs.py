@@ -1,0 +1,86 @@
+"""Checks of an estimate: what it states must be numbers, of a cart that moves as the planner's does."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from ..plan import INVALID_INPUT, STALE_ESTIMATE
+from .plan_inputs import RefusedError, real_numbers
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Estimate
+
+MAX_ESTIMATE_AGE = 0.5  # s
+COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
+
+
+def check_estimate(estimate: Estimate, newest: float) -> float:
+    """The time of the newest estimate so far, s; refused if this one isn't finite or much older."""
+    try:
+        motion = *np.ravel(estimate.motion.pose_sb).tolist(), *np.ravel(estimate.motion.velocity).tolist()
+        numbers = [estimate.time, *motion, *(parameter.value for parameter in estimate.parameters.values())]
+        is_finite = all(map(math.isfinite, numbers))
+    except (AttributeError, TypeError, ValueError, OverflowError) as error:
+        raise _refused(f"its time, motion or parameters are not those of an Estimate ({error})") from error
+    if not is_finite:
+        raise _refused("its time, motion or a parameter is not finite")
+    if estimate.time < newest - MAX_ESTIMATE_AGE:
+        age = f"{newest - estimate.time:.3g} s older than the newest one given before"
+        cure = f"{MAX_ESTIMATE_AGE:g} s is allowed; reset() forgets that one"
+        raise RefusedError(STALE_ESTIMATE, f"estimate: {age}; {cure}")
+    return max(newest, estimate.time)
+
+
+def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
+    """The cart as now estimated; refused unless its free velocities are the planner's, `basis_b` (3, k)."""
+    try:
+        structure, numbers = estimate.structure, real_numbers(estimate.model_parameters)
+        size, changed_to = len(structure.parameters), structure.with_parameters
+    except AttributeError as error:
+        raise _refused(f"it has no cart ({error})") from error
+    if numbers is None or numbers.shape != (size,):
+        raise _refused(f"model_parameters: {estimate.model_parameters} are not the {size} numbers of its cart")
+    try:
+        cart = changed_to(numbers)
+    except UsageError as error:
+        raise _refused(str(error)) from error
+    if cart.basis_b is not basis_b and not np.array_equal(cart.basis_b, basis_b):
+        raise _refused("its cart has other rolling constraints than the planner's; make a new planner")
+    shapes = np.shape(estimate.motion.pose_sb), np.shape(estimate.motion.velocity)
+    if shapes != ((3,), basis_b.shape[1:]):
+        form = f"pose_sb (3,) and velocity {basis_b.shape[1:]}"
+        raise _refused(f"motion: shapes {shapes[0]} and {shapes[1]} instead of {form}")
+    return cart
+
+
+def read_covariance(estimate: Estimate) -> Array:
+    """That of the model's parameters (p, p); refused unless it is there and is one."""
+    size, covariance = len(estimate.model_parameters), real_numbers(estimate.covariance)
+    if estimate.covariance is None:
+        raise _refused("it has no covariance, which the planner's confidence needs")
+    if covariance is None:
+        raise _refused("covariance: it is not a matrix of numbers")
+    if covariance.shape != (size, size):
+        raise _refused(f"covariance: shape {covariance.shape} instead of {(size, size)}")
+    if not np.isfinite(covariance).all():
+        raise _refused("covariance: a value is not finite")
+    scale = np.sqrt(np.abs(np.diagonal(covariance)))
+    allowed = COVARIANCE_TOLERANCE * np.outer(scale, scale)
+    if (np.diagonal(covariance) < 0).any() or (np.abs(covariance - covariance.T) > allowed).any():
+        raise _refused("covariance: not symmetric with a diagonal >= 0")
+    units = np.where(scale > 0, scale, 1.0)
+    least = float(np.linalg.eigvalsh(covariance / np.outer(units, units))[0])
+    if least < -COVARIANCE_TOLERANCE:
+        raise _refused(f"covariance: not positive semidefinite (eigenvalue {least:.3g})")
+    return covariance
+
+
+def _refused(why: str) -> RefusedError:
+    return RefusedError(INVALID_INPUT, f"estimate: {why}")

@@ -1,0 +1,59 @@
+"""What `WrenchPlanner` remembers of its last plan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+
+from ..contacts.switching_cost import SAME_PLACE
+from .plan_inputs import RefusedError, read_contacts, read_start
+
+
+class LastPlan:
+    """`wrenches` (6n,), zero at first; `contacts` (n, 3) that are held, NaN where nothing is; and `choice` (n, 3), the
+    contacts last chosen among the arms' own."""
+
+    def __init__(self, n_arms: int) -> None:
+        self.wrenches = np.zeros(6 * n_arms)
+        self.contacts = np.full((n_arms, 3), np.nan)
+        self.choice: Array | None = None
+
+    def among(self, before: Sequence[str], names: Sequence[str]) -> Self:
+        """Of the arms `before`, what those have that are among `names`."""
+        other = type(self)(len(names))
+        for i, name in enumerate(names):
+            if name in before:
+                k = before.index(name)
+                other.wrenches[6 * i : 6 * i + 6] = self.wrenches[6 * k : 6 * k + 6]
+                other.contacts[i] = self.contacts[k]
+        return other
+
+    def started(
+        self, names: Sequence[str], wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike]
+    ) -> Self:
+        """With these wrenches (6,), of arms left out zero, and contacts (3,), of arms left out as they are."""
+        other = type(self)(len(names))
+        other.wrenches, other.choice = read_start(wrenches, names), self.choice
+        try:
+            held = read_contacts(contacts, names)
+        except RefusedError as error:
+            raise UsageError(f"start_from: {error}") from error
+        other.contacts = np.array([held.get(name, now) for name, now in zip(names, self.contacts, strict=True)])
+        return other
+
+    def contacts_or(self, first: Array) -> Array:
+        """The contacts held, else `first` (n, 3)."""
+        return np.where(np.isnan(self.contacts), first, self.contacts)
+
+    def moving_to(self, contacts: Array, names: Sequence[str]) -> tuple[str, ...]:
+        """Which of the arms hold elsewhere at the contacts (n, 3); none of those that held nothing."""
+        if contacts is self.contacts:
+            return ()
+        moving = np.flatnonzero((np.abs(contacts - self.contacts) > SAME_PLACE).any(axis=1))
+        return tuple(names[i] for i in moving.tolist())

@@ -1,0 +1,167 @@
+"""What holds at a tick: the arms with their limits and candidate contacts, the cart with its own, the last wrench.
+
+Nothing is built anew for a new wrench or contact. A new estimate changes the numbers of the cart's limits, a rate
+the bounds about the last wrench; new arms cost their rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.contacts import ContactSet
+from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import lateral_force
+from cartgrasp.frames import Array
+from cartgrasp.reach import Reach
+
+from ..allocation.allocation_template import AllocationTemplate
+from ..contacts.contact_bounds import Candidates
+from ..limits import LimitRows, Pushed, WrenchRate
+from ..limits.robust import RobustLimits
+from ..objectives import Objective
+from ..plan import INVALID_INPUT
+from .estimate_inputs import read_cart, read_covariance
+from .plan_inputs import LARGEST_WRENCH, RefusedError
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Estimate
+
+ROUNDING = 1e-9  # of the largest component, at least 1 N
+
+
+class Terms:
+    """`base` is the template but for the rate of change, `template` with it."""
+
+    base: AllocationTemplate
+    template: AllocationTemplate
+    candidates: Candidates
+    rate: WrenchRate | None
+    sets: dict[str, ContactSet]
+    yaws: dict[str, float]
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        objective: Objective | None,
+        cart_limits: RobustLimits,
+        distance_and_period: tuple[float, float],
+    ) -> None:
+        base = AllocationTemplate.of(cart, arms, objective)
+        self._pushed = Pushed(cart, None, base.arms)
+        self._covariance: Array | None = None
+        self.estimate: Estimate | None = None
+        self.side_force: Callable[[Array], float] = partial(lateral_force, cart)
+        """N that the fixed wheels take under a wrench (3,) of the hands."""
+        self._places: list[tuple[ContactSet, Reach | None]] = []
+        self._cart_limits = cart_limits
+        self._distance, self._period = distance_and_period
+        self._use(base.with_cart_rows(cart_limits.rows(self._pushed)))
+
+    def take_arms(self, new: Mapping[str, Arm]) -> bool:
+        """Puts these in the place of all arms, by their names; True if that changed anything."""
+        changed = tuple(new[arm.name] for arm in self.base.arms)
+        if all(one is other for one, other in zip(changed, self.base.arms, strict=True)):
+            return False
+        try:
+            pushed, rows = self._pushed.by(changed), self.base.cart_rows
+            if any(limit.looks_at_arms for limit in self._cart_limits.limits):
+                rows = self._cart_limits.rows(pushed, self._covariance)
+            self._use(self.base.with_arms(changed, rows))
+        except UsageError as error:
+            raise RefusedError(INVALID_INPUT, str(error)) from error
+        self._pushed = pushed
+        return True
+
+    @property
+    def first(self) -> Array:
+        """Each arm's first candidate, (n, 3)."""
+        return np.array([contacts.first for contacts in self.sets.values()])
+
+    @property
+    def looks_back(self) -> bool:
+        """Whether the last wrench matters to the next plan."""
+        return self.rate is not None or self.base.objective.looks_back
+
+    def reaching(self, names: Iterable[str]) -> list[tuple[str, Reach]]:
+        """Those of the named arms that have a reach, with it."""
+        return [(arm.name, arm.reach) for arm in self.base.arms if arm.name in names and arm.reach is not None]
+
+    def take_estimate(self, estimate: Estimate) -> bool:
+        """The cart's limits for the cart and motion as now estimated; False if there are no such limits, or they
+        are those of this very estimate already."""
+        if estimate is self.estimate:
+            return False
+        if not self._cart_limits.limits:
+            self._believe(estimate)
+            return False
+        cart = read_cart(estimate, self.base.basis_b)
+        covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
+        try:
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                pushed = Pushed(cart, estimate.motion, self.base.arms)
+                rows = self._cart_limits.rows(pushed, covariance)
+        except (UsageError, np.linalg.LinAlgError) as error:
+            raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
+        if not rows.are_numbers(LARGEST_WRENCH):
+            what = f"by it a limit of the cart is not finite, or beyond {LARGEST_WRENCH:g}"
+            raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
+        self._pushed, self._covariance = pushed, covariance
+        self._believe(estimate)
+        self.template = self.base = self.base.with_cart_rows(rows)
+        return True
+
+    def _believe(self, estimate: Estimate) -> None:
+        self.estimate, self.side_force = estimate, partial(_side_force, estimate, self.base.basis_b)
+
+    def take_last(self, wrenches: Array) -> None:
+        """Bounds about the last wrenches (6n,), where an arm has a rate."""
+        if self.rate is not None:
+            limits = self.base.limits
+            last = np.clip(wrenches, limits.lower, limits.upper)
+            self.template = self.base.with_bounds(limits & self.rate.around(last))
+
+    def _use(self, base: AllocationTemplate) -> None:
+        """Candidates stay the same object where arms may hold as before."""
+        places = [(arm.contacts, arm.reach) for arm in base.arms]
+        if places != self._places:
+            sets = {arm.name: _within_reach(arm) for arm in base.arms}
+            self.candidates = Candidates.of(list(sets.values()), self._distance)
+            self.sets, self._places = sets, places
+        self.template = self.base = base
+        self.yaws = {arm.name: arm.yaw for arm in base.arms}
+        self.rate = WrenchRate.of(base.arms, self._period)
+
+
+def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
+    """Wrenches (6n,) scaled towards zero, which the limits hold, as little as brings them within. Rounding is no
+    reason: at the edge of a friction it would scale them to zero."""
+    values = np.concatenate([wrenches, limits.rows @ wrenches])
+    low, high = np.concatenate([limits.lower, limits.low_limits]), np.concatenate([limits.upper, limits.limits])
+    rounding = ROUNDING * max(1.0, float(np.abs(wrenches).max(initial=0.0)))
+    beyond = (values > high + rounding) | (values < low - rounding)
+    scale = 1.0
+    if beyond.any():
+        scale = float((np.where(values > 0, high, low)[beyond] / values[beyond]).min(initial=1.0))
+    cones = [cone.offset + cone.rows @ wrenches for cone in limits.cones]
+    outside = any(np.linalg.norm(s[1:]) > s[0] + rounding for s in cones)
+    return np.zeros_like(wrenches) if outside else scale * wrenches
+
+
+def _side_force(estimate: Estimate, basis_b: Array, wrench_b: Array) -> float:
+    return lateral_force(read_cart(estimate, basis_b), wrench_b, estimate.motion)
+
+
+def _within_reach(arm: Arm) -> ContactSet:
+    left = arm.contacts if arm.reach is None else arm.reach.clip(arm.contacts)
+    if left is None:
+        ends = [*arm.contacts.points, *(end for s in arm.contacts.segments for end in (s.start, s.stop))]
+        least = float(arm.reach.excess(ends).min()) if arm.reach is not None else 0.0
+        raise UsageError(f"arm {arm.name}: reach: no candidate contact is within; the nearest is {least:.3g} m beyond")
+    return left
