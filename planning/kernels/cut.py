@@ -1,5 +1,5 @@
 """What the multipliers of one solved program say about other contacts: `planning.allocation.duality.Cut` in a form that
-is affine in the contact, with the same bound. tests/planning/test_compiled_planning.py compares the two.
+is affine in the contact, with the same bound. tests/planning/tick/test_compiled_planning.py compares the two.
 
 Relax all rows with y and keep the box. The rows are affine in each arm's (x, y, z), so what is left is, arm by arm,
 

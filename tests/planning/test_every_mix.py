@@ -23,7 +23,7 @@ from planning import (
     WrenchPlanner,
 )
 
-from .test_contact_choice_with_cart_limits import WHEELS, joints
+from .contacts.test_contact_choice_with_cart_limits import WHEELS, joints
 
 PERIOD = 0.01
 STATUSES = {"optimal", "relaxed", "infeasible", "invalid_input", "stale_estimate", "timeout", "numerical"}

@@ -25,8 +25,8 @@ from planning import (
     allocate,
 )
 
+from .contacts.test_contact_choice_with_cart_limits import joints, shopping_cart
 from .drawn import arm, cart, first_contacts
-from .test_contact_choice_with_cart_limits import joints, shopping_cart
 
 REST = Motion(np.zeros(3), np.zeros(2))
 COVARIANCE = np.diag([1.0, 0.1, 0.1, 0.5]) ** 2

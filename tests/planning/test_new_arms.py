@@ -10,7 +10,7 @@ import cartgrasp as cg
 from cartgrasp.motion import Estimate, Motion
 from planning import InternalForce, LeastInternalForce, Skid, Smoothness, TipOver, WrenchPlanner
 
-from .test_contact_choice_with_cart_limits import joints, shopping_cart
+from .contacts.test_contact_choice_with_cart_limits import joints, shopping_cart
 
 PLACES = {"left": [(-0.25, 0.2, 1.0)], "right": [(-0.25, -0.2, 1.0), (-0.25, -0.1, 0.9)]}
 FIELDS = ("yaw", "force", "weights", "friction", "push_only", "payload", "joints", "rate")

@@ -26,7 +26,7 @@ from planning import (
     WorstArm,
 )
 
-from .test_contact_choice_with_cart_limits import WHEELS, joints
+from .contacts.test_contact_choice_with_cart_limits import WHEELS, joints
 
 GOOD, BAD, EITHER = "good", "bad", "either"
 PLAIN_LIMITS = {"force_limit": (60, 60, 40), "moment_limit": (8, 8, 6)}
