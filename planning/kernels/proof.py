@@ -1,7 +1,6 @@
 """Residuals of the KKT conditions, as `planning.quadratic_program.verify` has them, and the value of a Farkas ray, as
 `planning.allocation.duality.infeasible_by` has it: from H, f, G and the limits alone, apart from all that a solver has
-made of them. Both mirror numpy code, which stays the reference, and tests/planning/kernels/test_kernel_proof.py compares
-them."""
+made of them. Both mirror numpy code, which stays the reference: tests/planning/kernels/test_kernel_proof.py."""
 
 from __future__ import annotations
 
