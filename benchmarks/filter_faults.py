@@ -1,5 +1,5 @@
-"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|demo]`: what the online filter says of sensors
-that are not as told, and whether its deviations hold.
+"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|demo]`: what the online filter says of
+sensors that are not as told, and whether its deviations hold.
 
 `faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
 a third to three times the mass, driven along straight and curved paths from any heading. Each log goes through the
@@ -14,13 +14,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from cartgrasp.first_guess import FirstGuess
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
+from cartgrasp.first_guess import FirstGuess
 from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
@@ -181,11 +182,11 @@ def noise(seeds: Sequence[int]) -> list[str]:
         rows.append((factor, *_noisy(seed, factor)))
         print(seed, *(f"{value:.3f}" for value in rows[-1]), flush=True)
     lines = [
-        "| velocity noise over declared | runs | NEES a degree of freedom | mass off, rms | within both | says so | met |",
+        "| velocity noise over declared | runs | NEES a degree of freedom | mass off, rms | within both | not `ok` | met |",
         "| --- " * 7 + "|",
     ]
     found = np.array(rows)
-    for low, high in [*zip(edges[:-1], edges[1:], strict=True), (LEAST_NOISE, MOST_NOISE)]:
+    for low, high in [*pairwise(edges), (LEAST_NOISE, MOST_NOISE)]:
         part = found[(found[:, 0] >= low) & (found[:, 0] <= high)]
         if not len(part):
             continue
