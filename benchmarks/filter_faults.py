@@ -182,7 +182,7 @@ def noise(seeds: Sequence[int]) -> list[str]:
         rows.append((factor, *_noisy(seed, factor)))
         print(seed, *(f"{value:.3f}" for value in rows[-1]), flush=True)
     lines = [
-        "| velocity noise over declared | runs | NEES a degree of freedom | mass off, rms | within both | not `ok` | met |",
+        "| noise over declared | runs | NEES a degree of freedom | mass off, rms | within both | not `ok` | met |",
         "| --- " * 7 + "|",
     ]
     found = np.array(rows)

@@ -49,8 +49,8 @@ FORCES = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0, "mN": 0.001}
 """N."""
 FRICTION_SPREAD = math.log(2.0)
 """Of what friction takes, as guessed: the deviation of its logarithm, beside that of the mass."""
-NOISE_BLOCKS, LOUD = 8.0, 1.5
-"""Blocks over which noise is averaged; the factor of its deviation from which that is told."""
+NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 8.0, 3.0, 1.5
+"""Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
 
 
 class Rivals(NamedTuple):
@@ -102,7 +102,8 @@ class SensorWatch:
         self._sideways = self._turning = Rivals((0.0,) * len(HEADINGS))
         self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
         self._powers, self._rows = (0.0,) * 6, 0.0
-        self._heard, self._ratios = 0.0, (1.0, 1.0)
+        self._heard = 0.0
+        self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
         self.loudness = np.ones(2)
         """Variances of velocities, linear and yaw, over the declared ones, where they are larger."""
@@ -156,9 +157,9 @@ class SensorWatch:
     def _listen(self, noise: tuple[float, float]) -> None:
         self._heard = heard = min(self._heard + 1.0, NOISE_BLOCKS)
         rows = zip(self._ratios, noise, self._declared, strict=True)
-        self._ratios = linear, yaw = tuple([old + (new / told - old) / heard for old, new, told in rows])
-        if heard >= NOISE_BLOCKS / 2 and (max(linear, yaw) > LOUD or self.loudness.max() > 1.0):
-            self.loudness = np.array([one if one > LOUD else 1.0 for one in (linear, yaw)])
+        linear, yaw = self._ratios = tuple([old + (new / told - old) / heard for old, new, told in rows])
+        if heard >= FIRST_BLOCKS and (max(linear, yaw) > LOUD**2 or self.loudness.max() > 1.0):
+            self.loudness = np.array([one if one > LOUD**2 else 1.0 for one in (linear, yaw)])
 
     def _compare_motion(self, first: Block, last: Block) -> None:
         """Poses against the way that wheels roll, and against velocities."""
@@ -234,8 +235,8 @@ class SensorWatch:
             yield Suspicion("sign", "pose", reversed_, -1.0, "positions go against their velocities")
 
     def _of_wrenches(self) -> Iterator[Suspicion]:
-        """By what the first guess would take for inertia and for friction: the sign, whatever their sizes; and the unit,
-        by these."""
+        """By what the first guess would take for inertia and for friction: the sign, whatever their sizes; and the
+        unit, by these."""
         ii, both, ff, inertial, friction, given = self._powers
         guessed, pull = ii + 2.0 * both + ff, inertial + friction
         if self._rows < LEAST_ROWS or not guessed > 0 or not given > 0:
@@ -279,7 +280,7 @@ class SensorWatch:
 
     def _of_noise(self) -> Iterator[Suspicion]:
         for where, variance in zip(("velocity", "yaw_rate"), self.loudness.tolist(), strict=True):
-            if variance > LOUD**2:
+            if variance > 1.0:
                 times = math.sqrt(variance)
                 words = f"the {where} is {times:.1f} times as noisy as declared, and taken as such"
                 yield Suspicion("noise", where, 1.0, times, words)
