@@ -49,6 +49,11 @@ FORCES = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0, "mN": 0.001}
 """N."""
 FRICTION_SPREAD = math.log(2.0)
 """Of what friction takes, as guessed: the deviation of its logarithm, beside that of the mass."""
+UNSURE = 1e6
+"""Variance of a logarithm that is not known."""
+SELDOM = 0.003
+"""Odds of each unit of force: rather less than of a log, as it is asked again and again, and a cart may be three times
+as heavy as it was guessed to be."""
 NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 8.0, 3.0, 1.5
 """Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
 
@@ -91,8 +96,7 @@ class SensorWatch:
         self._cart, self._yaws = cart, dict(yaws)
         self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._declared = noise.linear_velocity**2 + 1e-12, noise.yaw_rate**2 + 1e-12
-        spread = math.log1p(float(prior.deviations(cart)[0]) / cart.inertia.mass)
-        self._spreads = spread, math.hypot(spread, FRICTION_SPREAD)
+        self._spread = math.log1p(float(prior.deviations(cart)[0]) / cart.inertia.mass)
         self._mass_matrix, self._along = mass_matrix_b(cart.inertia.phi), cart.rolling.along_b
         self._slip = _slip(cart)
         self._contacts: dict[str, Array] = {}
@@ -246,18 +250,28 @@ class SensorWatch:
         if reversed_ > KEEPS:
             words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
             yield Suspicion("sign", "wrench", reversed_, -1.0, words)
-        log = [0.0] * len(FORCES)
-        for (share, std), spread in zip(self._shares(math.copysign(1.0, pull)), self._spreads, strict=True):
-            if share > 0:
-                wide = math.hypot(spread, std / share)
-                far = [math.log(share * unit) / wide for unit in FORCES.values()]
-                log = [old - 0.5 * one * one for old, one in zip(log, far, strict=True)]
-        sound, *units = probabilities(log, (1.0, *[UNIT_ODDS] * (len(FORCES) - 1)))
+        log = self._logs_of_units(math.copysign(1.0, pull))
+        sound, *units = probabilities(log, (1.0, *[SELDOM] * (len(FORCES) - 1)))
         if sound < 1.0 - KEEPS:
             name = list(FORCES)[1 + units.index(max(units))]
             size = f"{abs(pull) / guessed:.2g} times what the first guess takes"
             words = f"wrenches are {size}: they seem to be in {name}, not N"
             yield Suspicion("unit", "wrench", sum(units), FORCES[name], words)
+
+    def _logs_of_units(self, sign: float) -> list[float]:
+        """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
+        (moved, moved_by), (rubbed, rubbed_by) = self._shares(sign)
+        of_mass = self._spread**2
+        first, last = of_mass + UNSURE, of_mass + UNSURE
+        if moved > 0:
+            first = of_mass + (moved_by / moved) ** 2
+        if rubbed > 0:
+            last = of_mass + FRICTION_SPREAD**2 + (rubbed_by / rubbed) ** 2
+        size, found = first * last - of_mass**2, []
+        for unit in FORCES.values():
+            x, y = (math.log(share * unit) if share > 0 else 0.0 for share in (moved, rubbed))
+            found.append(-0.5 * (last * x * x - 2.0 * of_mass * x * y + first * y * y) / size)
+        return found
 
     def _explained(self, sign: float) -> float:
         """How much of the square of the power, by any inertia and any friction that is not negative."""
