@@ -84,7 +84,8 @@ class Estimate(NamedTuple):
         seen = brief(
             "Estimate", f"t = {digits(self.time)} s", f"health: {self.health}", f"pose {pose}", f"nu {velocity}"
         )
-        return "\n  ".join([seen, "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())])
+        told = "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())
+        return "\n  ".join([seen, told, *[one.words for one in self.suspicions]])
 
     def cart(self) -> CartModel:
         """The cart as now estimated."""
