@@ -51,10 +51,14 @@ FRICTION_SPREAD = math.log(2.0)
 """Of what friction takes, as guessed: the deviation of its logarithm, beside that of the mass."""
 UNSURE = 1e6
 """Variance of a logarithm that is not known."""
+LEAST_SPREAD, LEAST_SHARE = 0.02, 1e-9
+"""Deviation of a mass that is known, as scales are; and a share that is none."""
+RUNNING = 4
+"""Conclusions in a row, before a unit of force is told: what a gentle run says of the mass wanders for a while."""
 SELDOM = 0.003
 """Odds of each unit of force: rather less than of a log, as it is asked again and again, and a cart may be three times
 as heavy as it was guessed to be."""
-NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 8.0, 3.0, 1.5
+NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 16.0, 6.0, 1.5
 """Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
 
 
@@ -95,7 +99,7 @@ class SensorWatch:
     ) -> None:
         self._cart, self._yaws = cart, dict(yaws)
         self._takes_all, self._arms = arms is None, tuple(arms or ())
-        self._declared = noise.linear_velocity**2 + 1e-12, noise.yaw_rate**2 + 1e-12
+        self._declared = [deviation * deviation + 1e-12 for deviation in (noise.linear_velocity, noise.yaw_rate)]
         self._spread = math.log1p(float(prior.deviations(cart)[0]) / cart.inertia.mass)
         self._mass_matrix, self._along = mass_matrix_b(cart.inertia.phi), cart.rolling.along_b
         self._slip = _slip(cart)
@@ -106,7 +110,7 @@ class SensorWatch:
         self._sideways = self._turning = Rivals((0.0,) * len(HEADINGS))
         self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
         self._powers, self._rows = (0.0,) * 6, 0.0
-        self._heard = 0.0
+        self._sure, self._heard = 0, 0.0
         self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
         self.loudness = np.ones(2)
@@ -202,7 +206,8 @@ class SensorWatch:
         friction = float(needed @ nu) - inertial
         forces = zip(first.wrench_b, middle.wrench_b, last.wrench_b, twist.tolist(), strict=True)
         given = sum([(begun + 4.0 * held + ended) * speed for begun, held, ended, speed in forces]) / 6.0
-        new = inertial**2, inertial * friction, friction**2, inertial * given, friction * given, given**2
+        own = inertial * inertial, inertial * friction, friction * friction
+        new = *own, inertial * given, friction * given, given * given
         self._powers = tuple([KEPT * old + more for old, more in zip(self._powers, new, strict=True)])
         self._rows = KEPT * self._rows + 1.0
 
@@ -252,7 +257,9 @@ class SensorWatch:
             yield Suspicion("sign", "wrench", reversed_, -1.0, words)
         log = self._logs_of_units(math.copysign(1.0, pull))
         sound, *units = probabilities(log, (1.0, *[SELDOM] * (len(FORCES) - 1)))
-        if sound < 1.0 - KEEPS:
+        self._sure = self._sure + 1 if sound < 1.0 - SURE else 0
+        stays = any(one.kind == "unit" and one.where == "wrench" for one in self.suspicions)
+        if self._sure >= RUNNING or (stays and sound < 1.0 - KEEPS):
             name = list(FORCES)[1 + units.index(max(units))]
             size = f"{abs(pull) / guessed:.2g} times what the first guess takes"
             words = f"wrenches are {size}: they seem to be in {name}, not N"
@@ -261,15 +268,15 @@ class SensorWatch:
     def _logs_of_units(self, sign: float) -> list[float]:
         """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
         (moved, moved_by), (rubbed, rubbed_by) = self._shares(sign)
-        of_mass = self._spread**2
+        of_mass = self._spread**2 + LEAST_SPREAD**2
         first, last = of_mass + UNSURE, of_mass + UNSURE
-        if moved > 0:
-            first = of_mass + (moved_by / moved) ** 2
-        if rubbed > 0:
-            last = of_mass + FRICTION_SPREAD**2 + (rubbed_by / rubbed) ** 2
+        if moved > LEAST_SHARE:
+            first = of_mass + min((moved_by / moved), UNSURE) ** 2
+        if rubbed > LEAST_SHARE:
+            last = of_mass + FRICTION_SPREAD**2 + min(rubbed_by / rubbed, UNSURE) ** 2
         size, found = first * last - of_mass**2, []
         for unit in FORCES.values():
-            x, y = (math.log(share * unit) if share > 0 else 0.0 for share in (moved, rubbed))
+            x, y = (math.log(share * unit) if share > LEAST_SHARE else 0.0 for share in (moved, rubbed))
             found.append(-0.5 * (last * x * x - 2.0 * of_mass * x * y + first * y * y) / size)
         return found
 
@@ -279,8 +286,8 @@ class SensorWatch:
         (moved, _), (rubbed, _) = self._shares(sign)
         if moved > 0 and rubbed > 0:
             return sign * (moved * inertial + rubbed * friction)
-        alone = [max(sign * pull, 0.0) ** 2 / (own + 1e-12) for pull, own in ((inertial, ii), (friction, ff))]
-        return max(alone)
+        alone = ((max(sign * pull, 0.0), own + 1e-12) for pull, own in ((inertial, ii), (friction, ff)))
+        return max(pull * pull / own for pull, own in alone)
 
     def _shares(self, sign: float) -> tuple[tuple[float, float], ...]:
         """Of what the first guess would take for inertia and for friction, how much is given, and its deviation."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,8 @@ MEDIAN = 0.6745
 """Of the size of a normal number, in deviations."""
 FEWEST = 8
 """Velocities that tell their noise."""
+LARGEST = 1e9
+"""SI: beyond, nothing was measured."""
 TURN = 2.0 * math.pi
 
 
@@ -42,14 +44,10 @@ def wrapped(angle: float) -> float:
 
 def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[float]] | None:
     """Mean time, place and headings; None where no pose is whole."""
-    seen = [m for m in samples if m.pose is not None]
-    poses = np.array([m.pose for m in seen], dtype=float)
-    times = [m.time for m in seen]
-    if len(seen) and not math.isfinite(poses.sum()):
-        whole = np.isfinite(poses).all(axis=1)
-        poses, times = poses[whole], [time for time, is_whole in zip(times, whole.tolist(), strict=True) if is_whole]
-    if not len(times):
+    rows = _whole([(m.time, *m.pose) for m in samples if m.pose is not None])
+    if rows is None:
         return None
+    times, poses = rows[:, 0].tolist(), rows[:, 1:]
     first, *turned = poses[:, 2].tolist()
     x, y, _ = poses.sum(axis=0).tolist()
     n, headings = len(times), []
@@ -89,11 +87,11 @@ def wrench_of(
     return [along, across, moment] if arms else None
 
 
-def _whole(rows: Sequence[Array | None]) -> Array | None:
-    """Those that are finite (n, k), if any."""
+def _whole(rows: Sequence[Any]) -> Array | None:
+    """Those that are measurements (n, k), if any."""
     found = np.array(rows, dtype=float)
-    if len(found) and not math.isfinite(found.sum()):
-        found = found[np.isfinite(found).all(axis=1)]
+    if len(found) and not np.abs(found).max() < LARGEST:
+        found = found[(np.abs(found) < LARGEST).all(axis=1)]
     return found if len(found) else None
 
 
