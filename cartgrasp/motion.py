@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .checks import brief, digits
 from .frames import Array
@@ -67,7 +67,8 @@ class ParameterEstimate:
 class Estimate(NamedTuple):
     """What an estimator knows at `time`: the motion, the parameters by name, and its own health. `structure` is the
     cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated, `covariance` (p, p) is
-    theirs (None where an estimator has none)."""
+    theirs (None where an estimator has none). `suspicions` tell of sensors that don't seem to mean what they say: each
+    has a `kind`, `where`, a `probability` and `words`."""
 
     time: float
     motion: Motion
@@ -76,13 +77,15 @@ class Estimate(NamedTuple):
     structure: CartModel
     model_parameters: Array
     covariance: Array | None = None
+    suspicions: tuple[Any, ...] = ()
 
     def __repr__(self) -> str:
         pose, velocity = (digits(part.tolist()) for part in self.motion[:2])
         seen = brief(
             "Estimate", f"t = {digits(self.time)} s", f"health: {self.health}", f"pose {pose}", f"nu {velocity}"
         )
-        return "\n  ".join([seen, "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())])
+        told = "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())
+        return "\n  ".join([seen, told, *[one.words for one in self.suspicions]])
 
     def cart(self) -> CartModel:
         """The cart as now estimated."""

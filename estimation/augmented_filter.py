@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -86,10 +86,13 @@ class AugmentedFilter:
         self._belief: Gaussian | None = None
         self._physical: tuple[Gaussian, Array] | None = None  # of a belief
         self._sensors, self._said = no_health(), 0
+        self._loudness = np.eye(3)
         self.time = -math.inf
         self._started = self._has_wrench = False
         self._lift = cart.planar_wrench(np.eye(cart.constraints.n_free)).T
         self._project = np.linalg.pinv(cart.basis_b)
+
+    worked: ClassVar[bool] = False
 
     def take(self, measurement: Measurement) -> None:
         """Predicts to the measurement's time, and takes in what it holds."""
@@ -109,6 +112,10 @@ class AugmentedFilter:
             self._open_load()
         found = [self._watch.last.get(name, (math.nan, 1)) for name in SENSORS]
         self._said = noted(self._sensors, measurement.time, np.array([nis / (GATE * size) for nis, size in found]))
+
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        self._loudness = np.diag(loudness[[0, 0, 1]])
 
     def copy(self) -> Self:
         other = shallow(self)
@@ -290,7 +297,7 @@ class AugmentedFilter:
         where = self.cart.velocity_slice
         H = np.zeros((self.cart.constraints.n_free, self.layout.wrench.stop))
         H[:, where] = np.eye(self.cart.constraints.n_free)
-        R = to_free @ self.noise.velocity_covariance @ to_free.T
+        R = to_free @ self._loudness @ self.noise.velocity_covariance @ to_free.T
         places = 3 + np.arange(self.cart.constraints.n_free)
         self._absorb("velocity", to_free @ velocity - self.belief.mean[where], H, R, places)
 

@@ -32,6 +32,7 @@ from .learning_filter import LearningFilter
 from .noise import FilterNoise
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
+from .sensor_watch import SensorWatch
 from .warming import made_up_push
 
 EXACT, EXACT_BESIDE_MEMORIES = 1.0, 20.0
@@ -80,6 +81,7 @@ class CartFilter:
         self.cart, _, self.noise, self.prior, _ = made_of
         self._tracked, self._arms = TrackedPoint(cart.pose_tb), arms
         core = core_of(made_of, least_speed)
+        self._watch = SensorWatch(*made_of)
         self._samples = LateSamples(DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
 
     def warm_up(self) -> None:
@@ -101,6 +103,9 @@ class CartFilter:
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         try:
             is_taken = self._samples.take(self._tracked.at_body(measurement))
+            now = measurement.time + self._samples.ahead
+            if now >= self._watch.due and not self._core.worked and self._watch.go_on(now, self._samples.last):
+                self._core.hear(self._watch.loudness)
         except (TypeError, ValueError, AttributeError):
             check_measurement(measurement)
             raise
@@ -129,6 +134,8 @@ class CartFilter:
     @property
     def estimate(self) -> Estimate:
         found, ahead = self._core.estimate(), self._samples.ahead
+        if self._watch.suspicions:
+            found = self._watch.qualified(found)
         return found._replace(time=found.time - ahead) if ahead else found
 
     @property

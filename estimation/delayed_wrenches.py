@@ -28,9 +28,18 @@ class Core(Protocol):
 
     time: float  # of the last sample
 
+    @property
+    def worked(self) -> bool:
+        """Whether the last sample took longer than most."""
+        ...
+
     def take(self, measurement: Measurement) -> None: ...
 
     def copy(self) -> Self: ...
+
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        ...
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, of which it need not learn."""
@@ -63,6 +72,10 @@ class DelayedWrenches:
         self._now: Core | None = None
         self.time = core.time
 
+    @property
+    def worked(self) -> bool:
+        return self._core.worked
+
     def take(self, measurement: Measurement) -> None:
         core, self._now, self.time = self._core, None, measurement.time
         felt = self.time - self._delay
@@ -74,6 +87,9 @@ class DelayedWrenches:
             self._recorded = (*(one for one in self._recorded if one.time > felt - SAME), measurement)
             if felt > core.time - SAME:
                 core.take(Measurement(max(felt, core.time), wrenches=self._felt_together(measurement)))
+
+    def hear(self, loudness: Array) -> None:
+        self._core.hear(loudness)
 
     def copy(self) -> Self:
         other = shallow(self)

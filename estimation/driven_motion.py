@@ -81,6 +81,11 @@ class DrivenMotion:
         other._seen = other._block[:3], other._block[self._nu], other._block[self.cart.memory_slice]
         return other
 
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        declared = np.diag(self._noise.velocity_covariance)
+        self.now.variances[3:] = declared * loudness[[0, 0, 1]]
+
     def start(self, time: float, pose: Array) -> None:
         """From a pose that may be NaN in parts, with any velocity."""
         now = self.now

@@ -69,6 +69,11 @@ class LateSamples(Generic[T]):
         self.ahead += gap
         return self._take(replace(measurement, time=measurement.time + gap))
 
+    @property
+    def last(self) -> list[Measurement]:
+        """The samples of the last moments, in order."""
+        return self._samples
+
     def _take(self, measurement: Measurement) -> bool:
         if measurement.time >= self.state.time - 1e-9:
             self._go_on(measurement)

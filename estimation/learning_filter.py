@@ -40,6 +40,11 @@ class LearningFilter:
     def cart(self) -> CartModel:
         return self.learner.cart
 
+    @property
+    def worked(self) -> bool:
+        """Whether the last sample took longer than most."""
+        return self.learner.worked
+
     def take(self, measurement: Measurement) -> None:
         """Predicts to the measurement's time, and takes in what it holds."""
         learner, motion = self.learner, self.motion
@@ -57,6 +62,11 @@ class LearningFilter:
         elif time - motion.time > LOST_AFTER:
             motion.coast(time)
         motion.advance(time, seen, felt, self.learner.surprise)
+
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        self.learner.hear(loudness)
+        self.motion.hear(loudness)
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, and learned nothing."""

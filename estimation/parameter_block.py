@@ -33,8 +33,9 @@ class ParameterBlock:
         self._full = cart.parameters.copy()
         self._full[:N_PHI] = self._chart.coordinates(cart.inertia.phi)
         self.first = self._full[self.free]
-        self._report = ParameterReport(cart, prior)
-        self._limits = _limits(cart.inertia, prior)
+        self._limits = limits = _limits(cart.inertia, prior)
+        body = limits.mass, limits.com_x, limits.com_y, limits.inertia
+        self._report = ParameterReport(cart, prior, body)
         self._effect_bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
         places = {int(i): k for k, i in enumerate(self.free)}
         order = (*self._chart.clamped, *range(N_PHI, len(self._full)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import final
@@ -15,8 +15,11 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .health import Health
+from .physical_set import EDGE, LEAST_INERTIA_SHARE, LEAST_MASS_SHARE
 from .prior import Prior, report_names, report_units
 
+AT = 2.0 * EDGE
+"""Of the first deviations: what is no farther from a bound is at it."""
 IDENTIFIABLE_SHARE = 0.25
 """Of the prior's standard deviation: what is known better than that was taught."""
 
@@ -24,20 +27,25 @@ IDENTIFIABLE_SHARE = 0.25
 class ParameterReport:
     """Of a cart's parameters, against what was believed of them at first."""
 
-    def __init__(self, cart: CartModel, prior: Prior) -> None:
+    def __init__(self, cart: CartModel, prior: Prior, limits: Sequence[tuple[float, float]] | None = None) -> None:
+        """`limits` (low, high) of mass, CoM and inertia, where an estimator has its own."""
         self.cart = cart
         self._prior_std = prior.deviations(cart)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
-        bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
-        self._lower, self._upper = np.array(bounds).reshape(-1, 2).T
+        unlimited, least = (-np.inf, np.inf), (LEAST_MASS_SHARE, LEAST_INERTIA_SHARE)
+        mass, inertia = least[0] * cart.inertia.mass, least[1] * cart.inertia.about_com
+        bounds = list(limits or ((mass, np.inf), unlimited, unlimited, (inertia, np.inf)))
+        bounds += [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
+        lower, upper = np.array(bounds).T
+        self._lower, self._upper = lower + AT * self._prior_std, upper - AT * self._prior_std
 
     def of(self, theta: Array, covariance: Array, share: Array) -> dict[str, ParameterEstimate]:
         """The model's parameters (p,) and their covariance (p, p) by name. `share` (p,) is what is left of the first
         standard deviation of the number that was estimated behind each: a deviation of a physical value also shrinks
-        where the value runs away. At a bound of an effect, nothing is taught."""
+        where the value runs away. At a bound of an effect, or as light as a cart may be, nothing is taught."""
         values, std = self.numbers(theta, covariance)
         learned = (share < IDENTIFIABLE_SHARE) & (std < IDENTIFIABLE_SHARE * self._prior_std)
-        learned[N_PHI:] &= (self._lower < theta[N_PHI:]) & (theta[N_PHI:] < self._upper)
+        learned &= (self._lower < values) & (values < self._upper)
         rows = zip(self._names, values.tolist(), std.tolist(), learned.tolist(), strict=True)
         return {
             name: ParameterEstimate(value, deviation, unit, known) for (name, unit), value, deviation, known in rows

@@ -21,6 +21,7 @@ from .late_samples import LateSamples
 from .noise import FilterNoise
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
+from .sensor_watch import SensorWatch
 
 
 class RegressorEstimator:
@@ -42,11 +43,15 @@ class RegressorEstimator:
         self._tracked = TrackedPoint(cart.pose_tb)
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
             self._samples = LateSamples(ParameterLearner(*made_of))
+        self._watch = SensorWatch(*made_of)
 
     def update(self, measurement: Measurement) -> Estimate:
         """Goes on to the measurement's time, takes in what it holds, and says what is known."""
         try:
             is_taken = self._samples.take(self._tracked.at_body(measurement))
+            now = measurement.time + self._samples.ahead
+            if now >= self._watch.due and not self._learner.worked and self._watch.go_on(now, self._samples.last):
+                self._learner.hear(self._watch.loudness)
         except (TypeError, ValueError, AttributeError):
             check_measurement(measurement)
             raise
@@ -73,6 +78,8 @@ class RegressorEstimator:
         if learner.time == -math.inf:
             raise UsageError("regressor: no measurement has come yet")
         found, ahead = learner.estimate(learner.motion, learner.health), self._samples.ahead
+        if self._watch.suspicions:
+            found = self._watch.qualified(found)
         return found._replace(time=found.time - ahead) if ahead else found
 
     @property

@@ -107,7 +107,9 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 def _print(result: Replay, prior: Prior) -> None:
     title = f"After {result.last.time:.2f} s, health: {result.last.health}"
     print_parameters(title, result.last.parameters, "taught by this motion")
-    if result.last.health == Health.INCONSISTENT:
+    for one in result.last.suspicions:
+        print(f"- {one.words}")
+    if result.last.health == Health.INCONSISTENT and not result.last.suspicions:
         print("- the model does not fit this log, so it taught nothing: `cartgrasp discrepancy` tells what is missing")
     if result.last.covariance is not None:
         for one in identifiability(result.last, prior).untaught:

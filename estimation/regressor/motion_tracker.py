@@ -95,6 +95,10 @@ class MotionTracker:
             self._n, self.last_time = n + 1, time
         return said
 
+    def hear(self, variances: Array) -> None:
+        """Those of velocities (3,) from now on."""
+        kernels.known_of(self._known, self._free).variances[3:] = variances
+
     @property
     def felt(self) -> Array:
         """The last moment's row, from the wrench on."""

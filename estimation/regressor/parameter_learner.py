@@ -72,6 +72,7 @@ class ParameterLearner:
         self._memory: Array | None = None
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self._seen, self._started, self._has_wrench = Seen(), False, False
+        self.worked = False  # whether the last sample brought a row, which takes long
         self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
         self._conclude()
 
@@ -89,13 +90,18 @@ class ParameterLearner:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
         self.time = self.tracker.last_time
-        if said & DUE:
+        self.worked = said & DUE > 0
+        if self.worked:
             self._take_row()
         self._watch.go_on(time)
         if said & FELT:
             self.felt, self._has_wrench = self.tracker.felt, True
         else:
             self.felt = NOTHING_FELT
+
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        self.tracker.hear(np.diag(self.noise.velocity_covariance) * loudness[[0, 0, 1]])
 
     def _moving(self, time: float) -> Moving:
         """The cart as it was seen last, with memories as they were at the beginning of the block."""

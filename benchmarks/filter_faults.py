@@ -1,0 +1,263 @@
+"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|demo]`: what the online filter says of
+sensors that are not as told, and whether its deviations hold.
+
+`faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
+a third to three times the mass, driven along straight and curved paths from any heading. Each log goes through the
+filter as it is and with a fault in it. A fault is told where health is not `ok` and a suspicion of its kind and place
+stands beside it; on a sound log any suspicion is an alarm.
+
+`noise`: velocities 0.3 to 3 times as noisy as declared. `demo`: errors of the demo's runs over their deviations.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
+from cartgrasp.first_guess import FirstGuess
+from cartgrasp.frames import Array, body_to_world, wrap_angle
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
+from cartgrasp.studies import shopping_cart
+from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
+from cartgrasp.studies.estimators import HANDS, PATHS, SENSORS, Job, drive_cart, filter_noise, guess
+from estimation import CartFilter
+from estimation.gaussian import normalised_square
+
+from .sensor_faults import Fault, poses, wrenches
+
+IN_TIME = 5.0
+"""s of motion, in which a fault has to be told."""
+LASTING = 12.0
+SAID_SPREAD = 0.15
+"""Of a mass, where the cart's file says how sure it is."""
+SOUND = "as they are"
+FAULTS = {
+    "wrenches reversed": wrenches("sign", factors=(-1.0,) * 6),
+    "kN, kN·m": wrenches("unit", factors=(1e-3,) * 6),
+    "lbf, lbf·ft": wrenches("unit", factors=(1 / 4.4482216,) * 3 + (1 / 1.3558179,) * 3),
+    "theta in degrees": poses("unit", lambda pose: pose * [1, 1, 180 / np.pi]),
+    "x and y in mm": poses("unit", lambda pose: pose * [1000, 1000, 1]),
+}
+QUIET = "quiet"
+"""Sensors of forces with which a run tells the mass to much less than 3 %."""
+LEAST_NOISE, MOST_NOISE = 0.3, 3.0
+NEES, MASS, UNSOUND = 2.0, 0.03, 0.9
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A log, what is believed of its cart at first, and its mass (kg) at the end."""
+
+    log: RunLog
+    believed: CartModel
+    mass: float
+
+
+def between(random: np.random.Generator, low: float, high: float) -> float:
+    """By a logarithm that is uniform."""
+    return float(np.exp(random.uniform(np.log(low), np.log(high))))
+
+
+def drawn(seed: int, is_said: bool = False) -> Drawn:
+    """With a first guess anywhere from a third to three times the mass; or one whose file says how sure it is."""
+    random = np.random.default_rng([seed, 7])
+    mass, share = between(random, 10.0, 100.0), between(random, 1 / 3, 3.0)
+    com = float(random.uniform(0.15, 0.4)), float(random.uniform(-0.08, 0.08))
+    drags = between(random, 1.0, 8.0), between(random, 0.4, 3.0), between(random, 0.005, 0.03)
+    load, at = float(random.uniform(0.1, 0.4)) * mass * (seed % 3 == 0), float(random.uniform(3.0, 8.0))
+    off, turned = random.uniform(0.5, 2.0, 3), float(random.uniform(-np.pi, np.pi))
+    if is_said:
+        share = max(1.0 + SAID_SPREAD * float(random.standard_normal()), 0.5)
+    body = Inertia(mass, com, 0.09 * mass)
+    first = Inertia(share * mass, (0.3, 0.0), 0.09 * share * mass)
+    truth = CartModel(body, RollingConstraints(), (*_drags(*drags), PayloadChange(at, load, 0.2, 0.1)))
+    said = FirstGuess((("mass", SAID_SPREAD * share * mass),)) if is_said else FirstGuess()
+    believed = CartModel(first, RollingConstraints(), _drags(*(drags * off)), first_guess=said)
+    path = list(PATHS)[seed % len(PATHS)]
+    log = drive_cart(truth, Job(path, "usual", seed), LASTING).log
+    return Drawn(_turned(log, turned), believed, mass + load * (at < log.time[-1]))
+
+
+def _drags(linear: float, angular: float, rolling: float) -> tuple[ViscousDrag, RollingResistance]:
+    return ViscousDrag(linear, angular), RollingResistance(rolling)
+
+
+def _turned(log: RunLog, angle: float) -> RunLog:
+    """The same in a world that is turned."""
+    turn = np.asarray(body_to_world(angle))
+    pose = log.pose @ turn.T + [0.0, 0.0, angle]
+    pose[:, 2] = wrap_angle(pose[:, 2])
+    return replace(log, pose=pose, velocity=None if log.velocity is None else log.velocity @ turn.T)
+
+
+@dataclass(frozen=True)
+class Told:
+    """Of a run: when a suspicion of the right kind first stood beside a health that is not `ok` (s since the cart
+    moved, NaN for never), other suspicions; the mass's last error by its value and by its deviation, and whether it was
+    said to be identifiable under a health of `ok`."""
+
+    after: float
+    others: tuple[str, ...]
+    off: float
+    deviations: float
+    is_sure: bool
+    unsound: float
+
+
+def suspicions(estimate: Estimate) -> tuple[Any, ...]:
+    return getattr(estimate, "suspicions", ())
+
+
+def told(run: Drawn, fault: Fault | None) -> Told:
+    log = fault.change(run.log) if fault else run.log
+    kinds = fault.kinds if fault else frozenset()
+    filtered = CartFilter(run.believed, list(HANDS), noise=filter_noise(SENSORS["usual"]))
+    with np.errstate(all="ignore"):  # numbers may be beyond reason
+        found = [filtered.update(measurement) for measurement in log.measurements()]
+    begun = _begins(run.log)
+    named = [one.time - begun for one in found if one.health != "ok" and kinds & {s.kind for s in suspicions(one)}]
+    others = {str(s.kind) + " of " + s.where for one in found for s in suspicions(one) if s.kind not in kinds}
+    mass = found[-1].parameters["mass"]
+    off = mass.value - run.mass
+    settled = [one.health != "ok" for one in found if one.time >= begun + IN_TIME]
+    is_sure = bool(mass.identifiable and found[-1].health == "ok")
+    return Told(
+        named[0] if named else np.nan,
+        tuple(sorted(others)),
+        off / run.mass,
+        off / mass.std if mass.std > 0 else np.inf,
+        is_sure,
+        float(np.mean(settled)),
+    )
+
+
+def _begins(log: RunLog) -> float:
+    """When the cart has gone 1 cm."""
+    gone = np.hypot(*(log.pose[:, :2] - log.pose[0, :2]).T) > 0.01
+    return float(log.time[int(np.argmax(gone))])
+
+
+def faults(seeds: Sequence[int]) -> list[str]:
+    """A line for sound logs, and for each fault."""
+    lines = [
+        "| | told in 5 s | later | never | something else | health not `ok` after 5 s, share of ticks | "
+        "mass said identifiable and `ok`, off by more than 5 deviations |",
+        "| --- " * 7 + "|",
+    ]
+    cases = [(SOUND, None, False), *((name, fault, False) for name, fault in FAULTS.items())]
+    cases += [(f"{SOUND}; the file says 15 %", None, True)]
+    cases += [(f"{name}; the file says 15 %", FAULTS[name], True) for name in ("kN, kN·m", "lbf, lbf·ft")]
+    runs = {said: [drawn(seed, said) for seed in seeds] for said in (False, True)}
+    for name, fault, said in cases:
+        found = [told(run, fault) for run in runs[said]]
+        after = np.array([one.after for one in found])
+        soon, later = int((after <= IN_TIME).sum()), int((after > IN_TIME).sum())
+        others = sum(bool(one.others) for one in found)
+        wrong = sum(one.is_sure and abs(one.deviations) > 5 for one in found)
+        which = sorted({other for one in found for other in one.others})
+        cells = [name, *(("", "", "") if fault is None else (soon, later, len(found) - soon - later))]
+        cells += [f"{others}{': ' + ', '.join(which) if which else ''}"]
+        cells += [f"{np.mean([one.unsound for one in found]):.2f}", wrong]
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def noise(seeds: Sequence[int]) -> list[str]:
+    """By the size of the noise: how many runs are consistent or say that they are not."""
+    edges = (LEAST_NOISE, 0.6, 1.0, 1.5, 2.0, MOST_NOISE)
+    rows: list[tuple[float, float, float, float, float]] = []
+    for seed in seeds:
+        factor = between(np.random.default_rng([seed, 8]), LEAST_NOISE, MOST_NOISE)
+        rows.append((factor, *_noisy(seed, factor)))
+        print(seed, *(f"{value:.3f}" for value in rows[-1]), flush=True)
+    lines = [
+        "| noise over declared | runs | NEES a degree of freedom | mass off, rms | within both | not `ok` | met |",
+        "| --- " * 7 + "|",
+    ]
+    found = np.array(rows)
+    for low, high in [*pairwise(edges), (LEAST_NOISE, MOST_NOISE)]:
+        part = found[(found[:, 0] >= low) & (found[:, 0] <= high)]
+        if not len(part):
+            continue
+        fits = (part[:, 1] < NEES) & (np.abs(part[:, 2]) < MASS)
+        says = part[:, 3] >= UNSOUND
+        cells = [f"{low} to {high}", len(part), f"{part[:, 1].mean():.2f}"]
+        cells += [f"{100 * np.sqrt((part[:, 2] ** 2).mean()):.1f} %", fits.sum(), says.sum(), (fits | says).sum()]
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+    return lines
+
+
+def _noisy(seed: int, factor: float) -> tuple[float, float, float]:
+    """NEES a degree of freedom of motion and parameters, mean after IN_TIME; the last mass's error by its value; and
+    the share of ticks after IN_TIME at which health is not `ok`."""
+    cart, declared = drawn_cart(seed), exact_noise(QUIET)
+    driven = drive_cart(cart, Job("curves", QUIET, seed))
+    log = driven.log
+    clean = np.column_stack([np.zeros((len(log), 2)), driven.motion[:, 4]])
+    clean[:, 0], clean[:, 1] = np.cos(driven.motion[:, 2]), np.sin(driven.motion[:, 2])
+    clean[:, :2] *= driven.motion[:, 3:4]
+    log = replace(log, velocity=clean + factor * (log.velocity - clean))
+    filtered = CartFilter(guess(), list(HANDS), noise=declared, prior=PRIOR)
+    squares, unsound, dof = [], [], 0
+    for i, measurement in enumerate(log.measurements()):
+        found = filtered.update(measurement)
+        if found.time < IN_TIME:
+            continue
+        belief = filtered.belief
+        off = belief.mean - driven.motion[i]
+        off[2] = wrap_angle(off[2])
+        wrong = found.model_parameters - cart.parameters
+        squares.append(_nees(off, belief.covariance) + _nees(wrong, found.covariance))
+        dof = len(off) + len(wrong)
+        unsound.append(found.health != "ok")
+    mass = found.parameters["mass"].value / cart.inertia.mass - 1.0
+    return float(np.mean(squares)) / dof, mass, float(np.mean(unsound))
+
+
+def _nees(off: Array, covariance: Array) -> float:
+    return float(normalised_square(off, covariance))
+
+
+def demo(seeds: Sequence[int]) -> list[str]:
+    """Rms over seeds of each parameter's last error over its deviation."""
+    errors: dict[str, list[float]] = {}
+    for seed in seeds:
+        record = shopping_cart.scenario(seed=seed).run()
+        for name, series in record.parameters.items():
+            if series.truth is not None and series.std[-1] > 0:
+                off = (series.value[-1] - series.truth[-1]) / series.std[-1]
+                errors.setdefault(name, []).append(float(off))
+        print(seed, {name: round(values[-1], 2) for name, values in errors.items()}, flush=True)
+    lines = ["| parameter | rms | mean |", "| --- | --- | --- |"]
+    for name, values in errors.items():
+        lines.append(f"| {name} | {np.sqrt(np.mean(np.square(values))):.2f} | {np.mean(values):+.2f} |")
+    return lines
+
+
+PARTS = {"faults": (faults, 100), "noise": (noise, 100), "demo": (demo, 30)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser("python -m benchmarks.filter_faults", description=__doc__)
+    parser.add_argument("--seeds", default=None, metavar="A:B", help="100 from 0 on, and 30 of the demo")
+    parser.add_argument("--only", choices=PARTS, help="one part alone")
+    options = parser.parse_args()
+    for name, (part, usual) in PARTS.items():
+        if options.only in (None, name):
+            begin, end = map(int, (options.seeds or f"0:{usual}").split(":"))
+            print(f"\n## {name}\n", *part(range(begin, end)), sep="\n", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+"""Means over a block of samples, by which `sensor_watch.py` asks whether sensors mean what they say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.motion import Measurement
+
+HEADINGS = (1.0, math.pi / 180, -1.0)
+"""What recorded headings are multiplied by: as they are, of degrees, of the other sense."""
+SPACED = 0.02
+"""s between velocities, up to which their second differences are noise."""
+MEDIAN = 0.6745
+"""Of the size of a normal number, in deviations."""
+FEWEST = 8
+"""Velocities that tell their noise."""
+LARGEST = 1e9
+"""SI: beyond, nothing was measured."""
+TURN = 2.0 * math.pi
+
+
+class Block(NamedTuple):
+    """Mean time (s) of the poses; where {b} was (2,), and the heading by HEADINGS (3,). The mean velocity (3,) in {s},
+    and the mean wrench (3,) of all arms in {b}, or None; and variances (2,) of white noise of a sample's velocity,
+    linear and yaw, None where they can't be told."""
+
+    time: float
+    place: list[float]
+    headings: list[float]
+    velocity: list[float] | None
+    wrench_b: list[float] | None
+    noise: tuple[float, float] | None
+
+
+def wrapped(angle: float) -> float:
+    """To [-pi, pi)."""
+    return (angle + math.pi) % TURN - math.pi
+
+
+def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[float]] | None:
+    """Mean time, place and headings; None where no pose is whole."""
+    rows = _whole([(m.time, *m.pose) for m in samples if m.pose is not None])
+    if rows is None:
+        return None
+    times, poses = rows[:, 0].tolist(), rows[:, 1:]
+    first, *turned = poses[:, 2].tolist()
+    x, y, _ = poses.sum(axis=0).tolist()
+    n, headings = len(times), []
+    for factor in HEADINGS:
+        off = sum([(factor * (one - first) + math.pi) % TURN for one in turned]) - math.pi * len(turned)
+        headings.append(factor * first + off / n)
+    return sum(times) / n, [x / n, y / n], headings
+
+
+def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, tuple[float, float] | None]:
+    """Their mean, and variances of their noise: from second differences, which motion has no share in."""
+    rows = _whole([m.velocity for m in samples if m.velocity is not None])
+    if rows is None:
+        return None, None
+    noise = None
+    if len(rows) >= FEWEST and samples[-1].time - samples[0].time < SPACED * len(rows):
+        jumps = np.abs(rows[2:] - 2.0 * rows[1:-1] + rows[:-2])
+        jumps.sort(axis=0)
+        x, y, yaw = (jumps[len(jumps) // 2] / MEDIAN).tolist()
+        noise = (x * x + y * y) / 12.0, yaw * yaw / 6.0
+    return _mean(rows), noise
+
+
+def wrench_of(
+    samples: Sequence[Measurement], contacts: Mapping[str, Array], arms: Sequence[str], yaws: Mapping[str, float]
+) -> list[float] | None:
+    """Of all arms; None where one of them, or where it holds, is not known."""
+    along = across = moment = 0.0
+    for arm in arms:
+        rows = _whole([m.wrenches[arm] for m in samples if arm in m.wrenches])
+        if rows is None or arm not in contacts:
+            return None
+        (fx, fy, _, _, _, tz), (x, y, *_) = _mean(rows), contacts[arm]
+        cosine, sine = math.cos(yaws.get(arm, 0.0)), math.sin(yaws.get(arm, 0.0))
+        fx, fy = cosine * fx - sine * fy, sine * fx + cosine * fy
+        along, across, moment = along + fx, across + fy, moment + float(x * fy - y * fx) + tz
+    return [along, across, moment] if arms else None
+
+
+def _whole(rows: Sequence[Any]) -> Array | None:
+    """Those that are measurements (n, k), if any."""
+    found = np.array(rows, dtype=float)
+    if len(found) and not np.abs(found).max() < LARGEST:
+        found = found[(np.abs(found) < LARGEST).all(axis=1)]
+    return found if len(found) else None
+
+
+def _mean(rows: Array) -> list[float]:
+    return [one / len(rows) for one in rows.sum(axis=0).tolist()]

@@ -1,0 +1,26 @@
+"""The online filter among faults, on two logs; the whole table takes some minutes."""
+
+import pytest
+
+from benchmarks.filter_faults import FAULTS, IN_TIME, MASS, NEES, drawn, noise, told
+
+
+@pytest.mark.parametrize("seed", [2000, 2001])
+def test_faults_are_told_and_sound_logs_are_not_suspected(seed):
+    run = drawn(seed)
+    assert not told(run, None).others
+    for name, fault in FAULTS.items():
+        found = told(run, fault)
+        if name.startswith("lbf"):
+            continue  # which a wide guess explains as well
+        assert found.after <= IN_TIME, name
+        assert not found.is_sure
+
+
+def test_loud_velocities_leave_the_filter_consistent():
+    """A table's line for the size of the noise, and one for all: here of one log."""
+    *_, whole = noise([2002])
+    runs, nees, off = (cell.strip() for cell in whole.split("|")[2:5])
+    assert runs == "1"
+    assert float(nees) < NEES
+    assert abs(float(off.removesuffix(" %"))) < 100 * MASS
