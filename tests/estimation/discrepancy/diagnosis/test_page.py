@@ -8,14 +8,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from estimation.discrepancy.diagnosis.figures import figures
-from estimation.discrepancy.diagnosis.page import page
 
 from cartgrasp.effects import DirectionalDrag, QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 from estimation.discrepancy.clock_offset import clock_offsets
+from estimation.discrepancy.diagnosis.figures import figures
+from estimation.discrepancy.diagnosis.page import page
 from estimation.discrepancy.findings.isolability import isolability
 from estimation.discrepancy.findings.named import NamedEffect
 from estimation.discrepancy.findings.verdicts import ADDED, ROUGHLY, verdict

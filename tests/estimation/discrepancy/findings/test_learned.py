@@ -5,9 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from estimation.discrepancy.diagnosis.figures import figures
-from estimation.discrepancy.diagnosis.law_figure import asked_forces
-from estimation.discrepancy.diagnosis.page import page
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,6 +13,9 @@ from cartgrasp.effects import LearnedForce
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
+from estimation.discrepancy.diagnosis.figures import figures
+from estimation.discrepancy.diagnosis.law_figure import asked_forces
+from estimation.discrepancy.diagnosis.page import page
 from estimation.discrepancy.findings.learned import LearnedLaw
 from estimation.discrepancy.search.laws import smooth_laws
 from estimation.weak_form.balances import Balances
