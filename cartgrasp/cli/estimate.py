@@ -23,6 +23,7 @@ from ..motion import ParameterEstimate
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, progress, say
 from .sensors import check_accepted, refuse_wrong_sensors
+from .taught import print_health, taught_word
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -106,18 +107,19 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 
 def _print(result: Replay, prior: Prior) -> None:
     title = f"After {result.last.time:.2f} s, health: {result.last.health}"
-    print_parameters(title, result.last.parameters, "taught by this motion")
-    if result.last.health == Health.INCONSISTENT:
-        print("- the model does not fit this log, so it taught nothing: `cartgrasp discrepancy` tells what is missing")
+    print_parameters(title, result.last.parameters, "taught by this motion", result.last.health)
+    print_health(result.last.health)
     if result.last.covariance is not None:
         for one in identifiability(result.last, prior).untaught:
             print(f"- {one}")
 
 
-def print_parameters(title: str, parameters: Mapping[str, ParameterEstimate], taught: str) -> None:
+def print_parameters(
+    title: str, parameters: Mapping[str, ParameterEstimate], taught: str, health: str = Health.OK
+) -> None:
     """A table; `taught` heads its last column."""
     rows = [
-        [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, "yes" if p.identifiable else "no"]
+        [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, taught_word(p.identifiable, health)]
         for name, p in parameters.items()
     ]
     print_table(title, ["parameter", "value", "sd", "unit", taught], rows)
