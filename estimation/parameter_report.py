@@ -15,6 +15,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .health import Health
+from .physical_set import EDGE, PhysicalSet
 from .prior import Prior, report_names, report_units
 
 IDENTIFIABLE_SHARE = 0.25
@@ -28,15 +29,17 @@ class ParameterReport:
         self.cart = cart
         self._prior_std = prior.deviations(cart)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
-        bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
-        self._lower, self._upper = np.array(bounds).reshape(-1, 2).T
+        limits = PhysicalSet.of(cart, "report")
+        self._lower, self._upper = limits.lower, limits.upper
+        self._least = (1 + 2 * EDGE) * np.array([limits.mass, limits.about_com])
 
     def of(self, theta: Array, covariance: Array, share: Array) -> dict[str, ParameterEstimate]:
         """The model's parameters (p,) and their covariance (p, p) by name. `share` (p,) is what is left of the first
         standard deviation of the number that was estimated behind each: a deviation of a physical value also shrinks
-        where the value runs away. At a bound of an effect, nothing is taught."""
+        where the value runs away. At a bound of an effect, or of a body, nothing is taught."""
         values, std = self.numbers(theta, covariance)
         learned = (share < IDENTIFIABLE_SHARE) & (std < IDENTIFIABLE_SHARE * self._prior_std)
+        learned[[0, 3]] &= values[[0, 3]] > self._least
         learned[N_PHI:] &= (self._lower < theta[N_PHI:]) & (theta[N_PHI:] < self._upper)
         rows = zip(self._names, values.tolist(), std.tolist(), learned.tolist(), strict=True)
         return {

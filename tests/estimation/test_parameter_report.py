@@ -18,3 +18,13 @@ def test_at_a_bound_nothing_is_taught(breakaway):
     told = ParameterReport(cart, Prior()).of(cart.parameters, 1e-6 * np.eye(size), np.full(size, 1e-3))
     assert told["mass"].identifiable
     assert told["stribeck_friction.breakaway"].identifiable == (breakaway > 0.0)
+
+
+def test_a_body_at_its_bound_is_not_taught():
+    """A twentieth of the first guess's yaw inertia is the least that is believed."""
+    cart = CartModel(Inertia(24.0, (0.3, 0.0), 2.0))
+    for about_com, is_taught in ((0.1, False), (0.11, True)):
+        phi = Inertia(24.0, (0.3, 0.0), about_com).phi
+        told = ParameterReport(cart, Prior()).of(phi, 1e-9 * np.eye(4), np.full(4, 1e-3))
+        assert told["inertia"].identifiable == is_taught
+        assert told["mass"].identifiable
