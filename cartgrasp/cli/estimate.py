@@ -22,7 +22,7 @@ from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, progress, say
-from .sensors import check_accepted, refuse_wrong_sensors
+from .sensors import check_accepted, first_looks
 from .taught import print_health, taught_word
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
@@ -49,14 +49,14 @@ def run(
     log = log_of(path, topics, coasting)
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the body alone; --method filter takes it as given")
-    refuse_wrong_sensors([log], cart, accepted)
+    looks = first_looks([log], cart, accepted, is_told=not as_json)
     tell_given([log], cart)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
     if out is not None:
         write_atomically(out, result.series_csv())
     if as_json:
-        print_json(result.as_dict())
+        print_json({**result.as_dict(), "checked": [look.as_dict() for look in looks]})
     else:
         _print(result, body_as_given([log]))
     if method == "filter":
