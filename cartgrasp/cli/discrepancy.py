@@ -40,7 +40,7 @@ def run(
         check_writable(next_file.path, sources.cart, sources.topics, *sources.logs, option="--next")
     check_accepted(sources.accepted)
     cart, logs = cart_and_logs(sources.logs, sources.cart, out, sources.topics, sources.coasting)
-    looks = first_looks(logs, cart, sources.accepted, is_told=not as_json)
+    first_looks(logs, cart, sources.accepted, is_told=not as_json)
     inputs = sources.summed(out) if out is not None else None
     tell_given(logs, cart)
     with stages(f"comparing {cart.name}") as tell:
@@ -52,7 +52,7 @@ def run(
     if next_file is not None:
         _write_next(found, next_file.path)
     if as_json:
-        print_json({**found.report.as_dict(), "checked": [look.as_dict() for look in looks]})
+        print_json(found.report.as_dict())
     else:
         _print(found)
     return 0

@@ -56,7 +56,7 @@ def run(
     if out is not None:
         write_atomically(out, result.series_csv())
     if as_json:
-        print_json({**result.as_dict(), "checked": [look.as_dict() for look in looks]})
+        print_json({**result.as_dict(), "checked": looks})
     else:
         _print(result, body_as_given([log]))
     if method == "filter":

@@ -36,7 +36,7 @@ def run(
         found = fit(logs, cart, progress=tell)
         found = _held_against_filter(found, logs, cart)
     if as_json:
-        print_json({**found.as_dict(), "checked": [look.as_dict() for look in looks]})
+        print_json({**found.as_dict(), "checked": looks})
     else:
         _print(found)
     if out is not None:

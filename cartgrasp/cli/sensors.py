@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -40,33 +40,47 @@ def refuse(log: RunLog, suspicions: Iterable[Suspicion], accepted: Sequence[str]
             raise DataError(f"{log.name}: {one.words}; or say --accept {one.kind} if it is as it should be")
 
 
-def first_looks(logs: Iterable[RunLog], cart: CartModel, accepted: Sequence[str], is_told: bool = True) -> list[Look]:
+def first_looks(
+    logs: Sequence[RunLog], cart: CartModel, accepted: Sequence[str], is_told: bool = True
+) -> list[dict[str, Any] | None]:
     """Before anything is learned: refuses what surely is wrong, and else tells each log in a few lines, unless JSON
-    alone is asked for. Of a log that can't be looked at nothing is told: what learns from it says itself what it
-    lacks."""
-    found = list[tuple[RunLog, Look]]()
-    for log in logs:
-        with suppress(DataError):
-            found.append((log, looked_at(log, cart)))
-    for log, look in found:
-        refuse(log, look.suspicions, accepted)
-    for log, look in found if is_told else ():
-        _tell(log.name, look)
-    return [look for _, look in found]
+    alone is asked for. Each as JSON has it, None of one that can't be looked at: what learns from it says itself what
+    it lacks."""
+    found = [_look(log, cart) for log in logs]
+    for log, look in zip(logs, found, strict=True):
+        if isinstance(look, Look):
+            refuse(log, look.suspicions, accepted)
+    for log, look in zip(logs, found, strict=True) if is_told else ():
+        _tell(log, look)
+    return [look.as_dict() if isinstance(look, Look) else None for look in found]
 
 
-def _tell(name: str, look: Look) -> None:
+def _look(log: RunLog, cart: CartModel) -> Look | DataError:
+    try:
+        return looked_at(log, cart)
+    except DataError as error:
+        return error
+
+
+def _tell(log: RunLog, look: Look | DataError) -> None:
+    if isinstance(look, DataError):
+        say(f"{log.name}: {len(log)} rows over {log.duration:.3g} s; its sensors were not judged: {_why(log, look)}")
+        return
     seen = look.overview
     of_arms = [
         f"{printable(one.where)} up to {one.largest[0]:.3g} N (noise {one.noise[0] or 0.0:.2g} N)"
         for one in seen.sensors
         if one.where in seen.arms and one.largest[0] is not None
     ]
-    say(f"{name}: {in_short(look)}" + "".join(f"; {one}" for one in of_arms))
+    say(f"{log.name}: {in_short(look)}" + "".join(f"; {one}" for one in of_arms))
     for one in look.suspicions:
         say(f"  suspected with {one.probability:.2f}, {one.kind}: {one.words}")
     if look.unjudged:
         say(f"  signs, axes and units of its wrenches were not judged: {look.unjudged}")
+
+
+def _why(log: RunLog, error: DataError) -> str:
+    return str(error).removeprefix(f"{log.name}: ")
 
 
 def in_short(look: Look) -> str:

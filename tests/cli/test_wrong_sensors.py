@@ -106,4 +106,4 @@ def test_what_cannot_be_looked_at_is_not_suspected(folder, change, words):
     log, cart = change(read_log(folder / "sound.csv")), load_cart(folder / "cart.yaml")
     with pytest.raises(DataError, match=words):
         looked_at(log, cart)
-    assert first_looks([log], cart, ()) == []
+    assert first_looks([log], cart, ()) == [None]
