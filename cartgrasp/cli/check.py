@@ -60,12 +60,12 @@ def _print(look: Look) -> None:
         [
             printable(one.where),
             *("" if value is None else f"{value:.4g}" for value in (one.rate, 100 * one.missing, one.gap)),
-            _sized(one.where, one.noise),
+            _sized(one.where, one.noise, is_small=True),
             _sized(one.where, one.largest),
         ]
         for one in look.overview.sensors
     ]
-    columns = ["sensor", "rate, Hz", "missing, %", "longest gap, s", "noise", "largest"]
+    columns = ["sensor", "rate, Hz", "missing, %", "gap, s", "noise", "largest"]
     print_table("What the log holds", columns, rows)
     if look.unjudged:
         say(f"signs, axes and units of its wrenches were not judged: {look.unjudged}")
@@ -78,7 +78,10 @@ def _print(look: Look) -> None:
         say(one.words)
 
 
-def _sized(where: str, values: tuple[float | None, float | None]) -> str:
-    """With units."""
-    units = UNITS.get(where, OF_ARMS)
-    return ", ".join(f"{value:.2g} {unit}" for value, unit in zip(values, units, strict=True) if value is not None)
+def _sized(where: str, values: tuple[float | None, float | None], is_small: bool = False) -> str:
+    """With units; small ones of motion in thousandths."""
+    units, scale, milli = (
+        (UNITS[where], 1e3, "m") if is_small and where in UNITS else (UNITS.get(where, OF_ARMS), 1, "")
+    )
+    pairs = zip(values, units, strict=True)
+    return ", ".join(f"{scale * value:.2g} {milli}{unit}" for value, unit in pairs if value is not None)
