@@ -18,9 +18,11 @@ import numpy as np
 from cartgrasp.effects import CasterRealignment, Effect, ViscousDrag, WheelDragImbalance
 from cartgrasp.errors import printable
 from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import CASTER
 
+from ..log_noise import noise_floor
 from ..weak_form.balances import Balances
 from ..weak_form.band import RICH
 from .evidence import UNEXPLAINED, gain_evidence, independent_rows, probabilities
@@ -35,6 +37,8 @@ FEWEST = 16
 MASS_SPREAD, INERTIA_SPREAD, SAME_GAIN = 0.5, 0.7, 0.1
 """Of the log of a file's mass about the true one: 19 in 20 guesses are within a factor of 2.7. Of its yaw inertia,
 beside what the mass is off by. Of the mass that is felt sideways against the one felt ahead."""
+NOISY = 2.0
+"""Times the variance that white noise gives means over a row's step: of sixteen of them, in one case in a hundred."""
 TRACE = 1e-8
 """Of the largest: smaller directions are rounding."""
 FARTHEST = 5.0
@@ -203,10 +207,25 @@ def _signals(balances: Balances, cart: CartModel) -> Array:
     """(k, f, arms, 3, 8): what each recorded component is in each balance, taken for fx, fy or tz."""
     wrenches, heading = balances.wrenches, balances.motion.pose[:, 2]
     c, s = np.cos(heading), np.sin(heading)
-    fx, fy = wrenches.recorded[..., 0], wrenches.recorded[..., 1]
-    recorded = np.concatenate([wrenches.recorded, np.stack([c * fx + s * fy, c * fy - s * fx], axis=-1)], axis=-1)
+    spoken = wrenches.recorded * np.array([_speaks(balances.log, name) for name in wrenches.arms])[:, None]
+    fx, fy = spoken[..., 0], spoken[..., 1]
+    recorded = np.concatenate([spoken, np.stack([c * fx + s * fy, c * fy - s * fx], axis=-1)], axis=-1)
     reduced = (cart.basis_b.T @ wrenches.grasps)[..., [0, 1, 5]]
     return balances.integrated(np.einsum("anfi,anj->nfaij", reduced, recorded))
+
+
+def _speaks(log: RunLog, arm: str) -> np.ndarray:
+    """Which components (6,) of an arm's wrench are more than white noise: of what is nothing else no log tells the
+    sign, and chance would."""
+    wrench = log.arms[arm].wrench
+    wrench = wrench[np.isfinite(wrench).all(axis=1)]
+    size = int(ROW_STEPS[0] / float(np.median(np.diff(log.time))))
+    count = len(wrench) // max(size, 1)
+    if size < 2 or count < FEWEST:
+        return np.ones(wrench.shape[1], dtype=bool)
+    means = wrench[: count * size].reshape(count, size, -1).mean(axis=1)
+    noise = np.array([noise_floor(column) for column in wrench.T])
+    return np.asarray(means.var(axis=0) > NOISY * noise**2 / size)
 
 
 def _beside(columns: Array, signals: Array, own: int) -> Balance | None:

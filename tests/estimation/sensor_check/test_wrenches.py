@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check import of_wrenches
 from estimation.sensor_check.wrench_readings import UNITS, mountings
-from estimation.sensor_check.wrenches import _balances, judged
+from estimation.sensor_check.wrenches import _balances, _speaks, judged
 from estimation.weak_form.balances import Balances
 
 from .logs import CART, QUIET, RAIL, cart_of, found, on_rail, sealed, two_hands, with_wrenches
@@ -95,6 +95,17 @@ def test_of_ten_seconds_much_is_told(name):
         (kind, "left"),
         (kind, "right"),
     }
+
+
+def test_what_is_only_noise_has_no_sign():
+    """An offset is none either; a slow push far below the noise of a sample is one."""
+    log = two_hands(0)
+    random, slow = np.random.default_rng(1), 0.5 * np.sin(log.time)
+    noise = random.normal(0, 1.0, (len(log.time), 6))
+    columns = [noise[:, 0], noise[:, 1] + 5.0, noise[:, 2] + slow, slow, 0 * slow, 10 * noise[:, 5]]
+    arms = log.arms | {"left": ArmLog(log.arms["left"].contact, np.column_stack(columns))}
+    assert _speaks(replace(log, arms=arms), "left").tolist() == [False, False, True, True, False, False]
+    assert _speaks(log, "left")[[0, 1, 5]].all()
 
 
 def test_what_cannot_be_judged_is_said():
