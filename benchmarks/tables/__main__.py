@@ -32,6 +32,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="0:60", help="FROM:TO")
     parser.add_argument("--faults", default="0:0", help="FROM:TO, of pushes into whose table each fault is put")
     parser.add_argument("--sound", default="0:0", help="FROM:TO, of pushes that are asked about as they are")
+    parser.add_argument("--span", type=float, default=float("inf"), help="s, of which those are recorded at most")
     parser.add_argument("--keep", type=Path, help="folder in which the tables stay")
     parser.add_argument("--out", type=Path, help="write the table there instead of printing it")
     options = parser.parse_args()
@@ -40,8 +41,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         root = options.keep or Path(temporary)
         judged = [(seed, judge(write(root / str(seed) / "run", seed), root / str(seed))) for seed in seeds]
-        faults = [one for seed in whole for one in sound(root / "faults", seed)]
-        faults += [one for seed in faulty for one in told(root / "faults", seed)]
+        faults = [one for seed in whole for one in sound(root / "faults", seed, options.span)]
+        faults += [one for seed in faulty for one in told(root / "faults", seed, span=options.span)]
     text = table_of(judged) + ("\n" + table_of_faults(faults) if faults else "")
     if options.out is None:
         print(text, end="")

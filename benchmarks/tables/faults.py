@@ -86,21 +86,22 @@ class Told:
         return self.is_asked or self.is_suspected
 
 
-def told(folder: Path, seed: int, faults: Mapping[str, Change] = FAULTS) -> list[Told]:
-    """Of one push, all faults one by one. Guesses are taken as they are; the check believes the true cart."""
+def told(folder: Path, seed: int, faults: Mapping[str, Change] = FAULTS, span: float = np.inf) -> list[Told]:
+    """Of the first `span` (s) of one push, all faults one by one. Guesses are taken as they are; the check believes the
+    true cart."""
     random = np.random.default_rng([seed, 21])
     push = drawn_push(random, ("hand",))
-    table, path = _table(random, push), folder / "run.csv"
+    table, path = _table(random, push, span), folder / "run.csv"
     folder.mkdir(parents=True, exist_ok=True)
     return [_told(name, _written(change(table), path), push) for name, change in faults.items()]
 
 
-def sound(folder: Path, seed: int) -> list[Told]:
+def sound(folder: Path, seed: int, span: float = np.inf) -> list[Told]:
     """Of a sound push, with the true cart, and with one that is drawn off."""
     random = np.random.default_rng([seed, 21])
     push = drawn_push(random, ("hand",))
     folder.mkdir(parents=True, exist_ok=True)
-    path = _written(_table(random, push), folder / "run.csv")
+    path = _written(_table(random, push, span), folder / "run.csv")
     off = float(np.exp(random.uniform(-1.0, 1.0) * np.log(2.5)))
     return [_told(SOUND, path, push), _told(GUESSED, path, push, off)]
 
@@ -111,8 +112,8 @@ def _written(table: Array, path: Path) -> Path:
     return path
 
 
-def _table(random: np.random.Generator, push: Push) -> Array:
-    time = np.arange(0, push.time[-1], 0.01)
+def _table(random: np.random.Generator, push: Push, span: float) -> Array:
+    time = np.arange(0, min(push.time[-1], span), 0.01)
     pose = push.at(time, push.pose) + random.normal(0, 5e-4, (len(time), 3))
     wrench = push.at(time, push.hands["hand"].wrench)[:, [0, 1, 5]] + random.normal(0, [0.3, 0.3, 0.02], (len(time), 3))
     return np.column_stack([time, pose, wrench])
