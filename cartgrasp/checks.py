@@ -8,7 +8,10 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
+
 from .errors import UsageError
+from .frames import Array
 
 LARGEST_ANGLE = 4 * math.pi
 """rad: two turns. What is more was meant in degrees."""
@@ -94,6 +97,27 @@ def numbers(what: str, values: Any, form: str, low: float = -math.inf, high: flo
     return found
 
 
+def rows(what: str, values: Any, columns: Sequence[str], count: int | None = None) -> Array:
+    """Numbers (count, columns) as floats, NaN where missing; (n,) of one column, and as many rows as there are where
+    `count` isn't given."""
+    try:
+        found = np.asarray(values)
+    except (TypeError, ValueError):
+        found = np.asarray(None)
+    form = ", ".join(columns)
+    if found.dtype.kind not in "fiu":
+        raise UsageError(
+            f"{what}: {_kind_of(values)} is no array of numbers; give {form} of each row, NaN where missing"
+        )
+    width = (len(columns),) if len(columns) > 1 else ()
+    if found.ndim != 1 + len(width) or found.shape[1:] != width or count not in (None, len(found)):
+        wanted = ", ".join(map(str, ("n" if count is None else count, *width)))
+        one = f"; one for all rows is np.tile(values, ({count or 'n'}, 1))" if width and found.shape == width else ""
+        comma = "" if width else ","
+        raise UsageError(f"{what}: shape {found.shape} instead of ({wanted}{comma}): {form} of each row{one}")
+    return np.asarray(found, dtype=float)
+
+
 def angle(what: str, value: Any) -> float:
     """rad."""
     found = number(what, value, -math.inf, math.inf)
@@ -119,6 +143,11 @@ def digits(values: float | Sequence[float]) -> str:
     if isinstance(values, int | float):
         return f"{values:.4g}"
     return f"({', '.join(f'{value:.4g}' for value in values)})"
+
+
+def _kind_of(values: Any) -> str:
+    is_array = isinstance(values, np.ndarray)
+    return f"an array of {values.dtype}" if is_array else shown(values)
 
 
 def _range(low: float, high: float) -> str:

@@ -76,7 +76,8 @@ class Plan:
             for name, wrench in self.wrenches.items()
         )
         effort = "" if self.effort is None else f"effort {digits(self.effort)}"
-        return "\n".join([brief("Plan", self.status, effort), *(f"  {arm}" for arm in arms)])
+        cart = "" if self.cart_wrench is None else f"on the cart {digits(self.cart_wrench.tolist())}"
+        return "\n".join([brief("Plan", self.status, effort, cart), *(f"  {arm}" for arm in arms)])
 
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Self:

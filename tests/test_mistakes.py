@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -35,7 +36,12 @@ TRUE = cg.CartModel(BODY, effects=(RollingResistance(0.02),))
 LEFT = cg.Arm("left", [POINT], force_limit=(60, 60, 40))
 RIGHT = cg.Arm("right", [(-0.25, -0.2, 1.0)], force_limit=(60, 60, 40))
 SHORT = cg.Measurement(0.0, None, None, {"left": (1, 2)}, {"left": POINT})
-LOG = cg.RunLog(np.arange(3) / 100, np.zeros((3, 3)), None, {"left": ArmLog(np.zeros((3, 3)), np.zeros((3, 6)))})
+HAND = ArmLog(np.zeros((3, 3)), np.zeros((3, 6)))
+LOG = cg.RunLog(np.arange(3) / 100, np.zeros((3, 3)), None, {"left": HAND})
+
+
+def log(**more):
+    return replace(LOG, **more)
 
 
 def arm(**more):
@@ -134,6 +140,35 @@ PYTHON = [
     (lambda: CartFilter(TRUE).update(cg.Measurement("0")), "measurement: time: '0' is not a number; give s"),
     (lambda: CartFilter(TRUE).update(cg.Measurement(0.0, (1, 2))), r"measurement: pose: \(1, 2\) is not 3 numbers"),
     (lambda: CartFilter(TRUE).update(SHORT), r"measurement: wrenches: left: \(1, 2\) is not 6 numbers"),
+    (lambda: log(time="0.01"), "run: time: '0.01' is no array of numbers; give t of each row"),
+    (lambda: log(time=[0.0, "a", 0.02]), "time: .* is no array of numbers"),
+    (lambda: log(time=np.zeros((3, 1))), r"time: shape \(3, 1\) instead of \(n,\): t of each row"),
+    (lambda: log(time=[0.0, 0.02, 0.01]), "time: 0.01 s in row 2 after 0.02 s: times must be finite and increase"),
+    (lambda: log(time=[0.0, 0.01, 0.01]), "0.01 s in row 2 after 0.01 s: .*; leave such rows out, or mend their clock"),
+    (lambda: log(time=[0.0, np.nan, 0.02]), "time: nan s in row 1"),
+    (lambda: log(time=[]), "run: the log has no rows"),
+    (lambda: log(pose=np.zeros((2, 3))), r"run: pose: shape \(2, 3\) instead of \(3, 3\): x, y, theta of each row"),
+    (lambda: log(pose=np.zeros((3, 2))), r"pose: shape \(3, 2\) instead of \(3, 3\): x, y, theta of each row"),
+    (lambda: log(pose=None), "pose: None is no array of numbers; give x, y, theta of each row, NaN where missing"),
+    (lambda: log(pose=np.zeros((3, 3), dtype=object)), "pose: an array of object is no array of numbers"),
+    (lambda: log(velocity=np.zeros(3)), r"velocity: shape \(3,\) instead of \(3, 3\): .*; one for all rows is np.tile"),
+    (lambda: log(velocity="fast"), "velocity: 'fast' is no array of numbers; give vx, vy, omega of each row"),
+    (lambda: log(arms=HAND), "run: arms: ArmLog.* is no Mapping; write {"),
+    (lambda: log(arms={"left": POINT}), r"arms: left: \(-0.25, 0.2, 1.0\) is no ArmLog; write {"),
+    (lambda: log(arms={"left.hand": HAND}), "arms: 'left.hand' is no name of an arm; give a word without a dot"),
+    (lambda: log(arms={"": HAND}), "arms: '' is no name of an arm"),
+    (lambda: log(arms={"left": ArmLog(np.zeros((2, 3)), np.zeros((2, 6)))}), "left: 2 rows, but the log has 3; give"),
+    (lambda: log(name=3), 'log: name: 3 is no str; say where it is from, name="run.csv"'),
+    (
+        lambda: ArmLog(POINT, np.zeros((3, 6))),
+        r"arm: contact: shape \(3,\) instead of \(n, 3\): px, py, pz of each row; one",
+    ),
+    (
+        lambda: ArmLog(np.zeros((3, 3)), np.zeros((3, 3))),
+        r"arm: wrench: shape \(3, 3\) instead of \(3, 6\): fx, fy, fz, tx",
+    ),
+    (lambda: ArmLog(np.zeros((3, 3)), np.zeros((2, 6))), r"arm: wrench: shape \(2, 6\) instead of \(3, 6\)"),
+    (lambda: ArmLog([[0, 0], [0, 0, 1]], np.zeros((2, 6))), "arm: contact: .* is no array of numbers"),
     (lambda: TRUE.with_inertia(24.0), "cart: inertia: 24.0 is no Inertia; write"),
     (lambda: cg.CartModel(BODY, name=3), "cart: name: 3 is no str; write"),
     (lambda: cg.load_cart(None), "file: None is no str; name it by its path"),
@@ -282,6 +317,9 @@ def test_what_a_user_holds_is_shown_in_a_few_words():
     assert "left, right" in short(planner())
     assert "left: (" in short(planner().plan((40.0, 0.0, 3.0)))
     assert "infeasible" in short(planner().plan((400.0, 0.0, 3.0)))
+    fx, fy, tau = planner().plan((30.0, 6.0, 4.0)).cart_wrench
+    assert fy < 0  # the axle takes what is asked for sideways, and the plan says what the cart gets
+    assert f"on the cart ({fx:.4g}, {fy:.4g}, {tau:.4g})" in short(planner().plan((30.0, 6.0, 4.0)))
     assert "3 rows" in short(LOG)
     assert "pose (0, 0, 0)" in short(ModelPlant(TRUE))
     seen = CartFilter(TRUE, ["left"])
@@ -289,6 +327,12 @@ def test_what_a_user_holds_is_shown_in_a_few_words():
     estimate = seen.update(cg.Measurement(0.0, np.zeros(3), np.zeros(3), {}, {}))
     assert "mass 24 ± 9.6 kg, not taught" in short(estimate)
     assert "mass 24 ± 9.6 kg" in short(seen)
+
+
+def test_a_log_takes_lists_of_whole_numbers():
+    made = cg.RunLog([0, 1], [[0, 0, 0], [1, 0, 0]], None, {"left": ArmLog([[0, 0, 1]] * 2, [[0] * 6] * 2)})
+    assert made.table.dtype == float
+    assert made.duration == 1.0
 
 
 # --- the arms of a call -------------------------------------------------------------------------------------

@@ -109,17 +109,18 @@ def estimate(
 def check(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or the EMPS .mat.", metavar="LOG")],
     cart: Annotated[Path | None, typer.Option("--cart", help="cart.yaml: what wheels, mass and arms are like.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="A picture of the log: .png, .svg or .pdf.")] = None,
     accept: Accept = None,
     topics: Topics = None,
     json: Json = False,
 ) -> None:
-    """Tell what a log's sensors seem to do: signs, axes, units, lags, scales, rows that no sensor measured.
+    """Tell what a log holds, and what its sensors seem to do: signs, axes, units, lags, rows that nothing measured.
 
     What learns from logs (estimate, identify, discrepancy) asks the same before it begins.
     """
     from . import check as command
 
-    raise typer.Exit(command.run(log, cart, accept or (), topics, json))
+    raise typer.Exit(command.run(log, cart, accept or (), topics, json, out))
 
 
 @app.command()

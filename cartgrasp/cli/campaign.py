@@ -70,6 +70,8 @@ def _print(name: str, summary: RunsSummary | LogsSummary) -> None:
             print_table("Diagnoses", ("log", "verdict", "effects"), verdicts, left=3)
         return
     title = f"{name}: {summary.runs} runs, {100 * summary.optimal:.1f} % of the plans optimal"
+    if summary.healths:
+        title += f"; health at the end: {', '.join(f'{word} {count}' for word, count in summary.healths.items())}"
     print_table(title, TRACKING_COLUMNS, summary.tracking_cells)
     if summary.parameters:
         print_table("Parameters at the end", PARAMETER_COLUMNS, [one.cells for one in summary.parameters])

@@ -1,62 +1,87 @@
-"""`cartgrasp check LOG [--cart cart.yaml]`: what a log's sensors seem to do, before anything is learned from it."""
+"""`cartgrasp check LOG [--cart cart.yaml]`: what a log holds, and what its sensors seem to do, before anything is
+learned from it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from estimation.sensor_check import REFUSED, SURE, Suspicion, travelled
+from estimation.sensor_check import REFUSED, SURE, Look
 
 from ..cart_file import load_cart
-from ..errors import printable
+from ..errors import UsageError, printable
 from ..logs import RunLog, read_log
-from ..logs.coasting import without_idle_arms
-from .output import print_json, print_table, say
-from .sensors import check_accepted, refuse, suspected
+from .output import check_writable, print_json, print_table, say
+from .sensors import check_accepted, in_short, looked_at, refuse
+
+UNITS = {"pose": ("m", "rad"), "velocity": ("m/s", "rad/s")}
+OF_ARMS = "N", "N·m"
+PICTURES = ".png", ".svg", ".pdf"
 
 
-def run(path: Path, cart_path: Path | None, accepted: Sequence[str], topics: Path | None, as_json: bool) -> int:
+def run(
+    path: Path,
+    cart_path: Path | None,
+    accepted: Sequence[str],
+    topics: Path | None,
+    as_json: bool,
+    out: Path | None = None,
+) -> int:
     """Raises DataError where something makes every estimate worthless, and isn't accepted."""
     check_accepted(accepted)
     cart = None if cart_path is None else load_cart(cart_path)
+    if out is not None:
+        if out.suffix.lower() not in PICTURES:
+            raise UsageError(f"--out {out}: name a picture, {', '.join(PICTURES)}")
+        check_writable(out, path, cart_path, topics)
     log = read_log(path, topics)
-    suspicions = suspected(log, cart)
-    document = _document(log, travelled(without_idle_arms(log)), suspicions)
+    look = looked_at(log, cart)
+    if out is not None:
+        _draw(log, look, out)
     if as_json:
-        print_json(document)
+        print_json(look.as_dict())
     else:
-        _print(document, cart is not None)
-    refuse(log, suspicions, accepted)
+        _print(look)
+    refuse(log, look.suspicions, accepted)
     return 0
 
 
-def _document(log: RunLog, way: float, suspicions: Sequence[Suspicion]) -> dict[str, Any]:
-    fields = ("kind", "where", "probability", "factor", "words")
-    return {
-        "rows": len(log),
-        "span": log.duration,
-        "rate": float(1 / np.median(np.diff(log.time))),
-        "arms": list(log.arms),
-        "travelled": way,
-        "suspicions": [{name: getattr(one, name) for name in fields} for one in suspicions],
-    }
+def _draw(log: RunLog, look: Look, out: Path) -> None:
+    from ..view.figures import save_figure
+    from ..view.log_figure import figure_log
+
+    save_figure(figure_log(log, [(one.kind, one.where, one.probability) for one in look.suspicions]), out)
+    say(f"the picture is {out}")
 
 
-def _print(document: dict[str, Any], has_cart: bool) -> None:
-    arms = ", ".join(printable(arm) for arm in document["arms"]) or "none"
-    say(
-        f"{document['rows']} rows over {document['span']:.1f} s at {document['rate']:.0f} Hz, "
-        f"{document['travelled']:.1f} m; arms: {arms}"
-    )
-    if not document["suspicions"]:
+def _print(look: Look) -> None:
+    say(in_short(look))
+    rows = [
+        [
+            printable(one.where),
+            *("" if value is None else f"{value:.4g}" for value in (one.rate, 100 * one.missing, one.gap)),
+            _sized(one.where, one.noise, is_small=True),
+            _sized(one.where, one.largest),
+        ]
+        for one in look.overview.sensors
+    ]
+    columns = ["sensor", "rate, Hz", "missing, %", "gap, s", "noise", "largest"]
+    print_table("What the log holds", columns, rows)
+    if look.unjudged:
+        say(f"signs, axes and units of its wrenches were not judged: {look.unjudged}")
+    if not look.suspicions:
         say("nothing is suspected of its sensors")
-        if document["arms"] and not has_cart:
-            say("wrenches and headings were not judged: say --cart cart.yaml")
         return
-    rows = [[one["kind"], one["where"], f"{one['probability']:.2f}"] for one in document["suspicions"]]
+    rows = [[one.kind, one.where, f"{one.probability:.2f}"] for one in look.suspicions]
     print_table(f"suspicions (from {SURE:g} on {', '.join(REFUSED)} stop)", ["kind", "where", "probability"], rows)
-    for one in document["suspicions"]:
-        say(one["words"])
+    for one in look.suspicions:
+        say(one.words)
+
+
+def _sized(where: str, values: tuple[float | None, float | None], is_small: bool = False) -> str:
+    """With units; small ones of motion in thousandths."""
+    units, scale, milli = (
+        (UNITS[where], 1e3, "m") if is_small and where in UNITS else (UNITS.get(where, OF_ARMS), 1, "")
+    )
+    pairs = zip(values, units, strict=True)
+    return ", ".join(f"{scale * value:.2g} {milli}{unit}" for value, unit in pairs if value is not None)

@@ -10,6 +10,7 @@ from ..studies.shopping_cart import first_guess, loaded_cart, scenario
 from .artefacts import save_run
 from .output import make_folder, print_json, print_table, progress, say
 from .run_tables import print_run
+from .taught import print_health
 
 
 def run(out: Path, as_json: bool, seed: int, quick: bool) -> int:
@@ -40,6 +41,8 @@ def _print_cost(full: RunFigures, poorer: RunFigures) -> None:
         a, b = full.parameters[name], poorer.parameters[name]
         cells = (f"{p['value']:.3g} ± {p['std']:.1g}" for p in (a, b))
         rows.append([f"{name} ({a['unit']})", f"{a['truth']:.3g}", *cells])
+    rows.append(["health of the estimate", "", *(f.health for f in (full, poorer))])
     rows.append(["largest tracking error (cm)", "", *(f"{100 * f.largest_error:.2f}" for f in (full, poorer))])
     title = "What it costs to leave casters and rolling resistance out of the model"
     print_table(title, ["± one standard deviation", "truth", "in the model", "left out"], rows)
+    print_health(poorer.health)

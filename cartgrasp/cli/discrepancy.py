@@ -12,6 +12,7 @@ from .estimate import tell_given
 from .inputs_file import Sources
 from .log_inputs import cart_and_logs
 from .output import check_writable, print_json, print_table, say, stages
+from .sensors import check_accepted, first_looks
 
 MOST_TOLD, MOST_WHERE = 5, 2
 
@@ -37,7 +38,9 @@ def run(
         sources = sources.following(follow)
     if next_file is not None:
         check_writable(next_file.path, sources.cart, sources.topics, *sources.logs, option="--next")
-    cart, logs = cart_and_logs(sources.logs, sources.cart, out, sources.topics, sources.coasting, sources.accepted)
+    check_accepted(sources.accepted)
+    cart, logs = cart_and_logs(sources.logs, sources.cart, out, sources.topics, sources.coasting)
+    first_looks(logs, cart, sources.accepted, is_told=not as_json)
     inputs = sources.summed(out) if out is not None else None
     tell_given(logs, cart)
     with stages(f"comparing {cart.name}") as tell:

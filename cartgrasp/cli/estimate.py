@@ -22,7 +22,8 @@ from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, progress, say
-from .sensors import check_accepted, refuse_wrong_sensors
+from .sensors import check_accepted, first_looks
+from .taught import print_health, taught_word
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -48,14 +49,14 @@ def run(
     log = log_of(path, topics, coasting)
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the body alone; --method filter takes it as given")
-    refuse_wrong_sensors([log], cart, accepted)
+    looks = first_looks([log], cart, accepted, is_told=not as_json)
     tell_given([log], cart)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
     if out is not None:
         write_atomically(out, result.series_csv())
     if as_json:
-        print_json(result.as_dict())
+        print_json({**result.as_dict(), "checked": looks})
     else:
         _print(result, body_as_given([log]))
     if method == "filter":
@@ -106,20 +107,22 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 
 def _print(result: Replay, prior: Prior) -> None:
     title = f"After {result.last.time:.2f} s, health: {result.last.health}"
-    print_parameters(title, result.last.parameters, "taught by this motion")
+    print_parameters(title, result.last.parameters, "taught by this motion", result.last.health)
     for one in result.last.suspicions:
         print(f"- {one.words}")
-    if result.last.health == Health.INCONSISTENT and not result.last.suspicions:
-        print("- the model does not fit this log, so it taught nothing: `cartgrasp discrepancy` tells what is missing")
+    if not result.last.suspicions:
+        print_health(result.last.health)
     if result.last.covariance is not None:
         for one in identifiability(result.last, prior).untaught:
             print(f"- {one}")
 
 
-def print_parameters(title: str, parameters: Mapping[str, ParameterEstimate], taught: str) -> None:
+def print_parameters(
+    title: str, parameters: Mapping[str, ParameterEstimate], taught: str, health: str = Health.OK
+) -> None:
     """A table; `taught` heads its last column."""
     rows = [
-        [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, "yes" if p.identifiable else "no"]
+        [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, taught_word(p.identifiable, health)]
         for name, p in parameters.items()
     ]
     print_table(title, ["parameter", "value", "sd", "unit", taught], rows)

@@ -16,6 +16,7 @@ from ..model import CartModel
 from .estimate import print_parameters, tell_given
 from .log_inputs import cart_and_logs
 from .output import print_json, progress, say
+from .sensors import check_accepted, first_looks
 
 
 def run(
@@ -27,13 +28,15 @@ def run(
     coasting: bool = False,
     accepted: Sequence[str] = (),
 ) -> int:
-    cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting, accepted)
+    check_accepted(accepted)
+    cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
+    looks = first_looks(logs, cart, accepted, is_told=not as_json)
     tell_given(logs, cart)
     with progress(f"identifying {cart.name}") as tell:
         found = fit(logs, cart, progress=tell)
         found = _held_against_filter(found, logs, cart)
     if as_json:
-        print_json(found.as_dict())
+        print_json({**found.as_dict(), "checked": looks})
     else:
         _print(found)
     if out is not None:

@@ -13,7 +13,6 @@ from ..logs import RunLog
 from ..model import CartModel
 from .estimate import cart_of, log_of
 from .output import check_writable, make_folder
-from .sensors import check_accepted, refuse_wrong_sensors
 
 CART = "cart.yaml"
 """What identify and discrepancy write into their folder."""
@@ -25,12 +24,9 @@ def cart_and_logs(
     out: Path | None,
     topics: Path | None = None,
     coasting: bool = False,
-    accepted: Sequence[str] = (),
 ) -> tuple[CartModel, list[RunLog]]:
     """The folder `out` is made where it is wanted, before the work whose results go there; `topics` maps all bags, and
-    `coasting` says of all logs without wrenches that nobody pushed. Raises DataError for a log whose sensors are surely
-    wrong in a way that isn't `accepted`."""
-    check_accepted(accepted)
+    `coasting` says of all logs without wrenches that nobody pushed."""
     cart = cart_of(paths[0], cart_path)
     _check_distinct(paths)
     if out is not None:
@@ -38,7 +34,6 @@ def cart_and_logs(
         check_writable(out / CART, cart_path, topics, *paths)
     logs = [log_of(path, topics, coasting) for path in paths]
     _check_other_rows(paths, logs)
-    refuse_wrong_sensors(logs, cart, accepted)
     return cart, logs
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..studies.run_figures import RunFigures
 from .output import print_table
+from .taught import print_health, taught_word
 
 
 def print_run(figures: RunFigures, title: str) -> None:
@@ -26,10 +27,12 @@ def print_run(figures: RunFigures, title: str) -> None:
             f"{p['value']:.4g}",
             f"{p['std']:.2g}",
             p["unit"],
-            "yes" if p["identifiable"] else "no",
+            taught_word(p["identifiable"], f.health),
         ]
         for name, p in f.parameters.items()
         if p["std"] > 0
     ]
     if learned:
-        print_table("what was learned", ["parameter", "truth", "estimate", "sd", "unit", "taught"], learned)
+        title = f"what was learned, health: {f.health}"
+        print_table(title, ["parameter", "truth", "estimate", "sd", "unit", "taught"], learned)
+        print_health(f.health)

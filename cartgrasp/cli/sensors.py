@@ -1,18 +1,19 @@
-"""What a log's sensors seem to do, asked by every command that learns from logs, before it begins."""
+"""A look at logs before anything is learned from them: what they hold, and what their sensors seem to do."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
-from estimation.glitches import without_glitches
-from estimation.sensor_check import KINDS, Suspicion, check_sensors, check_sizes
+from estimation.sensor_check import KINDS, Look, Suspicion, check_sizes, look_at
 
-from ..errors import DataError, UsageError
+from ..errors import DataError, UsageError, printable
 from ..logs import RunLog
 from ..logs.coasting import without_idle_arms
 from ..model import CartModel
+from .output import say
 
 
 def check_accepted(kinds: Iterable[str]) -> None:
@@ -21,13 +22,13 @@ def check_accepted(kinds: Iterable[str]) -> None:
         raise UsageError(f"--accept {unknown[0]}: is no kind of suspicion; they are {', '.join(KINDS)}")
 
 
-def suspected(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
-    """Of a log without what stands alone among its neighbours, and of no wrenches where nobody pushes. Raises DataError
-    where it is too short, too long, or too odd to be looked at."""
+def looked_at(log: RunLog, cart: CartModel | None) -> Look:
+    """Of no wrenches where nobody pushes. Raises DataError where it is too short, too long, or too odd to be looked
+    at."""
     check_sizes(log)
     try:
         with np.errstate(all="ignore"):  # what sums up to more than a number holds is told as such
-            return check_sensors(without_glitches(without_idle_arms(log)), cart)
+            return look_at(without_idle_arms(log), cart)
     except np.linalg.LinAlgError as error:
         raise DataError(f"{log.name}: can't be looked at; look for numbers that are not in SI units") from error
 
@@ -39,12 +40,54 @@ def refuse(log: RunLog, suspicions: Iterable[Suspicion], accepted: Sequence[str]
             raise DataError(f"{log.name}: {one.words}; or say --accept {one.kind} if it is as it should be")
 
 
-def refuse_wrong_sensors(logs: Iterable[RunLog], cart: CartModel, accepted: Sequence[str]) -> None:
-    """Before anything is learned. Of a log that can't be looked at nothing is suspected: what learns from it says
-    itself what it lacks."""
-    for log in logs:
-        try:
-            found = suspected(log, cart)
-        except DataError:
-            continue
-        refuse(log, found, accepted)
+def first_looks(
+    logs: Sequence[RunLog], cart: CartModel, accepted: Sequence[str], is_told: bool = True
+) -> list[dict[str, Any] | None]:
+    """Before anything is learned: refuses what surely is wrong, and else tells each log in a few lines, unless JSON
+    alone is asked for. Each as JSON has it, None of one that can't be looked at: what learns from it says itself what
+    it lacks."""
+    found = [_look(log, cart) for log in logs]
+    for log, look in zip(logs, found, strict=True):
+        if isinstance(look, Look):
+            refuse(log, look.suspicions, accepted)
+    for log, look in zip(logs, found, strict=True) if is_told else ():
+        _tell(log, look)
+    return [look.as_dict() if isinstance(look, Look) else None for look in found]
+
+
+def _look(log: RunLog, cart: CartModel) -> Look | DataError:
+    try:
+        return looked_at(log, cart)
+    except DataError as error:
+        return error
+
+
+def _tell(log: RunLog, look: Look | DataError) -> None:
+    if isinstance(look, DataError):
+        say(f"{log.name}: {len(log)} rows over {log.duration:.3g} s; its sensors were not judged: {_why(log, look)}")
+        return
+    seen = look.overview
+    of_arms = [
+        f"{printable(one.where)} up to {one.largest[0]:.3g} N (noise {one.noise[0] or 0.0:.2g} N)"
+        for one in seen.sensors
+        if one.where in seen.arms and one.largest[0] is not None
+    ]
+    say(f"{log.name}: {in_short(look)}" + "".join(f"; {one}" for one in of_arms))
+    for one in look.suspicions:
+        say(f"  suspected with {one.probability:.2f}, {one.kind}: {one.words}")
+    if look.unjudged:
+        say(f"  signs, axes and units of its wrenches were not judged: {look.unjudged}")
+
+
+def _why(log: RunLog, error: DataError) -> str:
+    return str(error).removeprefix(f"{log.name}: ")
+
+
+def in_short(look: Look) -> str:
+    """A log in one line."""
+    seen = look.overview
+    rate = "" if seen.rate is None else f" at {seen.rate:.4g} Hz"
+    return (
+        f"{seen.rows} rows over {seen.span:.1f} s{rate}, {seen.travelled:.1f} m at up to {seen.fastest:.2g} m/s and "
+        f"{seen.hardest:.2g} m/s²"
+    )

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..checks import brief, digits
-from ..errors import DataError
+from ..checks import brief, check_kind, digits, rows
+from ..errors import DataError, UsageError
 from ..frames import Array
 from ..motion import Measurement
 
@@ -24,6 +24,10 @@ class ArmLog:
 
     contact: Array
     wrench: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "contact", rows("arm: contact", self.contact, CONTACT_COLUMNS))
+        object.__setattr__(self, "wrench", rows("arm: wrench", self.wrench, WRENCH_COLUMNS, len(self.contact)))
 
     @property
     def pushes(self) -> bool:
@@ -49,17 +53,45 @@ class RunLog:
     coasting: bool = False
 
     def __post_init__(self) -> None:
+        check_kind("log: name", self.name, str, 'say where it is from, name="run.csv"')
+        object.__setattr__(self, "time", rows(f"{self.name}: time", self.time, ("t",)))
         n = len(self.time)
         if n == 0:
             raise DataError(f"{self.name}: the log has no rows")
-        if not (np.isfinite(self.time).all() and (self.time[1:] > self.time[:-1]).all()):
-            raise DataError(f"{self.name}: t must be finite and strictly increasing")
+        object.__setattr__(self, "pose", rows(f"{self.name}: pose", self.pose, POSE_COLUMNS, n))
+        if self.velocity is not None:
+            object.__setattr__(self, "velocity", rows(f"{self.name}: velocity", self.velocity, VELOCITY_COLUMNS, n))
+        self._check_clock()
+        self._check_arms()
         pushing = [name for name, arm in self.arms.items() if arm.pushes] if self.coasting else []
         if pushing:
             raise DataError(
                 f"{self.name}: is said to coast, but the wrench of arm {pushing[0]} is not zero throughout; leave "
                 "--coasting out, or the arm's columns if nobody's hand was at its sensor"
             )
+
+    def _check_clock(self) -> None:
+        """Times are finite, and each is later than the one before."""
+        right = np.isfinite(self.time)
+        right[1:] &= self.time[1:] > self.time[:-1]
+        if not right.all():
+            i = int(np.argmin(right))
+            before = f" after {self.time[i - 1]:.9g} s" if i else ""
+            why = "must be finite and increase strictly; leave such rows out, or mend their clock"
+            raise DataError(f"{self.name}: time: {self.time[i]:.9g} s in row {i}{before}: times {why}")
+
+    def _check_arms(self) -> None:
+        cure = 'write {"left": ArmLog(contact, wrench)}, or {} where nobody touches the cart'
+        check_kind(f"{self.name}: arms", self.arms, Mapping, cure)
+        for name, arm in self.arms.items():
+            if not isinstance(name, str) or not name or "." in name:
+                raise UsageError(f"{self.name}: arms: {name!r} is no name of an arm; give a word without a dot")
+            check_kind(f"{self.name}: arms: {name}", arm, ArmLog, cure)
+            if len(arm.contact) != len(self):
+                raise UsageError(
+                    f"{self.name}: arms: {name}: {len(arm.contact)} rows, but the log has {len(self)}; give NaN where "
+                    "nothing was measured"
+                )
 
     def __repr__(self) -> str:
         arms = f"arms {', '.join(self.arms)}" if self.arms else "no arms"

@@ -98,4 +98,5 @@ def _record(loop: Loop, rows: list[_Row]) -> RunRecord:
         statuses=tuple(row.status for row in rows),
         identifiable={name: rows[-1].estimate.parameters[name].identifiable for name in names},
         com_covariance=None if spreads[0] is None else np.array(spreads),
+        healths=tuple(str(row.estimate.health) for row in rows) if loop.learn else (),
     )

@@ -31,9 +31,9 @@ class RunRecord:
 
     `log` holds what was measured; poses (n, 3) of {b} in {s} and speeds (n, n_free) are the truth and the
     reference; `wrenches` what each arm really gave, (n, 6) in {a}; `parameters` the estimates by contract name
-    (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `statuses` one word a
-    plan; `identifiable` says at the end which of them the motion has taught; `com_covariance` (n, 2, 2), m², is that of
-    the estimated CoM in {b}, where it is known.
+    (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `identifiable` says at the end
+    which of them the motion has taught; `statuses` one word a plan, `healths` one an estimate; `com_covariance`
+    (n, 2, 2), m², is that of the estimated CoM in {b}, where it is known.
     """
 
     log: RunLog
@@ -48,6 +48,7 @@ class RunRecord:
     statuses: tuple[str, ...]
     identifiable: Mapping[str, bool] = field(default_factory=dict)
     com_covariance: Array | None = None
+    healths: tuple[str, ...] = ()
 
     @property
     def time(self) -> Array:

@@ -14,7 +14,8 @@ SETTLING = 5.0
 
 @dataclass(frozen=True)
 class RunFigures:
-    """Tracking error in m; for each parameter its truth (None where unknown), last value, sd, and unit."""
+    """Tracking error in m; for each parameter its truth (None where unknown), last value, sd, and unit; the
+    last `health` of the estimate, "" where nothing was estimated."""
 
     duration: float
     largest_error: float
@@ -25,6 +26,7 @@ class RunFigures:
     regrasps: int
     largest_force: float
     parameters: dict[str, dict[str, Any]]
+    health: str = ""
 
     @classmethod
     def of(cls, record: RunRecord) -> RunFigures:
@@ -41,6 +43,7 @@ class RunFigures:
             regrasps=int(sum((np.abs(np.diff(c, axis=0)).max(axis=1) > 1e-9).sum() for c in contacts)),
             largest_force=float(max(forces)),
             parameters={name: _parameter(record, name, series) for name, series in record.parameters.items()},
+            health=record.healths[-1] if record.healths else "",
         )
 
     def as_dict(self) -> dict[str, Any]:

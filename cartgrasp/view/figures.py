@@ -15,6 +15,7 @@ from ..errors import UsageError
 from ..writing import write_atomically
 from .plots import (
     draw_contacts,
+    draw_doubt,
     draw_forces,
     draw_moments,
     draw_motion,
@@ -55,6 +56,7 @@ def figure_overview(run: ShownRun) -> Figure:
             draw_top_view(path, run, round(instant * (len(run.time) - 1)), mark_size=2.0)
         _draw_motion(run, axes)
         for name in estimated:
+            draw_doubt(axes[name], run.time, run.doubtful)
             draw_parameter(axes[name], run.time, run.parameters[name], name, legend=name == estimated[0])
         if run.wrenches:
             _draw_what_arms_did(run, axes["forces"], axes["moments"], axes["contacts"])
@@ -85,6 +87,7 @@ def figure_parameters(run: ShownRun) -> Figure:
         figure = Figure(figsize=(7.2, 1.9 * n_rows))
         axes = figure.subplots(n_rows, 2, squeeze=False).ravel()
         for ax, (name, series) in zip(axes, run.parameters.items(), strict=False):
+            draw_doubt(ax, run.time, run.doubtful)
             draw_parameter(ax, run.time, series, name, legend=ax is axes[0])
         for ax in axes[len(run.parameters) :]:
             ax.remove()

@@ -6,7 +6,7 @@ each less the one before it. A missing sample is None, and differences go on fro
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -44,7 +44,8 @@ def player_data(run: ShownRun, title: str) -> dict[str, Any]:
         "arms": [_arm(run, name, frames) for name in run.contacts],
         "parameters": [_parameter(name, series, frames) for name, series in run.parameters.items()],
         "correlation": _correlation(run, frames),
-        "status": _status(run, frames),
+        "status": _told(run.statuses, frames, len(run.time)),
+        "health": _told(run.healths, frames, len(run.time)),
     }
 
 
@@ -135,18 +136,16 @@ def _significant(values: Array, digits: int = 5) -> Column:
     return column(values, digits - 1 - int(np.floor(np.log10(largest))) if largest > 0 else 0)
 
 
-def _status(run: ShownRun, frames: np.ndarray) -> dict[str, Any] | None:
-    """The distinct words, and for each frame the worst one since the frame before."""
-    if not run.statuses:
+def _told(said: Sequence[str], frames: np.ndarray, n: int) -> dict[str, Any] | None:
+    """The distinct ones of words spread over n instants, and for each frame the worst one since the frame before."""
+    if not said:
         return None
-    words = sorted(set(run.statuses), key=_severity)
+    words = sorted(set(said), key=_severity)
     rank: Mapping[str, int] = {word: i for i, word in enumerate(words)}
-    every = np.array([rank[word] for word in run.statuses])
-    n = len(run.time)
+    every = np.array([rank[word] for word in said])
     every = every[(np.arange(n) * len(every)) // n]
     starts = np.concatenate([[0], frames[:-1] + 1])
     return {
-        "of": run.status_of,
         "words": words,
         "grades": [_severity(w)[0] for w in words],
         "index": _worst(every, starts, frames),

@@ -99,6 +99,15 @@ def draw_parameter(axes: Axes, time: Array, series: Series, name: str, legend: b
     return artists
 
 
+def draw_doubt(axes: Axes, time: Array, doubtful: np.ndarray) -> list[Artist]:
+    """Ground where (n,) an estimate says of itself that it is not as it should be."""
+    if not doubtful.any():
+        return []
+    across = axes.get_xaxis_transform()
+    colours: Any = {"color": VERMILLION, "alpha": 0.12, "linewidth": 0, "label": "health not ok"}
+    return [axes.fill_between(time, 0.0, 1.0, where=doubtful.tolist(), transform=across, **colours)]
+
+
 def draw_motion(axes: Axes, time: Array, columns: Array, names: Sequence[str], label: str) -> list[Artist]:
     """Columns (n, k) of poses or velocities, each with a colour and a line style; `label` is the axis's, with unit."""
     artists: list[Artist] = []

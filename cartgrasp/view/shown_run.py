@@ -16,6 +16,8 @@ from ..simulation.record import RunRecord, Series
 from .from_poses import trailing_headings, velocity_of_poses
 from .outline import Outline, body_outline
 
+OK = "ok"
+"""The health of an estimate that is as it should be."""
 MOST = 1e5
 """m, N, N·m, m/s: what is larger can't be SI units, and counts as missing."""
 EPOCH = 1e6
@@ -26,7 +28,7 @@ EPOCH = 1e6
 class ShownRun:
     """n instants. Poses (n, 3) of {b} in {s}; velocity (n, 3) of its origin, in {b}; contacts (n, 3) in {b} and
     wrenches (n, 6) in {a} by arm; `com_covariance` (n, 2, 2) in {b}, m²; headings (n, casters) in {b}. A missing
-    sample is NaN. `statuses` are words spread over the run, of what `status_of` names."""
+    sample is NaN. `statuses` of plans and `healths` of estimates are words spread over the run."""
 
     name: str
     cart: CartModel | None
@@ -40,7 +42,7 @@ class ShownRun:
     com_covariance: Array | None = None
     caster_headings: Array | None = None
     statuses: tuple[str, ...] = ()
-    status_of: str = "Plan"
+    healths: tuple[str, ...] = ()
 
     @classmethod
     def of_record(cls, record: RunRecord) -> ShownRun:
@@ -59,6 +61,7 @@ class ShownRun:
             com_covariance=record.com_covariance,
             caster_headings=trailing_headings(record.pose, record.cart) if headings is None else headings,
             statuses=record.statuses,
+            healths=record.healths,
         )
 
     @classmethod
@@ -79,8 +82,7 @@ class ShownRun:
             parameters=_parameters(estimates),
             com_covariance=np.array(spreads) if len(spreads) == len(log) else None,
             caster_headings=None if cart is None else trailing_headings(log.pose, cart),
-            statuses=tuple(str(estimate.health) for estimate in estimates),
-            status_of="Estimate",
+            healths=tuple(str(estimate.health) for estimate in estimates),
         )
 
     def averaged(self, rate: float = 20.0) -> ShownRun:
@@ -110,6 +112,12 @@ class ShownRun:
             com_covariance=between(self.com_covariance),
             caster_headings=between(self.caster_headings),
         )
+
+    @property
+    def doubtful(self) -> np.ndarray:
+        """Where (n,) the estimate says of itself that it is not as it should be."""
+        said = np.array(self.healths or (OK,))
+        return np.asarray(said[np.arange(len(self.time)) * len(said) // len(self.time)] != OK)
 
     @property
     def outline(self) -> Outline:

@@ -169,10 +169,10 @@ class ParameterLearner:
             self._take_block(k, end)
 
     def followed(self, moments: int, before: float) -> int:
-        """Kernels went on to so many moments, of which the last but one was at a time; with them a row was due. Returns
-        how many moments are left."""
+        """Kernels went on to so many moments with wrenches, of which the last but one was at a time; with them a row
+        was due. Returns how many moments are left."""
         self.tracker.followed(moments)
-        self.time = self.tracker.last_time
+        self.time, self._has_wrench = self.tracker.last_time, True
         self._watch.go_on(before)
         self._take_row()
         return len(self.tracker.time)

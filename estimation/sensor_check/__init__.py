@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from cartgrasp.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .check import Sensors, check_sensors, put_right, travelled
+    from .check import Look, Sensors, check_sensors, look_at, put_right
     from .sizes import check_sizes
     from .suspicion import KINDS, REFUSED, SURE, Suspicion
     from .wrenches import of_wrenches
@@ -16,17 +16,18 @@ __all__ = [
     "KINDS",
     "REFUSED",
     "SURE",
+    "Look",
     "Sensors",
     "Suspicion",
     "check_sensors",
     "check_sizes",
+    "look_at",
     "of_wrenches",
     "put_right",
-    "travelled",
 ]
 
 _HOMES = {
-    "check": "Sensors check_sensors put_right travelled",
+    "check": "Look Sensors check_sensors look_at put_right",
     "sizes": "check_sizes",
     "suspicion": "KINDS REFUSED SURE Suspicion",
     "wrenches": "of_wrenches",

@@ -7,24 +7,34 @@ something else, and only who recorded it knows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 from cartgrasp.constraints import RollingConstraints
+from cartgrasp.errors import DataError
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..glitches import without_glitches
 from ..weak_form.balances import Balances
 from ..weak_form.flights import LONGEST_HOLE, unbroken
-from ..weak_form.motion import FEWEST_ROWS, motion_of
+from ..weak_form.motion import Motion, motion_of
 from .heading import of_headings
+from .jumps import jumps
+from .overview import Overview
 from .recorder import frozen, interpolated, quantised, repeated, slow
 from .stale import without_stale
 from .suspicion import Suspicion
 from .velocities import of_velocities
-from .wrenches import of_wrenches
+from .wrenches import judged
+
+ANY = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
+"""Goes any way."""
+NO_CART = "no cart was given; say --cart cart.yaml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,15 +55,49 @@ def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
     return Sensors(right, told)
 
 
-def check_sensors(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
-    """All that is suspected of a log's sensors, what stops a command first; without a cart nothing of wrenches, nor of
-    headings. Of a log with holes its longest part is looked at."""
-    parts = unbroken(log, LONGEST_HOLE)
+@dataclass(frozen=True)
+class Look:
+    """What a log holds, all that is suspected of its sensors, what stops a command first, and why wrenches were not
+    judged, "" where they were or nobody pushes."""
+
+    overview: Overview
+    suspicions: tuple[Suspicion, ...]
+    unjudged: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """As `cartgrasp check` says it."""
+        fields = ("kind", "where", "probability", "factor", "words")
+        told = [{name: getattr(one, name) for name in fields} for one in self.suspicions]
+        return {**self.overview.as_dict(), "suspicions": told, "unjudged": self.unjudged}
+
+
+def look_at(log: RunLog, cart: CartModel | None) -> Look:
+    """Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest part is judged.
+    Raises DataError for a log that is too short to be looked at."""
+    parts = unbroken(without_glitches(log), LONGEST_HOLE)
     longest = max(parts, key=len)
-    sensors = put_right(longest, cart)
-    of_arms = () if cart is None else of_wrenches(Balances.of(sensors.log, cart), cart)
-    found = (*sensors.suspicions, *of_arms, *_holes(parts))
-    return tuple(sorted(found, key=lambda one: not one.is_refused))
+    sensors, of_arms = put_right(longest, cart), tuple[Suspicion, ...]()
+    if cart is None:
+        motion, unjudged = motion_of(sensors.log, ANY), NO_CART if log.arms else ""
+    else:
+        balances = Balances.of(sensors.log, cart)
+        motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)
+    motions = [motion, *_motions(part for part in parts if part is not longest)]
+    jumped = (one for part in parts for one in jumps(part))
+    found = (*sensors.suspicions, *of_arms, *jumped, *_holes(parts))
+    return Look(Overview.of(log, motions), tuple(sorted(found, key=lambda one: not one.is_refused)), unjudged)
+
+
+def check_sensors(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
+    """What is suspected, as `look_at` has it."""
+    return look_at(log, cart).suspicions
+
+
+def _motions(parts: Iterable[RunLog]) -> Iterator[Motion]:
+    """Of parts that are long enough."""
+    for part in parts:
+        with suppress(DataError):
+            yield motion_of(put_right(part, None).log, ANY)
 
 
 def _holes(parts: Sequence[RunLog]) -> Iterator[Suspicion]:
@@ -65,10 +109,3 @@ def _holes(parts: Sequence[RunLog]) -> Iterator[Suspicion]:
             "parts are judged apart, so split the log there, or mend its clock"
         )
         yield Suspicion("holes", "time", 0.99, ends - begins, words)
-
-
-def travelled(log: RunLog) -> float:
-    """How far {b}'s origin goes (m), as any cart may."""
-    anything = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
-    parts = (part for part in unbroken(log, LONGEST_HOLE) if len(part) >= FEWEST_ROWS)
-    return sum(float(motion_of(put_right(part, None).log, anything).way[-1]) for part in parts)

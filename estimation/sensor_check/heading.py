@@ -23,6 +23,7 @@ DEGREE, RIGHT = math.pi / 180, math.pi / 2
 READINGS: tuple[tuple[str, float, float | None, str], ...] = (
     ("", 1.0, 0.0, ""),
     ("unit", DEGREE, 0.0, "theta is in degrees: multiply it by 0.0174533"),
+    ("unit", 1 / DEGREE, 0.0, "theta is 57 times too small, turned into radians twice: multiply it by 57.2958"),
     ("sign", -1.0, 0.0, "theta (or x, or y) has the opposite sign: multiply it by -1"),
     ("axes", -1.0, RIGHT, "x and y are swapped: exchange them"),
     ("axes", 1.0, RIGHT, "theta is that of the cart's side: turn it by 90°"),
@@ -40,7 +41,7 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     """`unit`, `sign`, `axes` and `frame` of poses; none of carts that may go any way, or where too little is seen."""
     if cart.constraints.axle_x is None or cart.constraints.no_rotation:
         return ()
-    seen = {factor: _displacements(Track.of(log, factor)) for factor in (1.0, DEGREE, -1.0)}
+    seen = {factor: _displacements(Track.of(log, factor)) for factor in {one[1] for one in READINGS}}
     offsets, left = list[float](), list[float]()
     least = (np.inf, np.zeros(1))
     for _, factor, known, _ in READINGS:

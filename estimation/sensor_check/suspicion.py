@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-KINDS = ("sign", "unit", "axes", "frame", "lag", "scale", "repeated", "quantised", "holes")
+KINDS = ("sign", "unit", "axes", "frame", "lag", "scale", "offset", "repeated", "quantised", "jumps", "holes")
 REFUSED = ("sign", "unit", "axes", "frame")
 """Kinds with which no estimate means anything."""
 SURE = 0.9
 """Probability from which one of `REFUSED` stops a command (`docs/command_line.md`)."""
-TOLD = 0.25
-"""Less likely ones are not worth a line: a wrong mass is worth three looks in vain, not more."""
+TOLD, UNIT_TOLD = 0.5, 0.1
+"""Less likely ones are not worth a line. Signs, axes and frames a log tells by itself, so they are likelier than not.
+Of a unit often the mass alone speaks, whose guess may be off: what is wrong then is worth nine looks in vain."""
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,7 @@ def _of(force: Array, moment: Array) -> Mounting:
     if not wrong and np.array_equal(force, np.eye(3)):
         return Mounting(taken, "", 1.0, "")
     straight = all(taken[i, own] != 0 for i, own in enumerate((0, 1, 5)))
-    kind = "sign" if straight and (taken[:2] < 0).any() else "axes"
+    kind = "sign" if straight else "axes"
     odds = COMMON_ODDS if abs(force[2, 2]) == 1 else RARE_ODDS
     return Mounting(taken, kind, odds, " and ".join(told) or "only fz, tx or ty differ")
 

@@ -9,7 +9,7 @@ the mass by its factor, which is weighed with how sure the file's is.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
@@ -18,22 +18,27 @@ import numpy as np
 from cartgrasp.effects import CasterRealignment, Effect, ViscousDrag, WheelDragImbalance
 from cartgrasp.errors import printable
 from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import CASTER
 
+from ..log_noise import noise_floor
 from ..weak_form.balances import Balances
 from ..weak_form.band import RICH
 from .evidence import UNEXPLAINED, gain_evidence, independent_rows, probabilities
-from .suspicion import TOLD, Suspicion
+from .suspicion import SURE, TOLD, UNIT_TOLD, Suspicion
 from .wrench_readings import UNIT_ODDS, UNITS, Mounting, mountings
 
-ROW_STEP = 0.4
-"""s, of test functions (1.6 s in all): models of pushed carts hold below a hertz or so; loads swing, handles give."""
+ROW_STEPS = 0.4, 0.2
+"""s, of test functions (four times as long in all): models of pushed carts hold below a hertz or so; loads swing,
+handles give. Of a log that is too short for the former, the latter."""
 FEWEST = 16
 """Rows beside the columns that are taken out."""
 MASS_SPREAD, INERTIA_SPREAD, SAME_GAIN = 0.5, 0.7, 0.1
 """Of the log of a file's mass about the true one: 19 in 20 guesses are within a factor of 2.7. Of its yaw inertia,
 beside what the mass is off by. Of the mass that is felt sideways against the one felt ahead."""
+NOISY = 2.0
+"""Times the variance that white noise gives means over a row's step: of sixteen of them, in one case in a hundred."""
 TRACE = 1e-8
 """Of the largest: smaller directions are rounding."""
 FARTHEST = 5.0
@@ -90,12 +95,20 @@ class Balance:
         return max(rows, 1.0), max(float(left[1] @ left[1] / (self.motion @ self.motion)), UNEXPLAINED**2)
 
 
+Known = tuple[Balance, Balance | None, Balance | None]
+
+
 def of_wrenches(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     """`sign`, `axes`, `frame` and `unit` of each arm."""
+    return judged(balances, cart)[0]
+
+
+def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], str]:
+    """With why they can't be judged, "" where they can, or nobody pushes."""
     far = _far_contacts(balances)
-    known = _balances(balances.every(ROW_STEP), cart)
+    known = next((found for step in ROW_STEPS if (found := _balances(balances.every(step), cart))), None)
     if far or known is None:
-        return far
+        return far, "the cart moves too little, or for too short a time" if balances.wrenches.arms and not far else ""
     forward, sideways, turning = known
     readings, phi = _readings(len(balances.wrenches.arms)), cart.inertia.phi
     ahead, one = forward.products(readings), np.ones(len(readings))
@@ -111,13 +124,26 @@ def of_wrenches(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     zz, zy, yy = ahead
     masses = zz / np.where(np.abs(zy) > TRACE * np.sqrt(zz * yy), zy, np.inf)
     told = []
-    for (i, name), kind in product(enumerate(balances.wrenches.arms), KINDS):
-        which = [j for j, r in enumerate(readings) if kind in r.kinds and i in r.arms]
-        probability, most = float(posterior[which].sum()), max(which, key=lambda j: float(posterior[j]))
-        if probability >= TOLD:
+    for i, name in enumerate(balances.wrenches.arms):
+        wrong = [j for j, r in enumerate(readings) if i in r.arms]
+        by_kind = {kind: [j for j in wrong if kind in readings[j].kinds] for kind in KINDS}
+        for kind, probability in _told(float(posterior[wrong].sum()), {k: posterior[v] for k, v in by_kind.items()}):
+            most = max(by_kind[kind], key=lambda j: float(posterior[j]))
             factor, words = _words(kind, readings[most], (float(masses[0]), float(masses[most])), cart)
             told.append(Suspicion(kind, name, probability, factor, f"{printable(name)}: {words}"))
-    return tuple(told)
+    return tuple(told), ""
+
+
+def _told(whole: float, by_kind: dict[str, Array]) -> Iterator[tuple[str, float]]:
+    """The kinds worth a line. Where it is sure that something is wrong (`whole`), and not what, the likeliest stands
+    for all."""
+    found = {kind: float(posterior.sum()) for kind, posterior in by_kind.items()}
+    likeliest = max(found, key=lambda kind: found[kind])
+    if whole >= SURE > found[likeliest]:
+        yield likeliest, whole
+        return
+    least = {"unit": UNIT_TOLD}
+    yield from ((kind, probability) for kind, probability in found.items() if probability >= least.get(kind, TOLD))
 
 
 def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartModel) -> tuple[float | None, str]:
@@ -132,6 +158,9 @@ def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartM
             "mass, or the unit of lengths"
         )
         return (force if force != 1.0 else moment), words
+    if kind == "sign" and reading.mounting.taken[0, 0] > 0:
+        words = f"{reading.mounting.words}: so wrenches fit how the cart turns; record what the arm does to the cart"
+        return -1.0, words
     if kind == "sign":
         words = (
             f"{reading.mounting.words}: as recorded the motion asks for a mass of {recorded:.3g} kg, so for "
@@ -156,7 +185,7 @@ def _readings(arms: int) -> list[Reading]:
     return found
 
 
-def _balances(balances: Balances, cart: CartModel) -> tuple[Balance, Balance | None, Balance | None] | None:
+def _balances(balances: Balances, cart: CartModel) -> Known | None:
     """Forward, sideways (of carts that may go so) and yaw (of those that may turn); None where nothing is told."""
     if not balances.wrenches.arms or not len(balances.used):
         return None
@@ -178,10 +207,25 @@ def _signals(balances: Balances, cart: CartModel) -> Array:
     """(k, f, arms, 3, 8): what each recorded component is in each balance, taken for fx, fy or tz."""
     wrenches, heading = balances.wrenches, balances.motion.pose[:, 2]
     c, s = np.cos(heading), np.sin(heading)
-    fx, fy = wrenches.recorded[..., 0], wrenches.recorded[..., 1]
-    recorded = np.concatenate([wrenches.recorded, np.stack([c * fx + s * fy, c * fy - s * fx], axis=-1)], axis=-1)
+    spoken = wrenches.recorded * np.array([_speaks(balances.log, name) for name in wrenches.arms])[:, None]
+    fx, fy = spoken[..., 0], spoken[..., 1]
+    recorded = np.concatenate([spoken, np.stack([c * fx + s * fy, c * fy - s * fx], axis=-1)], axis=-1)
     reduced = (cart.basis_b.T @ wrenches.grasps)[..., [0, 1, 5]]
     return balances.integrated(np.einsum("anfi,anj->nfaij", reduced, recorded))
+
+
+def _speaks(log: RunLog, arm: str) -> np.ndarray:
+    """Which components (6,) of an arm's wrench are more than white noise: of what is nothing else no log tells the
+    sign, and chance would."""
+    wrench = log.arms[arm].wrench
+    wrench = wrench[np.isfinite(wrench).all(axis=1)]
+    size = int(ROW_STEPS[0] / float(np.median(np.diff(log.time))))
+    count = len(wrench) // max(size, 1)
+    if size < 2 or count < FEWEST:
+        return np.ones(wrench.shape[1], dtype=bool)
+    means = wrench[: count * size].reshape(count, size, -1).mean(axis=1)
+    noise = np.array([noise_floor(column) for column in wrench.T])
+    return np.asarray(means.var(axis=0) > NOISY * noise**2 / size)
 
 
 def _beside(columns: Array, signals: Array, own: int) -> Balance | None:

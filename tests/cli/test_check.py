@@ -3,11 +3,12 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cartgrasp.logs import write_log
 
-from ..estimation.sensor_check.logs import late, two_hands, with_wrenches
+from ..estimation.sensor_check.logs import NOISE, late, two_hands, with_wrenches
 from .commands import run
 
 CART = "name: c\nmass: 24.0\ncom: [0.3, 0.05]\ninertia: 2.0\nconstraints:\n  - no_lateral_slip: {x: 0.0}\n"
@@ -66,6 +67,49 @@ def test_without_a_cart_only_motion_is_judged(capsys, folder):
     assert answer.status == 0
     assert "49.8 ± 0.3 ms late" in answer.err
     assert run(capsys, "check", str(folder / "reversed.csv")).status == 0
+
+
+def test_what_the_log_holds(capsys, folder):
+    """Against the wrenches, poses and velocities themselves."""
+    log = two_hands(0)
+    document = checked(capsys, folder, "sound.csv")[1]
+    pose, velocity, left, _ = document["sensors"]
+    assert [one["where"] for one in document["sensors"]] == ["pose", "velocity", "left", "right"]
+    assert pose["noise"] == pytest.approx([NOISE[0]] * 2, rel=0.1)
+    assert velocity["noise"] == pytest.approx([NOISE[1]] * 2, rel=0.1)
+    assert (pose["missing"], pose["largest"]) == (0.0, [None, None])
+    force = np.linalg.norm(log.arms["left"].wrench[:, :3], axis=1)
+    assert left["largest"][0] == pytest.approx(force.max())
+    speed = np.hypot(*log.velocity[:, :2].T)
+    assert document["fastest"] == pytest.approx(speed.max(), abs=5 * NOISE[1])
+    smooth = np.convolve(np.gradient(speed, 0.01), np.ones(30) / 30, mode="valid")
+    assert document["hardest"] > 0.9 * np.abs(smooth).max()
+    shown = run(capsys, "check", folder / "sound.csv", "--cart", folder / "cart.yaml")
+    assert "nothing is suspected" in shown.err
+    assert {"pose", "velocity", "left", "right"} <= {line.split(" ")[0] for line in shown.out.splitlines()}
+
+
+def test_a_picture(capsys, folder):
+    picture = folder / "log.svg"
+    checked(capsys, folder, "reversed.csv", "--out", picture)
+    assert "sign: left" in picture.read_text(encoding="utf-8")
+    run(capsys, "check", folder / "sound.csv", "--out", folder / "log.txt").refused(2, "--out", ".png, .svg, .pdf")
+
+
+@pytest.mark.parametrize("command", ["estimate", "identify"])
+def test_what_learns_begins_with_a_look(capsys, folder, command):
+    """In few lines, or under a key of its JSON, with the same words as `check`."""
+    cart = "--cart", folder / "cart.yaml"
+    shown = run(capsys, command, folder / "late.csv", *cart)
+    document = checked(capsys, folder, "late.csv")[1]
+    head = shown.err.splitlines()
+    assert head[0].startswith(f"{folder / 'late.csv'}: {document['rows']} rows over 40.0 s at 100 Hz")
+    assert "left up to" in head[0]
+    for line, one in zip(head[1:], document["suspicions"], strict=False):
+        assert line == f"  suspected with {one['probability']:.2f}, {one['kind']}: {one['words']}"
+    answer = run(capsys, command, folder / "late.csv", *cart, "--json")
+    assert answer.err == ""
+    assert answer.json["checked"] == [document]
 
 
 def test_a_kind_that_does_not_exist(capsys, folder):

@@ -180,6 +180,7 @@ class Figures:
     }
     duration = largest_error = error_after_5 = rms_error = largest_force = 1.0
     optimal = plans = regrasps = 1
+    health = "ok"
 
     @classmethod
     def of(cls, record):

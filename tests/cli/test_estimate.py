@@ -49,7 +49,7 @@ def parameters(answer):
     assert answer.status == 0, answer.err
     assert answer.err == ""
     document = answer.json
-    assert set(document) == {"time", "parameters", "health"}
+    assert set(document) == {"time", "parameters", "health", "checked"}
     for parameter in document["parameters"].values():
         assert set(parameter) == {"value", "std", "unit", "identifiable"}
         assert math.isfinite(parameter["value"])
@@ -193,7 +193,7 @@ def test_the_table_for_people(capsys, tmp_path, weaving):
     answer = run(capsys, "estimate", tmp_path / "run.csv", "--cart", tmp_path / "cart.yaml")
     assert answer.status == 0
     assert "viscous_drag.linear" in answer.out
-    assert answer.err == ""
+    assert "50 rows over 0.49 s; its sensors were not judged: 0.49 s at 100 Hz are too short" in answer.err
 
 
 def test_refusals_are_one_line(capsys, tmp_path, weaving):
@@ -231,7 +231,7 @@ def test_numbers_beyond_reason(capsys, tmp_path, weaving, scale, columns):
     for method in ("filter", "regressor", "paper"):
         answer = estimate(capsys, tmp_path, table, "--method", method)
         if answer.status == 0:
-            assert set(answer.json) == {"time", "parameters", "health"}
+            assert set(answer.json) == {"time", "parameters", "health", "checked"}
         else:
             answer.refused(3, tmp_path / "run.csv")
 
@@ -245,7 +245,7 @@ def test_a_cart_beyond_reason(capsys, tmp_path, weaving, key, value):
     for method in ("filter", "regressor", "paper"):
         answer = estimate(capsys, tmp_path, weaving[:600:4], "--method", method, cart=cart)
         if answer.status == 0:
-            assert set(answer.json) == {"time", "parameters", "health"}
+            assert set(answer.json) == {"time", "parameters", "health", "checked"}
         else:
             answer.refused(answer.status)
             assert answer.status in (2, 3)

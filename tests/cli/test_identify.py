@@ -41,7 +41,7 @@ def identify(capsys, folder, tables, *flags, header=HEADER, cart=GUESS):
 def parameters(answer):
     assert answer.status == 0, answer.err
     document = answer.json
-    assert set(document) == {"parameters", "logs"}
+    assert set(document) == {"parameters", "logs", "checked"}
     for parameter in document["parameters"].values():
         assert set(parameter) == {"value", "std", "unit", "identifiable"}
         assert math.isfinite(parameter["value"])
@@ -119,7 +119,7 @@ def test_the_table_for_people(capsys, tmp_path, weaving):
     answer = run(capsys, "identify", tmp_path / "run0.csv", "--cart", tmp_path / "cart.yaml")
     assert answer.status == 0
     assert "viscous_drag.linear" in answer.out
-    assert answer.err == ""
+    assert "50 rows over 0.49 s; its sensors were not judged: 0.49 s at 100 Hz are too short" in answer.err
 
 
 def test_refusals_are_one_line(capsys, tmp_path, weaving):

@@ -51,7 +51,7 @@ def test_with_a_cart_the_estimate_is_run_over_it(log, capsys):
     correlation = np.cumsum([0 if c is None else c for c in data["correlation"][1:]]) / 1000
     assert np.abs(correlation).max() <= 1
     assert len(data["casters"]) == 2
-    assert data["status"]["of"] == "Estimate"
+    assert data["health"]["words"] == ["ok"]
 
 
 @pytest.mark.parametrize(("kind", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])

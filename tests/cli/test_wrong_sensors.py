@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.cart_file import load_cart
-from cartgrasp.cli.sensors import refuse_wrong_sensors, suspected
+from cartgrasp.cli.sensors import first_looks, looked_at
 from cartgrasp.errors import DataError
 from cartgrasp.logs import ArmLog, read_log, write_log
 
@@ -90,7 +90,7 @@ def test_glitches_are_no_wrong_sensors(folder):
     wrench = arm.wrench.copy()
     wrench[300::900] *= -1e4
     spoiled = replace(log, pose=pose, arms=log.arms | {"left": ArmLog(arm.contact, wrench)})
-    assert not [one for one in suspected(spoiled, load_cart(folder / "cart.yaml")) if one.is_refused]
+    assert not [one for one in looked_at(spoiled, load_cart(folder / "cart.yaml")).suspicions if one.is_refused]
 
 
 @pytest.mark.parametrize(
@@ -105,5 +105,5 @@ def test_what_cannot_be_looked_at_is_not_suspected(folder, change, words):
     """`check` says why; what learns goes on, and says itself what it lacks."""
     log, cart = change(read_log(folder / "sound.csv")), load_cart(folder / "cart.yaml")
     with pytest.raises(DataError, match=words):
-        suspected(log, cart)
-    refuse_wrong_sensors([log], cart, ())
+        looked_at(log, cart)
+    assert first_looks([log], cart, ()) == [None]

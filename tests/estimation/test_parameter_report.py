@@ -31,3 +31,13 @@ def test_as_light_as_a_cart_may_be_nothing_is_taught(name):
     for phi, is_taught in ((edge, False), (cart.inertia.phi, True)):
         told = ParameterReport(cart, Prior()).of(phi, 1e-9 * np.eye(4), np.full(4, 1e-3))
         assert told[name].identifiable is is_taught
+
+
+def test_a_body_at_its_bound_is_not_taught():
+    """A twentieth of the first guess's yaw inertia is the least that is believed."""
+    cart = CartModel(Inertia(24.0, (0.3, 0.0), 2.0))
+    for about_com, is_taught in ((0.1, False), (0.11, True)):
+        phi = Inertia(24.0, (0.3, 0.0), about_com).phi
+        told = ParameterReport(cart, Prior()).of(phi, 1e-9 * np.eye(4), np.full(4, 1e-3))
+        assert told["inertia"].identifiable == is_taught
+        assert told["mass"].identifiable

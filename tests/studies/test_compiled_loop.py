@@ -64,6 +64,7 @@ def relative(found, expected):
 
 def agree(one, other):
     assert one.statuses == other.statuses
+    assert one.healths == other.healths[-1:]
     assert one.log.columns == other.log.columns
     assert relative(one.log.table, other.log.table) < TOLERANCE
     for name in ("pose", "velocity", "reference_pose", "reference_velocity", "com_covariance"):

@@ -80,7 +80,7 @@ def named(run: ShownRun, name: str) -> ShownRun:
         wrenches={name: run.wrenches["left"]},
         parameters={name: replace(run.parameters["mass"], unit=name)},
         statuses=(name,) * len(run.time),
-        status_of=name,
+        healths=(name,) * len(run.time),
     )
 
 
@@ -153,7 +153,7 @@ def test_hostile_names_do_not_break_out(name: str, shown: ShownRun):
     assert hostile.policy == plain.policy
     data = hostile.data
     assert data["title"] == data["run"] == data["cart"]["name"] == data["arms"][0]["name"] == name
-    assert data["parameters"][0]["unit"] == data["status"]["words"][0] == name
+    assert data["parameters"][0]["unit"] == data["status"]["words"][0] == data["health"]["words"][0] == name
     raw = hostile.all("script")[0]
     assert raw.isascii()
     assert not set("<>&") & set(raw)
@@ -206,7 +206,7 @@ def test_missing_samples_are_null(shown: ShownRun):
 def test_bare_run_falls_back(bare: ShownRun, bare_record: RunRecord):
     data = player_data(bare, "Bare")
     assert data["casters"] is None
-    assert data["status"] is None
+    assert data["status"] is data["health"] is None
     assert data["parameters"] == []
     # Without a true wrench the measured one is shown.
     np.testing.assert_allclose(

@@ -175,14 +175,38 @@ def test_hostile_names_stay_text(shown: ShownRun, tmp_path):
         wrenches=dict.fromkeys(names, shown.wrenches["left"]),
         parameters={name: replace(shown.parameters["mass"], unit=name)},
         statuses=(name,) * len(shown.time),
-        status_of=name,
+        healths=(name,) * len(shown.time),
     )
     seen = visit(write_player(hostile, tmp_path / "hostile.html", name), "t=20")
     assert seen.console == ()
     assert "<img" not in seen.dom
     assert seen.dom.count("<script") == 2
     assert "owned" in seen.text("status")
+    assert "owned" in seen.text("health")
     assert html.escape(name, quote=False) in seen.dom
+
+
+def test_an_estimate_that_is_not_ok_is_told_beside_it(shown: ShownRun, tmp_path):
+    """In words and along the timeline, where it is so and nowhere else."""
+    n = len(shown.time)
+    healths = tuple("inconsistent" if i > n // 2 else "ok" for i in range(n))
+    path = write_player(replace(shown, healths=healths), tmp_path / "run.html", "Doubtful")
+    script = """
+    const strip = element("strip");
+    const line = strip.getContext("2d").getImageData(0, strip.height - 2, strip.width, 1).data;
+    const part = (name, k) => parseInt(ink[name].slice(1 + 2 * k, 3 + 2 * k), 16);
+    const apart = (name, x) =>
+      [0, 1, 2].reduce((sum, k) => sum + Math.abs(part(name, k) - line[4 * Math.round(x * strip.width) + k]), 0);
+    const nearest = (x) => ["good", "fair", "poor"].sort((a, b) => apart(a, x) - apart(b, x))[0];
+    const found = [];
+    for (const t of [10, 50]) {
+      seek(t); draw();
+      const beside = element("chart-parameter").querySelector("output").value.split(" \u00b7 ")[1];
+      found.push(element("health").value, beside, nearest(t / run.stop));
+    }
+    document.title = found.join("|");
+    """
+    assert title_after(path, script) == ["ok", "", "good", "inconsistent", "inconsistent", "poor"]
 
 
 def test_policy_stops_what_gets_in(page: Path):

@@ -185,3 +185,14 @@ def test_where_nobody_touches_the_cart_no_arm_is_drawn(record, shown: ShownRun):
     assert len(with_arms.axes) - len(figure.axes) == 3  # forces, moments, contacts
     with pytest.raises(UsageError, match="nobody touches the cart"):
         figures.figure_arms(bare)
+
+
+def test_where_the_estimate_is_not_ok_is_drawn_behind_it(shown: ShownRun):
+    """Words are spread over the run, be they as many as its rows or fewer."""
+    n = len(shown.time)
+    assert not shown.doubtful.any()
+    doubtful = replace(shown, healths=("ok", "inconsistent", "ok", "ok"))
+    np.testing.assert_array_equal(np.flatnonzero(doubtful.doubtful), np.arange(n // 4, n // 2))
+    for run, told in ((shown, []), (doubtful, ["health not ok"])):
+        legend = figures.figure_parameters(run).axes[0].get_legend_handles_labels()[1]
+        assert [label for label in legend if "health" in label] == told

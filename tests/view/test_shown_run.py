@@ -46,7 +46,8 @@ def test_a_log_shows_what_the_record_of_its_run_does(record: RunRecord, shown: S
     np.testing.assert_allclose(told.caster_headings[rolling], shown.caster_headings[rolling], atol=0.05)
     assert told.com_covariance is not None
     assert told.com_covariance.shape == (len(record.time), 2, 2)
-    assert set(told.statuses) == {"ok"}
+    assert set(told.healths) == {"ok"}
+    assert told.statuses == ()
     assert told.tracking_error is None
 
 

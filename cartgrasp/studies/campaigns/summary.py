@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -71,13 +72,15 @@ class Spread:
 
 @dataclass(frozen=True)
 class RunsSummary:
-    """Of closed-loop runs; `failures` are the messages of those that came to nothing, with how many."""
+    """Of closed-loop runs; `failures` are the messages of those that came to nothing, `healths` what estimates said of
+    themselves at the end, each with how many."""
 
     runs: int
     failures: dict[str, int]
     parameters: tuple[ParameterSummary, ...]
     tracking: dict[str, Spread]
     optimal: float
+    healths: dict[str, int]
 
     @classmethod
     def of(cls, results: Sequence[Mapping[str, Any]]) -> RunsSummary:
@@ -89,6 +92,7 @@ class RunsSummary:
             parameters=_parameters(good),
             tracking={name: spread for name, spread in spreads.items() if spread is not None},
             optimal=float(np.mean([one["optimal"] / one["plans"] for one in good])) if good else float("nan"),
+            healths=dict(Counter(one["health"] for one in good if one.get("health"))),
         )
 
     @property

@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from estimation.cart_filter import core_of, takes_rows
+from estimation.health import said
 from estimation.kernels.filtered_row import BLOCK, LAG, WIDTH
+from estimation.kernels.sensor_health import said_of
 from estimation.learning_filter import LearningFilter
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.planner import WrenchPlanner
@@ -54,7 +56,7 @@ def covers(scenario: Scenario) -> bool:
 
 
 def compiled_run(scenario: Scenario) -> RunRecord:
-    """As `Scenario.run`, to round-off, of what is covered."""
+    """As `Scenario.run`, to round-off, of what is covered; of the estimate's healths the last alone."""
     return with_truth(_Run(scenario).record(), scenario.truth)
 
 
@@ -200,6 +202,7 @@ class _Run:
             caster_headings=series.state[:, headings] if headings else None,
             statuses=tuple(self.statuses),
             identifiable={name: one.identifiable for name, one in self.core.learner.report.items()},
+            healths=(str(said(said_of(self.core.motion.now.health), self.core.learner.health)),),
             com_covariance=np.repeat(partials @ of_phi @ np.swapaxes(partials, 1, 2), steps, axis=0),
         )
 

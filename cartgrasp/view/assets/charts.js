@@ -107,6 +107,7 @@ class Chart {
     context.beginPath();
     context.rect(left, top - 2, right - left + 2, bottom - top + 4);
     context.clip();
+    this.drawDoubt(context);
     for (const band of this.spec.bands || []) this.drawBand(context, band);
     context.lineJoin = "round";
     for (const line of this.spec.lines) {
@@ -128,6 +129,22 @@ class Chart {
       const y = this.y(mix(line.values, sampleAt(this.timeAt(x))));
       if (Number.isFinite(y)) drawMark(context, line.mark, x, y, 3.4, ink[line.colour]);
     }
+  }
+
+  // Ground where the estimate says of itself that it is not as it should be.
+  drawDoubt(context) {
+    const { top, bottom } = this.plot;
+    context.globalAlpha = 0.16;
+    for (let first = 0; first < frameCount; first++) {
+      const grade = gradeOf(this.spec.told, first);
+      let last = first;
+      while (last + 1 < frameCount && gradeOf(this.spec.told, last + 1) === grade) last++;
+      const from = this.x(run.time[Math.max(first - 1, 0)]);
+      context.fillStyle = grade === 1 ? ink.fair : ink.poor;
+      if (grade) context.fillRect(from, top, Math.max(this.x(run.time[last]) - from, 1), bottom - top);
+      first = last;
+    }
+    context.globalAlpha = 1;
   }
 
   // Each stretch without a missing sample is one patch.

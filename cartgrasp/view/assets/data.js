@@ -47,6 +47,7 @@ const run = {
   correlation: column(raw.correlation === null ? 0 : raw.correlation),
   cart: raw.cart,
   status: raw.status,
+  health: raw.health,
 };
 run.start = run.time[0];
 run.stop = run.time[frameCount - 1];
@@ -58,6 +59,8 @@ run.gap = (() => {
 })();
 
 const parameterOf = (name) => run.parameters.find((p) => p.name === name);
+const gradeOf = (told, i) => (told ? told.grades[told.index[i]] : 0);
+const wordOf = (told, i) => told.words[told.index[i]].replaceAll("_", " ");
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
 // Where a time lies: after frame `i`, by the fraction `f` of the way to the next; in a gap nothing is known.
@@ -131,7 +134,7 @@ const ink = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
   const names = ["panel", "ink", "muted", "line", "grid", "body", "body-edge", "wheel", "driven", "reference"];
-  names.push("estimate", "truth", "accent", "fair", "poor", "arm0", "arm1", "arm2", "arm3", "arm4", "arm5");
+  names.push("estimate", "truth", "accent", "good", "fair", "poor", "arm0", "arm1", "arm2", "arm3", "arm4", "arm5");
   for (const name of names) ink[name] = style.getPropertyValue("--" + name).trim();
 }
 

@@ -49,14 +49,15 @@ const referenceLines = (columns) =>
 function parameterSpec(parameter) {
   const truth = { values: parameter.truth, colour: "truth", dash: DASHES[1], thin: true };
   const lines = [...(parameter.truth ? [truth] : []), { values: parameter.value, colour: "estimate" }];
-  return { lines, bands: [{ value: parameter.value, std: parameter.std, colour: "estimate" }] };
+  return { lines, bands: [{ value: parameter.value, std: parameter.std, colour: "estimate" }], told: run.health };
 }
 
 function parameterText(parameter, sample) {
   const [value, band] = [mix(parameter.value, sample), mix(parameter.std, sample)];
   const digits = digitsFor(Math.abs(value));
   const truth = parameter.truth ? ", true " + fixed(mix(parameter.truth, sample), digits) : "";
-  return fixed(value, digits) + " \u00b1 " + fixed(band, digits) + truth + " " + parameter.unit;
+  const health = gradeOf(run.health, sample.i) ? " \u00b7 " + wordOf(run.health, sample.i) : "";
+  return fixed(value, digits) + " \u00b1 " + fixed(band, digits) + truth + " " + parameter.unit + health;
 }
 
 const unwrapped = (values) => {

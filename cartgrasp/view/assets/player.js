@@ -37,15 +37,15 @@ function draw() {
   element("speed").value = fixed((vx < 0 ? -1 : 1) * Math.hypot(vx, vy), 2);
   if (run.error) element("error").value = fixed(mix(run.error, sample), 2);
   else element("heading").value = fixed((180 / Math.PI) * mixAngle(run.pose[2], sample), 1);
-  drawStatus(sample.i);
+  drawWord("status", sample.i);
+  drawWord("health", sample.i);
   if (chosen()) element("chart-parameter").querySelector("output").value = parameterText(chosen(), sample);
 }
 
-function drawStatus(i) {
-  if (!run.status) return;
-  const word = run.status.index[i];
-  element("status").value = element("status").title = run.status.words[word].replaceAll("_", " ");
-  element("status").className = "grade" + run.status.grades[word];
+function drawWord(name, i) {
+  if (!run[name]) return;
+  element(name).value = element(name).title = wordOf(run[name], i);
+  element(name).className = "word grade" + gradeOf(run[name], i);
 }
 
 const chosen = () => run.parameters[element("parameter").selectedIndex];
@@ -80,7 +80,8 @@ function zoomBy(factor) {
   wake();
 }
 
-// The strip behind the scrubber: where plans were not as wished, and where an arm took another contact.
+// The strip behind the scrubber: where plans were not as wished, where an arm took another contact, and below all along
+// how the estimate did.
 function drawStrip() {
   const { context, width, height } = fitCanvas(element("strip"));
   const x = (i) => ((run.time[i] - run.start) / (run.stop - run.start || 1)) * width;
@@ -89,11 +90,15 @@ function drawStrip() {
   context.beginPath();
   context.roundRect(0, middle - 2, width, 4, 2);
   context.fill();
-  for (let i = 0; run.status && i < frameCount; i++) {
-    const grade = run.status.grades[run.status.index[i]];
-    if (!grade) continue;
-    context.fillStyle = grade === 1 ? ink.fair : ink.poor;
-    context.fillRect(x(Math.max(i - 1, 0)), middle - 3, Math.max(x(i) - x(Math.max(i - 1, 0)), 2), 6);
+  const mark = (told, grade, i, y, high) => {
+    context.fillStyle = ink[["good", "fair", "poor"][grade]];
+    context.fillRect(x(Math.max(i - 1, 0)), y, Math.max(x(i) - x(Math.max(i - 1, 0)), 2), high);
+  };
+  for (let grade = 0; grade < 3; grade++) {
+    for (let i = 0; i < frameCount; i++) {
+      if (grade && gradeOf(run.status, i) === grade) mark(run.status, grade, i, middle - 3, 6);
+      if (run.health && gradeOf(run.health, i) === grade) mark(run.health, grade, i, height - 4, 4);
+    }
   }
   for (const arm of run.arms) {
     context.fillStyle = ink[arm.colour];
@@ -116,7 +121,7 @@ function describe() {
   const parts = [cart, raw.run === raw.title ? "" : raw.run, fixed(length, 1) + " s", arms];
   element("about").textContent = parts.filter(Boolean).join(" · ");
   element("status-box").hidden = !run.status;
-  element("status-of").textContent = run.status ? run.status.of : "";
+  element("health-box").hidden = !run.health;
   element("error-box").hidden = element("legend-reference").hidden = !run.error;
   element("heading-box").hidden = Boolean(run.error);
   element("chart-parameter").hidden = !run.parameters.length;

@@ -18,6 +18,7 @@ from .logs import CART, RAIL, found, on_rail, sealed, two_hands
 SEEDS = st.integers(0, 3)
 FAULTS = {
     "theta in degrees": ("unit", lambda p: np.column_stack([p[:, :2], np.degrees(wrap_angle(p[:, 2]))])),
+    "theta turned into radians twice": ("unit", lambda p: p * [1, 1, np.pi / 180]),
     "theta reversed": ("sign", lambda p: p * [1, 1, -1]),
     "y reversed": ("sign", lambda p: p * [1, -1, 1]),
     "x reversed": ("sign", lambda p: p * [-1, 1, 1]),

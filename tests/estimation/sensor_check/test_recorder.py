@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.logs import RunLog
-from estimation.sensor_check import check_sensors, put_right, travelled
+from estimation.sensor_check import check_sensors, look_at, put_right
 from estimation.sensor_check.recorder import interpolated, quantised, slow, step_of
 
 from .logs import CART, RAIL, two_hands
@@ -106,7 +106,9 @@ def test_a_clock_that_jumps_is_told_and_costs_nothing():
     (told,) = (one for one in check_sensors(late, CART) if one.kind == "holes")
     assert told.factor == pytest.approx(86400.0, abs=0.1)
     assert "12 s to 86412" in told.words
-    assert travelled(late) == pytest.approx(travelled(log), rel=0.01)
+    seen, whole = look_at(late, CART).overview, look_at(log, CART).overview
+    assert seen.travelled == pytest.approx(whole.travelled, rel=0.01)
+    assert seen.sensors[0].gap == pytest.approx(86400.0, abs=0.1)
     assert not [one for one in check_sensors(log, CART) if one.kind == "holes"]
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check import of_wrenches
 from estimation.sensor_check.wrench_readings import UNITS, mountings
-from estimation.sensor_check.wrenches import _balances
+from estimation.sensor_check.wrenches import _balances, _speaks, judged
 from estimation.weak_form.balances import Balances
 
 from .logs import CART, QUIET, RAIL, cart_of, found, on_rail, sealed, two_hands, with_wrenches
@@ -36,7 +36,7 @@ FAULTS = {
     "fx reversed": ("sign", times(-1, 1, 1, 1, 1, 1)),
     "fy reversed": ("sign", times(1, -1, 1, 1, 1, 1)),
     "half a turn": ("sign", times(-1, -1, 1, -1, -1, 1)),
-    "tz reversed": ("axes", times(1, 1, 1, 1, 1, -1)),
+    "tz reversed": ("sign", times(1, 1, 1, 1, 1, -1)),
     "x and y swapped": ("axes", taken(1, 0, 2, 4, 3, 5)),
     "a quarter turn": ("axes", lambda w: w[:, [1, 0, 2, 4, 3, 5]] * [1, -1, 1, 1, -1, 1]),
     "z ahead": ("axes", taken(1, 2, 0, 4, 5, 3)),
@@ -84,6 +84,35 @@ def test_small_faults_are_no_wrong_axes(seed, angle, gain, offset, rows):
         return gain * np.roll(turned, rows, axis=0) + offset * np.array([1, 1, 1, 0.1, 0.1, 0.1])
 
     assert told(with_wrenches(two_hands(seed), change, ("right",))) == ()
+
+
+@pytest.mark.parametrize("name", ["of the other side", "fx reversed", "x and y swapped", "kN"])
+def test_of_ten_seconds_much_is_told(name):
+    kind, change = FAULTS[name]
+    log = two_hands(0, duration=10.0)
+    assert told(log) == ()
+    assert {key for key, p in found(told(with_wrenches(log, change))).items() if p > 0.9} == {
+        (kind, "left"),
+        (kind, "right"),
+    }
+
+
+def test_what_is_only_noise_has_no_sign():
+    """An offset is none either; a slow push far below the noise of a sample is one."""
+    log = two_hands(0)
+    random, slow = np.random.default_rng(1), 0.5 * np.sin(log.time)
+    noise = random.normal(0, 1.0, (len(log.time), 6))
+    columns = [noise[:, 0], noise[:, 1] + 5.0, noise[:, 2] + slow, slow, 0 * slow, 10 * noise[:, 5]]
+    arms = log.arms | {"left": ArmLog(log.arms["left"].contact, np.column_stack(columns))}
+    assert _speaks(replace(log, arms=arms), "left").tolist() == [False, False, True, True, False, False]
+    assert _speaks(log, "left")[[0, 1, 5]].all()
+
+
+def test_what_cannot_be_judged_is_said():
+    log = two_hands(0, duration=4.0)
+    assert judged(Balances.of(log, CART), CART) == ((), "the cart moves too little, or for too short a time")
+    assert judged(Balances.of(two_hands(0), CART), CART) == ((), "")
+    assert judged(Balances.of(replace(log, arms={}), CART), CART) == ((), "")
 
 
 @pytest.mark.parametrize("arms", [("left", "right"), ("left",)])
