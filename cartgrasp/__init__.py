@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .errors import CartgraspError, DataError, FileError, LogError, UsageError
     from .inertia import Inertia
     from .joint_torques import JointTorques
-    from .logs import RunLog, read_log, write_log
+    from .logs import ArmLog, RunLog, read_log, write_log
     from .model import CartModel
     from .motion import Estimate, Measurement, Motion, ParameterEstimate, Reference
     from .reach import Reach
@@ -26,6 +26,7 @@ __version__ = "0.1.0"
 __all__ = [
     "KNOWN_EFFECTS",
     "Arm",
+    "ArmLog",
     "CartModel",
     "CartgraspError",
     "ContactSet",
@@ -63,7 +64,7 @@ _HOMES = {
     "errors": "CartgraspError DataError FileError LogError UsageError",
     "inertia": "Inertia",
     "joint_torques": "JointTorques",
-    "logs": "RunLog read_log write_log",
+    "logs": "ArmLog RunLog read_log write_log",
     "model": "CartModel",
     "motion": "Estimate Measurement Motion ParameterEstimate Reference",
     "reach": "Reach",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import NoneType
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, number, numbers
 from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
@@ -63,9 +64,9 @@ class Arm:
     def __init__(
         self,
         name: str,
-        contacts: Sequence[Sequence[float]] | ContactSet = (),
+        contacts: Sequence[ArrayLike] | ContactSet = (),
         *,
-        segment: Sequence[Sequence[float]] | None = None,
+        segment: Sequence[ArrayLike] | None = None,
         yaw: float = 0.0,
         force_limit: Sequence[float] = (np.inf,) * 3,
         moment_limit: Sequence[float] = (np.inf,) * 3,
@@ -122,7 +123,7 @@ class Arm:
         return np.array([*self.force_limit, *self.moment_limit])
 
 
-def _contact_set(name: str, points: Sequence[Sequence[float]], segment: Sequence[Sequence[float]] | None) -> ContactSet:
+def _contact_set(name: str, points: Sequence[ArrayLike], segment: Sequence[ArrayLike] | None) -> ContactSet:
     if segment is None:
         return ContactSet(points_of(f"arm {name}: contacts", points))
     ends = points_of(f"arm {name}: segment", segment)
