@@ -41,11 +41,30 @@ class Friction:
 
 @dataclass(frozen=True, init=False)
 class Arm:
-    """An arm: where it may hold (`contacts`), yaw of {a} against {b} (rad), symmetric limits per axis of {a}
-    (N, N·m; `inf` for none), friction, and weights of (fx, fy, fz, tx, ty, tz) in the effort.
+    """An arm: where it may hold the cart, and what it can give there. Limits are symmetric, `inf` is none.
 
-    It may say more: that it only pushes (fx >= 0, as friction implies), its rated `payload` (kg, whose weight it
-    gives at most up or down), `wrench_rate` (N/s and N·m/s per axis, (6,)), what its `joints` bear, and its `reach`.
+    Args:
+        name: A word without a dot or a colon.
+        contacts: Points (x, y, z) in {b}, m, of which the planner takes one.
+        segment: Two such points: it may hold anywhere between.
+        yaw: Of {a} against {b}, rad.
+        force_limit: |fx|, |fy|, |fz| in {a}, N.
+        moment_limit: |tx|, |ty|, |tz| in {a}, N·m.
+        friction: Of a hand that is not firm; it only pushes then.
+        weights: Of (fx, fy, fz, tx, ty, tz) in the effort, the sum of weight times component squared.
+        push_only: fx >= 0.
+        payload: kg, whose weight it gives at most up or down.
+        wrench_rate: Of change, (6,), N/s and N·m/s.
+        joints: What its joints bear at its posture.
+        reach: Where it can hold at all.
+
+    Raises:
+        UsageError: A value is of the wrong kind, out of bounds, or of another length.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> cg.Arm("left", [(-0.25, 0.2, 1.0)], force_limit=(60, 60, 40), friction=cg.Friction(mu=0.6))
+        Arm('left', points: 1, yaw=0, force_limit=(60, 60, 40), moment_limit=(inf, inf, inf), friction=0.6)
     """
 
     name: str

@@ -14,7 +14,7 @@ import cartgrasp  # noqa: E402
 project = "cartgrasp"
 author = "The cartgrasp authors"
 version = release = cartgrasp.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "formulas"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 html_math_renderer = "svg"
@@ -31,15 +31,17 @@ nitpick_ignore_regex = [("py:.*", ".*")]
 
 
 def setup(app):
-    app.connect("autodoc-process-docstring", plain)
+    app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon, which reads "Args:"
     app.connect("autodoc-process-signature", short)
 
 
 def plain(app, what, name, value, options, lines):
-    """Docstrings are no reStructuredText: what is between backticks is code, the rest stands as it is."""
-    parts = "\n".join(lines).split("`")
-    parts[::2] = (re.sub(r"([*|_\\])", r"\\\1", part) for part in parts[::2])
-    lines[:] = "``".join(parts).split("\n")
+    """Docstrings are no reStructuredText: what is between backticks is code, an example too, the rest stands as it
+    is."""
+    text, mark, example = "\n".join(lines).partition("\nExample:\n")
+    parts = text.split("`")
+    parts[::2] = (re.sub(r"([*|\\]|_(?!\w))", r"\\\1", part) for part in parts[::2])
+    lines[:] = ("``".join(parts) + mark + example).split("\n")
 
 
 def short(app, what, name, value, options, signature, returned):
