@@ -26,13 +26,22 @@ html_show_sourcelink = False
 html_static_path = ["static"]
 html_css_files = ["pages.css"]
 autodoc_member_order = "bysource"
+autodoc_type_aliases = {"Array": "Array", "ArrayLike": "ArrayLike"}
 nitpick_ignore_regex = [("py:.*", ".*")]
 """Types in signatures: not each is on the page of the API. Links between pages stay strict."""
 
 
 def setup(app):
+    app.connect("builder-inited", draw_effects)
     app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon, which reads "Args:"
     app.connect("autodoc-process-signature", short)
+
+
+def draw_effects(app):
+    """Those pictures that are not there yet."""
+    from effect_pictures import draw_missing
+
+    draw_missing()
 
 
 def plain(app, what, name, value, options, lines):
