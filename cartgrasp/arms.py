@@ -63,8 +63,9 @@ class Arm:
 
     Example:
         >>> import cartgrasp as cg
-        >>> cg.Arm("left", [(-0.25, 0.2, 1.0)], force_limit=(60, 60, 40), friction=cg.Friction(mu=0.6))
-        Arm('left', points: 1, yaw=0, force_limit=(60, 60, 40), moment_limit=(inf, inf, inf), friction=0.6)
+        >>> left = cg.Arm("left", [(-0.25, 0.2, 1.0)], force_limit=(60, 60, 40))
+        >>> left.wrench_limit.tolist()
+        [60.0, 60.0, 40.0, inf, inf, inf]
     """
 
     name: str

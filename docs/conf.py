@@ -54,6 +54,5 @@ def plain(app, what, name, value, options, lines):
 
 
 def short(app, what, name, value, options, signature, returned):
-    """Signatures with our name for arrays of floats."""
-    spelt = "ndarray[tuple[Any, ...], dtype[float64]]"
-    return tuple(text and text.replace(spelt, "Array") for text in (signature, returned))
+    """Names of types by themselves."""
+    return tuple(text and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) for text in (signature, returned))
