@@ -9,6 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "docs")]
 
+from sphinx.util.inspect import TypeAliasForwardRef  # noqa: E402
+
 import cartgrasp  # noqa: E402
 
 project = "cartgrasp"
@@ -27,6 +29,7 @@ html_static_path = ["static"]
 html_css_files = ["pages.css"]
 autodoc_member_order = "bysource"
 autodoc_type_aliases = {"Array": "Array", "ArrayLike": "ArrayLike"}
+TypeAliasForwardRef.__repr__ = lambda alias: alias.name  # within other types, too
 nitpick_ignore_regex = [("py:.*", ".*")]
 """Types in signatures: not each is on the page of the API. Links between pages stay strict."""
 
@@ -34,7 +37,6 @@ nitpick_ignore_regex = [("py:.*", ".*")]
 def setup(app):
     app.connect("builder-inited", draw_effects)
     app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon, which reads "Args:"
-    app.connect("autodoc-process-signature", short)
 
 
 def draw_effects(app):
@@ -51,8 +53,3 @@ def plain(app, what, name, value, options, lines):
     parts = text.split("`")
     parts[::2] = (re.sub(r"([*|\\]|_(?!\w))", r"\\\1", part) for part in parts[::2])
     lines[:] = ("``".join(parts) + mark + example).split("\n")
-
-
-def short(app, what, name, value, options, signature, returned):
-    """Names of types by themselves."""
-    return tuple(text and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) for text in (signature, returned))
