@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .effects import KNOWN_EFFECTS
     from .errors import CartgraspError, DataError, FileError, LogError, UsageError
     from .inertia import Inertia
+    from .information import WrenchNoise
     from .joint_torques import JointTorques
     from .logs import ArmLog, RunLog, read_log, write_log
     from .model import CartModel
@@ -48,6 +49,7 @@ __all__ = [
     "Segment",
     "UsageError",
     "Wheel",
+    "WrenchNoise",
     "grasp_map_planar",
     "grasp_map_spatial",
     "load_cart",
@@ -63,6 +65,7 @@ _HOMES = {
     "effects": "KNOWN_EFFECTS",
     "errors": "CartgraspError DataError FileError LogError UsageError",
     "inertia": "Inertia",
+    "information": "WrenchNoise",
     "joint_torques": "JointTorques",
     "logs": "ArmLog RunLog read_log write_log",
     "model": "CartModel",

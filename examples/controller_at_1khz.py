@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 
 import cartgrasp as cg
-from cartgrasp.simulation.plant import ModelPlant
-from planning import WrenchPlanner
-from planning.references import PathReference, chain, speed_change, turn
-from planning.tracking import build_tracker
+from cartgrasp.simulation import ModelPlant
+from planning import PathReference, WrenchPlanner, build_tracker, chain, speed_change, turn
 
 PERIOD = 1e-3  # s
 

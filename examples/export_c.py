@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import cartgrasp as cg
-from planning import WrenchPlanner
-from planning.embedded import EmbeddedProblem, export_c
+from planning import EmbeddedProblem, WrenchPlanner, export_c
 
 cart = cg.load_cart(Path(__file__).parent / "cart.yaml")
 holding = partial(cg.Arm, force_limit=(60.0, 60.0, 40.0), moment_limit=(8.0, 8.0, 6.0), friction=cg.Friction(mu=0.6))

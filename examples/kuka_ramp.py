@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import cartgrasp as cg
+from cartgrasp import JointTorques
 from cartgrasp.effects import FloorSlope, RollingResistance
-from cartgrasp.joint_torques import JointTorques
 from planning import WrenchPlanner
 
 try:
@@ -28,9 +28,9 @@ except ImportError:
 from cartgrasp.arm_postures import find_posture
 from cartgrasp.spatial_pose import SpatialPose
 from cartgrasp.urdf_arm import LinkMass, read_urdf_arm
+from planning import WrenchPolytope
 from planning.polytope_projection import project
 from planning.push_capacity import push_capacity
-from planning.wrench_polytope import WrenchPolytope
 
 # --- the arms -------------------------------------------------------------------------------------------------
 URDF = files(rtbdata) / "xacro/kuka_description/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.urdf"  # kinematics alone

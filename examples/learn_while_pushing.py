@@ -4,12 +4,9 @@ from functools import partial
 from pathlib import Path
 
 import cartgrasp as cg
-from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import SensorNoise, Sensors
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise
-from planning import WrenchPlanner
-from planning.references import PathReference, chain, pause, speed_change, turn
-from planning.tracking import build_tracker
+from planning import PathReference, WrenchPlanner, build_tracker, chain, pause, speed_change, turn
 
 truth = cg.load_cart(Path(__file__).parent / "cart.yaml")
 guess = truth.with_inertia(cg.Inertia(18.0, (0.25, 0.05), 1.5))

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import cartgrasp as cg
-from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import SensorNoise, Sensors
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise, Prior
 from planning import TipOver, WrenchPlanner
 

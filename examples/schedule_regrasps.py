@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import cartgrasp as cg
-from planning.references import PathReference, Stretch, chain, pause, turn
-from planning.schedule import Grip, Horizon, RegraspCost, plan_schedule
+from planning import Grip, Horizon, PathReference, RegraspCost, Stretch, chain, pause, plan_schedule, turn
 
 cart = cg.load_cart(Path(__file__).parent / "cart.yaml")
 holding = partial(cg.Arm, force_limit=(120.0, 60.0, 40.0), moment_limit=(20.0, 20.0, 20.0))
