@@ -109,7 +109,7 @@ measured: setup
 lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy --strict $(PACKAGES)
+	$(BIN)/mypy --strict $(PACKAGES) examples
 
 format: setup
 	$(BIN)/ruff check --fix .

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from .effects import KNOWN_EFFECTS
     from .errors import CartgraspError, DataError, FileError, LogError, UsageError
     from .inertia import Inertia
+    from .information import WrenchNoise
     from .joint_torques import JointTorques
-    from .logs import RunLog, read_log, write_log
+    from .logs import ArmLog, RunLog, read_log, write_log
     from .model import CartModel
     from .motion import Estimate, Measurement, Motion, ParameterEstimate, Reference
     from .reach import Reach
@@ -26,6 +27,7 @@ __version__ = "0.1.0"
 __all__ = [
     "KNOWN_EFFECTS",
     "Arm",
+    "ArmLog",
     "CartModel",
     "CartgraspError",
     "ContactSet",
@@ -47,6 +49,7 @@ __all__ = [
     "Segment",
     "UsageError",
     "Wheel",
+    "WrenchNoise",
     "grasp_map_planar",
     "grasp_map_spatial",
     "load_cart",
@@ -62,8 +65,9 @@ _HOMES = {
     "effects": "KNOWN_EFFECTS",
     "errors": "CartgraspError DataError FileError LogError UsageError",
     "inertia": "Inertia",
+    "information": "WrenchNoise",
     "joint_torques": "JointTorques",
-    "logs": "RunLog read_log write_log",
+    "logs": "ArmLog RunLog read_log write_log",
     "model": "CartModel",
     "motion": "Estimate Measurement Motion ParameterEstimate Reference",
     "reach": "Reach",

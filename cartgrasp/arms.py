@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import NoneType
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, number, numbers
 from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
@@ -40,11 +41,31 @@ class Friction:
 
 @dataclass(frozen=True, init=False)
 class Arm:
-    """An arm: where it may hold (`contacts`), yaw of {a} against {b} (rad), symmetric limits per axis of {a}
-    (N, N·m; `inf` for none), friction, and weights of (fx, fy, fz, tx, ty, tz) in the effort.
+    """An arm: where it may hold the cart, and what it can give there. Limits are symmetric, `inf` is none.
 
-    It may say more: that it only pushes (fx >= 0, as friction implies), its rated `payload` (kg, whose weight it
-    gives at most up or down), `wrench_rate` (N/s and N·m/s per axis, (6,)), what its `joints` bear, and its `reach`.
+    Args:
+        name: A word without a dot or a colon.
+        contacts: Points (x, y, z) in {b}, m, of which the planner takes one.
+        segment: Two such points: it may hold anywhere between.
+        yaw: Of {a} against {b}, rad.
+        force_limit: |fx|, |fy|, |fz| in {a}, N.
+        moment_limit: |tx|, |ty|, |tz| in {a}, N·m.
+        friction: Of a hand that is not firm; it only pushes then.
+        weights: Of (fx, fy, fz, tx, ty, tz) in the effort, the sum of weight times component squared.
+        push_only: fx >= 0.
+        payload: kg, whose weight it gives at most up or down.
+        wrench_rate: Of change, (6,), N/s and N·m/s.
+        joints: What its joints bear at its posture.
+        reach: Where it can hold at all.
+
+    Raises:
+        UsageError: A value is of the wrong kind, out of bounds, or of another length.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> left = cg.Arm("left", [(-0.25, 0.2, 1.0)], force_limit=(60, 60, 40))
+        >>> left.wrench_limit.tolist()
+        [60.0, 60.0, 40.0, inf, inf, inf]
     """
 
     name: str
@@ -63,9 +84,9 @@ class Arm:
     def __init__(
         self,
         name: str,
-        contacts: Sequence[Sequence[float]] | ContactSet = (),
+        contacts: Sequence[ArrayLike] | ContactSet = (),
         *,
-        segment: Sequence[Sequence[float]] | None = None,
+        segment: Sequence[ArrayLike] | None = None,
         yaw: float = 0.0,
         force_limit: Sequence[float] = (np.inf,) * 3,
         moment_limit: Sequence[float] = (np.inf,) * 3,
@@ -122,7 +143,7 @@ class Arm:
         return np.array([*self.force_limit, *self.moment_limit])
 
 
-def _contact_set(name: str, points: Sequence[Sequence[float]], segment: Sequence[Sequence[float]] | None) -> ContactSet:
+def _contact_set(name: str, points: Sequence[ArrayLike], segment: Sequence[ArrayLike] | None) -> ContactSet:
     if segment is None:
         return ContactSet(points_of(f"arm {name}: contacts", points))
     ends = points_of(f"arm {name}: segment", segment)

@@ -56,7 +56,20 @@ class _CartEntry(StrictModel):
 
 
 def load_cart(path: str | os.PathLike[str]) -> CartModel:
-    """The cart of a `cart.yaml`; a mistake is refused as `file:line:column: key: why`."""
+    """The cart of a `cart.yaml`.
+
+    Args:
+        path: Of the file: keys as in the command line's pages, SI units.
+
+    Raises:
+        FileError: It can't be read, or holds a mistake: `file:line:column: key: why`.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> cart = cg.load_cart("cart.yaml")
+        >>> cart.inertia.mass, [effect.key for effect in cart.effects]
+        (15.0, ['viscous_drag'])
+    """
     return cart_from_document(read_yaml(path), str(path))
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 def lazy_names(names: dict[str, Any], homes: Mapping[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of the package whose globals are `names`; `homes` says which modules of it hold which
-    names, these parted by spaces."""
+    names, these parted by spaces. `dir` shows what is public."""
     package = names["__name__"]
 
     def get(name: str) -> Any:
@@ -19,4 +19,4 @@ def lazy_names(names: dict[str, Any], homes: Mapping[str, str]) -> tuple[Callabl
                 return value
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
-    return get, lambda: sorted({*names, *names["__all__"]})
+    return get, lambda: sorted({*names["__all__"], *(name for name in names if name.startswith("__"))})

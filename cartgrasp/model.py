@@ -76,7 +76,30 @@ class Acting(NamedTuple):
 @final
 @dataclass(frozen=True)
 class CartModel(CartStructure):
-    """A cart: what is pushed, and what acts on it; its parts are those of `CartStructure`."""
+    """A cart: a rigid body, what its wheels forbid, and what acts on it. Frozen: `with_...` returns another.
+
+    Args:
+        inertia: Mass (kg), CoM in {b} (m) and yaw inertia about it (kg·m²), with the load.
+        constraints: What fixed wheels or a rail forbid; fixed wheels with their axle through {b}'s origin unless given.
+        effects: What acts beside, from `cartgrasp.effects`; each name once, or with labels.
+        wheels: For loads, skid and tip-over, casters, and drags of each wheel.
+        com_height: m above the floor; tip-over needs it.
+        name: What errors and reports call it.
+        first_guess: How sure its numbers are: `std` and `known` of the file.
+        source: The text of the file that it was read from, which `save` keeps.
+
+    Raises:
+        UsageError: A part is of the wrong kind, out of bounds, no body, or stands twice.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from cartgrasp.effects import RollingResistance
+        >>> cart = cg.CartModel(cg.Inertia(mass=24.0, com=(0.3, 0.0), about_com=2.0))
+        >>> cart = cart.with_effect(RollingResistance(coefficient=0.02))
+        >>> rolling = cart.state(velocity=(0.5, 0.0))
+        >>> cart.required_wrench(rolling, acceleration=[0.0, 0.0]).round(2).tolist()  # 0.02 of the weight, no moment
+        [4.71, 0.0]
+    """
 
     def __repr__(self) -> str:
         body, rows = self.inertia, ("all casters", "no lateral slip", "on a rail")[self.constraints.n_rows]

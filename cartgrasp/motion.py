@@ -35,10 +35,20 @@ class Reference:
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was sensed at `time` (s). Any part may be missing (None, an absent arm, or NaN).
+    """What was sensed at a time. Any part may be missing: None, an absent arm, or NaN.
 
-    `pose` is (x, y, theta) of {b} in {s}; `velocity` is (vx, vy, omega) of its origin in {s}; `wrenches` are
-    what arms do to the cart, (6,) in {a}, at `contacts`, (3,) in {b}.
+    Args:
+        time: s.
+        pose: (x, y, theta) of {b} in {s}, m and rad.
+        velocity: (vx, vy, omega) of {b}'s origin in {s}, m/s and rad/s.
+        wrenches: What arms do to the cart, (6,) in {a}, N and N·m, by arm.
+        contacts: Where they hold, (3,) in {b}, m, by arm.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> push = cg.Measurement(0.5, wrenches={"left": [20, 0, 0, 0, 0, 0]}, contacts={"left": [-0.25, 0.2, 1.0]})
+        >>> push.pose is None
+        True
     """
 
     time: float

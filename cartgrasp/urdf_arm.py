@@ -187,7 +187,7 @@ def _library() -> Any:
     try:
         import pinocchio
     except ImportError as error:
-        raise UsageError("arms from a URDF need Pinocchio: pip install 'cartgrasp[arms]'") from error
+        raise UsageError("arms from a URDF need Pinocchio: in cartgrasp's clone, pip install '.[arms]'") from error
     return pinocchio
 
 

@@ -59,9 +59,27 @@ class CartFilter:
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
-    `arms` names those whose wrenches add up (None: all that are seen); `yaws` their contact frames' yaws. Below
-    `least_speed` (m/s) of {b}'s origin a regression learns nothing, as in the paper's experiments. Where the cart has
-    a `time_delay`, parameters are as much behind, and the motion is not.
+    Where the cart has a `time_delay`, parameters are as much behind, and the motion is not.
+
+    Args:
+        cart: Structure and first guess.
+        arms: Names of those whose wrenches add up; None: all that are seen.
+        noise: Standard deviations of the sensors, in their units; those of `FilterNoise()` unless given.
+        prior: How sure the first guess is; `Prior()` and what the cart's file says unless given.
+        yaws: Of the contact frames against {b}, rad, by arm; 0 unless given.
+        least_speed: m/s of {b}'s origin below which a regression learns nothing, as in the paper's experiments.
+
+    Raises:
+        UsageError: An argument is of the wrong kind or out of bounds, or names an arm or parameter that is not there.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from estimation import CartFilter
+        >>> log, cart_filter = cg.read_log("run.csv"), CartFilter(cg.load_cart("cart.yaml"))
+        >>> for measurement in log.measurements():
+        ...     estimate = cart_filter.update(measurement)
+        >>> estimate.parameters["mass"].identifiable, estimate.health
+        (True, <Health.OK: 'ok'>)
     """
 
     aligns: ClassVar[bool] = True

@@ -85,8 +85,27 @@ def identify(
     noise: FilterNoise | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Identification:
-    """Fits the cart to all logs at once; `cart` is the first guess, and the sensors' `noise` is read off each log
-    unless given. `progress` is told the share done."""
+    """Fits one cart to all logs at once.
+
+    Args:
+        logs: One or several, of one cart with one load.
+        cart: Structure and first guess.
+        prior: How sure the first guess is; `Prior()` and what the cart's file says unless given.
+        noise: Of the sensors; read off each log unless given.
+        progress: Is told the share done, 0 to 1.
+
+    Raises:
+        DataError: The logs can't be fitted.
+        UsageError: No log, or an argument of the wrong kind.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from estimation import identify
+        >>> found = identify([cg.read_log("run.csv")], cg.load_cart("cart.yaml"))
+        >>> mass = found.parameters["mass"]
+        >>> mass.identifiable, round(mass.value), mass.unit
+        (True, 24, 'kg')
+    """
     logs = listed("identify: logs", logs, RunLog, 'write [read_log("run.csv")]')
     check_kind("identify: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
     if not logs:

@@ -17,12 +17,29 @@ SIDE_PUSH = 20.0
 
 @dataclass(frozen=True)
 class FilterNoise:
-    """Sensors: standard deviations of one sample. Left out of the model: random walks and disturbances, per √s.
+    """How loud sensors are (standard deviations of one sample), and what the model leaves out (per √s).
 
-    `disturbance` is an unmodelled force (N·√s; moments by `lever`, m); `slip` how far wheels creep sideways and turn
-    (m/√s, rad/√s); `swivel` the same for casters' headings (other
-    memories in proportion to how far they may be off at first); `parameter_drift` a share of each prior's standard
-    deviation (1/√s).
+    Args:
+        position: Of a pose, m.
+        heading: Of a pose, rad.
+        linear_velocity: m/s.
+        yaw_rate: rad/s.
+        force: Of each axis of a wrench, N.
+        moment: Of each axis of a wrench, N·m.
+        disturbance: A force that is not in the model, N·√s; a moment by `lever`.
+        lever: m.
+        slip: How far wheels creep sideways and turn, m/√s and rad/√s.
+        swivel: The same of casters' headings, rad/√s; of other memories in proportion to how far they may be off at
+            first.
+        parameter_drift: Share of each prior's standard deviation by which a parameter drifts, 1/√s.
+
+    Raises:
+        UsageError: One is negative or not finite.
+
+    Example:
+        >>> from estimation import FilterNoise
+        >>> FilterNoise(force=1.0, moment=0.05).wrench_covariance.diagonal().round(4).tolist()  # N², N²·m²
+        [1.0, 1.0, 1.0, 0.0025, 0.0025, 0.0025]
     """
 
     position: float = 0.0005

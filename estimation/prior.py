@@ -22,10 +22,26 @@ SURE = 1e-3
 
 @dataclass(frozen=True)
 class Prior:
-    """Standard deviations of the first guess: mass and inertia as shares of their values, CoM in m; effects'
-    parameters as a share of their value, but at least their typical size. `known` names what is not estimated
-    (full parameter names, or an effect's key for all of its parameters), `std` gives others in their units. What a
-    cart's file says of its first guess counts as if it stood here.
+    """How sure the first guess is. What a cart's file says of it counts as if it stood here.
+
+    Args:
+        mass: Standard deviation as a share of the value.
+        com: Standard deviation of each coordinate, m.
+        inertia: Standard deviation as a share of the value.
+        effects: The same of each effect's parameters, but at least their typical size.
+        known: What is not estimated: names of parameters, or an effect's key for all of its own.
+        std: Other standard deviations by name, in the parameter's unit.
+
+    Raises:
+        UsageError: A deviation is negative, or not finite. A name that the cart does not have is refused at use.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from estimation import CartFilter, Prior
+        >>> cart = cg.load_cart("cart.yaml")
+        >>> prior = Prior(known={"inertia"}, std={"mass": 2.0})
+        >>> prior.deviations(cart)[0], prior.held(cart)[:4].tolist()  # mass, CoM x and y, inertia
+        (np.float64(2.0), [False, False, False, True])
     """
 
     mass: float = 0.4

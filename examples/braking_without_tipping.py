@@ -1,6 +1,7 @@
 """How hard hands at 1 m height may brake a cart: until its casters lift, and less once its load is known better."""
 
 import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,9 @@ import cartgrasp as cg
 from planning import Skid, TipOver, WrenchPlanner
 
 cart = cg.load_cart(Path(__file__).parent / "cart.yaml")
-limits = {"force_limit": (150.0, 60.0, 0.0), "moment_limit": (8.0, 8.0, 6.0)}  # hands that don't press down or lift
-arms = [cg.Arm("left", [(-0.25, 0.2, 1.0)], **limits), cg.Arm("right", [(-0.25, -0.2, 1.0)], **limits)]
+# Hands that don't press down or lift.
+holding = partial(cg.Arm, force_limit=(150.0, 60.0, 0.0), moment_limit=(8.0, 8.0, 6.0))
+arms = [holding("left", [(-0.25, 0.2, 1.0)]), holding("right", [(-0.25, -0.2, 1.0)])]
 planner = WrenchPlanner(cart, arms, cart_limits=[TipOver(10.0), Skid(0.5)], relax=math.inf)
 
 asked = (-200.0, 0.0, 0.0)

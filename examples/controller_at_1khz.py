@@ -1,21 +1,20 @@
 """Call the planner from a 1 kHz controller: a cart is pushed along a curve, and the planner is never too late."""
 
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import cartgrasp as cg
-from cartgrasp.simulation.plant import ModelPlant
-from planning import WrenchPlanner
-from planning.references import PathReference, chain, speed_change, turn
-from planning.tracking import build_tracker
+from cartgrasp.simulation import ModelPlant
+from planning import PathReference, WrenchPlanner, build_tracker, chain, speed_change, turn
 
 PERIOD = 1e-3  # s
 
 cart = cg.load_cart(Path(__file__).parent / "cart.yaml")
-limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0)}
-arms = [cg.Arm("left", [(-0.25, 0.2, 1.0)], **limits), cg.Arm("right", [(-0.25, -0.2, 1.0)], **limits)]
+holding = partial(cg.Arm, force_limit=(60.0, 60.0, 40.0), moment_limit=(8.0, 8.0, 6.0))
+arms = [holding("left", [(-0.25, 0.2, 1.0)]), holding("right", [(-0.25, -0.2, 1.0)])]
 path = PathReference(chain(speed_change(0.4), turn(0.5, 0.4), speed_change(-0.4)))
 
 plant, tracker = ModelPlant(cart), build_tracker(cart.constraints)

@@ -7,10 +7,9 @@ of 3 cm to either side teaches all of it, and where the hands hold says how far 
 import numpy as np
 
 import cartgrasp as cg
+from cartgrasp import WrenchNoise
 from cartgrasp.effects import ViscousDrag
-from cartgrasp.information import WrenchNoise
-from planning.excitation.excitation_choice import Allowance, ExcitationChooser
-from planning.references import PathReference, pause, speed_change
+from planning import Allowance, ExcitationChooser, PathReference, pause, speed_change
 
 cart = cg.CartModel(cg.Inertia(20.0, (-0.4, 0.0), 2.0), effects=(ViscousDrag(3.0, 1.2),))
 places = [(-0.9, 0.2, 1.0), (-0.45, 0.3, 0.8), (0.0, 0.3, 0.8)]

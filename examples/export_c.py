@@ -2,18 +2,18 @@
 
 import subprocess
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import cartgrasp as cg
-from planning import WrenchPlanner
-from planning.embedded import EmbeddedProblem, export_c
+from planning import EmbeddedProblem, WrenchPlanner, export_c
 
 cart = cg.load_cart(Path(__file__).parent / "cart.yaml")
-limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0), "friction": cg.Friction(mu=0.6)}
-left = cg.Arm("left", [(-0.25, 0.2, 1.0)], **limits)
-right = cg.Arm("right", [(-0.25, -0.2, 1.0)], **limits)
+holding = partial(cg.Arm, force_limit=(60.0, 60.0, 40.0), moment_limit=(8.0, 8.0, 6.0), friction=cg.Friction(mu=0.6))
+left = holding("left", [(-0.25, 0.2, 1.0)])
+right = holding("right", [(-0.25, -0.2, 1.0)])
 contacts = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
 wrenches = [(40.0, 0.0, 3.0), (100.0, 0.0, -6.0), (200.0, 0.0, 0.0)]
 

@@ -6,6 +6,7 @@ and stops when a joint feels more than 10 N·m from outside pushes only where it
 """
 
 import sys
+from functools import partial
 from importlib.resources import files
 from itertools import product
 from pathlib import Path
@@ -13,23 +14,23 @@ from pathlib import Path
 import numpy as np
 
 import cartgrasp as cg
+from cartgrasp import JointTorques
 from cartgrasp.effects import FloorSlope, RollingResistance
-from cartgrasp.joint_torques import JointTorques
 from planning import WrenchPlanner
 
 try:
     import pinocchio  # noqa: F401
     import rtbdata
 except ImportError:
-    print("skipped: this example needs the extra `arms`: pip install 'cartgrasp[arms]'")
+    print("skipped: this example needs the extra `arms`: pip install '.[arms]'")
     sys.exit()
 
 from cartgrasp.arm_postures import find_posture
 from cartgrasp.spatial_pose import SpatialPose
 from cartgrasp.urdf_arm import LinkMass, read_urdf_arm
+from planning import WrenchPolytope
 from planning.polytopes.polytope_projection import project
 from planning.polytopes.push_capacity import push_capacity
-from planning.polytopes.wrench_polytope import WrenchPolytope
 
 # --- the arms -------------------------------------------------------------------------------------------------
 URDF = files(rtbdata) / "xacro/kuka_description/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.urdf"  # kinematics alone
@@ -54,7 +55,8 @@ OTHER_MASSES = (  # those of Drake's iiwa description (iiwa14_polytope_collision
 )
 FELT_TORQUE = 10.0  # N·m from outside at which the robot stops: our choice, not KUKA's
 PLATFORM, HALF_WIDTH = 0.7, 0.2  # m: the arms stand upright on a platform, one behind each hand
-iiwa, other = (read_urdf_arm(URDF, "tool0", torque_limit=DRIVE_TORQUE, added_masses=m) for m in (MASSES, OTHER_MASSES))
+read = partial(read_urdf_arm, str(URDF), "tool0", torque_limit=DRIVE_TORQUE)
+iiwa, other = (read(added_masses=masses) for masses in (MASSES, OTHER_MASSES))
 postures = np.random.default_rng(0).uniform(iiwa.lower, iiwa.upper, (5000, 7))
 own, others = (np.array([arm.gravity_torque(posture) for posture in postures]) for arm in (iiwa, other))
 doubt = np.abs(own - others)
@@ -75,7 +77,7 @@ cart = cart.with_effect(FloorSlope(grade_x=GRADE)).with_effect(RollingResistance
 push = cart.planar_wrench(cart.required_wrench(cart.state(velocity=(0.3, 0.0)), np.array([0.3, 0.0])))
 
 
-def arms_at(hand, elbow, height, standoff):
+def arms_at(hand: str, elbow: str, height: float, standoff: float) -> tuple[list[cg.Arm], list[cg.Arm]] | None:
     """Both arms by their drives, and both by what their joints may feel; none where out of reach."""
     by_drives, by_feeling = [], []
     for name, side, mirror in (("left", HALF_WIDTH, 1), ("right", -HALF_WIDTH, MIRROR)):
@@ -86,9 +88,9 @@ def arms_at(hand, elbow, height, standoff):
             return None
         drives = placed.joint_torques(posture.configuration)
         felt = JointTorques(drives.jacobian, np.zeros(7), np.full(7, FELT_TORQUE))
-        touch = {"moment_limit": (0.0, 0.0, 0.0), "friction": cg.Friction(0.5, 8)}  # an open hand
-        by_drives.append(cg.Arm(name, [handle.position], **touch, joints=drives))
-        by_feeling.append(cg.Arm(name, [handle.position], **touch, joints=felt))
+        open_hand = partial(cg.Arm, name, [handle.position], moment_limit=(0.0, 0.0, 0.0), friction=cg.Friction(0.5, 8))
+        by_drives.append(open_hand(joints=drives))
+        by_feeling.append(open_hand(joints=felt))
     return by_drives, by_feeling
 
 
@@ -116,8 +118,13 @@ for (hand, elbow), map_ in felt.items():
 
 # --- the planner says the same ----------------------------------------------------------------------------------
 good, bad = ("forward", "up", 1.0, 0.9), ("from above", "up", 0.4, 0.4)
-plans = {where: WrenchPlanner(cart, arms_at(*where)[1]).plan(push) for where in (good, bad)}
-print(f"\nat {good}: {plans[good].status}; at {bad}: {plans[bad].status}: {plans[bad].certificate.words}")
+places = {where: arms_at(*where) for where in (good, bad)}
+feeling = {where: arms[1] for where, arms in places.items() if arms is not None}
+plans = {where: WrenchPlanner(cart, arms).plan(push) for where, arms in feeling.items()}
+proof, nearest = plans[bad].certificate, plans[bad].nearest
+assert proof is not None
+assert nearest is not None
+print(f"\nat {good}: {plans[good].status}; at {bad}: {plans[bad].status}: {proof.words}")
 
 assert (doubt / DRIVE_TORQUE).max() < 0.03, "whose masses one believes hardly matters"
 # Hanging hands bear the push at their last bend, the flange's 0.126 m: 40 N·m there are the drives' least.
@@ -129,7 +136,7 @@ assert (felt["from above", "up"][:3, 0] < 1).all(), "low and near, the levers of
 assert felt["from above", "up"][1, 1] < 1 < felt["from above", "out"][1, 1], "there, turning the elbow out is enough"
 assert plans[good].status == "optimal"
 assert plans[bad].status == "infeasible"
-assert np.isclose(plans[bad].nearest.wrench[0], felt["from above", "up"][0, 0] * push[0], rtol=1e-5)
+assert np.isclose(nearest.wrench[0], felt["from above", "up"][0, 0] * push[0], rtol=1e-5)
 
 if len(sys.argv) > 1:
     from matplotlib.figure import Figure
@@ -146,7 +153,7 @@ if len(sys.argv) > 1:
             draw_push_map(axes, standoffs, heights, felt[posture])
             axes.set_title(f"hand {posture[0]}, elbow {posture[1]}")
         for where, color in ((good, BLUE), (bad, VERMILLION)):
-            shadow = project(WrenchPolytope.of(arms_at(*where)[1][0]), ("fx", "fz"))
+            shadow = project(WrenchPolytope.of(feeling[where][0]), ("fx", "fz"))
             draw_wrench_shadow(shadows, shadow, ("fx", "fz"), label=f"{where[0]}, at {where[2]} m", color=color)
         draw_needed_push(shadows, push[0] / 2)
         shadows.set_title("what one arm can give, elbow up")

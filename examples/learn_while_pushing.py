@@ -1,19 +1,17 @@
 """A closed loop by hand: plan, push, sense, learn. The cart weighs 24 kg, the first guess is 18 kg."""
 
+from functools import partial
 from pathlib import Path
 
 import cartgrasp as cg
-from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import SensorNoise, Sensors
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise
-from planning import WrenchPlanner
-from planning.references import PathReference, chain, pause, speed_change, turn
-from planning.tracking import build_tracker
+from planning import PathReference, WrenchPlanner, build_tracker, chain, pause, speed_change, turn
 
 truth = cg.load_cart(Path(__file__).parent / "cart.yaml")
 guess = truth.with_inertia(cg.Inertia(18.0, (0.25, 0.05), 1.5))
-limits = {"force_limit": (80.0, 60.0, 40.0), "moment_limit": (10.0, 10.0, 10.0)}
-arms = [cg.Arm("left", [(-0.25, 0.2, 1.0)], **limits), cg.Arm("right", [(-0.25, -0.2, 1.0)], **limits)]
+holding = partial(cg.Arm, force_limit=(80.0, 60.0, 40.0), moment_limit=(10.0, 10.0, 10.0))
+arms = [holding("left", [(-0.25, 0.2, 1.0)]), holding("right", [(-0.25, -0.2, 1.0)])]
 
 path = PathReference(chain(speed_change(0.6), turn(1.2, 0.4), pause(0.5), turn(-1.2, 0.4), speed_change(-0.6)))
 plant, sensors = ModelPlant(truth), Sensors(truth, SensorNoise(force=0.5, moment=0.02), seed=1)

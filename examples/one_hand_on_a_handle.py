@@ -30,13 +30,15 @@ for wrench in ((40.0, 0.0, 2.0), (40.0, 0.0, -5.0), (40.0, 0.0, 8.0)):
     y = plan.contacts["hand"][1]
     print(f"{wrench[2]:5.1f} N·m: hold at y = {y:.3f} m; active: {', '.join(plan.active) or 'no limit'}")
     tried = [planner.plan_or_hold(wrench, contacts={"hand": (-0.25, place, 1.0)}) for place in places]
-    efforts = [other.effort if other.status == "optimal" else np.nan for other in tried]
-    drawn.append((wrench, plan, efforts))
+    efforts = [np.nan if other.effort is None or other.status != "optimal" else other.effort for other in tried]
     best = np.nanmin(efforts)
     assert plan.status == "optimal"
     assert -0.15 - 1e-9 <= y <= 0.3
+    assert plan.effort is not None
+    assert plan.choice is not None
     assert plan.effort <= best + 1e-9
     assert plan.choice.gap < 1e-9
+    drawn.append((wrench, y, plan.effort, efforts))
 
 if len(sys.argv) > 1:
     from matplotlib.figure import Figure
@@ -47,10 +49,10 @@ if len(sys.argv) > 1:
     with house_style():
         figure = Figure(figsize=(5.0, 3.2), layout="constrained")
         axes = figure.subplots()
-        for color, (wrench, plan, efforts) in zip(OKABE_ITO, drawn, strict=False):
+        for color, (wrench, y, effort, efforts) in zip(OKABE_ITO, drawn, strict=False):
             label = f"{wrench[0]:g} N and {wrench[2]:g} N·m".replace("-", "−")
             axes.plot(places, efforts, color=color, label=label)
-            axes.plot(plan.contacts["hand"][1], plan.effort, "o", color=color)
+            axes.plot(y, effort, "o", color=color)
         axes.set(xlabel="Hand on the handle, y (m), as far as it reaches", ylabel="Effort (N²)", xlim=(-0.16, 0.31))
         axes.set_title("Lines: efforts where the push can be given; dots: what is chosen")
         figure.legend(loc="outside upper center", ncols=3)

@@ -1,20 +1,21 @@
 """How hard may hands brake a cart whose load is being learned? As hard as holds for 99 % of what is still believed."""
 
 import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import cartgrasp as cg
-from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import SensorNoise, Sensors
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise, Prior
 from planning import TipOver, WrenchPlanner
 
 believed = cg.load_cart(Path(__file__).parent / "cart.yaml")
 truth = believed.with_inertia(cg.Inertia(26.0, (0.27, 0.02), 2.2))
-limits = {"force_limit": (150.0, 60.0, 0.0), "moment_limit": (4.0, 4.0, 10.0)}  # hands that don't press down or lift
-arms = [cg.Arm("left", [(-0.25, 0.2, 1.0)], **limits), cg.Arm("right", [(-0.25, -0.2, 1.0)], **limits)]
+# Hands that don't press down or lift.
+holding = partial(cg.Arm, force_limit=(150.0, 60.0, 0.0), moment_limit=(4.0, 4.0, 10.0))
+arms = [holding("left", [(-0.25, 0.2, 1.0)]), holding("right", [(-0.25, -0.2, 1.0)])]
 
 plant, sensors = ModelPlant(truth), Sensors(truth, SensorNoise(force=1.0, moment=0.05))
 prior = Prior(mass=0.15, com=0.04, inertia=0.3, known=frozenset({"viscous_drag"}))
@@ -24,9 +25,9 @@ plain = WrenchPlanner(believed, arms, cart_limits=[TipOver(10.0)], relax=math.in
 robust = WrenchPlanner(believed, arms, cart_limits=[TipOver(10.0)], relax=math.inf, confidence=0.99)
 
 
-def hardest(planner, estimate):
+def hardest(planner: WrenchPlanner, estimate: cg.Estimate) -> float:
     """Braking, N, that leaves each wheel 10 N."""
-    return -planner.plan((-300.0, 0.0, 0.0), estimate=estimate).contact_wrenches.wrench_b[0]
+    return -float(planner.plan((-300.0, 0.0, 0.0), estimate=estimate).contact_wrenches.wrench_b[0])
 
 
 known = cg.Estimate(0.0, plant.motion, {}, "", truth, truth.parameters)

@@ -6,18 +6,18 @@ with what is held now.
 """
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import cartgrasp as cg
-from planning.references import PathReference, Stretch, chain, pause, turn
-from planning.schedule.schedule import Grip, Horizon, RegraspCost, plan_schedule
+from planning import Grip, Horizon, PathReference, RegraspCost, Stretch, chain, pause, plan_schedule, turn
 
 cart = cg.load_cart(Path(__file__).parent / "cart.yaml")
-limits = {"force_limit": (120.0, 60.0, 40.0), "moment_limit": (20.0, 20.0, 20.0)}
-left = cg.Arm("left", [(-0.25, 0.35, 1.0), (-0.25, 0.1, 1.0)], **limits)
-right = cg.Arm("right", [(-0.25, 0.2, 1.0), (-0.25, -0.1, 1.0)], **limits)
+holding = partial(cg.Arm, force_limit=(120.0, 60.0, 40.0), moment_limit=(20.0, 20.0, 20.0))
+left = holding("left", [(-0.25, 0.35, 1.0), (-0.25, 0.1, 1.0)])
+right = holding("right", [(-0.25, 0.2, 1.0), (-0.25, -0.1, 1.0)])
 path = PathReference(chain(pause(1.0), [Stretch(1.5, 0.4)], turn(1.0, 0.4), pause(2.0), [Stretch(1.5, -0.4)]))
 
 held = {arm.name: Grip(arm.contacts.first) for arm in (left, right)}

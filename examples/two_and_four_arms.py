@@ -1,5 +1,6 @@
 """The same push by two arms and by four: the worst-placed arm is spared, hands don't press against each other."""
 
+from functools import partial
 from pathlib import Path
 
 import cartgrasp as cg
@@ -8,13 +9,13 @@ from planning import InternalForce, Lexicographic, Nothing, WeightedWrench, Wors
 cart = cg.load_cart(Path(__file__).parent / "cart.yaml")
 places = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
 places |= {"front left": (0.9, 0.2, 0.8), "front right": (0.9, -0.2, 0.8)}
-limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0)}
+holding = partial(cg.Arm, force_limit=(60.0, 60.0, 40.0), moment_limit=(8.0, 8.0, 6.0))
 asked = (70.0, 0.0, 9.0)
 spare_the_worst = Lexicographic(WorstArm(1.0, base=Nothing()), WeightedWrench())
 
 shares = {}
 for names in (["left", "right"], list(places)):
-    arms = [cg.Arm(name, [places[name]], **limits) for name in names]
+    arms = [holding(name, [places[name]]) for name in names]
     planner = WrenchPlanner(cart, arms, objective=spare_the_worst, cart_limits=[InternalForce(5.0)])
     plan = planner.plan(asked)
     share = max(abs(w / arm.wrench_limit).max() for arm, w in zip(arms, plan.wrenches.values(), strict=True))

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cartgrasp.effects import ForceEffect
-from cartgrasp.effects.effect import Contribution, Parameter
+from cartgrasp.effects import Contribution, ForceEffect, Parameter, Situation
+from cartgrasp.frames import Array
 from cartgrasp.studies.shopping_cart import first_guess, scenario
 from estimation import diagnose
 
@@ -18,7 +18,7 @@ class EddyBrake(ForceEffect):
     name = "eddy_brake"
     parameters = (Parameter("strength", "N·s/m", typical=10.0, lower=0.0),)
 
-    def wrench_b(self, situation, memory, parameters):
+    def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         u, strength = situation.velocity_b[..., 0], parameters[..., 0]
         bent = 1 + (u / 0.3) ** 2
         value, by_velocity, by_parameters = (np.zeros((*u.shape, 3, n)) for n in (1, 3, 1))
@@ -29,6 +29,7 @@ class EddyBrake(ForceEffect):
 
 record = scenario(plant="model").run()  # stands in for your robot
 log, heading = record.log, record.log.pose[:, 2]
+assert log.velocity is not None
 u = np.cos(heading) * log.velocity[:, 0] + np.sin(heading) * log.velocity[:, 1]
 braked = {name: replace(arm, wrench=arm.wrench.copy()) for name, arm in log.arms.items()}
 for arm in braked.values():

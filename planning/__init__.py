@@ -1,4 +1,4 @@
-"""Planning: spread a desired planar wrench over the arms, with a proof. See `docs/architecture.md`."""
+"""Planning: references, the tracking law, and a desired planar wrench spread over the arms, with a proof."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from cartgrasp.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .allocation.allocation import Allocation, allocate, build_allocation
     from .contacts.contact_choice import SearchLimit
+    from .embedded import EmbeddedProblem, export_c
+    from .excitation.excitation_choice import Allowance, ExcitationChooser
+    from .excitation.excitation_plan import plan_excitation
     from .limits import InternalForce, Skid, TipOver
     from .objectives import (
         LeastInternalForce,
@@ -23,10 +26,21 @@ if TYPE_CHECKING:
     )
     from .plan import Plan
     from .planner import WrenchPlanner
+    from .polytopes.wrench_polytope import WrenchPolytope
     from .quadratic_program import QPSolution, QuadraticProgram
+    from .references import PathReference, Stretch, chain, pause, speed_change, straight, turn
+    from .schedule.schedule import Grip, Horizon, RegraspCost, plan_schedule
+    from .tracking import DirectTracker, Gains, SteeringTracker, build_tracker
 
 __all__ = [
     "Allocation",
+    "Allowance",
+    "DirectTracker",
+    "EmbeddedProblem",
+    "ExcitationChooser",
+    "Gains",
+    "Grip",
+    "Horizon",
     "InternalForce",
     "LeastInternalForce",
     "LeastJointTorque",
@@ -34,29 +48,50 @@ __all__ = [
     "LoadShare",
     "Nothing",
     "Objective",
+    "PathReference",
     "Plan",
     "QPSolution",
     "QuadraticProgram",
+    "RegraspCost",
     "SearchLimit",
     "Skid",
     "Smoothness",
+    "SteeringTracker",
+    "Stretch",
     "TipOver",
     "WeightedWrench",
     "WorstArm",
     "WrenchPlanner",
+    "WrenchPolytope",
     "allocate",
     "build_allocation",
+    "build_tracker",
+    "chain",
+    "export_c",
+    "pause",
+    "plan_excitation",
+    "plan_schedule",
+    "speed_change",
+    "straight",
+    "turn",
 ]
 
 _HOMES = {
     "allocation.allocation": "Allocation allocate build_allocation",
     "contacts.contact_choice": "SearchLimit",
+    "embedded": "EmbeddedProblem export_c",
+    "excitation.excitation_choice": "Allowance ExcitationChooser",
+    "excitation.excitation_plan": "plan_excitation",
     "limits": "InternalForce Skid TipOver",
     "objectives": "LeastInternalForce LeastJointTorque Lexicographic LoadShare Nothing Objective Smoothness "
     "WeightedWrench WorstArm",
     "plan": "Plan",
     "planner": "WrenchPlanner",
     "quadratic_program": "QPSolution QuadraticProgram",
+    "references": "PathReference Stretch chain pause speed_change straight turn",
+    "schedule.schedule": "Grip Horizon RegraspCost plan_schedule",
+    "tracking": "DirectTracker Gains SteeringTracker build_tracker",
+    "polytopes.wrench_polytope": "WrenchPolytope",
 }
 
 __getattr__, __dir__ = lazy_names(globals(), _HOMES)

@@ -55,15 +55,37 @@ NOWHERE: Mapping[str, ArrayLike] = {}
 
 
 class WrenchPlanner:
-    """Plans for one cart and its arms. It remembers its last wrench and contacts: to hold them, to start the next
-    choice of contacts from, for `Smoothness`, and for rates of change (from zero at first).
+    """Spreads a planar wrench over the arms of one cart, within every limit, with a proof.
 
-    `cart_limits` are those of the hands together. Where a wrench can't be given, one that misses it by at most
-    `relax` (N and N·m side by side, in effective rows; `inf` for any) is planned instead: the nearest, `relaxed`.
-    With a `confidence` (0.5 to below 1), `cart_limits` hold together with that probability for the covariance of the
-    estimate given last (robust.py); before one is given, or where it is zero, as for a known cart.
-    `switching_cost` (in the objective's unit; for every arm, or by arm) is what an arm pays that the planner moves from
-    where the last usable plan held (switching_cost.py).
+    It remembers its last wrench and contacts: to hold them, to start the next choice of contacts from, for
+    `Smoothness`, and for rates of change (from zero at first).
+
+    Args:
+        cart: What is pushed.
+        arms: What holds it, each arm with its limits and places to hold.
+        objective: What is least: `WeightedWrench()`, by the arms' own weights, unless given.
+        cart_limits: Limits of the hands together: `Skid`, `TipOver`, `InternalForce`.
+        confidence: The probability (0.5 to below 1) with which all `cart_limits` hold, by the covariance of the
+            estimate given last (robust.py). None: they hold for the cart as it is believed to be.
+        min_hand_distance: m, between any two hands.
+        relax: Where a wrench can't be given, the nearest is planned (`relaxed`) if it misses by at most this: N and
+            N·m side by side, in effective rows; `inf` for any.
+        switching_cost: What an arm pays that moves from where the last usable plan held, in the objective's unit (N² as
+            a rule); one for every arm, or by arm (switching_cost.py).
+        search_limit: When a choice among contacts ends before its optimum is proven: by programs solved, s, or gap.
+        period: s between calls: a held wrench decays by it, and rates of change count by it.
+
+    Raises:
+        UsageError: An argument is of the wrong kind or out of bounds, or a cart limit needs `wheels` or `com_height`.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from planning import WrenchPlanner
+        >>> cart = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0))
+        >>> hands = [cg.Arm("left", [(-0.25, 0.2, 1.0)]), cg.Arm("right", [(-0.25, -0.2, 1.0)])]
+        >>> plan = WrenchPlanner(cart, hands).plan((40.0, 0.0, 3.0))
+        >>> plan.status, plan.wrenches["left"][:2].round(1).tolist()
+        ('optimal', [18.5, -1.9])
     """
 
     def __init__(
@@ -135,13 +157,17 @@ class WrenchPlanner:
         estimate: Estimate | None = None,
         arms: Sequence[Arm] | None = None,
     ) -> Plan:
-        """`wrench` is the desired (fx, fy, tau) on the cart in {b}; `contacts` (3,) by arm are fixed this
-        tick, and for arms left out the planner chooses. Where it can't be done, contacts are sought that would do.
+        """The best wrenches of the arms, or a proof that there are none, with contacts that would do.
 
-        The limits of the cart are those of `estimate`'s cart and motion; one 0.5 s older than the newest given is
-        stale. Only `arms` hold the cart, with the limits, joint torques, yaw or candidates that they now have: of those
-        of the planner that are left out, the hand is off. The last wrench is scaled into their limits. Both hold until
-        others are given."""
+        Args:
+            wrench: What the cart shall get: (fx, fy, tau) in {b}, N and N·m.
+            contacts: Where arms hold this tick, (3,) in {b}, m; for arms left out the planner chooses.
+            estimate: The cart and motion for which `cart_limits` hold from now on; one that is 0.5 s older than the
+                newest given is stale.
+            arms: The arms that hold the cart from now on, with the limits and candidates that they now have; of others
+                the hand is off. The last wrench is scaled into their limits.
+
+        It raises nothing for data: `Plan.status` is then `invalid_input`, and `message` says why."""
         plan = self._plan(wrench, contacts, estimate, arms)
         if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
             return plan

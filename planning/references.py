@@ -31,7 +31,22 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 @dataclass(frozen=True)
 class PathReference:
-    """A sequence of stretches from rest at `start_pose`; after its end the last pose is held at rest."""
+    """A sequence of stretches from rest to rest; after its end the last pose is held.
+
+    Args:
+        stretches: Of constant accelerations, made by `chain(straight(…), turn(…), …)`.
+        constraints: Those of the cart that shall follow.
+        start_pose: (x, y, theta) of {b} in {s}, m and rad.
+
+    Raises:
+        UsageError: No stretch, one without duration, an end that is no rest, or a turn on a rail.
+
+    Example:
+        >>> from planning import PathReference, chain, speed_change, turn
+        >>> path = PathReference(chain(speed_change(0.6), turn(1.57, 0.4), speed_change(-0.6)))
+        >>> round(path.duration, 2), path.at(path.duration).pose_sb.round(2).tolist()
+        (7.12, [2.11, 2.1, 1.57])
+    """
 
     stretches: tuple[Stretch, ...]
     constraints: RollingConstraints = RollingConstraints()

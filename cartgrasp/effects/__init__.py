@@ -4,7 +4,16 @@ both, one line here, and its branch in `kernels/vocabulary.py`."""
 from .caster_realignment import CasterRealignment
 from .contact_offset import ContactOffset
 from .directional_drag import DirectionalDrag
-from .effect import ConstraintEffect, Effect, ForceEffect, InertiaEffect, Parameter, SensorEffect
+from .effect import (
+    ConstraintEffect,
+    Contribution,
+    Effect,
+    ForceEffect,
+    InertiaEffect,
+    Parameter,
+    SensorEffect,
+    Situation,
+)
 from .end_stop import EndStop
 from .external_push import ExternalPush
 from .floor_patch import FloorPatch
@@ -60,6 +69,7 @@ __all__ = [
     "CasterRealignment",
     "ConstraintEffect",
     "ContactOffset",
+    "Contribution",
     "DirectionalDrag",
     "Effect",
     "EndStop",
@@ -80,6 +90,7 @@ __all__ = [
     "QuadraticDrag",
     "RollingResistance",
     "SensorEffect",
+    "Situation",
     "StribeckFriction",
     "TimeDelay",
     "ToolInertia",

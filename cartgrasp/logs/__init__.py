@@ -39,8 +39,23 @@ WRITERS: dict[str, Callable[[RunLog, Path], Path]] = {
 
 
 def read_log(path: str | Path, topics: str | Path | None = None) -> RunLog:
-    """The log of a file: .csv, .parquet, the EMPS data set's .mat; a ROS bag, or a table of any columns, through its
-    map."""
+    """The log of a file.
+
+    Args:
+        path: A .csv or .parquet with the columns of a run log, the EMPS data set's .mat, a ROS bag, or a table of any
+            columns.
+        topics: The map by which a bag, or a table of other columns, is read; None: the one beside it,
+            `NAME.topics.yaml`.
+
+    Raises:
+        LogError: It can't be read, or holds a mistake: file, line and column, why.
+        UsageError: A map for what needs none.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> cg.read_log("run.csv")
+        RunLog('run.csv', 2000 rows, 19.99 s, arms left, right)
+    """
     path = Path(path)
     if (mapped := read_mapped(path, topics)) is not None:
         return mapped.log

@@ -62,5 +62,5 @@ def _libraries() -> tuple[Any, Any]:
         import pyarrow
         import pyarrow.parquet
     except ImportError as error:
-        raise UsageError("Parquet logs need pyarrow: pip install 'cartgrasp[parquet]'") from error
+        raise UsageError("Parquet logs need pyarrow: in cartgrasp's clone, pip install '.[parquet]'") from error
     return pyarrow, pyarrow.parquet

@@ -20,7 +20,7 @@ WRENCH_COLUMNS = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 @dataclass(frozen=True)
 class ArmLog:
-    """Contact point (n, 3) in {b} and measured wrench (n, 6) in {a} of one arm; NaN where missing."""
+    """Contact point (n, 3) in {b}, m, and measured wrench (n, 6) in {a}, N and N·m, of one arm; NaN where missing."""
 
     contact: Array
     wrench: Array
@@ -37,11 +37,30 @@ class ArmLog:
 
 @dataclass(frozen=True)
 class RunLog:
-    """Time (n,), pose (n, 3) of {b} in {s}, velocity (n, 3) in {s} or None, and the arms by name: none where nobody
-    touches the cart.
+    """What was measured, or simulated, of a push: one row an instant. A missing sample is NaN.
 
-    A missing sample is NaN. `name` says where the log is from; `coasting` says of one whose wrenches are zero
-    throughout that nobody pushed (`coasting.py`).
+    Args:
+        time: (n,), s, strictly increasing.
+        pose: (n, 3): x, y, theta of {b} in {s}, m and rad.
+        velocity: (n, 3): vx, vy, omega of {b}'s origin in {s}, m/s and rad/s; None: not measured.
+        arms: Contact and wrench by arm; none where nobody touches the cart.
+        name: Where it is from; errors say it.
+        notes: Of the reader, by what they are about.
+        coasting: Says of a log whose wrenches are zero throughout that nobody pushed (`coasting.py`).
+
+    Raises:
+        DataError: No rows, times that do not increase, or a push in a log that is said to coast.
+
+    Example:
+        >>> import numpy as np
+        >>> import cartgrasp as cg
+        >>> time, still = np.arange(100) / 50, np.zeros((100, 3))
+        >>> hand = cg.ArmLog(contact=still + [-0.25, 0.0, 1.0], wrench=np.zeros((100, 6)))
+        >>> log = cg.RunLog(time, still, None, {"hand": hand})
+        >>> len(log), log.duration, log.columns[:5]
+        (100, 1.98, ('t', 'x', 'y', 'theta', 'hand.px'))
+        >>> cg.write_log(log, "still.csv").name
+        'still.csv'
     """
 
     time: Array

@@ -28,7 +28,27 @@ def brief_plant(plant: Plant, cart: CartModel) -> str:
 
 class ModelPlant:
     """A cart that moves as its `CartModel` says, and bounces off its walls; wrenches are held over a control step, in
-    {b}."""
+    {b}.
+
+    Args:
+        cart: The truth.
+        pose_sb: (x, y, theta) of {b} in {s} where it begins, m and rad.
+        velocity: Free velocities at first, m/s and rad/s; at rest unless given.
+        timestep: s, of the integration at most.
+        caster_headings: rad in {b}, of casters that the effects remember; trailing unless given.
+
+    Raises:
+        UsageError: An argument is of the wrong kind or shape.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from cartgrasp.simulation import ModelPlant
+        >>> plant = ModelPlant(cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0)))
+        >>> push = cg.ContactWrenches({"hand": [24.0, 0, 0, 0, 0, 0]}, {"hand": [-0.25, 0, 1]})
+        >>> plant.step(push, duration=1.0)
+        >>> plant.motion.velocity.round(3).tolist()
+        [1.0, 0.0]
+    """
 
     def __init__(
         self,

@@ -26,7 +26,19 @@ class Felt:
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations of white noise, and sample times (s; 0: at every control step; None: never)."""
+    """Standard deviations of white noise, and sample times (s; 0: at every control step).
+
+    Args:
+        position: m.
+        heading: rad.
+        linear_velocity: m/s.
+        yaw_rate: rad/s.
+        force: N, of each axis.
+        moment: N·m, of each axis.
+        pose_period: s.
+        velocity_period: s; None: no velocity is measured.
+        wrench_period: s.
+    """
 
     position: float = 0.0004
     heading: float = 0.0004
@@ -40,7 +52,21 @@ class SensorNoise:
 
 
 class Sensors:
-    """Turns the truth into measurements; the same seed gives the same numbers."""
+    """Turns the truth into measurements.
+
+    Args:
+        cart: The truth, whose sensor effects act on what is recorded.
+        noise: Beside these.
+        seed: The same one gives the same numbers.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
+        >>> cart = cg.load_cart("cart.yaml")
+        >>> robot, sensors = ModelPlant(cart), Sensors(cart, SensorNoise(), seed=1)
+        >>> sensors.motion(robot.time, robot.motion).pose.round(4).tolist()
+        [0.0001, 0.0003, 0.0001]
+    """
 
     def __init__(self, cart: CartModel, noise: SensorNoise, seed: int = 0) -> None:
         self.cart, self.noise = cart, noise

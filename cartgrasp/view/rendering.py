@@ -88,8 +88,8 @@ def offscreen() -> Any:
         window.make_current()
     except Exception as error:  # drivers and PyOpenGL have errors of their own, of no common base
         raise UsageError(
-            f"MuJoCo finds no OpenGL to draw with ({error}): install cartgrasp[rendering], and where there is no "
-            "graphics card Mesa's (Debian: libegl1 and libgl1-mesa-dri)"
+            f"MuJoCo finds no OpenGL to draw with ({error}): in cartgrasp's clone, pip install '.[rendering]'; "
+            "where there is no graphics card, Mesa's (Debian: libegl1 and libgl1-mesa-dri)"
         ) from error
     return window
 

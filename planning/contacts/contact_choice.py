@@ -62,9 +62,17 @@ class Choice:
 
 @dataclass(frozen=True)
 class SearchLimit:
-    """How long to search: programs solved, seconds (None: no deadline), and the relative gap that is good enough
-    (None: 1e-9, or 1e-3 over segments where a cart's limit depends on the contact: that takes tens to hundreds of
-    programs, and 1e-9 thousands)."""
+    """When a search among contacts ends before its optimum is proven; the plan then says how far from it at most.
+
+    Args:
+        solves: Programs solved at most.
+        seconds: At most; None: no deadline.
+        gap: The relative gap that is good enough. None: 1e-9, or 1e-3 over segments where a cart's limit depends on
+            the contact: that takes tens to hundreds of programs, and 1e-9 thousands.
+
+    Raises:
+        UsageError: One is negative.
+    """
 
     solves: int = 5000
     seconds: float | None = None

@@ -1,4 +1,4 @@
-"""No cost at all: a base for an objective that is to stand alone, as in `Lexicographic`."""
+"""No cost at all, as `Lexicographic` may want it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from .objective import Cost, Objective
 
 
 class Nothing(Objective):
+    """Costs nothing: a base for an objective that is to stand alone."""
+
     @property
     def looks_back(self) -> bool:
         return False

@@ -1,4 +1,4 @@
-"""The default of the contract: `sum weight component²` over arms and axes, without a ½."""
+"""The default of the contract."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from .objective import Cost, Objective
 
 
 class WeightedWrench(Objective):
+    """The effort: the sum of each arm's `weights` times component squared, over arms and axes (N², without a ½)."""
+
     @property
     def looks_back(self) -> bool:
         return False

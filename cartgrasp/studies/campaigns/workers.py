@@ -83,7 +83,7 @@ def _client(address: str) -> Any:
     try:
         from distributed import Client
     except ImportError as error:
-        raise UsageError("--scheduler: dask.distributed is missing; pip install 'cartgrasp[dask]'") from error
+        raise UsageError("--scheduler needs Dask: in cartgrasp's clone, pip install '.[dask]'") from error
     try:
         return Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError) as error:

@@ -261,11 +261,26 @@ def diagnose(
     candidates: Sequence[Effect] = (),
     limits: Limits | None = None,
 ) -> Diagnosis:
-    """Finds where logs and the cart's model disagree, names what is missing, and adds it. Beside the vocabulary and
-    laws of its own it tries `candidates`: effects, of classes of one's own, too, and laws (`LearnedForce`) at their
-    settings; their amplitudes are fitted. What it proposes to run next keeps within `limits`.
+    """Finds where logs and the cart's model disagree, names what is missing, and adds it.
 
-    Raises DataError for a log that can't be used, UsageError for a candidate that the cart has already.
+    Args:
+        logs: One or several, of one cart with one load.
+        cart: The model that is asked about, with its first guess.
+        progress: Is told in words what is being done.
+        candidates: Effects that are tried beside the vocabulary, of classes of one's own, too, and laws
+            (`LearnedForce`) at their settings; their amplitudes are fitted.
+        limits: Within which the motion that it proposes keeps: speed (m/s) and duration (s).
+
+    Raises:
+        DataError: A log can't be used.
+        UsageError: An argument is of the wrong kind, or the cart has a candidate already.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from estimation import diagnose
+        >>> diagnosis = diagnose(cg.read_log("run.csv"), cg.load_cart("cart.yaml"))
+        >>> diagnosis.verdict, [effect.name for effect in diagnosis.effects]
+        ('no_discrepancy', [])
     """
     check_kind("diagnose: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
     logs = [logs] if isinstance(logs, RunLog) else listed("diagnose: logs", logs, RunLog, 'write [read_log("run.csv")]')
