@@ -6,7 +6,7 @@ The structure is fitted as the search fits its own, on the same rows, and judged
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
@@ -32,19 +32,23 @@ class KnownStructure:
 
 def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) -> KnownStructure:
     """Of the cart with effects near these values, at which the search for times, places and frequencies begins."""
-    model = Model.started([part for log in logs for part in _parts(log, cart)], cart)
+    parts = [part for log in logs for part in _parts(log, cart)]
+    model = Model.started([part for part, _ in parts], cart)
     if effects:
         whole = model.cart
         for effect in effects:
             whole = whole.with_effect(effect)
         model = searched_again(model.refitted(whole).rewhitened())
-    model = resized(model)
+    model = replace(resized(model), band_steps=tuple(step for _, step in parts))
     return KnownStructure(model.cart, float(held_out_rollouts(model).gaps()[1]))
 
 
-def _parts(log: RunLog, cart: CartModel) -> list[Balances]:
-    """Between impacts, each in the widest band in which the model foretells its motion."""
+def _parts(log: RunLog, cart: CartModel) -> list[tuple[Balances, float | None]]:
+    """Between impacts, each in the widest band in which the model foretells its motion, with the band's step (s)."""
     found, known = impacts(log, cart), put_right(without_glitches(log), cart).log
     parts = flights(known, cart, found) if found else [Balances.of(known, cart)]
     widest = [consistent(bands(part, cart)) for part in parts]
-    return [part if band is None else part.every(band.row_step) for part, band in zip(parts, widest, strict=True)]
+    return [
+        (part, None) if band is None else (part.every(band.row_step), band.row_step)
+        for part, band in zip(parts, widest, strict=True)
+    ]

@@ -70,6 +70,7 @@ TRIALS = [
     Trial("convert run.csv --out o.mcap", ("o.mcap",)),
     Trial("convert run.bag --out o.csv", ("o.csv", "o.provenance.json")),
     Trial("topics run.bag --out o.yaml"),
+    Trial("check run.csv --cart cart.yaml --out o.png", ("o.png",)),
     Trial("estimate run.csv --cart cart.yaml --out o.csv", ("o.csv",)),
     Trial("identify long.csv --cart cart.yaml --out o", ("o/cart.yaml",)),
     Trial("export-c problem.yaml --out o", before="export-c other.yaml --out o"),

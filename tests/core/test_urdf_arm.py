@@ -217,5 +217,5 @@ def test_a_configuration_is_a_finite_number_for_each_joint(configuration, tmp_pa
 
 def test_without_the_extra_it_says_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "pinocchio", None)
-    with pytest.raises(UsageError, match=r"pip install 'cartgrasp\[arms\]'"):
+    with pytest.raises(UsageError, match=r"pip install '\.\[arms\]'"):
         read_urdf_arm(written(tmp_path), "tool")

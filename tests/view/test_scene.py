@@ -106,7 +106,7 @@ def test_what_is_refused(shown: ShownRun, tmp_path, monkeypatch):
         raise ImportError("No module named 'OpenGL'")
 
     monkeypatch.setattr(rendering, "_window", none)
-    with pytest.raises(UsageError, match=r"cartgrasp\[rendering\]"):
+    with pytest.raises(UsageError, match=r"pip install '\.\[rendering\]'"):
         write_scene(shown, tmp_path / "scene.png")
     assert not list(tmp_path.iterdir())
 
