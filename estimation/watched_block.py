@@ -14,7 +14,7 @@ from cartgrasp.motion import Measurement
 HEADINGS = (1.0, math.pi / 180, -1.0)
 """What recorded headings are multiplied by: as they are, of degrees, of the other sense."""
 SPACED = 0.015
-"""s between velocities, up to which second differences are noise: a loop at 50 Hz moves a cart from sample to sample."""
+"""s between velocities, up to which second differences are noise: a loop at 50 Hz moves a cart between samples."""
 MEDIAN = 0.6745
 """Of the size of a normal number, in deviations."""
 FEWEST = 8
