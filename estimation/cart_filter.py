@@ -8,31 +8,28 @@ motion, so with these noise has to be far above what is left out before it costs
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import ClassVar
+from typing import final
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_NUMBER, brief, number
-from cartgrasp.errors import CartgraspError, UsageError
+from cartgrasp.checks import LARGEST_NUMBER, number
+from cartgrasp.errors import CartgraspError
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Estimate, Measurement
-from cartgrasp.tracked_point import TrackedPoint
+from cartgrasp.motion import Estimate
 
 from .augmented_filter import AugmentedFilter
 from .delayed_wrenches import Core, DelayedWrenches, longest_delay
 from .driven_motion import DrivenMotion
 from .gaussian import Gaussian
-from .given import Given, check_measurement, given
-from .health import Health, SensorHealth
-from .late_samples import LateSamples
+from .given import Given, given
+from .health import SensorHealth
 from .learning_filter import LearningFilter
 from .noise import FilterNoise
+from .online_estimator import OnlineEstimator
 from .prior import Prior
 from .regressor.parameter_learner import ParameterLearner
-from .sensor_watch import SensorWatch
 from .warming import made_up_push
 
 EXACT, EXACT_BESIDE_MEMORIES = 1.0, 20.0
@@ -55,7 +52,8 @@ def takes_rows(cart: CartModel, noise: FilterNoise) -> bool:
     return bool(noise.force > exact * noise.disturbance)
 
 
-class CartFilter:
+@final
+class CartFilter(OnlineEstimator[DelayedWrenches | Core]):
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
@@ -82,7 +80,7 @@ class CartFilter:
         (True, <Health.OK: 'ok'>)
     """
 
-    aligns: ClassVar[bool] = True
+    aligns = True
 
     def __init__(
         self,
@@ -95,12 +93,9 @@ class CartFilter:
         least_speed: float = 0.0,
     ) -> None:
         number("filter: least_speed", least_speed, 0.0, LARGEST_NUMBER, "give m/s")
-        made_of = given(cart, arms, noise, prior, yaws)
-        self.cart, _, self.noise, self.prior, _ = made_of
-        self._tracked, self._arms = TrackedPoint(cart.pose_tb), arms
+        made_of, self._arms = given(cart, arms, noise, prior, yaws), arms
         core = core_of(made_of, least_speed)
-        self._watch = SensorWatch(*made_of)
-        self._samples = LateSamples(DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
+        super().__init__(made_of, DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
 
     def warm_up(self) -> None:
         """Does now, with a filter like this one, what would cost at the first updates: kernels are loaded in a second,
@@ -115,24 +110,6 @@ class CartFilter:
         with suppress(CartgraspError):  # what is believed may be far from the push that is made up
             for sample in made_up_push(self.cart, self._arms or ("arm",)):
                 other.update(sample)
-
-    def update(self, measurement: Measurement) -> Estimate:
-        """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
-        known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
-        try:
-            is_taken = self._samples.take(self._tracked.at_body(measurement))
-            now = measurement.time + self._samples.ahead
-            if now >= self._watch.due and not self._core.worked and self._watch.go_on(now, self._samples.last):
-                self._core.hear(self._watch.loudness)
-        except (TypeError, ValueError, AttributeError):
-            check_measurement(measurement)
-            raise
-        found = self.estimate
-        return found if is_taken else found._replace(health=Health.CLOCK)
-
-    def __repr__(self) -> str:
-        seen = "no measurement yet" if self._samples.state.time == -math.inf else repr(self.estimate)
-        return brief("CartFilter", self.cart.name, seen)
 
     @property
     def belief(self) -> Gaussian:
@@ -149,15 +126,5 @@ class CartFilter:
         """How pose, velocity and wrench do."""
         return dict(self._core.sensors)
 
-    @property
-    def estimate(self) -> Estimate:
-        found, ahead = self._core.estimate(), self._samples.ahead
-        if self._watch.suspicions:
-            found = self._watch.qualified(found)
-        return found._replace(time=found.time - ahead) if ahead else found
-
-    @property
-    def _core(self) -> DelayedWrenches | Core:
-        if self._samples.state.time == -math.inf:
-            raise UsageError("filter: no measurement has come yet")
-        return self._samples.state
+    def _told(self) -> Estimate:
+        return self._core.estimate()

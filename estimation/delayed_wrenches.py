@@ -18,28 +18,14 @@ from cartgrasp.shallow import shallow
 
 from .gaussian import Gaussian
 from .health import SensorHealth
+from .late_samples import Listening
 
 SAME = 1e-9
 """s."""
 
 
-class Core(Protocol):
+class Core(Listening, Protocol):
     """A filter of samples that come in order."""
-
-    time: float  # of the last sample
-
-    @property
-    def worked(self) -> bool:
-        """Whether the last sample took longer than most."""
-        ...
-
-    def take(self, measurement: Measurement) -> None: ...
-
-    def copy(self) -> Self: ...
-
-    def hear(self, loudness: Array) -> None:
-        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
-        ...
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, of which it need not learn."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Generic, Protocol, Self, TypeVar
 
 from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
 REACH = 0.3
@@ -26,6 +27,19 @@ class Rewindable(Protocol):
     def take(self, measurement: Measurement) -> None: ...
 
     def copy(self) -> Self: ...
+
+
+class Listening(Rewindable, Protocol):
+    """What is told how noisy velocities are."""
+
+    @property
+    def worked(self) -> bool:
+        """Whether the last sample took longer than most."""
+        ...
+
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        ...
 
 
 T = TypeVar("T", bound=Rewindable)
