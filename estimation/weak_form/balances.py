@@ -12,9 +12,10 @@ not go sideways, its speed across the wheels is one more balance.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -31,7 +32,7 @@ from cartgrasp.wheels import WheelSet
 from ..noise import FilterNoise
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
-from .wrenches import Densities, GridWrenches
+from .wrenches import WHOLE, Densities, GridWrenches
 
 STILL_SPEED = 0.02
 """m/s: below it a cart may stand, and brakes, chocks and friction hold any force."""
@@ -117,7 +118,7 @@ class Balances:
         return self._with_same_rows(replace(self, motion=motion, wrenches=replace(self.wrenches, motion=motion)))
 
     def _with_same_rows(self, other: Balances) -> Balances:
-        other.__dict__.update(used=self.used, _test=self._test, _used_test=self._used_test, _thin_test=self._thin_test)
+        other.__dict__.update(used=self.used, _test=self._test, _used_test=self._used_test, _parts=self._parts)
         return other
 
     def of_body(self, cart: CartModel) -> Balances:
@@ -187,13 +188,28 @@ class Balances:
         return _overlap(order, lag) * self.row_step ** (1 - 2 * order)
 
     @cached_property
-    def _thin_test(self) -> csr_array:
-        return csr_array(self._used_test[:, ::THIN] * THIN)
+    def _parts(self) -> list[tuple[slice, csr_array]]:
+        """Parts of the grid, and test functions (rows, points) of those rows that lie in them."""
+        found, first = [], self.per_row * self.used
+        support = SUPPORT * self.per_row + 1
+        edges = np.flatnonzero(np.diff(first // max(CHUNK - support, support), prepend=-1))
+        for begin, end in pairwise([*edges, len(first)]):
+            part = slice(int(first[begin]) // THIN * THIN, int(first[end - 1]) + support)
+            found.append((part, csr_array(self._used_test[begin:end][:, part])))
+        return found
 
     def integrated(self, signals: Array) -> Array:
-        """Signals (n, ...), or those at every other point, against the test functions (k, ...)."""
-        test = self._used_test if len(signals) == len(self.motion.time) else self._thin_test
-        return np.asarray(test @ signals.reshape(len(signals), -1)).reshape(-1, *signals.shape[1:])
+        """Signals (n, ...) against the test functions (k, ...)."""
+        return _against(self._used_test, signals)
+
+    def by_parts(self, signals: Callable[[slice], Array], thin: int = 1) -> Array:
+        """The same of signals that are worked out for one part of the grid after the other, or at every other of its
+        points."""
+        found = []
+        for part, test in self._parts:
+            at = slice(part.start, part.stop, thin)
+            found.append(_against(test if thin == 1 else csr_array(test[:, ::thin] * thin), signals(at)))
+        return np.concatenate(found) if found else self.integrated(signals(WHOLE))
 
     def spread(self, rows: Array) -> Array:
         """The transpose of `integrated`: rows (k, c) over the grid (n, c)."""
@@ -213,11 +229,14 @@ class Balances:
         """What the residual (k, c, 1) lacks for each metre that a force effect of the cart acts to the left of where
         the model says."""
         beside = (e for e in cart.effects if isinstance(e, InertiaEffect | ConstraintEffect))
-        alone = replace(cart, effects=(*beside, effect))
-        force = alone.effect_wrench(self.of_body(cart)._state(alone)[::THIN], time=self.motion.time[::THIN])[:, 0]
-        found = np.zeros((len(force), self.n_balances(cart), 1))
-        found[:, cart.constraints.n_free - 1, 0] = force
-        return self.integrated(found)
+        alone, place = replace(cart, effects=(*beside, effect)), cart.constraints.n_free - 1
+        state = self.of_body(cart)._state(alone)
+
+        def moments(at: slice) -> Array:
+            force = alone.effect_wrench(state[at], time=self.motion.time[at])[:, 0]
+            return np.asarray(np.eye(self.n_balances(cart))[place] * force[:, None])
+
+        return self.by_parts(moments, THIN)[..., None]
 
     # --- balances ----------------------------------------------------------------------------------------------
 
@@ -235,48 +254,50 @@ class Balances:
 
     def residual(self, cart: CartModel) -> tuple[Array, Array]:
         """What is left (k, c), and how much of it a unit of each parameter takes away (k, c, p)."""
-        left, slopes = self.of_body(cart)._left(cart)
-        slopes = self._on_all(slopes)
+        left, slopes = self._left(cart)
         for i in cart.pose_indices:
             slopes[..., i] = self._by_pose(cart, i, left)
-        return self.integrated(left), self.integrated(slopes)
-
-    def _left(self, cart: CartModel) -> tuple[Array, Array]:
-        """Along this motion what is left (n, c), and the wrenches' slopes (n, f, p)."""
-        state = self._state(cart)
-        needed, by_parameters = self._needed(cart, state)
-        planar = self.wrenches.planar(cart)
-        left = planar @ cart.basis_b - needed
-        acting = self._densities.scaled(self._scale(cart))
-        slopes = by_parameters - self.wrenches.slopes(cart, needed, acting)
-        share = self.wrenches.recorded_share(cart, self._densities, acting)
-        if share is not None:
-            left, slopes = (share @ left[..., None])[..., 0], share @ slopes
-        if self.motion.across is not None:
-            left = np.column_stack([left, self.motion.across - self.creep(cart, state, planar)])
         return left, slopes
 
+    def _left(self, cart: CartModel) -> tuple[Array, Array]:
+        """The same, but for parameters that move {b} in the frame that is tracked."""
+        own = self.of_body(cart)
+        state = own._state(cart)
+        rows = self.by_parts(lambda part: own._left_along(cart, state, part))
+        return rows[..., 0], rows[..., 1:]
+
+    def _left_along(self, cart: CartModel, state: Array, part: slice) -> Array:
+        """Along a part of this motion what is left, and the slopes (points, c, 1 + p)."""
+        needed, by_parameters = self._needed(cart, state, part)
+        planar = self.wrenches.planar(cart, part)
+        left = planar @ cart.basis_b - needed
+        acting = self._densities.scaled(self._scale(cart))
+        slopes = by_parameters - self.wrenches.slopes(cart, needed, acting, part)
+        found = np.concatenate([left[..., None], slopes], axis=2)
+        share = self.wrenches.recorded_share(cart, self._densities, acting, part)
+        found = self._on_all(found if share is None else share @ found)
+        if self.motion.across is not None:
+            found[:, -1, 0] = self.motion.across[part] - self.creep(cart, state[part], planar, self.motion.time[part])
+        return found
+
     def _by_pose(self, cart: CartModel, i: int, left: Array) -> Array:
-        """What a unit of the i-th parameter, which moves {b} in the frame that is tracked, takes away (n, c) of what is
+        """What a unit of the i-th parameter, which moves {b} in the frame that is tracked, takes away (k, c) of what is
         left."""
         more = cart.with_parameters(cart.parameters + POSE_STEP * np.eye(len(cart.parameters))[i])
-        return np.asarray((left - self.of_body(more)._left(more)[0]) / POSE_STEP)
+        return np.asarray((left - self._left(more)[0]) / POSE_STEP)
 
     def _on_all(self, wrenches: Array) -> Array:
         """Signals (n, f, ...) of the free directions in all balances (n, c, ...): the speed across has none of them."""
         none = np.zeros((len(wrenches), 0 if self.motion.across is None else 1, *wrenches.shape[2:]))
         return np.concatenate([wrenches, none], axis=1)
 
-    def creep(self, cart: CartModel, state: Array, planar: Array) -> Array:
-        """Speed (n,) of the axle to {b}'s left that the cart's constraint effects make of the motion."""
+    def creep(self, cart: CartModel, state: Array, planar: Array, time: Array) -> Array:
+        """Speed (n,) of the axle to {b}'s left that the cart's constraint effects make of a motion."""
         if not cart.constraint_effects:
             return np.zeros(len(state))
-        axle, found = float(cart.constraints.axle_x or 0.0), []
-        for part in _chunks(len(state)):
-            x, y, yaw = cart.state_rate(state[part], planar[part], time=self.motion.time[part])[:, :3].T
-            heading = state[part, 2]
-            found.append(-np.sin(heading) * x + np.cos(heading) * y + axle * yaw)
-        return np.concatenate(found)
+        axle, heading = float(cart.constraints.axle_x or 0.0), state[:, 2]
+        x, y, yaw = cart.state_rate(state, planar, time=time)[:, :3].T
+        return np.asarray(-np.sin(heading) * x + np.cos(heading) * y + axle * yaw)
 
     def columns(self, cart: CartModel, effect: Effect, share: Array | None = None) -> Array:
         """How much of the residual a unit of each parameter of one more effect takes away (k, c, q), a `share` (n,) of
@@ -286,25 +307,30 @@ class Balances:
         is_alone = not isinstance(effect, SensorEffect | InertiaEffect)  # then it depends on the body alone
         beside = tuple(e for e in cart.effects if isinstance(e, InertiaEffect)) if is_alone else cart.effects
         whole = replace(cart, effects=(*beside, effect))
-        own = self.of_body(cart)
-        if isinstance(effect, SensorEffect):
-            slopes = -own.wrenches.slopes(whole, own.expected(cart), self._densities)
-        else:
-            at = np.arange(0, len(self.motion.time), THIN)
-            on = np.ones(len(at), dtype=bool)
-            if effect.gate is Gate.INSIDE:  # or so near that its soft edge is felt
-                on = own.touches(effect.values[:4], cart, RIM)[at]
-            some = own._inverse(whole, own._state(whole)[at[on]], at[on])[1]
-            slopes = np.zeros((len(at), *some.shape[1:]))
-            slopes[on] = some
-            share = None if share is None else share[at]
-        first = slopes.shape[2] - len(effect.parameters)
-        slopes = self._on_all(slopes[..., first:])
+        own, first = self.of_body(cart), len(whole.parameters) - len(effect.parameters)
+        state = own._state(cart if isinstance(effect, SensorEffect) else whole)
+        on = np.ones(len(state), dtype=bool)
+        if effect.gate is Gate.INSIDE:  # or so near that its soft edge is felt
+            on = own.touches(effect.values[:4], cart, RIM)
+
+        def felt(part: slice) -> Array:
+            return -own.wrenches.slopes(whole, own._needed(cart, state, part)[0], self._densities, part)[..., first:]
+
+        def pushed(part: slice) -> Array:
+            inside = on[part]
+            at = np.arange(len(state))[part][inside]
+            found = np.zeros((len(inside), cart.constraints.n_free, len(effect.parameters)))
+            found[inside] = own._inverse(whole, state, at)[1][..., first:]
+            return found if share is None else share[part, None, None] * found
+
+        is_felt = isinstance(effect, SensorEffect)
+        along, thin = (felt, 1) if is_felt else (pushed, THIN)
+        slopes = self.by_parts(lambda part: self._on_all(along(part)), thin)
         if moved := [i for i in whole.pose_indices if i >= first]:
-            left = self.of_body(whole)._left(whole)[0]
+            left = self._left(whole)[0]
             for i in moved:
                 slopes[..., i - first] = self._by_pose(whole, i, left)
-        return self.integrated(slopes if share is None else share[:, None, None] * slopes)
+        return slopes
 
     def between(self, one: CartModel, other: CartModel) -> Array:
         """How much more (k, c, 1) the motion takes of one cart than of another."""
@@ -313,7 +339,8 @@ class Balances:
     def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""
         own = self.of_body(cart)
-        return own._needed(cart, own._state(cart))[0]
+        state = own._state(cart)
+        return np.concatenate([own._needed(cart, state, part)[0] for part in _chunks(len(state))])
 
     def time_outside(self, region: Array, cart: CartModel) -> float:
         """How long (s) the cart moved with a wheel outside of a region (x, x, y, y) of the floor."""
@@ -335,43 +362,48 @@ class Balances:
         turned = np.moveaxis(rotation_planar(self.motion.pose[:, 2]), 0, -1)
         return np.asarray(self.motion.pose.T[:2, None] + np.einsum("ijn,wj->iwn", turned, wheels.positions))
 
-    def _needed(self, cart: CartModel, state: Array) -> tuple[Array, Array]:
-        """The reduced wrench (n, f) and its slopes (n, f, p) by the parameters: along the smooth motion, and what the
-        momentum of the reference's body has beside. Were that noise the cart's own, whatever makes a body lighter, or
-        swings, would explain it (errors in variables; the smooth motion is the instrument)."""
-        wrench, slopes = self._inverse(cart, state)
+    def _needed(self, cart: CartModel, state: Array, part: slice) -> tuple[Array, Array]:
+        """The reduced wrench (points, f) and its slopes (points, f, p) by the parameters: along the smooth motion, and
+        what the momentum of the reference's body has beside. Were that noise the cart's own, whatever makes a body
+        lighter, or swings, would explain it (errors in variables; the smooth motion is the instrument)."""
+        wrench, slopes = self._inverse(cart, state, part)
         if self.reference is not None:
-            return wrench + self._scale(cart) * self._reference_noise, slopes
-        noise = self._momentum_noise(cart)
+            return wrench + self._scale(cart) * self._reference_noise[part], slopes
+        noise = self._momentum_noise(cart, part)
         slopes[..., :N_PHI] += noise.by_parameters
         return wrench + noise.wrench, slopes
 
-    def _inverse(self, cart: CartModel, state: Array, at: np.ndarray | None = None) -> tuple[Array, Array]:
-        """The same along the smooth motion alone, of states at points of the grid (all, unless some are given)."""
-        motion, whole, by_parameters = self.motion, [], []
-        at = np.arange(len(state)) if at is None else at
-        for part in _chunks(max(len(state), 1)):
-            inverse = cart.inverse(state[part], motion.smooth_acceleration[at[part]], time=motion.time[at[part]])
-            whole.append(inverse.wrench)
-            by_parameters.append(inverse.by_parameters)
-        return np.concatenate(whole), np.concatenate(by_parameters)
+    def _inverse(self, cart: CartModel, state: Array, at: slice | np.ndarray) -> tuple[Array, Array]:
+        """The same along the smooth motion alone, of states at points of the grid."""
+        found = cart.inverse(state[at], self.motion.smooth_acceleration[at], time=self.motion.time[at])
+        return found.wrench, found.by_parameters
 
     @cached_property
     def _reference_noise(self) -> Array:
-        return self._momentum_noise(self.reference).wrench if self.reference is not None else np.zeros(0)
+        if self.reference is None:
+            return np.zeros(0)
+        parts = _chunks(len(self.motion.time))
+        return np.concatenate([self._momentum_noise(self.reference, part).wrench for part in parts])
 
-    def _momentum_noise(self, cart: CartModel) -> InverseDynamics:
+    def _momentum_noise(self, cart: CartModel, part: slice) -> InverseDynamics:
         """What the noise of the acceleration makes of a cart's body."""
-        body = replace(cart, effects=())
-        return body.inverse(body.state(), self.motion.acceleration - self.motion.smooth_acceleration)
+        body, motion = replace(cart, effects=()), self.motion
+        return body.inverse(body.state(), motion.acceleration[part] - motion.smooth_acceleration[part])
 
     def _sideways(self, cart: CartModel, effect: ConstraintEffect) -> Array:
-        planar, state = self.wrenches.planar(cart), self.state(cart)
-        whole = cart.with_effect(effect)
-        aside = self.creep(whole, state, planar) - self.creep(cart, state, planar)
-        found = np.zeros((len(aside), self.n_balances(cart), 1))
-        found[:, -1, 0] = aside
-        return self.integrated(found)
+        state, whole = self.state(cart), cart.with_effect(effect)
+        across = np.eye(self.n_balances(cart))[-1]
+
+        def aside(part: slice) -> Array:
+            planar, time = self.wrenches.planar(cart, part), self.motion.time[part]
+            more, less = (self.creep(each, state[part], planar, time) for each in (whole, cart))
+            return np.asarray((more - less)[:, None] * across)
+
+        return self.by_parts(aside)[..., None]
+
+
+def _against(test: csr_array, signals: Array) -> Array:
+    return np.asarray(test @ signals.reshape(len(signals), -1)).reshape(-1, *signals.shape[1:])
 
 
 def _densities(log: RunLog, told: FilterNoise | None) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -21,6 +21,8 @@ LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
 """N/√Hz, N·m/√Hz, and of a covariance: keeps wrenches without noise, and points without an arm, solvable."""
 LATEST = 0.25
 """s: later than any sensor that is asked about."""
+WHOLE = slice(None)
+"""Of a grid."""
 
 
 class Densities(NamedTuple):
@@ -32,6 +34,10 @@ class Densities(NamedTuple):
     def scaled(self, size: float) -> Densities:
         """With other noise of so many times the size."""
         return self if self.others is None else self._replace(others=size**2 * self.others)
+
+    def at(self, part: slice) -> Densities:
+        """Of a part of the times."""
+        return self if self.others is None else self._replace(others=self.others[part])
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,63 +79,64 @@ class GridWrenches:
             seen &= near
         return replace(self, recorded=recorded, seen=seen)
 
-    def corrected(self, cart: CartModel, arm: int, recorded: Array) -> tuple[Array, Array]:
-        """The true wrench (n, 6) behind what an arm recorded (n, 6) at these times, and its partials by the parameters
-        (n, 6, p)."""
+    def corrected(self, cart: CartModel, arm: int, recorded: Array, part: slice = WHOLE) -> tuple[Array, Array]:
+        """The true wrench (n, 6) behind what an arm recorded (n, 6) at times of a part of the grid, and its partials by
+        the parameters (n, 6, p)."""
         hand = AT_REST
         if cart.feels_motion:
             motion = self.motion.of_body(cart)
-            hand = cart.hand_motion(motion.velocity, motion.smooth_acceleration, self.contacts[arm])
+            hand = cart.hand_motion(motion.velocity[part], motion.smooth_acceleration[part], self.contacts[arm][part])
         return cart.corrected_wrench(self.arms[arm], recorded, hand=hand)
 
-    def planar(self, cart: CartModel) -> Array:
+    def planar(self, cart: CartModel, part: slice = WHOLE) -> Array:
         """The true planar wrench on the cart (n, 3) in {b} behind what is recorded."""
         if not cart.sensor_effects:
-            return self._as_recorded
-        return self._summed([self.corrected(cart, arm, own)[0] for arm, own in enumerate(self.recorded)])
+            return self._as_recorded[part]
+        own = (self.corrected(cart, arm, each[part], part)[0] for arm, each in enumerate(self.recorded))
+        return self._summed(own, part)
 
     @cached_property
     def _as_recorded(self) -> Array:
-        return self._summed(list(self.recorded))
+        return self._summed(self.recorded, WHOLE)
 
-    def _summed(self, wrenches: Sequence[Array]) -> Array:
+    def _summed(self, wrenches: Iterable[Array], part: slice) -> Array:
         """Of the arms' (n, 6), what they are on the cart together (n, 3)."""
-        value = np.zeros((len(self.motion.time), 3))
+        value = np.zeros((len(self.motion.time[part]), 3))
         for grasp, wrench in zip(self.grasps, wrenches, strict=True):
-            value += (grasp @ wrench[..., None])[..., 0]
+            value += (grasp[part] @ wrench[..., None])[..., 0]
         return value
 
-    def recorded_share(self, cart: CartModel, known: Densities, acting: Densities) -> Array | None:
+    def recorded_share(self, cart: CartModel, known: Densities, acting: Densities, part: slice = WHOLE) -> Array | None:
         """By how much (n, f, f) the noise of rows changes, from what is `known` to that of what acts, where sensors are
         not as they should be: what is left is compared in recorded wrenches, whose noise is known (Deming's
         regression). None where nothing changes."""
         if not cart.sensor_effects:
             return None
-        pairs = (cart.basis_b.T @ self.grasps, known), (self._felt(cart), acting)
+        pairs = (cart.basis_b.T @ self.grasps[:, part], known.at(part)), (self._felt(cart, part), acting.at(part))
         recorded, true = (np.linalg.cholesky(_covariance(*pair)) for pair in pairs)
         return np.asarray(recorded @ np.linalg.inv(true))
 
-    def _felt(self, cart: CartModel) -> Array:
+    def _felt(self, cart: CartModel, part: slice) -> Array:
         """What takes a change of what an arm records to that of the reduced wrench that acts (arms, n, f, 6)."""
         unit, none = np.eye(6), np.zeros((6, 6))
         maps = [cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0] for arm in self.arms]
-        return np.asarray(cart.basis_b.T @ self.grasps @ np.swapaxes(np.array(maps), 1, 2)[:, None])
+        return np.asarray(cart.basis_b.T @ self.grasps[:, part] @ np.swapaxes(np.array(maps), 1, 2)[:, None])
 
-    def slopes(self, cart: CartModel, expected: Array, densities: Densities) -> Array:
+    def slopes(self, cart: CartModel, expected: Array, densities: Densities, part: slice = WHOLE) -> Array:
         """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches that
         are most likely behind those recorded where a model expects (n, f) of them. By a gain or an angle they are in
         proportion to wrenches: to recorded ones, they would have their noise, and all that the model lacks, on both
         sides. What is left of the noise goes with no balance's."""
         f = expected.shape[1]
-        found = np.zeros((len(self.motion.time), f, len(cart.parameters)))
+        found = np.zeros((len(expected), f, len(cart.parameters)))
         if not cart.sensor_effects:
             return found
-        felt, variances = self._felt(cart), _variances(densities.arms)
-        missing = expected - self.planar(cart) @ cart.basis_b
-        share = np.linalg.solve(_covariance(felt, densities), missing[..., None])
+        felt, variances = self._felt(cart, part), _variances(densities.arms)
+        missing = expected - self.planar(cart, part) @ cart.basis_b
+        share = np.linalg.solve(_covariance(felt, densities.at(part)), missing[..., None])
         for arm, (recorded, own) in enumerate(zip(self.recorded, variances, strict=True)):
-            nearest = recorded + own * (np.swapaxes(felt[arm], 1, 2) @ share)[..., 0]
-            found += cart.basis_b.T @ self.grasps[arm] @ self.corrected(cart, arm, nearest)[1]
+            nearest = recorded[part] + own * (np.swapaxes(felt[arm], 1, 2) @ share)[..., 0]
+            found += cart.basis_b.T @ self.grasps[arm][part] @ self.corrected(cart, arm, nearest, part)[1]
         return found
 
 

@@ -56,12 +56,18 @@ class Scan:
         )
 
     def columns(self, chosen: np.ndarray, course: Course, balances: Balances, cart: CartModel) -> Array:
-        """Raw (k, c, v, 2) of cosines and sines of the chosen frequencies over a thinned course."""
-        phase = 2 * np.pi * self.frequencies[chosen] * self.of(course)[:, None]
-        waves, unit = np.stack([np.cos(phase), np.sin(phase)], axis=2), self._unit(course, cart.constraints.n_free)
-        found = np.zeros((len(balances.used), balances.n_balances(cart), *waves.shape[1:]))
-        for i in range(unit.shape[1]):
-            found[:, i] = balances.integrated(unit[:, i, None, None] * waves) if unit[:, i].any() else 0.0
+        """Raw (k, c, v, 2) of cosines and sines of the chosen frequencies."""
+        variable, unit = self.of(course), self._unit(course, cart.constraints.n_free)
+        pushed = np.flatnonzero(unit.any(axis=0))
+
+        def waves(at: slice) -> Array:
+            phase = 2 * np.pi * self.frequencies[chosen] * variable[at, None]
+            return np.asarray(
+                unit[at][:, pushed, None, None] * np.stack([np.cos(phase), np.sin(phase)], axis=2)[:, None]
+            )
+
+        found = np.zeros((len(balances.used), balances.n_balances(cart), len(chosen), 2))
+        found[:, pushed] = balances.by_parts(waves, THIN)
         return found
 
     def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:
@@ -135,11 +141,10 @@ def scanned(
     whitened columns have."""
     found, count = list[Found](), 0
     courses = [Course.along(balances.motion) for balances in logs]
-    thin = [course.at(np.arange(0, len(course.time), THIN)) for course in courses]
 
     def columns(scan: Scan, chosen: np.ndarray) -> Array:
         """Whitened (v, k, c, 2)."""
-        raw = [scan.columns(chosen, course, b, cart) for course, b in zip(thin, logs, strict=True)]
+        raw = [scan.columns(chosen, course, b, cart) for course, b in zip(courses, logs, strict=True)]
         white = whitened([one.reshape(*one.shape[:2], -1) for one in raw])
         return np.moveaxis(white.reshape(*white.shape[:2], len(chosen), 2), 2, 0)
 
