@@ -24,7 +24,7 @@ from .health import Health
 from .noise import FilterNoise
 from .parameter_report import as_taught
 from .prior import Prior
-from .sensor_check.evidence import UNEXPLAINED
+from .sensor_check.evidence import UNEXPLAINED, probabilities
 from .sensor_check.suspicion import REFUSED, SURE, Suspicion
 from .sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
 from .watched_block import HEADINGS, Block, poses_of, velocities_of, wrapped, wrench_of
@@ -82,13 +82,6 @@ class Rivals(NamedTuple):
             return [0.0] * len(self.left)
         rows = self.rows / SHARED
         return [-0.5 * rows * math.log(left / self.whole + UNEXPLAINED**2) for left in self.left]
-
-
-def probabilities(evidence: Sequence[float], odds: Sequence[float]) -> list[float]:
-    most = max(evidence)
-    weights = [math.exp(log - most) * one for log, one in zip(evidence, odds, strict=True)]
-    whole = sum(weights)
-    return [weight / whole for weight in weights]
 
 
 class SensorWatch:
@@ -223,16 +216,15 @@ class SensorWatch:
 
     def _of_headings(self) -> Iterator[Suspicion]:
         log = [a + b for a, b in zip(self._sideways.evidence, self._turning.evidence, strict=True)]
-        _, degrees, reversed_ = probabilities(log, (1.0, UNIT_ODDS, COMMON_ODDS))
+        _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, UNIT_ODDS, COMMON_ODDS])).tolist()
         if degrees > KEEPS:
             yield Suspicion("unit", "heading", degrees, HEADINGS[1], "headings are in degrees, not rad")
         if reversed_ > KEEPS:
             yield Suspicion("sign", "heading", reversed_, -1.0, "headings turn the other way: reverse theta")
 
     def _of_lengths(self) -> Iterator[Suspicion]:
-        _, *units, reversed_ = probabilities(
-            self._lengths.evidence, (1.0, *[UNIT_ODDS] * (len(LENGTHS) - 2), COMMON_ODDS)
-        )
+        odds = np.array([1.0, *[UNIT_ODDS] * (len(LENGTHS) - 2), COMMON_ODDS])
+        _, *units, reversed_ = probabilities(np.array(self._lengths.evidence), odds).tolist()
         if sum(units) > KEEPS:
             unit = list(LENGTHS)[1 + units.index(max(units))]
             words = f"positions are in {unit}, not m, beside their velocities"
@@ -251,12 +243,13 @@ class SensorWatch:
         if self._rows < LEAST_ROWS or not guessed > 0 or not given > 0:
             return
         left = tuple([given - self._explained(sign) for sign in (1.0, -1.0)])
-        _, reversed_ = probabilities(Rivals(left, given, self._rows).evidence, (1.0, COMMON_ODDS))
+        signs = np.array(Rivals(left, given, self._rows).evidence)
+        _, reversed_ = probabilities(signs, np.array([1.0, COMMON_ODDS])).tolist()
         if reversed_ > KEEPS:
             words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
             yield Suspicion("sign", "wrench", reversed_, -1.0, words)
-        log = self._logs_of_units(math.copysign(1.0, pull))
-        sound, *units = probabilities(log, (1.0, *[SELDOM] * (len(FORCES) - 1)))
+        scales = np.array(self._logs_of_units(math.copysign(1.0, pull)))
+        sound, *units = probabilities(scales, np.array([1.0, *[SELDOM] * (len(FORCES) - 1)])).tolist()
         self._sure = self._sure + 1 if sound < 1.0 - SURE else 0
         stays = any(one.kind == "unit" and one.where == "wrench" for one in self.suspicions)
         if self._sure >= RUNNING or (stays and sound < 1.0 - KEEPS):
