@@ -20,8 +20,8 @@ from cartgrasp.studies.consistency import DURATION, PRIOR, drawn_cart, exact_noi
 from cartgrasp.studies.estimators import HANDS, Job, drive_cart, guess
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian, normalised_square
-from estimation.identification import identify
-from estimation.paper_filter import DIVERGED
+from estimation.online.paper_filter import DIVERGED
+from estimation.whole_log.identification import identify
 
 from .report import Result, Table, number
 from .sysid_peer import WINDOW, installed, rolled_out

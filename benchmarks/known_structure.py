@@ -14,8 +14,8 @@ from cartgrasp.model import CartModel
 from estimation.discrepancy.findings.held_out import held_out_rollouts
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.search import resized, searched_again
-from estimation.glitches import without_glitches
-from estimation.impacts import impacts
+from estimation.impacts.impacts import impacts
+from estimation.log_noise.glitches import without_glitches
 from estimation.sensor_check import put_right
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import bands, consistent

@@ -13,7 +13,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import FilterNoise, Prior
 from estimation.gaussian import Gaussian, symmetric
-from estimation.wrench_sensing import WrenchSensing
+from estimation.online.wrench_sensing import WrenchSensing
 
 BROKEN = np.linalg.LinAlgError, ValueError, OverflowError
 

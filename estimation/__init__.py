@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 from cartgrasp.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .cart_filter import CartFilter
     from .discrepancy import Diagnosis, diagnose
     from .experiments.manoeuvres import Limits
     from .identifiable import Identifiability, identifiability
-    from .identification import Identification, identify
     from .noise import FilterNoise
-    from .paper_filter import PaperFilter
+    from .online.cart_filter import CartFilter
+    from .online.paper_filter import PaperFilter
+    from .online.regressor_estimator import RegressorEstimator
     from .prior import Prior
-    from .regressor_estimator import RegressorEstimator
     from .sensor_check import Suspicion, check_sensors
+    from .whole_log.identification import Identification, identify
 
 __all__ = [
     "CartFilter",
@@ -36,15 +36,15 @@ __all__ = [
 ]
 
 _HOMES = {
-    "cart_filter": "CartFilter",
+    "online.cart_filter": "CartFilter",
     "discrepancy": "Diagnosis diagnose",
     "experiments.manoeuvres": "Limits",
     "identifiable": "Identifiability identifiability",
-    "identification": "Identification identify",
+    "whole_log.identification": "Identification identify",
     "noise": "FilterNoise",
-    "paper_filter": "PaperFilter",
+    "online.paper_filter": "PaperFilter",
     "prior": "Prior",
-    "regressor_estimator": "RegressorEstimator",
+    "online.regressor_estimator": "RegressorEstimator",
     "sensor_check": "Suspicion check_sensors",
 }
 

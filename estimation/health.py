@@ -11,7 +11,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .kernels.sensor_health import OUTLYING, POSE_MISSED, WRENCH_MISSED
+from .online.kernels.sensor_health import OUTLYING, POSE_MISSED, WRENCH_MISSED
 
 
 class Health(StrEnum):

@@ -9,10 +9,12 @@ C = Group.WORKS_OUT
 
 REASONS: dict[str, dict[str, str]] = {
     "weak_form.balances": {
-        "CHUNK": "memory",
-        "SUPPORT": "of a cubic B-spline",
         "RIM": "beyond it a soft edge is nought",
         "POSE_STEP": "of a difference",
+    },
+    "weak_form.integrals": {
+        "CHUNK": "memory",
+        "SUPPORT": "of a cubic B-spline",
         "THIN": "effort",
     },
     "weak_form.band": {
@@ -205,6 +207,7 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_SWAPPED": "effort",
     },
     "weak_form.wrenches": {
+        "WHOLE": "all of a grid",
         "LEAST_DENSITY": "keeps solvable",
         "RELATIVE": "keeps solvable",
         "LATEST": "a delay that nobody asks about",

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
-from estimation.agreement import against_identify
-from estimation.coasting import body_as_given, with_known_wrench
 from estimation.health import Health
-from estimation.log_noise import noise_of_log
-from estimation.replay import Replay, replay
+from estimation.log_noise.log_noise import noise_of_log
+from estimation.whole_log.agreement import against_identify
+from estimation.whole_log.coasting import body_as_given, with_known_wrench
+from estimation.whole_log.replay import Replay, replay
 
 from ..cart_file import load_cart
 from ..errors import DataError, UsageError

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from estimation.agreement import against_filter
-from estimation.identification import Identification
-from estimation.identification import identify as fit
+from estimation.whole_log.agreement import against_filter
+from estimation.whole_log.identification import Identification
+from estimation.whole_log.identification import identify as fit
 
 from ..errors import DataError
 from ..logs import RunLog

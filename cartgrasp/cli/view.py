@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from estimation import CartFilter
-from estimation.coasting import body_as_given, with_known_wrench
-from estimation.log_noise import noise_of_log
-from estimation.replay import replay
+from estimation.log_noise.log_noise import noise_of_log
+from estimation.whole_log.coasting import body_as_given, with_known_wrench
+from estimation.whole_log.replay import replay
 
 from ..cart_file import load_cart
 from ..errors import UsageError

@@ -46,7 +46,7 @@ def prepare() -> None:
 
 def asked_for() -> list[Any]:
     """The kernels for carts whose effects all have some."""
-    for room in ("cartgrasp.kernels.entries", "planning.kernels.choice", "estimation.cart_filter"):
+    for room in ("cartgrasp.kernels.entries", "planning.kernels.choice", "estimation.online.cart_filter"):
         import_module(room)
     ours = (kernel for kernel in ENTRIES if ".kernels." in kernel.py_func.__module__)
     return [kernel for kernel in ours if kernel.py_func.__name__ not in OTHERS]

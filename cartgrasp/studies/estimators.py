@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimation import CartFilter, FilterNoise, PaperFilter, RegressorEstimator
-from estimation.identification import identify
-from estimation.replay import replay
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 from planning.references import PathReference, chain, pause, speed_change, straight, turn
 from planning.tracking import build_tracker
 

@@ -12,12 +12,13 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog, coasts
 from cartgrasp.model import CartModel
 
-from ..log_noise import noise_of_log
+from ..log_noise.log_noise import noise_of_log
 from ..noise import FilterNoise
 from ..sensor_check import Suspicion
 from ..sensor_check.sizes import check_jumps
 from ..sensor_check.stale import without_stale
-from ..weak_form.balances import SUPPORT, Balances
+from ..weak_form.balances import Balances
+from ..weak_form.integrals import SUPPORT
 from ..weak_form.motion import Motion
 from .clock_offset import ClockOffset
 

@@ -19,7 +19,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
-from ..glitches import without_glitches
+from ..log_noise.glitches import without_glitches
 from ..weak_form.balances import Balances
 from ..weak_form.flights import LONGEST_HOLE, unbroken
 from ..weak_form.motion import Motion, motion_of

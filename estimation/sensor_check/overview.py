@@ -11,7 +11,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from ..log_noise import noise_floor
+from ..log_noise.log_noise import noise_floor
 from ..weak_form.motion import Motion
 
 

@@ -16,7 +16,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 
-from ..log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
+from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
 from .stale import local_change, repeats_fast
 from .suspicion import Suspicion
 

@@ -12,7 +12,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from ..resolution import TINY, USUAL
+from ..log_noise.resolution import TINY, USUAL
 
 LONGEST = 0.25
 """s: what repeats for longer rests."""

@@ -22,7 +22,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import CASTER
 
-from ..log_noise import noise_floor
+from ..log_noise.log_noise import noise_floor
 from ..weak_form.balances import Balances
 from ..weak_form.band import RICH
 from .evidence import UNEXPLAINED, gain_evidence, independent_rows, probabilities

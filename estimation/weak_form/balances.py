@@ -12,14 +12,11 @@ not go sideways, its speed across the wheels is one more balance.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from itertools import pairwise
+from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.sparse import csr_array
 
 from cartgrasp.effects import ConstraintEffect, Effect, ForceScale, SensorEffect
 from cartgrasp.effects.effect import Gate, InertiaEffect
@@ -30,9 +27,10 @@ from cartgrasp.model import CartModel, InverseDynamics
 from cartgrasp.wheels import WheelSet
 
 from ..noise import FilterNoise
+from .integrals import CHUNK, THIN, Integrals
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
-from .wrenches import WHOLE, Densities, GridWrenches
+from .wrenches import Densities, GridWrenches
 
 STILL_SPEED = 0.02
 """m/s: below it a cart may stand, and brakes, chocks and friction hold any force."""
@@ -42,14 +40,8 @@ STILL_DEVIATIONS = 2.0
 """Of the smooth speed."""
 LEVER = 0.35
 """m: half of a usual track."""
-CHUNK = 20_000
-"""Points of the grid that are worked out at once: an hour's partials would take gigabytes."""
-THIN = 2
-"""Points of the grid from one to the next at which candidates are worked out: five in a row's step at least."""
 RIM = 0.1
 """m around a region of the floor: beyond, its soft edge is not felt."""
-SUPPORT = 4
-"""Row steps over which a cubic B-spline is not zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +110,7 @@ class Balances:
         return self._with_same_rows(replace(self, motion=motion, wrenches=replace(self.wrenches, motion=motion)))
 
     def _with_same_rows(self, other: Balances) -> Balances:
-        other.__dict__.update(used=self.used, _test=self._test, _used_test=self._used_test, _parts=self._parts)
+        other.__dict__.update(integrals=self.integrals)
         return other
 
     def of_body(self, cart: CartModel) -> Balances:
@@ -148,72 +140,31 @@ class Balances:
         """m/s: a cart that seems to go slower may stand."""
         return float(np.hypot(STILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
 
-    # --- test functions ----------------------------------------------------------------------------------------
-
     @cached_property
-    def _test(self) -> csr_array:
-        """Test functions (all rows, n) times the grid's step."""
-        n = len(self.motion.time)
-        count = max((n - 1 - SUPPORT * self.per_row) // self.per_row + 1, 0)
-        inside = np.arange(SUPPORT * self.per_row + 1) / self.per_row
-        phi = (
-            np.nan_to_num(BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)(inside)) * self.motion.step
-        )
-        first = self.per_row * np.arange(count)
-        columns = (first[:, None] + np.arange(len(phi))).ravel()
-        return csr_array((np.tile(phi, count), columns, len(phi) * np.arange(count + 1)), shape=(count, n))
+    def integrals(self) -> Integrals:
+        """Against test functions in whose support everything was seen and the cart moves: where it stands, anything
+        may hold it. Where it stands throughout, all that was seen. How late sensors are changes nothing."""
+        unseen = ~(self.wrenches.seen & self.wrenches.ahead)
+        return Integrals.where(unseen, self.turning_speed > self.still_speed, self.per_row, self.motion.step)
 
-    @cached_property
+    @property
     def used(self) -> np.ndarray:
-        """Of all test functions, those in whose support everything was seen and the cart moves: where it stands,
-        anything may hold it. Where it stands throughout, all that was seen. How late sensors are changes nothing."""
-        test = self._test
-        touches = csr_array((np.ones_like(test.data), test.indices, test.indptr), shape=test.shape)
-        seen = touches @ (~(self.wrenches.seen & self.wrenches.ahead)).astype(float) == 0
-        moves = touches @ (self.turning_speed > self.still_speed).astype(float) > 0
-        return np.flatnonzero(seen & moves if (seen & moves).any() else seen)
+        """Numbers (k,) of the test functions."""
+        return self.integrals.used
 
-    @cached_property
+    @property
     def time(self) -> Array:
         """Middles (k,) of the rows' test functions."""
-        return np.asarray(self.motion.time[self.per_row * self.used + SUPPORT * self.per_row // 2])
-
-    @cached_property
-    def _used_test(self) -> csr_array:
-        return csr_array(self._test[self.used])
+        return np.asarray(self.motion.time[self.integrals.middles])
 
     def overlap(self, order: int, lag: int) -> float:
         """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order -
         1))."""
-        return _overlap(order, lag) * self.row_step ** (1 - 2 * order)
-
-    @cached_property
-    def _parts(self) -> list[tuple[slice, csr_array]]:
-        """Parts of the grid, and test functions (rows, points) of those rows that lie in them."""
-        found, first = [], self.per_row * self.used
-        support = SUPPORT * self.per_row + 1
-        edges = np.flatnonzero(np.diff(first // max(CHUNK - support, support), prepend=-1))
-        for begin, end in pairwise([*edges, len(first)]):
-            part = slice(int(first[begin]) // THIN * THIN, int(first[end - 1]) + support)
-            found.append((part, csr_array(self._used_test[begin:end][:, part])))
-        return found
+        return self.integrals.overlap(order, lag)
 
     def integrated(self, signals: Array) -> Array:
         """Signals (n, ...) against the test functions (k, ...)."""
-        return _against(self._used_test, signals)
-
-    def by_parts(self, signals: Callable[[slice], Array], thin: int = 1) -> Array:
-        """The same of signals that are worked out for one part of the grid after the other, or at every other of its
-        points."""
-        found = []
-        for part, test in self._parts:
-            at = slice(part.start, part.stop, thin)
-            found.append(_against(test if thin == 1 else csr_array(test[:, ::thin] * thin), signals(at)))
-        return np.concatenate(found) if found else self.integrated(signals(WHOLE))
-
-    def spread(self, rows: Array) -> Array:
-        """The transpose of `integrated`: rows (k, c) over the grid (n, c)."""
-        return np.asarray(self._used_test.T @ rows)
+        return self.integrals.of(signals)
 
     @property
     def sample_step(self) -> float:
@@ -236,7 +187,7 @@ class Balances:
             force = alone.effect_wrench(state[at], time=self.motion.time[at])[:, 0]
             return np.asarray(np.eye(self.n_balances(cart))[place] * force[:, None])
 
-        return self.by_parts(moments, THIN)[..., None]
+        return self.integrals.by_parts(moments, THIN)[..., None]
 
     # --- balances ----------------------------------------------------------------------------------------------
 
@@ -263,7 +214,7 @@ class Balances:
         """The same, but for parameters that move {b} in the frame that is tracked."""
         own = self.of_body(cart)
         state = own._state(cart)
-        rows = self.by_parts(lambda part: own._left_along(cart, state, part))
+        rows = self.integrals.by_parts(lambda part: own._left_along(cart, state, part))
         return rows[..., 0], rows[..., 1:]
 
     def _left_along(self, cart: CartModel, state: Array, part: slice) -> Array:
@@ -325,7 +276,7 @@ class Balances:
 
         is_felt = isinstance(effect, SensorEffect)
         along, thin = (felt, 1) if is_felt else (pushed, THIN)
-        slopes = self.by_parts(lambda part: self._on_all(along(part)), thin)
+        slopes = self.integrals.by_parts(lambda part: self._on_all(along(part)), thin)
         if moved := [i for i in whole.pose_indices if i >= first]:
             left = self._left(whole)[0]
             for i in moved:
@@ -399,11 +350,7 @@ class Balances:
             more, less = (self.creep(each, state[part], planar, time) for each in (whole, cart))
             return np.asarray((more - less)[:, None] * across)
 
-        return self.by_parts(aside)[..., None]
-
-
-def _against(test: csr_array, signals: Array) -> Array:
-    return np.asarray(test @ signals.reshape(len(signals), -1)).reshape(-1, *signals.shape[1:])
+        return self.integrals.by_parts(aside)[..., None]
 
 
 def _densities(log: RunLog, told: FilterNoise | None) -> Array:
@@ -416,14 +363,3 @@ def _densities(log: RunLog, told: FilterNoise | None) -> Array:
 
 def _chunks(count: int) -> Iterator[slice]:
     return (slice(first, first + CHUNK) for first in range(0, count, CHUNK))
-
-
-@lru_cache
-def _overlap(order: int, lag: int) -> float:
-    """Of test functions one second apart."""
-    inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
-    element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
-    one = np.nan_to_num((element.derivative(order) if order else element)(inside))
-    other = np.zeros_like(one)
-    other[40 * lag :] = one[: len(one) - 40 * lag]
-    return float(np.trapezoid(one * other, inside))

@@ -18,7 +18,8 @@ from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
-from .balances import SUPPORT, Balances
+from .balances import Balances
+from .integrals import SUPPORT
 from .motion import KNOT_STEPS
 from .rows import wrench_noise
 

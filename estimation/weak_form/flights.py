@@ -12,8 +12,8 @@ from cartgrasp.errors import DataError
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 
-from ..end_stops import end_stops
-from ..impacts import Impact
+from ..impacts.end_stops import end_stops
+from ..impacts.impacts import Impact
 from .balances import Balances
 
 TOUCH = 0.05

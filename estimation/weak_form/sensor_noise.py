@@ -9,8 +9,8 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
+from ..log_noise.resolution import resolution
 from ..noise import FilterNoise
-from ..resolution import resolution
 
 NOISE_OF_DIFFERENCES, MAD_TO_STD = 20**0.5, 1.4826
 """Third differences of white noise have 20 times its variance; the median of a normal deviate's size."""

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array, dia_array
 
 from cartgrasp.frames import Array
 
-from .balances import SUPPORT
+from .integrals import SUPPORT
 
 
 @dataclass(frozen=True, eq=False)

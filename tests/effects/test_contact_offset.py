@@ -10,8 +10,8 @@ from cartgrasp.effects import ContactOffset, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation import CartFilter, FilterNoise, Prior
-from estimation.identification import identify
-from estimation.replay import replay
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 from tests.core.drawn import numbers, vectors
 
 from .free_body import STEP, driven, pushes, recorded

@@ -27,7 +27,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.plant import ModelPlant
 from estimation import CartFilter, FilterNoise
-from estimation.identification import identify
+from estimation.whole_log.identification import identify
 from tests.core.differences import assert_partials
 from tests.core.drawn import SHOPPING_CART, inertias, no_wheel_just_lifts, numbers, poses, vectors, wrenches
 from tests.core.test_constrained_dynamics import body_velocity, solve_kkt, to_world

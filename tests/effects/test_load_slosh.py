@@ -30,8 +30,8 @@ from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import bias_b, mass_matrix_b
 from cartgrasp.simulation.plant import ModelPlant
 from estimation import CartFilter, FilterNoise
-from estimation.identification import identify
-from estimation.replay import replay
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 from tests.core.differences import assert_partials
 from tests.core.drawn import CONSTRAINTS, SHOPPING_CART, numbers, vectors
 from tests.estimation.runs import CONTACT, STEP, push, record

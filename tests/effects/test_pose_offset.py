@@ -17,9 +17,9 @@ from cartgrasp.motion import Measurement, Motion
 from cartgrasp.simulation.sensors import SensorNoise, Sensors
 from cartgrasp.tracked_point import TrackedPoint
 from estimation import CartFilter, FilterNoise, RegressorEstimator
-from estimation.identification import identify
-from estimation.paper_filter import PaperFilter
-from estimation.replay import replay
+from estimation.online.paper_filter import PaperFilter
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 from tests.core.drawn import vectors
 
 from .free_body import STEP, driven, pushes, recorded, turned

@@ -17,8 +17,8 @@ from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.sensors import SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise, RegressorEstimator
-from estimation.identification import identify
-from estimation.replay import replay
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 from tests.core.drawn import numbers
 from tests.estimation.runs import STEP, simulate
 

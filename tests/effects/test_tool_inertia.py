@@ -17,8 +17,8 @@ from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.simulation.plant import ModelPlant
 from cartgrasp.simulation.sensors import SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator
-from estimation.identification import identify
-from estimation.replay import replay
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 from tests.core.drawn import numbers, vectors
 
 from .free_body import STEP, G, driven, pushes, recorded, turned

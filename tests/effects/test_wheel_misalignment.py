@@ -20,8 +20,8 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.integrate import runge_kutta_4
 from estimation import CartFilter, FilterNoise
-from estimation.identification import identify
-from estimation.replay import replay
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 from planning.references import PathReference, chain, pause, speed_change, turn
 from planning.tracking import SteeringTracker
 from tests.core.differences import assert_partials

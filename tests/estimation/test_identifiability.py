@@ -13,7 +13,7 @@ from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
 from estimation.experiments.teaching_motions import teaching_motions
 from estimation.identifiable import identifiability
-from estimation.replay import replay
+from estimation.whole_log.replay import replay
 
 from .runs import simulate
 

@@ -10,7 +10,7 @@ from cartgrasp.inertia import phi_from_physical
 from estimation import physical_set
 from estimation.physical_set import PhysicalSet
 
-from .test_identification import DRAGS, guess
+from .whole_log.test_identification import DRAGS, guess
 
 
 def projected(parameters, information, least):

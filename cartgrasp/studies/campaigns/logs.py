@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, RegressorEstimator
-from estimation.coasting import body_as_given, with_known_wrench
 from estimation.discrepancy import diagnose
-from estimation.identification import identify
-from estimation.log_noise import noise_of_log
-from estimation.replay import replay
+from estimation.log_noise.log_noise import noise_of_log
+from estimation.whole_log.coasting import body_as_given, with_known_wrench
+from estimation.whole_log.identification import identify
+from estimation.whole_log.replay import replay
 
 from ...errors import DataError
 from ...logs import RunLog, is_bag_name, read_log

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from estimation.kernels.jit import OWN as ESTIMATION
-from estimation.kernels.jit import compiled, row_compiled
+from estimation.online.kernels.jit import OWN as ESTIMATION
+from estimation.online.kernels.jit import compiled, row_compiled
 from planning import steering
 from planning.kernels.jit import DIGEST as PLANNING
 

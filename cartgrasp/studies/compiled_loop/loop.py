@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from estimation.cart_filter import core_of, takes_rows
 from estimation.health import said
-from estimation.kernels.filtered_row import BLOCK, LAG, WIDTH
-from estimation.kernels.sensor_health import said_of
-from estimation.learning_filter import LearningFilter
+from estimation.online.cart_filter import core_of, takes_rows
+from estimation.online.kernels.filtered_row import BLOCK, LAG, WIDTH
+from estimation.online.kernels.sensor_health import said_of
+from estimation.online.learning_filter import LearningFilter
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.planner import WrenchPlanner
 from planning.tick.compiled_allocation import CompiledAllocation

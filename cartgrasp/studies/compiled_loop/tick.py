@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from estimation.kernels import driven_motion, filtered_row, recorded_moment, tracked_motion
-from estimation.kernels.driven_block import parts
-from estimation.kernels.felt_wrench import Felt, feel
+from estimation.online.kernels import driven_motion, filtered_row, recorded_moment, tracked_motion
+from estimation.online.kernels.driven_block import parts
+from estimation.online.kernels.felt_wrench import Felt, feel
 from planning import steering
 from planning.kernels.allocation import allocate
 from planning.kernels.workspace import views

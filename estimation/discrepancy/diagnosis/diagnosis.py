@@ -19,10 +19,10 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 from cartgrasp.reference_file import StoredReference
 
-from ...end_stops import StopEstimate, end_stops
 from ...experiments.manoeuvres import Limits
-from ...glitches import without_glitches
-from ...impacts import Impact, impacts
+from ...impacts.end_stops import StopEstimate, end_stops
+from ...impacts.impacts import Impact, impacts
+from ...log_noise.glitches import without_glitches
 from ...sensor_check import check_sizes, of_wrenches, put_right
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent

@@ -13,7 +13,7 @@ from cartgrasp.effects import Effect, EndStop
 from cartgrasp.effects.effect import Parameter
 from cartgrasp.model import CartModel
 
-from ...end_stops import StopEstimate
+from ...impacts.end_stops import StopEstimate
 from ..search.attempts import Attempt, Step
 from ..search.candidates import free_label
 from ..search.model import Model

@@ -13,7 +13,8 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
-from ...weak_form.balances import THIN, Balances
+from ...weak_form.balances import Balances
+from ...weak_form.integrals import THIN
 from .course import Course
 from .laws import AT_HANDS, Law, both_ways
 
@@ -67,7 +68,7 @@ class Scan:
             )
 
         found = np.zeros((len(balances.used), balances.n_balances(cart), len(chosen), 2))
-        found[:, pushed] = balances.by_parts(waves, THIN)
+        found[:, pushed] = balances.integrals.by_parts(waves, THIN)
         return found
 
     def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:

@@ -225,7 +225,9 @@ class Screen:
         for balances, whiten in zip(self.model.logs, self.model.whitenings, strict=True):
             own = rest[at : at + len(balances.used)]
             at += len(balances.used)
-            found.append(balances.spread(whiten.transposed(own / self._scale))[:, : self.model.cart.constraints.n_free])
+            found.append(
+                balances.integrals.spread(whiten.transposed(own / self._scale))[:, : self.model.cart.constraints.n_free]
+            )
         return found
 
     def tuned(self, law: Law) -> Law:

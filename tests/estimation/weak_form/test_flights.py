@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.errors import DataError
 from estimation.discrepancy import diagnose
-from estimation.impacts import Impact
+from estimation.impacts.impacts import Impact
 from estimation.weak_form.flights import NEAR, SHORTEST, TOUCH, flights, unbroken
 
 from ..weak_form.motions import TRUE, cart_of, noisy, weaving

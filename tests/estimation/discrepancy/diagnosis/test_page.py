@@ -26,7 +26,7 @@ from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.where.residual import residuals
 from estimation.discrepancy.where.residual_map import residual_maps
 from estimation.discrepancy.where.where import where
-from estimation.impacts import Impact
+from estimation.impacts.impacts import Impact
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate

@@ -1,0 +1,92 @@
+"""Noise floors read off a log: what is left of a channel when everything smooth is taken out.
+
+Third differences annihilate a quadratic, and turn white noise of variance s² into 20 s²; their median size is robust
+to jumps. What the log's motion can't show, the disturbance, is taken as a share of the forces at work.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.errors import DataError
+from cartgrasp.frames import Array
+from cartgrasp.logs import RunLog
+from cartgrasp.logs.body_poses import at_body
+from cartgrasp.model import CartModel
+
+from ..noise import FilterNoise
+from .velocity_colour import loudness
+
+LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.001
+DISTURBANCE_SHARE = 0.01
+NOISE_OF_DIFFERENCES = 20**0.5
+MAD_TO_STD = 1.4826
+FEWEST = 8
+
+
+def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
+    """Sensor noise of this log, and a disturbance in proportion to its forces."""
+    try:
+        with np.errstate(over="raise", invalid="raise"):
+            return _noise(at_body(log, cart), cart)
+    except FloatingPointError as error:
+        raise DataError(f"{log.name}: its numbers are too large to be SI units; mend them") from error
+
+
+def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
+    usual = FilterNoise()
+    position = max(*(noise_floor(log.pose[:, i], usual.position) for i in (0, 1)), LEAST_POSITION)
+    heading = max(noise_floor(np.unwrap(_filled(log.pose[:, 2])), usual.heading), LEAST_POSITION)
+    linear = yaw = LEAST_VELOCITY
+    if log.velocity is not None:
+        along = (noise_floor(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
+        linear = max(*along, LEAST_VELOCITY)
+        yaw = max(noise_floor(log.velocity[:, 2], usual.yaw_rate), LEAST_VELOCITY)
+        remembers = _loudness(log, cart)
+        linear, yaw = remembers * linear, remembers * yaw
+    wrenches = [arm.wrench for arm in log.arms.values()]
+    force = max([LEAST_FORCE, *(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1))])
+    moment = max([LEAST_MOMENT, *(noise_floor(w[:, 5], usual.moment) for w in wrenches)])
+    size = _force_size(log, cart)
+    return FilterNoise(
+        position=position,
+        heading=heading,
+        linear_velocity=linear,
+        yaw_rate=yaw,
+        force=force,
+        moment=moment,
+        disturbance=max(DISTURBANCE_SHARE * size, 0.01),
+    )
+
+
+def noise_floor(channel: Array, usual: float = 0.0) -> float:
+    """Standard deviation of the white noise on a channel, from its third differences; the `usual` one where
+    there are too few samples to tell."""
+    present = channel[np.isfinite(channel)]
+    if len(present) < FEWEST:
+        return usual
+    return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / NOISE_OF_DIFFERENCES)
+
+
+def _loudness(log: RunLog, cart: CartModel) -> float:
+    """Of recorded velocities; 1 for a cart that may go any way."""
+    axle = cart.constraints.axle_x
+    if axle is None or log.velocity is None:
+        return 1.0
+    seen = np.isfinite(log.pose[:, 2]) & np.isfinite(log.velocity).all(axis=1)
+    rolling = log.pose[seen, 2] + np.arctan2(cart.basis_b[1, 0], cart.basis_b[0, 0])
+    x, y, yaw = log.velocity[seen].T
+    return loudness(log.time[seen], np.cos(rolling) * y - np.sin(rolling) * x + axle * yaw)
+
+
+def _force_size(log: RunLog, cart: CartModel) -> float:
+    """Root mean square of the forward force on the cart, N."""
+    total = np.zeros(len(log))
+    for arm in log.arms.values():
+        total += np.einsum("ni,ni->n", grasp_map_planar(arm.contact)[:, 0], arm.wrench)
+    return float(np.sqrt(np.nanmean(total**2))) if np.isfinite(total).any() else 0.0
+
+
+def _filled(angles: Array) -> Array:
+    return angles[np.isfinite(angles)]

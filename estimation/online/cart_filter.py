@@ -1,0 +1,130 @@
+"""The online filter, by what is the more exact: the wrenches, or the motion.
+
+Where the noise of wrenches is below what the model leaves out, they drive an augmented EKF: nothing learns more from
+poor poses. Else a regression on the motion learns the parameters (`learning_filter.py`): noisy wrenches would bias the
+EKF. Memories of effects (casters' headings) the EKF estimates with the rest, and the regression only follows from the
+motion, so with these noise has to be far above what is left out before it costs more than it tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import final
+
+import numpy as np
+
+from cartgrasp.checks import LARGEST_NUMBER, number
+from cartgrasp.errors import CartgraspError
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
+
+from ..gaussian import Gaussian
+from ..health import SensorHealth
+from ..noise import FilterNoise
+from ..prior import Prior
+from .augmented.augmented_filter import AugmentedFilter
+from .delayed_wrenches import Core, DelayedWrenches, longest_delay
+from .driven_motion import DrivenMotion
+from .given import Given, given
+from .learning_filter import LearningFilter
+from .online_estimator import OnlineEstimator
+from .regressor.parameter_learner import ParameterLearner
+from .warming import made_up_push
+
+EXACT, EXACT_BESIDE_MEMORIES = 1.0, 20.0
+"""1/√s: noise of a wrench sample (N) over the disturbance (N·√s) up to which wrenches count as exact. At 100 Hz the
+density of their noise is then a tenth of it, or twice as much."""
+
+
+def core_of(made_of: Given, least_speed: float = 0.0) -> AugmentedFilter | LearningFilter:
+    """The filter behind a `CartFilter`, which takes samples in order."""
+    cart, _, noise, prior, _ = made_of
+    with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
+        if least_speed == 0.0 and not takes_rows(cart, noise):
+            return AugmentedFilter(*made_of)
+        return LearningFilter(ParameterLearner(*made_of, least_speed), DrivenMotion(cart, noise, prior.free(cart)))
+
+
+def takes_rows(cart: CartModel, noise: FilterNoise) -> bool:
+    """Whether a regression learns more than an EKF."""
+    exact = EXACT_BESIDE_MEMORIES if cart.memory_names else EXACT
+    return bool(noise.force > exact * noise.disturbance)
+
+
+@final
+class CartFilter(OnlineEstimator[DelayedWrenches | Core]):
+    """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
+
+    Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
+    Where the cart has a `time_delay`, parameters are as much behind, and the motion is not.
+
+    Args:
+        cart: Structure and first guess.
+        arms: Names of those whose wrenches add up; None: all that are seen.
+        noise: Standard deviations of the sensors, in their units; those of `FilterNoise()` unless given.
+        prior: How sure the first guess is; `Prior()` and what the cart's file says unless given.
+        yaws: Of the contact frames against {b}, rad, by arm; 0 unless given.
+        least_speed: m/s of {b}'s origin below which a regression learns nothing, as in the paper's experiments.
+
+    Raises:
+        UsageError: An argument is of the wrong kind or out of bounds, or names an arm or parameter that is not there.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from estimation import CartFilter
+        >>> log, cart_filter = cg.read_log("run.csv"), CartFilter(cg.load_cart("cart.yaml"))
+        >>> for measurement in log.measurements():
+        ...     estimate = cart_filter.update(measurement)
+        >>> estimate.parameters["mass"].identifiable, estimate.health
+        (True, <Health.OK: 'ok'>)
+    """
+
+    aligns = True
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[str] | None = None,
+        *,
+        noise: FilterNoise | None = None,
+        prior: Prior | None = None,
+        yaws: Mapping[str, float] | None = None,
+        least_speed: float = 0.0,
+    ) -> None:
+        number("filter: least_speed", least_speed, 0.0, LARGEST_NUMBER, "give m/s")
+        made_of, self._arms = given(cart, arms, noise, prior, yaws), arms
+        core = core_of(made_of, least_speed)
+        super().__init__(made_of, DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
+
+    def warm_up(self) -> None:
+        """Does now, with a filter like this one, what would cost at the first updates: kernels are loaded in a second,
+        or compiled, in a minute, the very first time on a machine. What this one has learned stays."""
+        import scipy.optimize  # noqa: F401  for estimates that are no body
+
+        other = type(self)(self.cart, self._arms, noise=self.noise, prior=self.prior)
+        if self.cart.is_compiled:
+            self.cart.dynamics.warm_up()
+        if self.cart.wheels:
+            self.cart.wheel_set.loads(self.cart.inertia.phi)
+        with suppress(CartgraspError):  # what is believed may be far from the push that is made up
+            for sample in made_up_push(self.cart, self._arms or ("arm",)):
+                other.update(sample)
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance of pose, nu and effect memory, and of what else the filter carries after them."""
+        return self._core.belief
+
+    @property
+    def nis(self) -> Mapping[str, tuple[float, int]]:
+        """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
+        return self._core.nis
+
+    @property
+    def sensors(self) -> Mapping[str, SensorHealth]:
+        """How pose, velocity and wrench do."""
+        return dict(self._core.sensors)
+
+    def _told(self) -> Estimate:
+        return self._core.estimate()

@@ -1,0 +1,115 @@
+"""Sensors that record wrenches a known while after they were felt: the filter runs that much behind, and looks ahead.
+
+What is recorded at t was felt at `t - delay`. So motion is held back until the wrench of its time has come. What is
+said of the motion now is what the filter believes once it has seen what is held, too, of which no wrench tells yet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol, Self
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.shallow import shallow
+
+from ..gaussian import Gaussian
+from ..health import SensorHealth
+from .late_samples import Listening
+
+SAME = 1e-9
+"""s."""
+
+
+class Core(Listening, Protocol):
+    """A filter of samples that come in order."""
+
+    def ahead(self, samples: Sequence[Measurement]) -> Self:
+        """A copy that has seen later motion, of which it need not learn."""
+        ...
+
+    def estimate(self) -> Estimate: ...
+
+    @property
+    def belief(self) -> Gaussian: ...
+
+    @property
+    def nis(self) -> Mapping[str, tuple[float, int]]: ...
+
+    @property
+    def sensors(self) -> Mapping[str, SensorHealth]: ...
+
+
+def longest_delay(cart: CartModel) -> float:
+    """Of the wrenches of any arm, s."""
+    return max((cart.lateness(effect.label) for effect, _ in cart.sensor_effects), default=0.0)
+
+
+class DelayedWrenches:
+    """Around a core, whose wrenches all come as late as those of the cart's slowest sensor."""
+
+    def __init__(self, core: Core, cart: CartModel) -> None:
+        self._core, self._cart, self._delay = core, cart, longest_delay(cart)
+        self._held: tuple[Measurement, ...] = ()
+        self._recorded: tuple[Measurement, ...] = ()
+        self._now: Core | None = None
+        self.time = core.time
+
+    @property
+    def worked(self) -> bool:
+        return self._core.worked
+
+    def take(self, measurement: Measurement) -> None:
+        core, self._now, self.time = self._core, None, measurement.time
+        felt = self.time - self._delay
+        self._held = (*self._held, replace(measurement, wrenches={}))
+        while self._held and (self._held[0].time <= felt + SAME or core.time == -math.inf):
+            core.take(self._held[0])
+            self._held = self._held[1:]
+        if measurement.wrenches:
+            self._recorded = (*(one for one in self._recorded if one.time > felt - SAME), measurement)
+            if felt > core.time - SAME:
+                core.take(Measurement(max(felt, core.time), wrenches=self._felt_together(measurement)))
+
+    def hear(self, loudness: Array) -> None:
+        self._core.hear(loudness)
+
+    def copy(self) -> Self:
+        other = shallow(self)
+        other._core = self._core.copy()
+        return other
+
+    def estimate(self) -> Estimate:
+        now = self._ahead.estimate()
+        return self._core.estimate()._replace(time=self.time, motion=now.motion, health=now.health)
+
+    @property
+    def belief(self) -> Gaussian:
+        return self._ahead.belief
+
+    @property
+    def nis(self) -> Mapping[str, tuple[float, int]]:
+        return self._ahead.nis
+
+    @property
+    def sensors(self) -> Mapping[str, SensorHealth]:
+        return self._ahead.sensors
+
+    @property
+    def _ahead(self) -> Core:
+        if self._now is None:
+            self._now = self._core.ahead(self._held)
+        return self._now
+
+    def _felt_together(self, last: Measurement) -> dict[str, Array]:
+        """Of each arm, the sample that was felt when those of the slowest sensor were."""
+        felt = {}
+        for arm in last.wrenches:
+            wanted = self.time - self._delay + self._cart.lateness(arm)
+            nearest = min(self._recorded, key=lambda one: abs(one.time - wanted))
+            if arm in nearest.wrenches:
+                felt[arm] = nearest.wrenches[arm]
+        return felt

@@ -1,0 +1,51 @@
+"""What an estimator is given is checked once, when it is made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import NoneType
+
+import numpy as np
+
+from cartgrasp.checks import angle, check_kind, listed, number, shown
+from cartgrasp.errors import UsageError
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
+
+from ..noise import FilterNoise
+from ..prior import Prior
+
+Given = tuple[CartModel, Sequence[str] | None, FilterNoise, Prior, Mapping[str, float]]
+"""Cart, arms, noise, prior and yaws."""
+
+
+def given(
+    cart: CartModel,
+    arms: Sequence[str] | None,
+    noise: FilterNoise | None,
+    prior: Prior | None,
+    yaws: Mapping[str, float] | None,
+) -> Given:
+    """With what is usual in the place of None."""
+    check_kind("filter: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+    if arms is not None:
+        arms = listed("filter: arms", arms, str, 'write their names: arms=["left", "right"]')
+    check_kind("filter: noise", noise, (FilterNoise, NoneType), "write FilterNoise(force=3.0)")
+    check_kind("filter: prior", prior, (Prior, NoneType), "write Prior(mass=0.4)")
+    check_kind("filter: yaws", yaws, (Mapping, NoneType), 'write yaws={"left": 0.0}')
+    by_arm = {arm: angle(f"filter: yaws: {arm}", yaw) for arm, yaw in (yaws or {}).items()}
+    return cart, arms, noise or FilterNoise(), prior or Prior(), by_arm
+
+
+def check_measurement(measurement: Measurement) -> None:
+    """Says what is wrong with one that was stumbled over."""
+    cure = "write Measurement(time, pose, velocity, wrenches, contacts)"
+    check_kind("filter: measurement", measurement, Measurement, cure)
+    number("measurement: time", measurement.time, cure="give s")
+    parts = {"pose": (measurement.pose, 3), "velocity": (measurement.velocity, 3)}
+    for what, by_arm, n in (("wrenches", measurement.wrenches, 6), ("contacts", measurement.contacts, 3)):
+        check_kind(f"measurement: {what}", by_arm, Mapping, "write {arm: numbers}")
+        parts |= {f"{what}: {arm}": (part, n) for arm, part in by_arm.items()}
+    for what, (part, n) in parts.items():
+        if part is not None and (np.shape(part) != (n,) or np.asarray(part).dtype.kind not in "fiu"):
+            raise UsageError(f"measurement: {what}: {shown(part)} is not {n} numbers")

@@ -1,0 +1,107 @@
+"""The filter for noisy wrenches: a regression learns the parameters, and the recorded wrench drives the motion.
+
+An augmented EKF (8)-(20) takes noise of the wrench that drives it for motion that it did not make, and learns a mass
+that is too large, too surely (errors in variables, physics 11). So the two are kept apart. Parameters are learned by
+`ParameterLearner`, whose rows have the wrench's noise on one side; motion is a Kalman filter that the recorded wrench
+drives, with what is not known of wrench and parameters in its covariance, and no gain of its own on the latter
+(Schmidt 1966). Where a new estimate of the parameters takes the motion, its slopes by them tell.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Self
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.shallow import shallow
+
+from ..gaussian import Gaussian
+from ..health import SensorHealth, by_sensor, said
+from .driven_motion import DrivenMotion
+from .first_motion import LOST_AFTER
+from .regressor.parameter_learner import ParameterLearner
+from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
+
+
+class LearningFilter:
+    """Samples come in order."""
+
+    def __init__(self, learner: ParameterLearner, motion: DrivenMotion) -> None:
+        self.learner, self.motion = learner, motion
+        self.time = -math.inf  # of the last sample
+        self._started = False
+
+    @property
+    def cart(self) -> CartModel:
+        return self.learner.cart
+
+    @property
+    def worked(self) -> bool:
+        """Whether the last sample took longer than most."""
+        return self.learner.worked
+
+    def take(self, measurement: Measurement) -> None:
+        """Predicts to the measurement's time, and takes in what it holds."""
+        learner, motion = self.learner, self.motion
+        learner.take(measurement)
+        self.time = learner.time
+        self._move(float(measurement.time), learner.seen, learner.felt)
+        motion.learn(learner.theta, learner.covariance)
+
+    def _move(self, time: float, seen: Array, felt: Array = NOTHING_FELT) -> None:
+        motion = self.motion
+        if not self._started:
+            motion.start(time, seen[:3])
+            self._started = math.isfinite(seen[2])  # without a heading nobody knows where anything pushes
+            seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
+        elif time - motion.time > LOST_AFTER:
+            motion.coast(time)
+        motion.advance(time, seen, felt, self.learner.surprise)
+
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        self.learner.hear(loudness)
+        self.motion.hear(loudness)
+
+    def ahead(self, samples: Sequence[Measurement]) -> Self:
+        """A copy that has seen later motion, and learned nothing."""
+        other, seen = shallow(self), Seen()
+        other.motion = self.motion.copy()
+        for sample in samples:
+            other._move(sample.time, seen.of(sample))
+        return other
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Of a pose, and of a velocity that is projected."""
+        return 3, self.cart.constraints.n_free
+
+    def estimate(self) -> Estimate:
+        learner, motion = self.learner, self.motion
+        return learner.estimate(motion.motion, said(motion.said, learner.health))
+
+    @property
+    def sensors(self) -> Mapping[str, SensorHealth]:
+        """How pose, velocity and wrench do."""
+        return by_sensor(self.motion.now.health)
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance of pose, nu and effect memory."""
+        return self.motion.belief
+
+    @property
+    def nis(self) -> Mapping[str, tuple[float, int]]:
+        """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
+        found = zip(("pose", "velocity"), self.motion.now.nis.tolist(), self.sizes, strict=True)
+        return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
+
+    def copy(self) -> Self:
+        other = shallow(self)
+        other.learner, other.motion = self.learner.copy(), self.motion.copy()
+        return other

@@ -1,0 +1,67 @@
+"""What online estimators have in common: samples in whatever order, and a watch over the sensors."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from typing import ClassVar, Generic, TypeVar
+
+from cartgrasp.checks import brief
+from cartgrasp.errors import UsageError
+from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.tracked_point import TrackedPoint
+
+from ..health import Health
+from .given import Given, check_measurement
+from .late_samples import LateSamples, Listening
+from .sensor_watch import SensorWatch
+
+C = TypeVar("C", bound=Listening)
+
+
+class OnlineEstimator(ABC, Generic[C]):
+    """Brings each sample to where it belongs, and qualifies what is told by what is suspected of the sensors."""
+
+    aligns: ClassVar[bool]
+    """Whether wrenches of a `time_delay` are brought back to when they were felt."""
+
+    def __init__(self, made_of: Given, core: C) -> None:
+        self.cart, _, self.noise, self.prior, _ = made_of
+        self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorWatch(*made_of)
+        self._samples = LateSamples(core)
+
+    @abstractmethod
+    def _told(self) -> Estimate:
+        """What is known at the time of the newest sample."""
+
+    def update(self, measurement: Measurement) -> Estimate:
+        """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
+        known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
+        samples, watch = self._samples, self._watch
+        try:
+            is_taken = samples.take(self._tracked.at_body(measurement))
+            now = measurement.time + samples.ahead
+            if now >= watch.due and not samples.state.worked and watch.go_on(now, samples.last):
+                samples.state.hear(watch.loudness)
+        except (TypeError, ValueError, AttributeError):
+            check_measurement(measurement)
+            raise
+        found = self.estimate
+        return found if is_taken else found._replace(health=Health.CLOCK)
+
+    @property
+    def estimate(self) -> Estimate:
+        found, ahead = self._told(), self._samples.ahead
+        if self._watch.suspicions:
+            found = self._watch.qualified(found)
+        return found._replace(time=found.time - ahead) if ahead else found
+
+    @property
+    def _core(self) -> C:
+        if self._samples.state.time == -math.inf:
+            raise UsageError("filter: no measurement has come yet")
+        return self._samples.state
+
+    def __repr__(self) -> str:
+        seen = "no measurement yet" if self._samples.state.time == -math.inf else repr(self.estimate)
+        return brief(type(self).__name__, self.cart.name, seen)

@@ -1,0 +1,107 @@
+"""Rows of the filtered regression: both sides of the reduced dynamics through `F = rate / (s + rate)`, once a block.
+
+The wrench is `Mr nu' + g(nu)`, and Mr is constant in the body frame (physics 4), so that no velocity is differentiated:
+`F[Mr nu'] = Mr rate (nu - F[nu])`. Successive values of a filter share their noise. What is new after a block of T,
+`F_k - exp(-rate T) F_(k-1)`, is an integral over the block alone,
+
+    B[x] = ∫ rate exp(-rate (t_k - s)) x(s) ds,    B[nu'] = rate (nu_k - exp(-rate T) nu_(k-1) - B[nu]),
+
+whose wrench noise no other block has; what is wrong with nu_k stands in two neighbours with unlike signs. And since
+what is wrong with nu at one moment is fast, while poses tell where it went in the mean, a row is the mean over blocks
+that begin a little later and later: nu_k is then a mean, too, and neighbours share some of the wrench's noise.
+
+Noise in B[nu'] is in a row's slopes and in its residual alike (errors in variables, physics 11). So slopes are worked
+out at a part of B[nu'] that stands out of its noise, and what their correlation with the residual pulls on average,
+which Stein's lemma `E[g(x + e) e] = E[g'(x + e)] var e` gives, is told with the row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from ...gaussian import Gaussian
+from ...noise import FilterNoise
+from ..kernels import filtered_row as kernels
+from ..kernels import row_parts
+from ..kernels.filtered_row import FilteredRow, Found, LeftOut, Smoothed, Weights
+from ..kernels.jit import Indices
+from ..kernels.row_parts import STILL
+
+REMEMBERED_SHARE = 1.0
+"""Of what effects with a memory do in a row: what a model leaves out of it. Half of it goes wrong, where a caster
+swings a little sooner or later, and stays so for some four rows."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """What a row is worked out from: n smoothed moments, and wrenches, each held to the next moment, as rows (n - 1) of
+    `RecordedWrenches`."""
+
+    weights: Weights
+    moved: Smoothed
+    wrenches: Array
+
+
+def stands_still(moved: Smoothed) -> bool:
+    """Whether nothing is seen to move, all the block long."""
+    return bool((moved.velocity**2 < STILL**2 * np.diagonal(moved.covariance, axis1=1, axis2=2)).all())
+
+
+def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
+    """Whether {b}'s origin is seen to be, at some moment of the block (m/s)."""
+    basis = cart.basis_b[:2]
+    found = np.linalg.norm(moved.velocity @ basis.T, axis=1)
+    std = np.sqrt(np.einsum("ia,nab,ib->n", basis, moved.covariance, basis))
+    return bool((found + STILL * std < speed).any())
+
+
+def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, left_out: LeftOut) -> FilteredRow:
+    """Of a block around the parameters (p,) that are known by now, to within `spread @ z`, (p, q).
+
+    Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they are
+    believed, a swivel torque would be learned away while casters just trail."""
+    given = block.wrenches, known.mean, known.covariance, spread
+    if not cart.is_compiled:
+        return _in_numpy(cart, block, given, left_out)
+    dynamics = cart.dynamics
+    workspace = dynamics.floats, dynamics.ints, dynamics.most_stictions
+    return kernels.worked_out(workspace, block.weights, block.moved, given, left_out)
+
+
+def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: LeftOut) -> FilteredRow:
+    """Where some effect has no kernel."""
+    moved, (_, theta, covariance, spread) = block.moved, given
+    rise, asked = kernels.begun(block.weights, moved, theta, spread)
+    there = cart.inverse(asked.state, asked.acceleration, asked.parameters, asked.time)
+    slow, most = asked.state[: len(moved.time)].copy(), row_parts.largest(theta, covariance)
+    slow[:, cart.velocity_slice] = row_parts.slowed(moved.velocity, moved.covariance)
+    found = Found(
+        wrench=np.ascontiguousarray(there.wrench),
+        by_acceleration=np.ascontiguousarray(there.by_acceleration),
+        by_parameters=np.ascontiguousarray(there.by_parameters),
+        stuck=np.ascontiguousarray(cart.basis_b.T @ cart.stiction(slow, most, moved.time)),
+    )
+    return kernels.row(block.weights, rise, found, moved, given, left_out)
+
+
+def left_out(cart: CartModel, noise: FilterNoise) -> LeftOut:
+    """What a model leaves out."""
+    root = cart.basis_b.T * [noise.disturbance, noise.disturbance, noise.lever * noise.disturbance]
+    return LeftOut(root @ root.T, _remembering(cart), REMEMBERED_SHARE)
+
+
+def _remembering(cart: CartModel) -> Indices:
+    """Which parameters effects with a memory that nobody sees have, and are estimated."""
+    found = [
+        i
+        for effect, own, memory in cart.force_effects
+        if memory.stop > memory.start and not effect.memory_is_seen
+        for i, parameter in zip(range(own.start, own.stop), effect.parameters, strict=True)
+        if parameter.estimated
+    ]
+    return np.array(found, dtype=np.int64)

@@ -1,0 +1,88 @@
+"""Whether the load has changed: two tests over the last rows.
+
+A chi-squared test sees whatever fits badly, at once. A load that is put on pulls many rows the same way, each by
+little: for every moment of the last seconds, the evidence that the parameters changed then by a load is
+`log p(rows | changed) - log p(rows | not)`, with the load normal. Without a change its exponential is a martingale of
+mean 1, so it is beyond 1 / alarm with a probability of less than the alarm (Ville 1939).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from ...health import Health
+from ..kernels import belief as kernels
+from ..resets import Resets
+from ..whiteness import Whiteness
+from .regression_belief import GATE, Surprise
+
+ROWS = 10
+"""Of a block of the test: a second of rows."""
+FALSE_ALARM, FALSE_LOAD = 1e-7, 1e-6
+"""Of the one test, each row; of the other, for each moment."""
+STARTS = 60
+"""Rows over which a change is looked for."""
+SETTLING_ROWS = 20
+SMOOTHING = 0.1
+
+
+class LoadWatch:
+    """Sums normalised squares of rows with n components. When they are too large the load is taken to have changed;
+    when that happens too often, it is the model that does not fit."""
+
+    def __init__(self, n: int, free: int) -> None:
+        from scipy.special import gammainccinv
+
+        self._n = n
+        self._limit = 2.0 * float(gammainccinv(ROWS * n / 2, FALSE_ALARM))
+        self._squares: tuple[float, ...] = ()
+        self._since = np.zeros((0, free, free)), np.zeros((0, free))
+        self._free = free
+        self._seen = 0
+        self._resets = Resets()
+        self._outliers = 0.0
+        self._white = Whiteness()
+        self.ratio, self.health = 0.0, Health.OK
+
+    def note(self, time: float, surprise: Surprise, root: Array) -> bool:
+        """Whether the parameters should be opened now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
+        changes."""
+        square = surprise.square
+        self._resets = self._resets.at(time)
+        self._since = _followed(self._since, (surprise.information, surprise.pull))
+        self._seen += 1
+        self.ratio = square / (GATE * self._n)
+        self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
+        self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
+        may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
+        is_change = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
+        if self.ratio <= 1.0:
+            self._white = self._white.and_then(time, surprise.pull, surprise.information)
+        if is_change:
+            self._white = self._white.interrupted()
+            self._resets, self._squares = self._resets.one_more(time), ()
+            self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
+        self.health = self._resets.health_beside(self._outliers, self._white)
+        return is_change
+
+    def _evidence(self, root: Array) -> float:
+        """Of the most likely moment."""
+        return kernels.evidence(self._since, root)
+
+    def go_on(self, time: float) -> None:
+        """Nothing new up to a time."""
+        if self._resets.times:
+            self._resets = self._resets.at(time)
+            self.health = self._resets.health_beside(self._outliers, self._white)
+
+
+def _followed(since: tuple[Array, Array], more: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Information (n, f, f), and its product with a change (n, f), since each of the last moments, with those of a row,
+    which is one moment more."""
+    known, pulled = (
+        np.concatenate([old[1 - STARTS :], np.zeros((1, *new.shape))]) + new
+        for old, new in zip(since, more, strict=True)
+    )
+    return known, pulled

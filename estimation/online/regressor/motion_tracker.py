@@ -1,0 +1,135 @@
+"""Pose, nu and nu' while they happen, from poses and velocities alone: a Kalman filter with white jerk, and its
+smoothing over the last moments.
+
+Wrenches stay out: what they are regressed on has then no share in their noise (errors in variables, physics 11). They
+are kept beside it, and say only when there may be a jolt, which white jerk would smooth away.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Self
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.shallow import shallow
+
+from ...gaussian import Gaussian
+from ...noise import FilterNoise
+from ..kernels import tracked_motion as kernels
+from ..kernels.felt_wrench import size
+from ..kernels.filtered_row import Smoothed, over, smoothed
+from ..kernels.recorded_moment import LATER, record
+
+JERK = 3.0
+"""m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""
+UNKNOWN = (10.0, 1.0, 3.0)
+"""Standard deviations of pose, nu and nu' before anything is measured."""
+LEAST_VARIANCE = 1e-10
+ROOM = 64
+"""Moments that there is room for at first."""
+
+
+class MotionTracker:
+    """Holds the last moments: `(pose, nu, nu')` as predicted from the moment before, and with what was measured; and
+    the wrench of each."""
+
+    def __init__(self, cart: CartModel, noise: FilterNoise) -> None:
+        f = self._free = cart.constraints.n_free
+        self._d, self._wrench, self._n = 3 + 2 * f, size(f, len(cart.parameters)), 0
+        self._known = np.zeros(kernels.known_size(f))
+        known = kernels.known_of(self._known, f)
+        known.basis[:], known.project[:] = cart.basis_b, np.linalg.pinv(cart.basis_b)
+        known.variances[:3], known.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
+        known.across_b[:] = cart.rolling.across_b
+        known.densities[:] = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
+        self._rows = np.zeros((ROOM, 1 + self._wrench + kernels.row_size(self._d)))
+        self.last_time = -math.inf
+
+    @property
+    def time(self) -> Array:
+        """Of the moments (n,)."""
+        return self._rows[: self._n, 0].copy()
+
+    @property
+    def blocks(self) -> tuple[Array, Array]:
+        """Rows and constants: for kernels that record more moments, which then are `followed`."""
+        return self._rows, self._known
+
+    def followed(self, moments: int) -> None:
+        """So many are in the rows by now."""
+        self._n, self.last_time = moments, float(self._rows[moments - 1, 0])
+
+    def make_room(self, moments: int) -> None:
+        """For so many."""
+        while len(self._rows) < moments:
+            self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
+
+    @property
+    def now(self) -> Gaussian:
+        """What is believed of the last moment."""
+        last = kernels.moment(self._rows[self._n - 1], self._d)
+        return Gaussian(last.mean.copy(), last.covariance.copy())
+
+    def start(self, time: float, pose: Array) -> None:
+        """Anew, with a pose that may be NaN in parts."""
+        known, first = np.isfinite(pose), self._rows[0]
+        variance = np.square(np.repeat(UNKNOWN, [3, self._free, self._free]))
+        variance[:3] = np.where(known, kernels.known_of(self._known, self._free).variances[:3], variance[:3])
+        first[:], first[0], first[1] = 0.0, time, math.nan
+        moment = kernels.moment(first, self._d)
+        moment.mean[:3] = np.where(known, pose, 0.0)
+        moment.covariance[:], moment.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
+        self._n, self.last_time = 1, time
+
+    def record(self, time: float, seen: Array, wrenches: Array, grip: Array, believed: Array) -> int:
+        """A sample of the last moment, or of a later one: pose and velocity `seen` (6,), NaN where missing; the arms'
+        wrenches (6 n,), if any, and the rest of `felt_wrench.Felt`. Returns what `recorded_moment.py` says of it."""
+        n = self._n
+        if n == len(self._rows):
+            self.make_room(n + 1)
+        said = record(self._rows, self._known, n, time, seen, wrenches, grip, believed)
+        if said & LATER:
+            self._n, self.last_time = n + 1, time
+        return said
+
+    def hear(self, variances: Array) -> None:
+        """Those of velocities (3,) from now on."""
+        kernels.known_of(self._known, self._free).variances[3:] = variances
+
+    @property
+    def felt(self) -> Array:
+        """The last moment's row, from the wrench on."""
+        return self._rows[self._n - 1, 1:]
+
+    def wrenches(self, k: int) -> Array:
+        """Of the first k moments, (k, width), as in `felt_wrench.py`."""
+        return self._rows[:k, 1 : 1 + self._wrench].copy()
+
+    def copy(self) -> Self:
+        other = shallow(self)
+        other._rows = np.empty_like(self._rows)
+        other._rows[: self._n] = self._rows[: self._n]
+        return other
+
+    def over(self) -> tuple[int, int]:
+        """Of the block that has been over for long enough, how many moments come before the next, and how many there
+        are; 0 where there is none."""
+        return over(self._rows[: self._n])
+
+    def smoothed(self, weights: Array) -> Smoothed:
+        """The first n moments, each with what was measured after it, too, and without a memory; and the covariances of
+        sums by weights (q, n)."""
+        return smoothed(self._rows[: self._n], weights, self._known, self._free)
+
+    def is_torn(self, k: int) -> bool:
+        """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""
+        missed = self._rows[: k + 1, -1]
+        return bool(2 * np.count_nonzero(missed > 1.0) > np.count_nonzero(np.isfinite(missed)))
+
+    def drop(self, k: int) -> None:
+        """The first k moments."""
+        self._rows[: self._n - k] = self._rows[k : self._n]
+        self._n -= k

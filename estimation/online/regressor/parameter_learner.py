@@ -1,0 +1,261 @@
+"""The parameters, learned by recursive least squares with both sides through `rate / (s + rate)` (physics 11).
+
+Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
+block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`), what the first could not say at
+once a little later (`second_look.py`). Force noise stands on one side of a row only, and what is noise in the other is
+taken off, so that neither biases the mass.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Self
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
+from cartgrasp.shallow import shallow
+
+from ...gaussian import Gaussian
+from ...health import Health
+from ...noise import FilterNoise
+from ...parameter_report import ParameterReport, WhenAsked, as_taught
+from ...physical_set import PhysicalSet
+from ...prior import Prior
+from ..kernels.filtered_row import FilteredRow, weights
+from ..kernels.recorded_moment import DUE, FELT
+from ..load_change import load_covariance, root_of
+from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
+from ..wrench_sensing import Moving, WrenchSensing
+from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
+from .load_watch import LoadWatch
+from .motion_tracker import MotionTracker
+from .regression_belief import RegressionBelief
+from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
+
+LONG_GAP = 0.3
+"""s: across a longer one nothing is carried."""
+
+
+class ParameterLearner:
+    """Changes what it believes of the parameters with each row, of the motion with each measurement."""
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[str] | None,
+        noise: FilterNoise,
+        prior: Prior,
+        yaws: Mapping[str, float],
+        least_speed: float = 0.0,
+    ) -> None:
+        self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
+        self._free = self.prior.free(cart)
+        pairs = np.ix_(self._free, self._free)
+        self._root = root_of(load_covariance(cart, self.prior, 1.0)[pairs])  # of a load's covariance, by mass
+        first = Gaussian(cart.parameters[self._free], self.prior.covariance(cart)[pairs])
+        self._first_variances = np.diagonal(first.covariance)
+        self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
+        self.tracker = MotionTracker(cart, self.noise)
+        self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
+        self._left_out = left_out(cart, noise)
+        self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
+        self._limits = PhysicalSet.of(cart, "regressor")
+        self.reporter = ParameterReport(cart, self.prior)
+        self._report: Mapping[str, ParameterEstimate] | None = None
+        self._again: SecondLook | None = None
+        self._memory: Array | None = None
+        self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
+        self._seen, self._started, self._has_wrench = Seen(), False, False
+        self.worked = False  # whether the last sample brought a row, which takes long
+        self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
+        self._conclude()
+
+    def take(self, measurement: Measurement) -> None:
+        """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
+        time, sensing = float(measurement.time), self._sensing
+        sensing.note_contacts(measurement)
+        seen = self.seen = self._seen.of(measurement)
+        if not self._started or time - self.time > LONG_GAP:
+            self._start(time)
+            seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
+        moving = self._moving(time) if sensing.feels_motion else None
+        grip = sensing.gripped(measurement.wrenches, self.theta, moving)
+        if sensing.corrects:
+            self._believe()
+        said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
+        self.time = self.tracker.last_time
+        self.worked = said & DUE > 0
+        if self.worked:
+            self._take_row()
+        self._watch.go_on(time)
+        if said & FELT:
+            self.felt, self._has_wrench = self.tracker.felt, True
+        else:
+            self.felt = NOTHING_FELT
+
+    def hear(self, loudness: Array) -> None:
+        """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
+        self.tracker.hear(np.diag(self.noise.velocity_covariance) * loudness[[0, 0, 1]])
+
+    def _moving(self, time: float) -> Moving:
+        """The cart as it was seen last, with memories as they were at the beginning of the block."""
+        memory = self._at_rest[0][self.cart.memory_slice] if self._memory is None else self._memory
+        motion = self.motion
+        return Moving(np.concatenate([motion.pose_sb, motion.velocity, memory]), time)
+
+    @property
+    def motion(self) -> Motion:
+        """As poses and velocities alone tell it."""
+        now = self.tracker.now.mean
+        return Motion(now[:3], now[self.cart.velocity_slice])
+
+    @property
+    def health(self) -> Health:
+        return self._watch.health if self._has_wrench else Health.NO_WRENCH
+
+    @property
+    def surprise(self) -> float:
+        """The last row's normalised square over the gate beyond which it counts less."""
+        return self._watch.ratio
+
+    def estimate(self, motion: Motion, health: Health) -> Estimate:
+        """What is known by now, with a motion."""
+        return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.covariance)
+
+    def copy(self) -> Self:
+        other = shallow(self)
+        other.tracker, other._belief = self.tracker.copy(), self._belief.copy()
+        if self._again is not None:
+            other._again = replace(self._again, belief=self._again.belief.copy())
+        other._watch, other._sensing = shallow(self._watch), self._sensing.copy()
+        return other
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance of the free parameters, physical or not."""
+        return self._belief.parameters
+
+    @property
+    def lateness(self) -> float:
+        """Of the wrenches, beyond being held from sample to sample, in sample periods; mere samples have -0.5."""
+        return self._belief.lateness
+
+    # --- moments ---------------------------------------------------------------------------------------------
+
+    def _start(self, time: float) -> None:
+        """Motion starts anew; the parameters stay."""
+        pose = self.seen[:3]
+        self.tracker.start(time, pose)
+        self._memory = None
+        self._unlink()
+        self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
+
+    def _believe(self) -> None:
+        """For the next wrenches."""
+        self.believed = np.concatenate([part.ravel() for part in (self._sensing.by_parameters, self.theta, self._mass)])
+
+    # --- rows ------------------------------------------------------------------------------------------------
+
+    def _take_row(self) -> None:
+        """Works out the block that has been over for long enough, if there is one."""
+        k, end = self.tracker.over()
+        if k:
+            self._take_block(k, end)
+
+    def followed(self, moments: int, before: float) -> int:
+        """Kernels went on to so many moments with wrenches, of which the last but one was at a time; with them a row
+        was due. Returns how many moments are left."""
+        self.tracker.followed(moments)
+        self.time, self._has_wrench = self.tracker.last_time, True
+        self._watch.go_on(before)
+        self._take_row()
+        return len(self.tracker.time)
+
+    def _take_block(self, k: int, end: int) -> None:
+        """The first `end` moments, of which k are dropped."""
+        tracker = self.tracker
+        weighing = weights(tracker.time[:end], end - k)
+        moved, wrenches = tracker.smoothed(weighing.of_motion), tracker.wrenches(end - 1)
+        if self.cart.memory_names:
+            along = moved.pose, moved.velocity, moved.time
+            moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
+        is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
+        is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
+        if is_whole and not is_slow and not stands_still(moved):
+            self._learn(Block(weighing, moved, wrenches))
+        else:
+            self._unlink()
+        self._memory = moved.memory[k]
+        tracker.drop(k)
+
+    def _unlink(self) -> None:
+        """The next block does not begin where the last one ended."""
+        self._belief.unlink()
+        if self._again is not None:
+            self._again = self._again.and_then(None)
+
+    def _learn(self, block: Block) -> None:
+        row = self._worked_out(block)
+        if self._again is None and blur(row) > BLURRED:
+            self._again = SecondLook(self._belief.copy())
+        if self._again is not None:
+            self._again = self._again.and_then(block)
+        surprise = self._belief.absorb(row, self.theta)
+        root = float(self.theta[0]) * self._root
+        if self._watch.note(float(block.moved.time[-1]), surprise, root):
+            self._belief.open(root @ root.T)
+            self._again = None
+        self._conclude()
+        self._look_again()
+
+    def _worked_out(self, block: Block) -> FilteredRow:
+        """The row around what is believed now."""
+        return filtered_row(self.cart, Gaussian(self.theta, self.covariance), self._spread, block, self._left_out)
+
+    def _look_again(self) -> None:
+        """At the next blocks, once the first of them is no longer blurred."""
+        again = self._again
+        if again is None:
+            return
+        if not again.due:
+            first = again.left[0]
+            due = first is None or len(again.left) >= MOST_WAITING or blur(self._worked_out(first)) <= BLURRED
+            again = replace(again, due=due)
+        if again.due:
+            for block in again.left[:AT_ONCE]:
+                self._take_again(again.belief, block)
+            again = replace(again, left=again.left[AT_ONCE:])
+        self._again = again
+        if again.is_over:
+            self._belief, self._again = again.belief, None
+            self._conclude()
+
+    def _take_again(self, belief: RegressionBelief, block: Block | None) -> None:
+        if block is None:
+            belief.unlink()
+            return
+        belief.absorb(self._worked_out(block), self.theta)
+
+    def _conclude(self) -> None:
+        """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
+        taken, and the belief stays as it is."""
+        theta, self.covariance, self._spread = self._belief.concluded(self.cart.parameters)
+        if len(self._free) and not self._limits.holds(theta):
+            theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
+        self.theta, self._report = theta, None
+        self._mass = self.cart.inverse(*self._at_rest, theta).by_acceleration
+        self._believe()
+
+    @property
+    def report(self) -> Mapping[str, ParameterEstimate]:
+        """What is said of the parameters."""
+        if self._report is None:
+            given = self.theta, self.covariance, self._free, self._first_variances
+            self._report = WhenAsked(partial(self.reporter.of_free, *given))
+        return as_taught(self._report, self._watch.health)

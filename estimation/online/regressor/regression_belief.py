@@ -1,0 +1,112 @@
+"""What rows have taught so far: recursive least squares in information form, with a prior and forgetting.
+
+Unknown: the free parameters, the wrenches' lateness (a share of a sample), what is wrong with nu where the last block
+ended, and the noise that it shares with the next one. These two, the link, are handed from row to row, so that
+neighbours' common noise is counted once.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+from cartgrasp.shallow import shallow
+
+from ...gaussian import Gaussian
+from ..kernels import belief as kernels
+from ..kernels.filtered_row import FilteredRow
+
+LATENESS, LATENESS_STD = -0.25, 0.3
+"""Of a sample period, beyond a wrench that is held to the next: that has 0, a mere sample -0.5."""
+KEPT = 0.9992
+"""Of the information about what a row asks; with ten rows a second, 2 min are remembered."""
+GATE = 12.0
+"""Normalised squares, by component, beyond which a row pulls less."""
+ABSURD = 1e6
+"""And beyond which it is no measurement."""
+
+
+class Surprise(NamedTuple):
+    """Of a row: its normalised square, and what it says of a change of the free parameters (f,) since before it, as
+    information (f, f) and its product with the change."""
+
+    square: float
+    pull: Array
+    information: Array
+
+
+class RegressionBelief:
+    """Parameters are `free` (indices) of p, `first` (f,) with their covariance; a row has n components."""
+
+    def __init__(self, free: np.ndarray, first: Gaussian, n: int) -> None:
+        self._free, self._n, self._k = free, n, len(free) + 1
+        information = np.zeros((self._k, self._k))
+        try:
+            information[:-1, :-1] = np.linalg.inv(first.covariance)
+            information[-1, -1] = LATENESS_STD**-2
+            _inverse(information)
+        except np.linalg.LinAlgError as error:
+            why = "the cart's mass, CoM and inertia are too far apart to be learned; look for numbers not in SI units"
+            raise UsageError(f"first guess: {why}") from error
+        self._known = information, information @ np.append(first.mean, LATENESS)
+
+    def copy(self) -> Self:
+        return shallow(self)
+
+    @property
+    def parameters(self) -> Gaussian:
+        """The free ones."""
+        whole = self._solved
+        m = self._k - 1
+        return Gaussian(whole.mean[:m], whole.covariance[:m, :m])
+
+    def concluded(self, theta: Array) -> tuple[Array, Array, Array]:
+        """Parameters (p,), of which those that are not free are given; their covariance (p, p), and a root of it
+        (p, f)."""
+        return kernels.concluded(self._known, theta, self._free)
+
+    @property
+    def lateness(self) -> float:
+        return float(self._solved.mean[self._k - 1])
+
+    @property
+    def _solved(self) -> Gaussian:
+        information, pull = self._known
+        covariance = _inverse(information)
+        return Gaussian(covariance @ pull, covariance)
+
+    def absorb(self, row: FilteredRow, at: Array) -> Surprise:
+        """Takes in a row around parameters (p,)."""
+        self._known, surprised = kernels.absorbed(self._known, row, at, self._free, (KEPT, GATE, ABSURD))
+        surprise = Surprise(*surprised)
+        if not surprise.square < ABSURD * self._n:
+            self.unlink()
+        return surprise
+
+    def unlink(self) -> None:
+        """The next row does not begin where the last one ended."""
+        if len(self._known[1]) > self._k:
+            (information, pull), k = self._known, self._k
+            across = information[k:, :k]
+            gained = np.linalg.solve(information[k:, k:], np.column_stack([across, pull[k:]]))
+            left = information[:k, :k] - across.T @ gained[:, :k]
+            self._known = (left + left.T) / 2, pull[:k] - across.T @ gained[:, k]
+
+    def open(self, added: Array) -> None:
+        """Adds to the covariance of the free parameters, (f, f)."""
+        now = self._solved
+        m = self._k - 1
+        covariance = now.covariance.copy()
+        covariance[:m, :m] += added
+        information = _inverse(covariance)
+        self._known = information, information @ now.mean
+
+
+def _inverse(matrix: Array) -> Array:
+    """Of a positive definite one with mixed units."""
+    scale = np.sqrt(np.diagonal(matrix))
+    found = np.linalg.inv(matrix / np.outer(scale, scale)) / np.outer(scale, scale)
+    return np.asarray((found + found.T) / 2)

@@ -1,0 +1,52 @@
+"""The filtered-regressor estimator: parameters from a regression on motion, motion from poses alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import final
+
+import numpy as np
+
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
+
+from ..gaussian import Gaussian
+from ..noise import FilterNoise
+from ..prior import Prior
+from .given import given
+from .online_estimator import OnlineEstimator
+from .regressor.parameter_learner import ParameterLearner
+
+
+@final
+class RegressorEstimator(OnlineEstimator[ParameterLearner]):
+    """Learns while the cart is pushed, as `CartFilter` does and with its arguments, and what it learns."""
+
+    aligns = False
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[str] | None = None,
+        *,
+        noise: FilterNoise | None = None,
+        prior: Prior | None = None,
+        yaws: Mapping[str, float] | None = None,
+    ) -> None:
+        made_of = given(cart, arms, noise, prior, yaws)
+        with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
+            super().__init__(made_of, ParameterLearner(*made_of))
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance of the free parameters, physical or not."""
+        return self._samples.state.belief
+
+    @property
+    def lateness(self) -> float:
+        """Of the wrenches, beyond being held from sample to sample, in sample periods; mere samples have -0.5."""
+        return self._samples.state.lateness
+
+    def _told(self) -> Estimate:
+        learner = self._core
+        return learner.estimate(learner.motion, learner.health)

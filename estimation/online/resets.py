@@ -1,0 +1,55 @@
+"""When a load was taken to have changed, and what that says of the estimator's health."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..health import Health
+from .kernels.sensor_health import OUTLYING_SHARE
+from .whiteness import Whiteness
+
+HOLD_OFF = 1.5
+"""s after a reset in which a load is called changed, and nothing is reset again."""
+MOST_RESETS, MEMORY = 3, 20.0
+"""So many in so long (s), and it is the model that does not fit. That is said for a hold-off longer, in which it may
+show again: else a model that never fits would be called sound for a moment."""
+
+
+@dataclass(frozen=True)
+class Resets:
+    """Those that are remembered, and the time `now` (s) where there are any."""
+
+    times: tuple[float, ...] = ()
+    now: float = -math.inf
+
+    def at(self, time: float) -> Resets:
+        """Later, with nothing new."""
+        if not self.times:
+            return self
+        return Resets(tuple(t for t in self.times if time - t < MEMORY + HOLD_OFF), time)
+
+    def one_more(self, time: float) -> Resets:
+        """Now."""
+        return Resets((*self.times, time), time)
+
+    @property
+    def are_allowed(self) -> bool:
+        return sum(self.now - t < MEMORY for t in self.times) < MOST_RESETS and not self._is_recent
+
+    def health_beside(self, outlying: float, innovations: Whiteness) -> Health:
+        """With a share of samples that are outliers, and innovations that a right model leaves white."""
+        said = self.health
+        if innovations.is_coloured:
+            return Health.INCONSISTENT
+        return Health.OUTLIERS if said is Health.OK and outlying > OUTLYING_SHARE else said
+
+    @property
+    def health(self) -> Health:
+        if len(self.times) >= MOST_RESETS:
+            return Health.INCONSISTENT
+        return Health.LOAD_CHANGED if self._is_recent else Health.OK
+
+    @property
+    def _is_recent(self) -> bool:
+        return bool(self.times) and self.now - self.times[-1] < HOLD_OFF

@@ -1,0 +1,314 @@
+"""Whether sensors mean what they say, while they speak: signs and units that no cart could have, and noise.
+
+Samples are averaged over blocks. Differences of poses are held against velocities and against the way that wheels
+roll, which tells units and signs of poses; the power of the recorded wrenches against what the first guess would take
+on the same way, which tells those of wrenches: a cart takes power to be sped up and gives some back, never the other
+way round, and about as much as it is guessed to, as far as its file knows its mass. Each fault is a rival explanation
+of the same sums, with the odds that `sensor_check` gives it on whole logs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.rigid_body import mass_matrix_b
+
+from ..health import Health
+from ..noise import FilterNoise
+from ..parameter_report import as_taught
+from ..prior import Prior
+from ..sensor_check.evidence import UNEXPLAINED, probabilities
+from ..sensor_check.suspicion import REFUSED, SURE, Suspicion
+from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
+from .watched_block import HEADINGS, Block, poses_of, velocities_of, wrapped, wrench_of
+
+SPAN = 0.25
+"""s, of a block."""
+MOST = 64
+"""Samples of a block that are looked at."""
+KEPT = 1.0 - 1.0 / 40.0
+"""Of the sums at each new block: 10 s of motion are remembered."""
+LEAST_ROWS, SHARED = 7.0, 2.0
+"""Rows of motion before anything is told, and how many of them count as one: neighbours share blocks."""
+EXPLAINED, SOUND = 0.25, 0.05
+"""Share of a motion that the best explanation may leave at most; and that sound sensors may leave without a doubt."""
+KEEPS = 0.5
+"""Probability down to which what was told stays so."""
+FASTEST = 40.0
+"""m/s that no cart goes."""
+LENGTHS = {"m": 1.0, "mm": 1000.0, "cm": 100.0, "in": 39.37, "ft": 3.2808, "m, reversed": -1.0}
+"""What a metre is recorded as."""
+FORCES = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0, "mN": 0.001}
+"""N."""
+FRICTION_SPREAD = math.log(2.0)
+"""Of what friction takes, as guessed: the deviation of its logarithm, beside that of the mass."""
+UNSURE = 1e6
+"""Variance of a logarithm that is not known."""
+LEAST_SPREAD, LEAST_SHARE = 0.02, 1e-9
+"""Deviation of a mass that is known, as scales are; and a share that is none."""
+RUNNING = 4
+"""Conclusions in a row, before a unit of force is told: what a gentle run says of the mass wanders for a while."""
+SELDOM = 0.003
+"""Odds of each unit of force: rather less than of a log, as it is asked again and again, and a cart may be three times
+as heavy as it was guessed to be."""
+NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 16.0, 6.0, 1.5
+"""Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
+
+
+class Rivals(NamedTuple):
+    """Sums of squares that explanations leave, sound sensors first; of what is to be explained; and of rows."""
+
+    left: tuple[float, ...]
+    whole: float = 0.0
+    rows: float = 0.0
+
+    def and_then(self, left: Sequence[float], whole: float) -> Rivals:
+        found = tuple([KEPT * old + new for old, new in zip(self.left, left, strict=True)])
+        return Rivals(found, KEPT * self.whole + whole, KEPT * self.rows + 1.0)
+
+    @property
+    def evidence(self) -> list[float]:
+        """Logarithms; all alike where nothing explains it, sound sensors do, or nothing is known yet. The noise is
+        integrated out, as in `sensor_check/evidence.py`."""
+        least = min(self.left)
+        if self.rows < LEAST_ROWS or least > EXPLAINED * self.whole or self.left[0] <= SOUND * self.whole:
+            return [0.0] * len(self.left)
+        rows = self.rows / SHARED
+        return [-0.5 * rows * math.log(left / self.whole + UNEXPLAINED**2) for left in self.left]
+
+
+class SensorWatch:
+    """Looks at the samples of each block, from the time when it is `due` on, in two calls."""
+
+    def __init__(
+        self, cart: CartModel, arms: Sequence[str] | None, noise: FilterNoise, prior: Prior, yaws: Mapping[str, float]
+    ) -> None:
+        self._cart, self._yaws = cart, dict(yaws)
+        self._takes_all, self._arms = arms is None, tuple(arms or ())
+        self._declared = [deviation * deviation + 1e-12 for deviation in (noise.linear_velocity, noise.yaw_rate)]
+        self._spread = math.log1p(float(prior.deviations(cart)[0]) / cart.inertia.mass)
+        self._mass_matrix, self._along = mass_matrix_b(cart.inertia.phi), cart.rolling.along_b
+        self._slip = _slip(cart)
+        self._contacts: dict[str, Array] = {}
+        self.due, self._begun = -math.inf, -math.inf
+        self._work: Iterator[None] | None = None
+        self._blocks: tuple[Block, ...] = ()
+        self._sideways = self._turning = Rivals((0.0,) * len(HEADINGS))
+        self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
+        self._powers, self._rows = (0.0,) * 6, 0.0
+        self._sure, self._heard = 0, 0.0
+        self._ratios: tuple[float, ...] = (1.0, 1.0)
+        self.suspicions: tuple[Suspicion, ...] = ()
+        self.loudness = np.ones(2)
+        """Variances of velocities, linear and yaw, over the declared ones, where they are larger."""
+
+    def go_on(self, time: float, samples: Sequence[Measurement]) -> bool:
+        """With the last samples up to a time. Whether the loudness is now known to be another."""
+        before = self.loudness
+        with np.errstate(all="ignore"):  # numbers may be beyond reason
+            if self._work is None:
+                self._work = self._looks([one for one in samples if one.time > self._begun])
+                self._begun = time
+            if next(self._work, self) is self:
+                self._work, self.due = None, self._begun + SPAN
+        return self.loudness is not before
+
+    def qualified(self, estimate: Estimate) -> Estimate:
+        """With what is suspected: under a wrong sign or unit nothing was taught, and nothing is `ok`."""
+        health = Health(estimate.health)
+        if any(one.kind in REFUSED for one in self.suspicions) and health not in (Health.STALE, Health.NO_WRENCH):
+            health = Health.INCONSISTENT
+        parameters = as_taught(estimate.parameters, health)
+        return estimate._replace(health=health, parameters=parameters, suspicions=self.suspicions)
+
+    # --- a block ---------------------------------------------------------------------------------------------
+
+    def _looks(self, samples: Sequence[Measurement]) -> Iterator[None]:
+        """In two pieces."""
+        few = samples[:: 1 + len(samples) // MOST]
+        moved = poses_of(few)
+        if moved is None:
+            self._blocks = ()
+            return
+        velocity, noise = velocities_of(samples[:MOST])
+        if noise is not None:
+            self._listen(noise)
+        for measurement in few:
+            self._contacts.update(measurement.contacts)
+        if self._takes_all:
+            self._arms = tuple(dict.fromkeys([*self._arms, *[arm for m in few for arm in m.wrenches]]))
+        block = Block(*moved, velocity, wrench_of(few, self._contacts, self._arms, self._yaws), noise)
+        if self._blocks and not 0.5 * SPAN < block.time - self._blocks[-1].time < 2.0 * SPAN:
+            self._blocks = ()
+        blocks = self._blocks = (*self._blocks[-2:], block)
+        yield
+        if len(blocks) > 1:
+            self._compare_motion(blocks[-2], blocks[-1])
+        if len(blocks) > 2:
+            self._compare_power(blocks)
+            self._conclude()
+
+    def _listen(self, noise: tuple[float, float]) -> None:
+        self._heard = heard = min(self._heard + 1.0, NOISE_BLOCKS)
+        rows = zip(self._ratios, noise, self._declared, strict=True)
+        linear, yaw = self._ratios = tuple([old + (new / told - old) / heard for old, new, told in rows])
+        if heard >= FIRST_BLOCKS and (max(linear, yaw) > LOUD**2 or self.loudness.max() > 1.0):
+            self.loudness = np.array([one if one > LOUD**2 else 1.0 for one in (linear, yaw)])
+
+    def _compare_motion(self, first: Block, last: Block) -> None:
+        """Poses against the way that wheels roll, and against velocities."""
+        span, x, y = last.time - first.time, last.place[0] - first.place[0], last.place[1] - first.place[1]
+        turns = [wrapped(new - old) for old, new in zip(first.headings, last.headings, strict=True)]
+        distance = x * x + y * y
+        if self._slip is not None:
+            by_x, by_y, by_turn = self._slip
+            slipped = []
+            for begun, turn in zip(first.headings, turns, strict=True):
+                cosine, sine = math.cos(begun + 0.5 * turn), math.sin(begun + 0.5 * turn)
+                off = by_x * (cosine * x + sine * y) + by_y * (cosine * y - sine * x) + by_turn * turn
+                slipped.append(off * off)
+            self._sideways = self._sideways.and_then(slipped, distance)
+        self._fast = self._fast.and_then([(FASTEST * span) ** 2], distance)
+        if first.velocity is None or last.velocity is None:
+            return
+        u, v, r = [0.5 * span * (old + new) for old, new in zip(first.velocity, last.velocity, strict=True)]
+        self._turning = self._turning.and_then([wrapped(turn - r) ** 2 for turn in turns], r * r)
+        off_by = [(x / one - u) ** 2 + (y / one - v) ** 2 for one in LENGTHS.values()]
+        self._lengths = self._lengths.and_then(off_by, u * u + v * v)
+
+    def _compare_power(self, blocks: tuple[Block, ...]) -> None:
+        """Of recorded wrenches, and what inertia and friction of the first guess take on the same way."""
+        first, middle, last = blocks
+        if first.wrench_b is None or middle.wrench_b is None or last.wrench_b is None:
+            return
+        before, after = _twist(first, middle), _twist(middle, last)
+        step = 0.5 * (last.time - first.time)
+        twist = np.array([0.5 * (old + new) for old, new in zip(before, after, strict=True)])
+        rate = np.array([(new - old) / step for old, new in zip(before, after, strict=True)])
+        nu = self._along @ twist
+        state = self._cart.state((*middle.place, middle.headings[0]), nu)
+        needed = self._cart.required_wrench(state, self._along @ rate, time=middle.time)
+        inertial = float(twist @ self._mass_matrix @ rate)
+        friction = float(needed @ nu) - inertial
+        forces = zip(first.wrench_b, middle.wrench_b, last.wrench_b, twist.tolist(), strict=True)
+        given = sum([(begun + 4.0 * held + ended) * speed for begun, held, ended, speed in forces]) / 6.0
+        own = inertial * inertial, inertial * friction, friction * friction
+        new = *own, inertial * given, friction * given, given * given
+        self._powers = tuple([KEPT * old + more for old, more in zip(self._powers, new, strict=True)])
+        self._rows = KEPT * self._rows + 1.0
+
+    # --- what follows ----------------------------------------------------------------------------------------
+
+    def _conclude(self) -> None:
+        found = [*self._of_headings(), *self._of_lengths()]
+        if not found and self._sideways.left[0] <= EXPLAINED * self._sideways.whole:
+            found += self._of_wrenches()
+        stay = {(one.kind, one.where) for one in self.suspicions}
+        told = [one for one in found if one.probability >= (KEEPS if (one.kind, one.where) in stay else SURE)]
+        self.suspicions = (*told, *self._of_noise())
+
+    def _of_headings(self) -> Iterator[Suspicion]:
+        log = [a + b for a, b in zip(self._sideways.evidence, self._turning.evidence, strict=True)]
+        _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, UNIT_ODDS, COMMON_ODDS])).tolist()
+        if degrees > KEEPS:
+            yield Suspicion("unit", "heading", degrees, HEADINGS[1], "headings are in degrees, not rad")
+        if reversed_ > KEEPS:
+            yield Suspicion("sign", "heading", reversed_, -1.0, "headings turn the other way: reverse theta")
+
+    def _of_lengths(self) -> Iterator[Suspicion]:
+        odds = np.array([1.0, *[UNIT_ODDS] * (len(LENGTHS) - 2), COMMON_ODDS])
+        _, *units, reversed_ = probabilities(np.array(self._lengths.evidence), odds).tolist()
+        if sum(units) > KEEPS:
+            unit = list(LENGTHS)[1 + units.index(max(units))]
+            words = f"positions are in {unit}, not m, beside their velocities"
+            yield Suspicion("unit", "pose", sum(units), 1.0 / LENGTHS[unit], words)
+        elif self._fast.rows >= LEAST_ROWS and self._fast.whole > self._fast.left[0]:
+            speed = math.sqrt(self._fast.whole / self._fast.left[0]) * FASTEST
+            yield Suspicion("unit", "pose", 1.0, None, f"positions move at {speed:.0f} m/s: look at their unit")
+        if reversed_ > KEEPS:
+            yield Suspicion("sign", "pose", reversed_, -1.0, "positions go against their velocities")
+
+    def _of_wrenches(self) -> Iterator[Suspicion]:
+        """By what the first guess would take for inertia and for friction: the sign, whatever their sizes; and the
+        unit, by these."""
+        ii, both, ff, inertial, friction, given = self._powers
+        guessed, pull = ii + 2.0 * both + ff, inertial + friction
+        if self._rows < LEAST_ROWS or not guessed > 0 or not given > 0:
+            return
+        left = tuple([given - self._explained(sign) for sign in (1.0, -1.0)])
+        signs = np.array(Rivals(left, given, self._rows).evidence)
+        _, reversed_ = probabilities(signs, np.array([1.0, COMMON_ODDS])).tolist()
+        if reversed_ > KEEPS:
+            words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
+            yield Suspicion("sign", "wrench", reversed_, -1.0, words)
+        scales = np.array(self._logs_of_units(math.copysign(1.0, pull)))
+        sound, *units = probabilities(scales, np.array([1.0, *[SELDOM] * (len(FORCES) - 1)])).tolist()
+        self._sure = self._sure + 1 if sound < 1.0 - SURE else 0
+        stays = any(one.kind == "unit" and one.where == "wrench" for one in self.suspicions)
+        if self._sure >= RUNNING or (stays and sound < 1.0 - KEEPS):
+            name = list(FORCES)[1 + units.index(max(units))]
+            size = f"{abs(pull) / guessed:.2g} times what the first guess takes"
+            words = f"wrenches are {size}: they seem to be in {name}, not N"
+            yield Suspicion("unit", "wrench", sum(units), FORCES[name], words)
+
+    def _logs_of_units(self, sign: float) -> list[float]:
+        """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
+        (moved, moved_by), (rubbed, rubbed_by) = self._shares(sign)
+        of_mass = self._spread**2 + LEAST_SPREAD**2
+        first, last = of_mass + UNSURE, of_mass + UNSURE
+        if moved > LEAST_SHARE:
+            first = of_mass + min((moved_by / moved), UNSURE) ** 2
+        if rubbed > LEAST_SHARE:
+            last = of_mass + FRICTION_SPREAD**2 + min(rubbed_by / rubbed, UNSURE) ** 2
+        size, found = first * last - of_mass**2, []
+        for unit in FORCES.values():
+            x, y = (math.log(share * unit) if share > LEAST_SHARE else 0.0 for share in (moved, rubbed))
+            found.append(-0.5 * (last * x * x - 2.0 * of_mass * x * y + first * y * y) / size)
+        return found
+
+    def _explained(self, sign: float) -> float:
+        """How much of the square of the power, by any inertia and any friction that is not negative."""
+        ii, _, ff, inertial, friction, _ = self._powers
+        (moved, _), (rubbed, _) = self._shares(sign)
+        if moved > 0 and rubbed > 0:
+            return sign * (moved * inertial + rubbed * friction)
+        alone = ((max(sign * pull, 0.0), own + 1e-12) for pull, own in ((inertial, ii), (friction, ff)))
+        return max(pull * pull / own for pull, own in alone)
+
+    def _shares(self, sign: float) -> tuple[tuple[float, float], ...]:
+        """Of what the first guess would take for inertia and for friction, how much is given, and its deviation."""
+        ii, both, ff, inertial, friction, given = self._powers
+        ii, ff = ii * (1.0 + 1e-6) + 1e-12, ff * (1.0 + 1e-6) + 1e-12
+        size = ii * ff - both * both
+        moved, rubbed = sign * (ff * inertial - both * friction) / size, sign * (ii * friction - both * inertial) / size
+        left = max(given - sign * (moved * inertial + rubbed * friction), 0.0)
+        variance = left / max(self._rows / SHARED - 2.0, 1.0) / size
+        return (moved, math.sqrt(variance * ff)), (rubbed, math.sqrt(variance * ii))
+
+    def _of_noise(self) -> Iterator[Suspicion]:
+        for where, variance in zip(("velocity", "yaw_rate"), self.loudness.tolist(), strict=True):
+            if variance > 1.0:
+                times = math.sqrt(variance)
+                words = f"the {where} is {times:.1f} times as noisy as declared, and taken as such"
+                yield Suspicion("noise", where, 1.0, times, words)
+
+
+def _twist(first: Block, last: Block) -> tuple[float, float, float]:
+    """(u, w, r) of {b}, from poses alone."""
+    span, x, y = last.time - first.time, last.place[0] - first.place[0], last.place[1] - first.place[1]
+    turned = wrapped(last.headings[0] - first.headings[0])
+    cosine, sine = math.cos(first.headings[0] + 0.5 * turned), math.sin(first.headings[0] + 0.5 * turned)
+    return (cosine * x + sine * y) / span, (cosine * y - sine * x) / span, turned / span
+
+
+def _slip(cart: CartModel) -> list[float] | None:
+    """What takes a body velocity (u, w, r) to the speed with which wheels would slip; None where any way is free."""
+    axle, (x, y) = cart.rolling.axle_x, cart.rolling.across_b.tolist()
+    return None if axle is None else [x, y, axle * y]

@@ -1,0 +1,104 @@
+"""Integrals of signals against test functions: cubic B-splines over a grid of times, a row step apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.sparse import csr_array
+
+from cartgrasp.frames import Array
+
+SUPPORT = 4
+"""Row steps over which a cubic B-spline is not zero."""
+CHUNK = 20_000
+"""Points of the grid that are worked out at once: an hour's partials would take gigabytes."""
+THIN = 2
+"""Points of the grid from one to the next at which candidates are worked out: five in a row's step at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Integrals:
+    """Of all test functions `per_row` points apart on a grid, a row each (rows, n), times the grid's `step` (s); `used`
+    (k,) are those that count."""
+
+    test: csr_array
+    used: np.ndarray
+    per_row: int
+    step: float
+
+    @classmethod
+    def where(cls, unseen: np.ndarray, moves: np.ndarray, per_row: int, step: float) -> Integrals:
+        """Nothing is unseen and something moves (n,) in the support of a test function; if nothing ever does, nothing
+        is unseen."""
+        test = _test_functions(len(unseen), per_row, step)
+        touches = csr_array((np.ones_like(test.data), test.indices, test.indptr), shape=test.shape)
+        seen, moving = touches @ unseen.astype(float) == 0, touches @ moves.astype(float) > 0
+        used = np.flatnonzero(seen & moving if (seen & moving).any() else seen)
+        return cls(csr_array(test[used]), used, per_row, step)
+
+    @property
+    def middles(self) -> np.ndarray:
+        """Points (k,) of the grid."""
+        return self.per_row * self.used + SUPPORT * self.per_row // 2
+
+    def of(self, signals: Array) -> Array:
+        """Signals (n, ...) against the test functions (k, ...)."""
+        return _against(self.test, signals)
+
+    def by_parts(self, signals: Callable[[slice], Array], thin: int = 1) -> Array:
+        """The same of signals that are worked out for one part of the grid after the other, or at every other of its
+        points."""
+        found = []
+        for part, test in self._parts:
+            at = slice(part.start, part.stop, thin)
+            found.append(_against(test if thin == 1 else csr_array(test[:, ::thin] * thin), signals(at)))
+        return np.concatenate(found) if found else self.of(signals(slice(None)))
+
+    def spread(self, rows: Array) -> Array:
+        """The transpose of `of`: rows (k, c) over the grid (n, c)."""
+        return np.asarray(self.test.T @ rows)
+
+    def overlap(self, order: int, lag: int) -> float:
+        """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order -
+        1))."""
+        return _overlap(order, lag) * (self.per_row * self.step) ** (1 - 2 * order)
+
+    @cached_property
+    def _parts(self) -> list[tuple[slice, csr_array]]:
+        """Parts of the grid, and test functions (rows, points) of those rows that lie in them."""
+        found, first = [], self.per_row * self.used
+        support = SUPPORT * self.per_row + 1
+        edges = np.flatnonzero(np.diff(first // max(CHUNK - support, support), prepend=-1))
+        for begin, end in pairwise([*edges, len(first)]):
+            part = slice(int(first[begin]) // THIN * THIN, int(first[end - 1]) + support)
+            found.append((part, csr_array(self.test[begin:end][:, part])))
+        return found
+
+
+def _test_functions(n: int, per_row: int, step: float) -> csr_array:
+    count = max((n - 1 - SUPPORT * per_row) // per_row + 1, 0)
+    inside = np.arange(SUPPORT * per_row + 1) / per_row
+    phi = np.nan_to_num(BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)(inside)) * step
+    first = per_row * np.arange(count)
+    columns = (first[:, None] + np.arange(len(phi))).ravel()
+    return csr_array((np.tile(phi, count), columns, len(phi) * np.arange(count + 1)), shape=(count, n))
+
+
+def _against(test: csr_array, signals: Array) -> Array:
+    return np.asarray(test @ signals.reshape(len(signals), -1)).reshape(-1, *signals.shape[1:])
+
+
+@lru_cache
+def _overlap(order: int, lag: int) -> float:
+    """Of test functions one second apart."""
+    inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
+    element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
+    one = np.nan_to_num((element.derivative(order) if order else element)(inside))
+    other = np.zeros_like(one)
+    other[40 * lag :] = one[: len(one) - 40 * lag]
+    return float(np.trapezoid(one * other, inside))

@@ -1,0 +1,63 @@
+"""`identify`, least squares over the whole log, and the online filter held against each other: they stand on unlike
+ground, so where they agree both are believed, and where they don't somebody should look."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from cartgrasp.logs import RunLog
+from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from ..log_noise.log_noise import noise_of_log
+from ..online.cart_filter import CartFilter
+from .coasting import body_as_given, with_known_wrench
+from .identification import identify
+from .replay import replay
+
+FAR, FAR_SHARE = 3.0, 0.05
+"""Combined standard deviations, and share of the larger value, beyond both of which two values are not one."""
+MOST_ROWS = 30_000
+"""Of a log that is looked at twice, which takes some seconds: five minutes at 100 Hz."""
+
+
+def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, cart: CartModel) -> tuple[str, ...]:
+    """Where the online filter says something else of a log than `identify` did; of no log that is long."""
+    thinned = with_known_wrench(log.thinned())
+    if len(thinned) > MOST_ROWS:
+        return ()
+    online = CartFilter(cart, list(thinned.arms), noise=noise_of_log(thinned, cart), prior=body_as_given([log]))
+    last = replay(thinned, online, until=float(log.time[-1])).last
+    return disagreements(parameters, last.parameters, str(last.health))
+
+
+def against_identify(
+    parameters: Mapping[str, ParameterEstimate], health: str, log: RunLog, cart: CartModel
+) -> tuple[str, ...]:
+    """Where `identify` says something else of a log than an online filter did; of no log that is long."""
+    if len(log) > MOST_ROWS:
+        return ()
+    return disagreements(identify([log], cart).parameters, parameters, health)
+
+
+def disagreements(
+    whole: Mapping[str, ParameterEstimate], online: Mapping[str, ParameterEstimate], health: str
+) -> tuple[str, ...]:
+    """In words, of parameters that at least one of the two says it was taught."""
+    return tuple(
+        f"{name}: identify, by least squares over the whole log, says {_words(whole[name])}, "
+        f"the online filter {_words(one)} with health {health}; "
+        "believe neither until `cartgrasp discrepancy` has told what the model lacks"
+        for name, one in online.items()
+        if name in whole and (one.identifiable or whole[name].identifiable) and _apart(whole[name], one)
+    )
+
+
+def _apart(one: ParameterEstimate, other: ParameterEstimate) -> bool:
+    off = abs(one.value - other.value)
+    return off > FAR * math.hypot(one.std, other.std) and off > FAR_SHARE * max(abs(one.value), abs(other.value))
+
+
+def _words(one: ParameterEstimate) -> str:
+    return f"{one.value:.4g} ± {one.std:.2g} {one.unit}"

@@ -1,0 +1,240 @@
+"""A cart's parameters from whole logs, by the regression in weak form that the discrepancy workflow searches with.
+
+Each log is learned from in the band in which the model foretells its motion; all logs' rows and the first guess add up,
+in coordinates in which every cart is physical. A fit that foretells unseen stretches worse than the cart file's values
+is refused, and they stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.checks import brief, check_kind, listed
+from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.errors import DataError, UsageError
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI, Inertia
+from cartgrasp.logs import RunLog, coasts
+from cartgrasp.logs.alignment import aligned
+from cartgrasp.model import CartModel
+from cartgrasp.motion import ParameterEstimate
+
+from ..discrepancy.findings.refusal import refused
+from ..discrepancy.search.model import Model
+from ..noise import FilterNoise
+from ..prior import Prior, report_names, report_units
+from ..weak_form.band import pooled
+from ..weak_form.rows import Errors
+from ..weak_form.standing import turning_back
+from .corrected_fit import corrected
+from .log_parts import LogPart, NothingSaidError, learnable_parts
+
+
+@dataclass(frozen=True)
+class LogFit:
+    """How a log fits: by what share of a step its wrenches act after they are recorded; how many times as large as its
+    sensors' noise makes them the squares of what is left are; up to which frequency (Hz) it was learned from, None
+    where nothing was; and what is to be said of it, in words."""
+
+    name: str
+    delay: float
+    noise_excess: float
+    band: float | None = None
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What logs say of a cart. `model_parameters` (p,) and `covariance` (p, p) are of `(phi | effects' values)`;
+    `refused` says why a fit was refused, if one was."""
+
+    structure: CartModel
+    model_parameters: Array
+    covariance: Array
+    parameters: dict[str, ParameterEstimate]
+    logs: tuple[LogFit, ...]
+    refused: str = ""
+
+    def __repr__(self) -> str:
+        logs = f"{len(self.logs)} logs" + (f", refused: {self.refused}" if self.refused else "")
+        told = "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())
+        return f"{brief('Identification', self.structure.name, logs)}\n  {told}"
+
+    def cart(self) -> CartModel:
+        """The cart with the values put in."""
+        cart = self.structure.with_parameters(self.model_parameters)
+        if not self.structure.constraints.no_rotation:
+            return cart
+        body = self.structure.inertia
+        return cart.with_inertia(Inertia(cart.inertia.mass, body.com, body.about_com))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result as the command line gives it."""
+        parameters = {name: asdict(parameter) for name, parameter in self.parameters.items()}
+        return {"parameters": parameters, "logs": [asdict(log) for log in self.logs]}
+
+
+def identify(
+    logs: Sequence[RunLog],
+    cart: CartModel,
+    prior: Prior | None = None,
+    noise: FilterNoise | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Identification:
+    """Fits one cart to all logs at once.
+
+    Args:
+        logs: One or several, of one cart with one load.
+        cart: Structure and first guess.
+        prior: How sure the first guess is; `Prior()` and what the cart's file says unless given.
+        noise: Of the sensors; read off each log unless given.
+        progress: Is told the share done, 0 to 1.
+
+    Raises:
+        DataError: The logs can't be fitted.
+        UsageError: No log, or an argument of the wrong kind.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from estimation import identify
+        >>> found = identify([cg.read_log("run.csv")], cg.load_cart("cart.yaml"))
+        >>> mass = found.parameters["mass"]
+        >>> mass.identifiable, round(mass.value), mass.unit
+        (True, 24, 'kg')
+    """
+    logs = listed("identify: logs", logs, RunLog, 'write [read_log("run.csv")]')
+    check_kind("identify: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+    if not logs:
+        raise UsageError("identify: no log is given; at least one is needed")
+    prior = prior or Prior()
+    prior.free(cart)  # refuses names that the cart does not have
+    tell, given = progress or (lambda _: None), cart
+    logs, cart = [aligned(log, given) for log in logs], _in_time(given)
+    parts, silent = list[LogPart](), dict[int, str]()
+    for i, log in enumerate(logs):
+        try:
+            parts += learnable_parts(i, log, cart, noise)
+        except NothingSaidError as error:
+            silent[i] = str(error)
+        tell((i + 1) / (len(logs) + 2))
+    if not parts:
+        return _as_believed(logs, given, prior, silent)
+    try:
+        found = _fitted(logs, cart, prior, parts, silent)
+    except np.linalg.LinAlgError as error:
+        raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units") from error
+    if not np.isfinite(found.model_parameters).all() or not np.isfinite(found.covariance).all():
+        raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units")
+    return found if given is cart else _late_again(found, given)
+
+
+def _in_time(cart: CartModel) -> CartModel:
+    """The cart with sensors that are not late, for logs that are brought back in time."""
+    late = [isinstance(effect, TimeDelay) for effect in cart.effects]
+    effects = tuple(TimeDelay(0.0, label=e.label) if own else e for e, own in zip(cart.effects, late, strict=True))
+    return replace(cart, effects=effects) if any(late) else cart
+
+
+def _late_again(found: Identification, cart: CartModel) -> Identification:
+    """With the delays as they were given."""
+    values, told = found.model_parameters.copy(), dict(found.parameters)
+    for i, name in enumerate(report_names(cart)):
+        if name.startswith(f"{TimeDelay.name}."):
+            values[i] = cart.parameters[i]
+            told[name] = replace(told[name], value=float(values[i]))
+    return replace(found, structure=cart, model_parameters=values, parameters=told)
+
+
+def _fitted(
+    logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[LogPart], silent: dict[int, str]
+) -> Identification:
+    model = _as_loud(Model.started([part.balances for part in parts], cart, prior))
+    found = corrected(replace(model, at_bound=None))
+    fits = _log_fits(logs, found.model, parts, silent)
+    why = refused(found.model, cart)
+    if why:
+        fits = tuple(replace(fit, words=(*fit.words, why)) for fit in fits)
+        return replace(_as_believed(logs, cart, prior, {}), logs=fits, refused=why)
+    found = found.between(pooled([(part.band, part.band.open_share) for part in parts if part.band is not None]))
+    values, std = found.physical()
+    taught = found.taught(prior.deviations(cart))
+    held = _held(logs, cart, prior)
+    rows = zip(report_names(cart), report_units(cart), values.tolist(), std.tolist(), taught.tolist(), strict=True)
+    told = {n: ParameterEstimate(v, 0.0 if n in held else s, unit, known) for n, unit, v, s, known in rows}
+    return Identification(cart, found.model.cart.parameters, found.parameter_covariance, told, fits)
+
+
+def _as_loud(model: Model) -> Model:
+    """Refitted to rows whose noise is alike throughout, but where the cart nearly stands, and as large as what is left
+    of them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
+    for _ in range(2):
+        none = np.zeros_like(model.noise.form)
+        errors = [replace(Errors.of(b, model.cart), friction=turning_back(b, model.cart)) for b in model.logs]
+        own = tuple(one.whitening(model.noise.excess, none, np.ones_like(none)) for one in errors)
+        model = replace(model, whitenings=own)
+        scale = model.score.scale
+        model = replace(model, whitenings=tuple(w.louder(scale) for w in model.whitenings)).refitted(model.cart)
+    return model
+
+
+def _as_believed(logs: Sequence[RunLog], cart: CartModel, prior: Prior, silent: dict[int, str]) -> Identification:
+    """The first guess."""
+    body, held = cart.inertia, _held(logs, cart, prior)
+    values = [body.mass, *body.com, body.about_com, *cart.parameters[N_PHI:].tolist()]
+    rows = zip(report_names(cart), report_units(cart), values, prior.deviations(cart).tolist(), strict=True)
+    told = {n: ParameterEstimate(float(v), 0.0 if n in held else s, unit, False) for n, unit, v, s in rows}
+    covariance, free = np.zeros((len(cart.parameters),) * 2), prior.free(cart)
+    covariance[np.ix_(free, free)] = prior.covariance(cart)[np.ix_(free, free)]
+    fits = tuple(LogFit(log.name, 0.0, 1.0, None, _said(silent.get(i))) for i, log in enumerate(logs))
+    return Identification(cart, cart.parameters.copy(), covariance, told, fits)
+
+
+def _held(logs: Sequence[RunLog], cart: CartModel, prior: Prior) -> set[str]:
+    """Names of what is known; a body that nobody pushes is taken as given."""
+    held = prior.held(cart)
+    if cart.constraints.no_rotation:
+        held[1:N_PHI] = False
+    if all(coasts(log) for log in logs):
+        held[:N_PHI] = True
+    return {name for name, is_held in zip(report_names(cart), held, strict=True) if is_held}
+
+
+def _log_fits(
+    logs: Sequence[RunLog], model: Model, parts: Sequence[LogPart], silent: dict[int, str]
+) -> tuple[LogFit, ...]:
+    """Of a log that is cut, the longest part tells."""
+    excess, delays = _excess(model), model.score.fit[-len(parts) :]
+    found = []
+    for i, log in enumerate(logs):
+        own = [k for k, part in enumerate(parts) if part.log == i]
+        if not own:
+            found.append(LogFit(log.name, 0.0, 1.0, None, _said(silent.get(i))))
+            continue
+        k = max(own, key=lambda k: len(parts[k].balances.used))
+        delay = -float(delays[k]) / parts[k].balances.sample_step
+        found.append(LogFit(log.name, delay, float(excess[k]), 0.5 / parts[k].balances.row_step))
+    return tuple(found)
+
+
+def _excess(model: Model) -> list[float]:
+    """Of each part the mean square of what is left, whitened by its sensors' noise alone: of the balance with most."""
+    found, at = [], 0
+    for balances in model.logs:
+        left = model.left[at : at + len(balances.used)]
+        at += len(balances.used)
+        none, whole = np.zeros(left.shape[1]), np.ones(left.shape[1])
+        whiten = Errors.of(balances, model.cart).whitening(none, none, whole)
+        found.append(float(((whiten(left) ** 2).sum(axis=0) / whiten.counts.sum(axis=0)).max()))
+    return found
+
+
+def _said(words: str | None) -> tuple[str, ...]:
+    return () if words is None else (words,)
+
+
+def _names(logs: Sequence[RunLog]) -> str:
+    return ", ".join(log.name for log in logs)

@@ -1,0 +1,83 @@
+"""The stretches of a log from which a cart's parameters can be learned, each in the band in which the model foretells
+its motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.errors import DataError
+from cartgrasp.logs import RunLog
+from cartgrasp.logs.coasting import without_idle_arms
+from cartgrasp.model import CartModel
+
+from ..impacts.impacts import impacts
+from ..log_noise.glitches import without_glitches
+from ..noise import FilterNoise
+from ..sensor_check.sizes import check_jumps, check_sizes
+from ..sensor_check.stale import without_stale
+from ..weak_form.balances import Balances
+from ..weak_form.band import Band, bands, sharp
+from ..weak_form.flights import pieces, unbroken
+from ..weak_form.sensor_noise import MotionNoise
+
+FEWEST_ROWS = 3
+"""Of a log's balances: fewer say nothing of how large their noise is."""
+
+OFF = 5.0
+"""Times the noise from which on a sample that stands alone is off: one in two million is by chance."""
+LONGEST_HOLE = 1.0
+"""s without a pose, from which on a log is two."""
+SAMPLES_PER_KNOT, FINE_FOR = 12.0, 120.0
+"""Behind each coefficient of a finer motion, that its noise is averaged out of it; s, up to which a log has that."""
+
+
+@dataclass(frozen=True, eq=False)
+class LogPart:
+    """A stretch of a log, by its index, in its band."""
+
+    log: int
+    balances: Balances
+    band: Band | None
+
+
+class NothingSaidError(Exception):
+    """Why a log says nothing."""
+
+
+def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[LogPart]:
+    known = without_glitches(without_stale(without_idle_arms(log)), OFF)
+    check_sizes(known)
+    found, why = list[LogPart](), ""
+    with np.errstate(all="ignore"):  # numbers beyond reason are told as such
+        for piece in unbroken(known, LONGEST_HOLE):
+            try:
+                found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
+            except NothingSaidError as error:
+                why = why or str(error)
+    found = [part for part in found if len(part.balances.used) >= FEWEST_ROWS]
+    if not found:
+        raise NothingSaidError(
+            why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from"
+        )
+    return found
+
+
+def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
+    check_jumps(log, float(MotionNoise.of(log).pose[0]))
+    try:
+        hits = impacts(log, cart)
+        return pieces(log, hits) if hits else [log]
+    except DataError as error:
+        raise NothingSaidError(str(error)) from error
+
+
+def _part(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> LogPart:
+    fine = SAMPLES_PER_KNOT if log.duration < FINE_FOR else None
+    try:
+        balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
+    except DataError as error:
+        raise NothingSaidError(str(error)) from error
+    band = sharp(bands(balances, cart)) if len(balances.used) >= FEWEST_ROWS else None
+    return LogPart(index, balances if band is None else balances.every(band.row_step), band)

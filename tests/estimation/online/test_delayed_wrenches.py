@@ -1,0 +1,91 @@
+"""Wrenches that are recorded late, online: as if they had come in time, and that much later."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import RollingResistance, TimeDelay, ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
+from cartgrasp.studies.shopping_cart import scenario
+from estimation import CartFilter, FilterNoise
+
+from ..runs import simulate_two_hands
+
+NOISE = FilterNoise(0.0005, 0.0005, 0.005, 0.005, 3.0, 0.15)
+HANDS = ("left", "right")
+LATE = {"left": 7, "right": 3}
+"""Samples."""
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(linear=3.0, angular=1.2),))
+
+
+def in_time(noise=NOISE):
+    sigmas = noise.position, noise.linear_velocity, noise.force
+    return list(simulate_two_hands(TRUTH, 0, 8.0, sigmas).measurements())
+
+
+def recorded(samples, late):
+    """As sensors record them that are so many samples late, by arm."""
+    for k, sample in enumerate(samples):
+        felt = {arm: samples[k - n].wrenches[arm] if k >= n else np.zeros(6) for arm, n in late.items()}
+        yield replace(sample, wrenches=felt)
+
+
+def knowing(late):
+    cart = GUESS
+    for arm, n in late.items():
+        cart = cart.with_effect(TimeDelay(0.01 * n, label=arm))
+    return cart
+
+
+@pytest.mark.parametrize("noise", [NOISE, replace(NOISE, force=0.02, moment=0.001)], ids=["noisy", "exact"])
+def test_parameters_are_as_if_in_time_and_that_much_behind(noise):
+    samples = in_time(noise)
+    plain, late = CartFilter(GUESS, HANDS, noise=noise), CartFilter(knowing(LATE), HANDS, noise=noise)
+    expected = [plain.update(sample).model_parameters for sample in samples]
+    for k, sample in enumerate(recorded(samples, LATE)):
+        found = late.update(sample)
+        if k > 20:  # from when on the first wrench of both hands is known
+            np.testing.assert_allclose(found.model_parameters[:6], expected[k - 7], rtol=0.02, atol=0.02)
+    assert np.abs(expected[-1] - GUESS.parameters).max() > 1.0
+
+
+def test_the_motion_is_not_behind():
+    """Against the truth, to within what the filter says of it."""
+    log, late = simulate_two_hands(TRUTH, 1, 8.0), {"left": 5, "right": 5}
+    samples = list(log.measurements())
+    estimator = CartFilter(knowing(late), HANDS, noise=NOISE)
+    squares = []
+    for sample in recorded(samples, late):
+        estimate = estimator.update(sample)
+        assert estimate.time == sample.time
+        if sample.time > 1.0:
+            off = sample.pose - estimate.motion.pose_sb
+            squares.append(off**2 / (np.diagonal(estimator.belief.covariance)[:3] + 0.0005**2))
+    assert np.mean(squares) < 1.3
+
+
+def test_late_and_missing_samples_go_on():
+    samples, estimator = list(recorded(in_time(), LATE)), CartFilter(knowing(LATE), HANDS, noise=NOISE)
+    for k, sample in enumerate(samples[:600]):
+        told = Measurement(sample.time, wrenches=sample.wrenches) if k % 50 == 0 else sample
+        estimate = estimator.update(samples[k - 9] if k % 40 == 39 else told)
+    assert estimate.health == "ok"
+    assert estimate.parameters["mass"].value == pytest.approx(24.0, abs=4 * estimate.parameters["mass"].std)
+
+
+@pytest.mark.parametrize(("delay", "untold"), [(0.055, None), (0.12, 2.0)])
+def test_a_closed_loop_learns_the_mass(delay, untold):
+    """Of sensors that are late, and a filter that is told so; one that is not is wrong by kilograms if it is much."""
+    effects = ViscousDrag(linear=2.0, angular=0.4), RollingResistance(coefficient=0.015)
+    truth = CartModel(Inertia(29.7, (0.36, 0.05), 2.6), effects=(*effects, TimeDelay(delay)))
+    guess = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), effects=effects)
+    made = replace(scenario(quick=True, plant="model"), truth=truth, duration=8.0, switching=None, least_effort=False)
+    knows = replace(made, guess=guess.with_effect(TimeDelay(delay))).run().parameters["mass"]
+    assert abs(knows.value[-1] - 29.7) < 3 * knows.std[-1]
+    assert knows.std[-1] < 0.6
+    if untold is not None:
+        assert abs(replace(made, guess=guess).run().parameters["mass"].value[-1] - 29.7) > untold

@@ -1,0 +1,222 @@
+"""Samples late, out of order, of sensors with rates of their own, missing or absurd: flagged, and survived."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
+from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator
+from estimation.online.late_samples import REACH, LateSamples
+
+from ..runs import simulate, simulate_two_hands
+
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 0.0, 0.0, disturbance=0.02, slip=0.00005)
+KNOWN = Prior(known=frozenset({"viscous_drag"}))
+ONLINE = pytest.mark.parametrize("online", [CartFilter, RegressorEstimator])
+
+
+def guess():
+    return CartModel(Inertia(20.0, (0.3, 0.0), 1.8), RollingConstraints(), (ViscousDrag(linear=3.0, angular=1.2),))
+
+
+def parted(log, by=0.004):
+    """Motion and wrenches as measurements of their own, the wrenches' a little later."""
+    for m in log.measurements():
+        yield Measurement(m.time, m.pose, m.velocity)
+        yield Measurement(m.time + by, wrenches=m.wrenches, contacts=m.contacts)
+
+
+class Diary:
+    """A state that writes down what it is told."""
+
+    def __init__(self, told=()):
+        self.told = tuple(told)
+
+    @property
+    def time(self):
+        return self.told[-1].time if self.told else -np.inf
+
+    def take(self, measurement):
+        assert measurement.time >= self.time - 1e-9
+        self.told = (*self.told, measurement)
+
+    def copy(self):
+        return Diary(self.told)
+
+
+@given(st.lists(st.tuples(st.integers(0, 2000), st.integers(0, int(1200 * REACH))), min_size=1, max_size=60))
+def test_every_sample_stands_where_it_belongs_or_is_refused(samples):
+    """Milliseconds, and how late. Against sorting; only what is later than the reach may be refused."""
+    arriving = [(time / 1000, late) for time, late in sorted(samples, key=sum)]
+    kept, newest, taken = LateSamples(Diary()), -np.inf, []
+    for time, _ in arriving:
+        sample = Measurement(time)
+        if kept.take(sample):
+            taken.append(sample)
+        else:
+            assert newest - time > REACH or time < taken[0].time
+        newest = max(newest, time)
+        assert kept.state.time == pytest.approx(max(m.time for m in taken), abs=1e-9)
+    assert sorted(m.time for m in taken) == [m.time for m in kept.state.told]
+    assert {id(m) for m in taken} == {id(m) for m in kept.state.told}
+
+
+def test_what_is_refused_leaves_the_reach_as_it_is():
+    kept = LateSamples(Diary())
+    for k in range(200):
+        assert kept.take(Measurement(0.01 * k))
+        assert not kept.take(Measurement(0.01 * k - 0.5))
+    assert kept.take(Measurement(2.0 - REACH))
+
+
+@ONLINE
+def test_out_of_order_is_as_in_order(online):
+    """With the walk of the wrench, too, which the EKF learns from noisy samples."""
+    log, _ = simulate(TRUTH, 3, duration=5.0)
+    samples = list(parted(log))
+    random = np.random.default_rng(0)
+    arriving = sorted(samples, key=lambda m: m.time + random.uniform(0.0, 0.2))
+    arriving.remove(samples[0])
+    noise = replace(NOISE, force=0.015)
+    estimators = [online(guess(), ["hand"], noise=noise, prior=KNOWN) for _ in range(2)]
+    for m in samples:
+        in_order = estimators[0].update(m)
+    for m in (samples[0], *arriving):
+        shuffled = estimators[1].update(m)
+    np.testing.assert_allclose(shuffled.model_parameters, in_order.model_parameters, rtol=1e-12)
+    np.testing.assert_allclose(shuffled.motion.pose_sb, in_order.motion.pose_sb, atol=1e-12)
+    assert shuffled.health == in_order.health
+
+
+@ONLINE
+def test_sensors_with_rates_of_their_own(online):
+    """Wrenches five times as often as poses; all in one, or each on its own."""
+    log, _ = simulate(TRUTH, 5, duration=14.0, noise=(0.0004, 0.005, 1.0))
+    noise = replace(NOISE, force=1.0, moment=0.05)
+    estimator = online(guess(), ["hand"], noise=noise, prior=KNOWN)
+    for i, m in enumerate(log.measurements()):
+        wrenches = Measurement(m.time, wrenches=m.wrenches, contacts=m.contacts)
+        estimate = estimator.update(replace(wrenches, pose=m.pose, velocity=m.velocity) if i % 5 == 0 else wrenches)
+    mass = estimate.parameters["mass"]
+    assert mass.value == pytest.approx(24.0, rel=0.03)
+    assert abs(mass.value - 24.0) < 3 * mass.std
+
+
+@ONLINE
+@pytest.mark.parametrize("kept", ["fifth of a second", "at random"])
+def test_rows_farther_apart_than_a_block_of_the_regression(kept, online):
+    """At 5 Hz, and with holes of 0.1 to 0.3 s among rows that come fast."""
+    log = simulate_two_hands(TRUTH, 1)
+    random = np.random.default_rng(1)
+    rows = np.arange(0, len(log), 20) if kept == "fifth of a second" else np.flatnonzero(random.random(len(log)) < 0.3)
+    samples = list(log.measurements())
+    noise = replace(NOISE, force=3.0, moment=0.15)
+    estimator = online(guess(), ["left", "right"], noise=noise, prior=KNOWN)
+    for i in rows:
+        estimate = estimator.update(samples[i])
+    mass = estimate.parameters["mass"]
+    assert mass.std < 4.0
+    assert abs(mass.value - TRUTH[0]) < 3 * mass.std
+
+
+def flags(estimator, measurements):
+    return [str(estimator.update(m).health) for m in measurements]
+
+
+def test_a_sensor_that_falls_silent_is_missed():
+    log, _ = simulate(TRUTH, 8, duration=6.0)
+    samples = list(log.measurements())
+    estimator = CartFilter(guess(), ["hand"], noise=NOISE, prior=KNOWN)
+    for m in samples[:200]:
+        estimator.update(m)
+    without_wrench = [replace(m, wrenches={}) for m in samples[200:300]]
+    assert flags(estimator, without_wrench)[-1] == "no_wrench"
+    assert estimator.sensors["wrench"].is_missed
+    assert "no_wrench" not in flags(estimator, samples[300:400])[-50:]
+    without_pose = [replace(m, pose=None, velocity=None) for m in samples[400:480]]
+    assert flags(estimator, without_pose)[-1] == "stale"
+    assert estimator.sensors["pose"].is_missed
+    assert flags(estimator, samples[480:])[-1] != "stale"
+
+
+def test_an_arm_that_vanishes_is_no_wrench():
+    log = simulate_two_hands(TRUTH, 0)
+    estimator = CartFilter(guess(), ["left", "right"], noise=replace(NOISE, force=3.0, moment=0.15), prior=KNOWN)
+    samples = list(log.measurements())
+    for m in samples[:300]:
+        estimator.update(m)
+    lost = [replace(m, wrenches={"left": m.wrenches["left"]}) for m in samples[300:500]]
+    flags(estimator, lost[:50])
+    before = estimator.estimate.parameters["mass"]
+    assert flags(estimator, lost[50:])[-1] == "no_wrench"
+    assert estimator.estimate.parameters["mass"] == before, "half of a push teaches nothing"
+
+
+@ONLINE
+def test_degrees_for_radians_are_flagged(online):
+    """From the middle of a run: headings that no cart can have."""
+    log, _ = simulate(TRUTH, 9, duration=12.0)
+    samples = list(log.measurements())
+    estimator = online(guess(), ["hand"], noise=NOISE, prior=KNOWN)
+    for m in samples[:600]:
+        estimator.update(m)
+    before = estimator.estimate.parameters["mass"]
+    wrong = [replace(m, pose=m.pose * [1, 1, np.rad2deg(1)], velocity=m.velocity) for m in samples[600:700]]
+    if online is CartFilter:
+        assert "outliers" in flags(estimator, wrong)
+        assert estimator.sensors["pose"].ratio > 1.0
+    else:
+        flags(estimator, wrong)
+    after = flags(estimator, samples[700:])
+    found = estimator.estimate.parameters["mass"]
+    assert after[-1] in ("ok", "load_changed", "outliers")
+    assert np.isfinite([found.value, found.std]).all()
+    assert abs(found.value - before.value) < 0.2 * before.value
+
+
+@ONLINE
+@pytest.mark.parametrize("mass", [0.5, 20_000.0])
+def test_a_first_guess_in_wrong_units_is_overcome_or_called_inconsistent(mass, online):
+    log, _ = simulate(TRUTH, 10, duration=12.0)
+    cart = CartModel(Inertia(mass, (0.3, 0.0), 1.8 * mass / 20), RollingConstraints(), guess().effects)
+    estimator = online(cart, ["hand"], noise=NOISE, prior=KNOWN)
+    health = flags(estimator, log.measurements())
+    found = estimator.estimate.parameters["mass"]
+    assert np.isfinite([found.value, found.std]).all()
+    assert found.value == pytest.approx(24.0, rel=0.1) or {"inconsistent", "load_changed", "outliers"} & set(health)
+
+
+@ONLINE
+@settings(max_examples=15, deadline=None)
+@given(data=st.data())
+def test_nothing_that_a_sensor_says_poisons(online, data):
+    log, _ = simulate(TRUTH, 11, duration=2.0)
+    estimator = online(guess(), ["hand"], noise=NOISE, prior=KNOWN)
+    absurd = st.sampled_from([np.nan, np.inf, -np.inf, 1e9, -1e9, 1e-300])
+    for i, m in enumerate(log.measurements()):
+        if i % 20 == 10:
+            value = data.draw(absurd)
+            part = data.draw(st.sampled_from(["pose", "velocity", "wrench", "contact", "time"]))
+            if part == "pose":
+                m = replace(m, pose=np.where([True, False, False], value, m.pose))
+            elif part == "velocity":
+                m = replace(m, velocity=np.full(3, value))
+            elif part == "wrench":
+                m = replace(m, wrenches={"hand": np.full(6, value)})
+            elif part == "contact":
+                m = replace(m, contacts={"hand": np.full(3, value if abs(value) < 1 else np.nan)})
+            else:
+                m = replace(m, time=m.time - 0.05)
+        with np.errstate(all="ignore"):
+            estimate = estimator.update(m)
+        assert np.isfinite(estimate.motion.pose_sb).all()
+        assert np.isfinite(estimate.model_parameters).all()
+    assert np.linalg.eigvalsh(estimate.covariance[:4, :4]).min() > -1e-9

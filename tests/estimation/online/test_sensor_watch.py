@@ -1,0 +1,158 @@
+"""Whether the online filter says that sensors don't mean what they say, and keeps silent where they do."""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import FloorSlope, TimeDelay, ViscousDrag
+from cartgrasp.first_guess import FirstGuess
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog
+from cartgrasp.model import CartModel
+from estimation import CartFilter, FilterNoise, RegressorEstimator
+from estimation.health import Health
+from estimation.online.sensor_watch import SensorWatch
+from estimation.online.watched_block import HEADINGS, poses_of, velocities_of, wrench_of
+from estimation.whole_log.replay import replay
+
+from ..runs import simulate
+
+PLANT = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.01)
+GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0),))
+NOISY = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.05, slip=0.0002)
+EXACT = replace(NOISY, force=0.05, moment=0.005, disturbance=0.3)
+KINDS = {"learning": (CartFilter, NOISY), "augmented": (CartFilter, EXACT), "regressor": (RegressorEstimator, NOISY)}
+
+
+def run(seed=4, noise=0.005):
+    return simulate(PLANT, seed, duration=8.0, noise=(0.0004, noise, 0.3))[0]
+
+
+def with_wrenches(log, factor):
+    return replace(log, arms={name: ArmLog(arm.contact, factor * arm.wrench) for name, arm in log.arms.items()})
+
+
+def turned(log, angle):
+    """In a world that is turned."""
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+    return replace(log, pose=log.pose @ turn.T + [0.0, 0.0, angle], velocity=log.velocity @ turn.T)
+
+
+FAULTS = {
+    "reversed": (lambda log: with_wrenches(log, -1.0), ("sign", "wrench")),
+    "kN": (lambda log: with_wrenches(log, 1e-3), ("unit", "wrench")),
+    "degrees": (lambda log: replace(log, pose=log.pose * [1.0, 1.0, 180 / np.pi]), ("unit", "heading")),
+    "mm": (lambda log: replace(log, pose=log.pose * [1000.0, 1000.0, 1.0]), ("unit", "pose")),
+    "theta reversed": (lambda log: replace(log, pose=log.pose * [1.0, 1.0, -1.0]), ("sign", "heading")),
+    "mm, no velocities": (
+        lambda log: replace(log, pose=log.pose * [1000.0, 1000.0, 1.0], velocity=None),
+        ("unit", "pose"),
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("fault", "which"),
+    # the EKF is driven beyond numbers before anything can be told, which `replay` says
+    [pair for pair in product(FAULTS, KINDS) if pair != ("mm, no velocities", "augmented")],
+)
+def test_a_fault_is_told_within_five_seconds(fault, which):
+    change, told = FAULTS[fault]
+    kind, noise = KINDS[which]
+    found = replay(change(turned(run(), 0.8)), kind(GUESS, ["hand"], noise=noise)).estimates
+    at_five = next(one for one in found if one.time >= 5.0)
+    assert {(one.kind, one.where) for one in at_five.suspicions} == {told}
+    assert at_five.health != Health.OK
+    assert not any(parameter.identifiable for parameter in at_five.parameters.values())
+
+
+@pytest.mark.parametrize("which", KINDS)
+@pytest.mark.parametrize("share", [1 / 3, 1.0, 3.0])
+def test_sound_sensors_are_not_suspected(which, share):
+    kind, noise = KINDS[which]
+    body = GUESS.inertia
+    cart = CartModel(Inertia(share * body.mass, body.com, share * body.about_com), effects=GUESS.effects)
+    found = replay(turned(run(), -2.0), kind(cart, ["hand"], noise=noise)).estimates
+    assert not any(one.suspicions for one in found)
+
+
+def test_a_mass_that_the_file_knows_tells_pounds():
+    """Without what the file says, a guess that is too heavy explains as much."""
+    log = with_wrenches(run(), 1 / 4.4482216)
+    guess = CartModel(GUESS.inertia, effects=GUESS.effects, first_guess=FirstGuess((("mass", 3.0),)))
+    told = replay(log, CartFilter(guess, ["hand"], noise=NOISY)).last.suspicions
+    assert [(one.kind, one.where) for one in told] == [("unit", "wrench")]
+    assert told[0].factor == pytest.approx(4.4482216)
+
+
+def test_it_ends_with_the_fault():
+    """Half a minute after a plug was turned."""
+    log = simulate(PLANT, 3, duration=36.0, noise=(0.0004, 0.005, 0.3))[0]
+    arm = log.arms["hand"]
+    sign = np.where(log.time < 6.0, -1.0, 1.0)[:, None]
+    found = replay(
+        replace(log, arms={"hand": ArmLog(arm.contact, sign * arm.wrench)}), CartFilter(GUESS, ["hand"], noise=NOISY)
+    )
+    assert any(one.suspicions for one in found.estimates if one.time < 6.0)
+    assert not found.last.suspicions
+
+
+def test_noise_is_heard_and_taken_as_such():
+    """So that the filter stays sound, and right."""
+    log, _ = simulate((*PLANT[:-1], 0.0), 5, duration=12.0, noise=(0.0004, 0.015, 0.3))
+    told = replay(log, CartFilter(GUESS, ["hand"], noise=NOISY)).last
+    assert {one.kind for one in told.suspicions} == {"noise"}
+    assert [one.factor for one in told.suspicions] == pytest.approx([3.0, 3.0], rel=0.25)
+    assert told.health == Health.OK
+    assert told.parameters["mass"].value == pytest.approx(PLANT[0], rel=0.03)
+
+
+@pytest.mark.parametrize("effect", [TimeDelay(0.08), FloorSlope(0.05, 0.0)])
+def test_what_the_model_knows_is_no_fault(effect):
+    """Late wrenches; a slope on which the cart brakes itself, or needs twice the push."""
+    from cartgrasp.contacts import ContactWrenches
+    from cartgrasp.simulation.plant import ModelPlant
+    from cartgrasp.simulation.sensors import SensorNoise, Sensors
+
+    cart = CartModel(Inertia(24.0, (0.28, 0.0), 2.2), effects=(ViscousDrag(3.0, 1.2),)).with_effect(effect)
+    plant, sensors = ModelPlant(cart), Sensors(cart, SensorNoise(force=1.0), 2)
+    filtered = CartFilter(cart, ["hand"], noise=NOISY)
+    for k in range(700):
+        time, speed = 0.01 * k, 0.4 * np.sin(0.9 * 0.01 * k)
+        push = 60.0 * (speed - plant.motion.velocity[0])
+        given = ContactWrenches({"hand": np.array([push, 0, 0, 0, 0, 0])}, {"hand": np.array([-0.25, 0.0, 1.0])})
+        seen, felt = sensors.motion(time, plant.motion), sensors.wrenches(time, given)
+        told = filtered.update(replace(seen, wrenches=felt.wrenches, contacts=felt.contacts))
+        assert not told.suspicions
+        plant.step(given, 0.01)
+
+
+def test_block_means():
+    """Against numpy's, whatever the heading's turn."""
+    log = turned(run(), 3.0)
+    rows = list(log.measurements())[300:325]
+    time, place, headings = poses_of(rows)
+    assert time == pytest.approx(np.mean(log.time[300:325]))
+    assert place == pytest.approx(log.pose[300:325, :2].mean(axis=0))
+    theta = np.unwrap(log.pose[300:325, 2]).mean()
+    assert np.exp(1j * np.array(headings)) == pytest.approx(np.exp(1j * np.array(HEADINGS) * theta), abs=1e-6)
+    velocity, noise = velocities_of(rows)
+    assert velocity == pytest.approx(log.velocity[300:325].mean(axis=0))
+    assert np.sqrt(noise) == pytest.approx([0.005, 0.005], rel=0.5)
+    arm = log.arms["hand"]
+    x, y, _ = arm.contact[0]
+    fx, fy, tau = arm.wrench[300:325][:, [0, 1, 5]].mean(axis=0)
+    assert wrench_of(rows, {"hand": arm.contact[0]}, ["hand"], {}) == pytest.approx([fx, fy, tau + x * fy - y * fx])
+
+
+def test_it_takes_two_calls_a_block():
+    """And nothing in between: who asks `due` first pays a comparison."""
+    watch = SensorWatch(GUESS, ["hand"], NOISY, CartFilter(GUESS).prior, {})
+    rows, calls = list(run().measurements()), 0
+    for i, row in enumerate(rows[:500]):
+        if row.time >= watch.due:
+            watch.go_on(row.time, rows[max(i - 30, 0) : i + 1])
+            calls += 1
+    assert calls <= 2 * 500 // 25 + 2
