@@ -64,7 +64,7 @@ class WrenchPlanner:
         cart: What is pushed.
         arms: What holds it, each arm with its limits and places to hold.
         objective: What is least: `WeightedWrench()`, by the arms' own weights, unless given.
-        cart_limits: Limits of the hands together: `Skid`, `TipOver`, `InternalForce`.
+        cart_limits: Limits of the hands together: `Skid`, `TipOver`, `SideForce`, `InternalForce`.
         confidence: The probability (0.5 to below 1) with which all `cart_limits` hold, by the covariance of the
             estimate given last (robust.py). None: they hold for the cart as it is believed to be.
         min_hand_distance: m, between any two hands.
@@ -198,7 +198,7 @@ class WrenchPlanner:
         self._remember(shrink * self._last.wrenches, self._last.contacts)
         by_arm, points = self._answers.by_arm, self._last.contacts_or(self._terms.first)
         held = ContactWrenches(by_arm(self._last.wrenches), by_arm(points), self._terms.yaws)
-        return Plan.of(vars(plan) | {"held": held, "side_force": self._terms.side_force})
+        return Plan.of(vars(plan) | {"held": held, "wheel_forces": self._terms.wheel_forces})
 
     def _plan(
         self,
@@ -217,6 +217,8 @@ class WrenchPlanner:
             asked = read_wrench(wrench)
             if estimate is not None:
                 self._take_estimate(estimate)
+            if self._terms.base.looks_at_wheels:
+                self._cost = self._terms.cost(self._last.wrenches, asked)
             plan = None if self._compiled is None else self._compiled.at(contacts, asked, self._cost, start)
             if self._compiled is not None and plan is not None:
                 return self._remembered(plan, *self._compiled.last)

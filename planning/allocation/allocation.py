@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import WheelForces
 from cartgrasp.frames import Array
 
 from ..limits import CartLimit
@@ -49,8 +51,9 @@ def build_allocation(
 ) -> QuadraticProgram:
     """minimise the objective over F (6n,) such that `Sᵀ sum G_i F_i = Sᵀ wrench_b` and every limit holds."""
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
-    rows = template.contact_rows(contact_array(template, contacts))
-    return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(np.zeros(template.n)))
+    rows, zero = template.contact_rows(contact_array(template, contacts)), np.zeros(template.n)
+    straight = template.straight_force(partial(WheelForces.of, cart), wrench_b)
+    return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(zero, straight))
 
 
 def allocate(
@@ -65,10 +68,11 @@ def allocate(
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
     points = contact_array(template, contacts)
     target = template.basis_b.T @ np.asarray(wrench_b, dtype=float)
-    program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n)))
+    straight = template.straight_force(partial(WheelForces.of, cart), wrench_b)
+    program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n), straight))
     allocation = conclude(template, points, program, QuadraticSolver().solve(program))
     if allocation.status == OPTIMAL and isinstance(objective, Lexicographic):
-        second = objective.second_cost(template.arms, np.zeros(template.n))
+        second = template.second_cost(np.zeros(template.n), straight)
         return _solved(template, *second_stage(QuadraticSolver(), program, allocation.solution, second))
     return allocation
 
