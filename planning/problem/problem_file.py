@@ -61,6 +61,7 @@ class Problem:
     objective: Objective
     confidence: float | None
     estimate: Estimate | None
+    solver: str | None
 
     def plan(self) -> Plan:
         return self.planner().plan(self.wrench, estimate=self.estimate)
@@ -76,6 +77,7 @@ class Problem:
             relax=self.relax,
             switching_cost=self.switching_cost,
             period=self.period,
+            solver=self.solver,
         )
         planner.start_from(self.last, self.held)
         return planner
@@ -106,6 +108,7 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         objective=objective_of(entry.objective, (cart, arms), refuse),
         confidence=None if entry.confidence is None else entry.confidence.probability,
         estimate=estimate_of(entry, cart, refuse),
+        solver=_solver(entry.solver, refuse),
     )
 
 
@@ -189,6 +192,17 @@ def _contacts(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Contac
         return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
     except UsageError as error:
         raise refuse([*where, "contacts" if points else "segment"], str(error)) from error
+
+
+def _solver(name: str | None, refuse: Refuse) -> str | None:
+    if name is None:
+        return None
+    from ..solvers.named_solver import check_installed  # imports qpsolvers
+
+    try:
+        return check_installed(name)
+    except UsageError as error:
+        raise refuse(["solver"], str(error).removeprefix("solver: ")) from error
 
 
 def _held(entries: Sequence[ArmEntry], refuse: Refuse) -> dict[str, Sequence[float]]:

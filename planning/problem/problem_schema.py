@@ -186,6 +186,7 @@ class ProblemEntry(StrictModel):
     relax: NotNegative = 0.0
     switching_cost: SwitchingCostValue = 0.0
     period: Positive = 1e-3
+    solver: str | None = None
     objective: ObjectiveEntry = ObjectiveEntry()
     motion: MotionEntry | None = None
     confidence: ConfidenceEntry | None = None

@@ -31,11 +31,11 @@ class Solved(NamedTuple):
 
 
 class Answers:
-    """Makes plans for terms; `relax` is how far a relaxed plan may be from what is asked."""
+    """Makes plans for terms; `relax` is how far a relaxed plan may be from what is asked, `solver` a name of one."""
 
-    def __init__(self, terms: Terms, relax: float) -> None:
+    def __init__(self, terms: Terms, relax: float, solver: str | None = None) -> None:
         self._terms, self._relax = terms, relax
-        self._second_solver = QuadraticSolver()
+        self._second_solver = QuadraticSolver(name=solver)
         self._shown: dict[str, Array] = {}
         self._shown_points = np.zeros((0, 3))
 
