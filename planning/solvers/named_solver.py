@@ -21,7 +21,7 @@ from .one_sided import OneSided
 
 DIVERGED = 1e50  # what is larger overflows in a proof
 SETTINGS: dict[str, dict[str, Any]] = {
-    "clarabel": {"tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10, "tol_feas": 1e-10},
+    "clarabel": {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
     "daqp": {"primal_tol": 1e-10},
     "highs": {
         "primal_feasibility_tolerance": 1e-9,
@@ -30,7 +30,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
         "time_limit": 1.0,
     },
     "osqp": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20_000},
-    "piqp": {"eps_abs": 1e-10, "eps_rel": 1e-10},
+    "piqp": {"eps_abs": 1e-12, "eps_rel": 1e-12},
     "proxqp": {"eps_abs": 1e-10, "eps_rel": 0.0},
     "scs": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iters": 20_000},
 }
