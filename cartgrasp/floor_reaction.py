@@ -109,6 +109,14 @@ class WheelForces(NamedTuple):
         return cls(float(forces[-1]), forces[:-1] if tells_loads(cart) else None)
 
 
+def straight_force(cart: CartModel, motion: Motion | None = None) -> tuple[Array, float]:
+    """What the fixed wheels take sideways, N, of hands that give the effective rows of a planar wrench (3,), and
+    nothing across the wheels: its slope (3,) by the wrench, and what there is without any."""
+    row, slope = cart.floor_rows(_state(cart, motion))[-1], np.zeros(3)
+    slope[:2] = cart.rolling.across_b
+    return slope + PLANAR @ row[:6], float(row[6])
+
+
 def tells_loads(cart: CartModel) -> bool:
     return bool(cart.wheels) and cart.com_height is not None
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import WheelForces
+from cartgrasp.floor_reaction import straight_force
 from cartgrasp.frames import Array
 
 from ..limits import CartLimit
@@ -52,7 +51,7 @@ def build_allocation(
     """minimise the objective over F (6n,) such that `Sᵀ sum G_i F_i = Sᵀ wrench_b` and every limit holds."""
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
     rows, zero = template.contact_rows(contact_array(template, contacts)), np.zeros(template.n)
-    straight = template.straight_force(partial(WheelForces.of, cart), wrench_b)
+    straight = _straight(template, cart, wrench_b)
     return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(zero, straight))
 
 
@@ -68,7 +67,7 @@ def allocate(
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
     points = contact_array(template, contacts)
     target = template.basis_b.T @ np.asarray(wrench_b, dtype=float)
-    straight = template.straight_force(partial(WheelForces.of, cart), wrench_b)
+    straight = _straight(template, cart, wrench_b)
     program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n), straight))
     allocation = conclude(template, points, program, QuadraticSolver().solve(program))
     if allocation.status == OPTIMAL and isinstance(objective, Lexicographic):
@@ -111,6 +110,14 @@ def contact_array(template: AllocationTemplate, contacts: Mapping[str, ArrayLike
     if points.shape != (len(template.arms), 3) or not np.isfinite(points).all():
         raise UsageError("contacts: each must be three finite numbers (x, y, z in {b}, m)")
     return points
+
+
+def _straight(template: AllocationTemplate, cart: CartModel, wrench_b: ArrayLike) -> float:
+    """N, at rest; zero where no cost asks for it."""
+    if not template.looks_at_wheels:
+        return 0.0
+    slope, besides = straight_force(cart)
+    return float(slope @ np.asarray(wrench_b, dtype=float)) + besides
 
 
 def _solved(template: AllocationTemplate, program: QuadraticProgram, solution: QPSolution) -> Allocation:

@@ -18,20 +18,18 @@ arms' limits, the objective's, the cart's limits and the effective rows; only th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import NoneType
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import check_kind, listed
-from cartgrasp.contacts import PLANAR_ROWS, grasp_map_planar, grasp_map_spatial
+from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import WheelForces
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.model import CartModel
 
@@ -179,7 +177,7 @@ class AllocationTemplate:
 
     def cost(self, previous: Array, straight: float = 0.0) -> Cost:
         """After wrenches (6n,), where the fixed wheels take `straight` (N, to their left) of hands without any force
-        across them (`straight_force`)."""
+        across them (`floor_reaction.straight_force`)."""
         if not (self.objective.looks_back or self.looks_at_wheels):
             return self._first_cost
         return self._with_side_force(self.objective.cost(self.arms, previous), straight)
@@ -188,15 +186,6 @@ class AllocationTemplate:
         """As `cost`, of the second in a lexicographic order."""
         assert isinstance(self.objective, Lexicographic)
         return self._with_side_force(self.objective.second_cost(self.arms, previous), straight)
-
-    def straight_force(self, forces: Callable[[Array], WheelForces], wrench_b: ArrayLike) -> float:
-        """N that the fixed wheels take of hands which give the effective rows of a wrench (3,), and nothing across;
-        `forces` tells what wheels take under a spatial wrench (6,). Zero where no cost asks for it."""
-        if not self.looks_at_wheels:
-            return 0.0
-        spatial, along = np.zeros(6), self.basis_b[:2, 0]
-        spatial[list(PLANAR_ROWS)] = wrench_b
-        return forces(spatial).side + float(np.array([-along[1], along[0]]) @ spatial[:2])
 
     def effort(self, wrenches: Array) -> float:
         """`sum weight component²` by the arms' own weights, whatever the objective."""

@@ -7,7 +7,7 @@ the bounds about the last wrench; new arms cost their rows.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactSet
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import WheelForces
+from cartgrasp.floor_reaction import WheelForces, straight_force
 from cartgrasp.frames import Array
 from cartgrasp.reach import Reach
 
@@ -83,8 +83,17 @@ class Terms:
 
     def cost(self, last: Array, asked: Sequence[float]) -> Cost:
         """After wrenches (6n,), where the cart is to get a wrench (3,)."""
-        self.straight = self.base.straight_force(self.wheel_forces, asked)
+        if self.base.looks_at_wheels:
+            slope, besides = self._straight_force
+            self.straight = float(slope.dot(asked)) + besides
         return self.base.cost(last, self.straight)
+
+    @cached_property
+    def _straight_force(self) -> tuple[Array, float]:
+        """Of the estimate given last."""
+        if self.estimate is None:
+            return straight_force(self._pushed.cart)
+        return straight_force(read_cart(self.estimate, self.base.basis_b), self.estimate.motion)
 
     @property
     def first(self) -> Array:
@@ -125,6 +134,7 @@ class Terms:
         return True
 
     def _believe(self, estimate: Estimate) -> None:
+        self.__dict__.pop("_straight_force", None)
         self.estimate, self.wheel_forces = estimate, partial(_wheel_forces, estimate, self.base.basis_b)
 
     def take_last(self, wrenches: Array) -> None:
