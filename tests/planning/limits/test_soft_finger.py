@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 import cartgrasp as cg
 from planning import WrenchPlanner, allocate
@@ -76,6 +77,9 @@ def test_the_polytope_is_inscribed(sides):
     assert excess.max() <= 1e-12
     assert ((excess > -1e-12).sum(axis=0) >= 3).all()
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(normals)))
+    hull = np.unique(ConvexHull(np.unique(corners.round(12), axis=0)).equations.round(8), axis=0)
+    ours = np.unique(np.column_stack([normals, -distances]).round(8), axis=0)
+    assert ours + 0.0 == pytest.approx(hull + 0.0, abs=2e-8)
     assert distances.min() >= {3: 0.44, 4: 0.57, 6: 0.81, 8: 0.86, 12: 0.93, 32: 0.99}[sides]
 
 
