@@ -18,6 +18,7 @@ from . import (
     filter_step,
     plants,
     schedule,
+    solvers,
     start_up,
     ticks,
 )
@@ -35,6 +36,7 @@ BENCHMARKS = {
     "filter_step": (filter_step.run, 200),
     "plants": (plants.run, 20),
     "schedule": (schedule.run, 20),
+    "solvers": (solvers.run, 200),
     "start_up": (start_up.run, 20),
     "ticks": (ticks.run, 200),
 }

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cartgrasp import Arm
-from cartgrasp.arms import Friction
 from cartgrasp.frames import Array
+from cartgrasp.friction import Friction
 from planning import WrenchPlanner
 from planning.contacts.contact_relaxation import relax_contact_choice
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cartgrasp import Arm, CartModel, Inertia
-from cartgrasp.arms import Friction
+from cartgrasp.friction import Friction
 
 CART = CartModel(Inertia(24.0, (0.3, 0.0), 2.0))
 

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 from .lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .arms import Arm, Friction
+    from .arms import Arm
     from .cart_file import load_cart
     from .constraints import RollingConstraints
     from .contacts import ContactSet, ContactWrenches, Segment, grasp_map_planar, grasp_map_spatial
     from .effects import KNOWN_EFFECTS
     from .errors import CartgraspError, DataError, FileError, LogError, UsageError
+    from .friction import Friction
     from .inertia import Inertia
     from .information import WrenchNoise
     from .joint_torques import JointTorques
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from .model import CartModel
     from .motion import Estimate, Measurement, Motion, ParameterEstimate, Reference
     from .reach import Reach
+    from .soft_finger import SoftFinger
     from .wheels import Wheel
 
 __version__ = "0.1.0"
@@ -47,6 +49,7 @@ __all__ = [
     "RollingConstraints",
     "RunLog",
     "Segment",
+    "SoftFinger",
     "UsageError",
     "Wheel",
     "WrenchNoise",
@@ -58,12 +61,13 @@ __all__ = [
 ]
 
 _HOMES = {
-    "arms": "Arm Friction",
+    "arms": "Arm",
     "cart_file": "load_cart",
     "constraints": "RollingConstraints",
     "contacts": "ContactSet ContactWrenches Segment grasp_map_planar grasp_map_spatial",
     "effects": "KNOWN_EFFECTS",
     "errors": "CartgraspError DataError FileError LogError UsageError",
+    "friction": "Friction",
     "inertia": "Inertia",
     "information": "WrenchNoise",
     "joint_torques": "JointTorques",
@@ -71,6 +75,7 @@ _HOMES = {
     "model": "CartModel",
     "motion": "Estimate Measurement Motion ParameterEstimate Reference",
     "reach": "Reach",
+    "soft_finger": "SoftFinger",
     "wheels": "Wheel",
 }
 

@@ -9,34 +9,16 @@ from types import NoneType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, number, numbers
+from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, numbers
 from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
 from .errors import UsageError
 from .frames import Array
+from .friction import Friction
 from .joint_torques import JointTorques
 from .reach import Reach
+from .soft_finger import SoftFinger
 
-EXACT = "exact"
-LARGEST_FRICTION = 100.0
 FORCES, MOMENTS, WRENCH = (f"({', '.join(WRENCH_NAMES[part])})" for part in (slice(3), slice(3, 6), slice(6)))
-
-
-@dataclass(frozen=True)
-class Friction:
-    """Coulomb friction at a contact whose normal is {a}'s x; the arm only pushes (fx >= 0).
-
-    `sides` is the number of sides of the pyramid inscribed in the cone, with edges at 2 pi k / sides from y,
-    or "exact" for the cone itself.
-    """
-
-    mu: float
-    sides: int | str = 4
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "mu", number("friction: mu", self.mu, 0.0, LARGEST_FRICTION))
-        if self.sides != EXACT and not (isinstance(self.sides, int | np.integer) and 3 <= self.sides <= 256):
-            raise UsageError(f'friction: sides: {self.sides!r} is neither a whole number of 3 to 256 nor "exact"')
-        object.__setattr__(self, "sides", self.sides if self.sides == EXACT else int(self.sides))
 
 
 @dataclass(frozen=True, init=False)
@@ -51,6 +33,7 @@ class Arm:
         force_limit: |fx|, |fy|, |fz| in {a}, N.
         moment_limit: |tx|, |ty|, |tz| in {a}, N·m.
         friction: Of a hand that is not firm; it only pushes then.
+        soft_finger: Of pads whose friction bears a moment about their normal, too; an open hand's or a gripper's.
         weights: Of (fx, fy, fz, tx, ty, tz) in the effort, the sum of weight times component squared.
         push_only: fx >= 0.
         payload: kg, whose weight it gives at most up or down.
@@ -80,6 +63,7 @@ class Arm:
     wrench_rate: tuple[float, float, float, float, float, float]
     joints: JointTorques | None
     reach: Reach | None
+    soft_finger: SoftFinger | None
 
     def __init__(
         self,
@@ -97,6 +81,7 @@ class Arm:
         wrench_rate: Sequence[float] = (np.inf,) * 6,
         joints: JointTorques | None = None,
         reach: Reach | None = None,
+        soft_finger: SoftFinger | None = None,
     ) -> None:
         if not isinstance(name, str) or not name or "." in name or ":" in name:
             raise UsageError(f"arm: name {name!r} must be a word without a dot or a colon")
@@ -111,6 +96,8 @@ class Arm:
             f"{where}: joints", joints, (JointTorques, NoneType), "write JointTorques(jacobian, torques, limits)"
         )
         check_kind(f"{where}: reach", reach, (Reach, NoneType), "write Reach.box(low, high)")
+        cure = "write soft_finger=SoftFinger(mu=0.6, twist_radius=0.015)"
+        check_kind(f"{where}: soft_finger", soft_finger, (SoftFinger, NoneType), cure)
         values = {
             "name": name,
             "contacts": contacts,
@@ -124,6 +111,7 @@ class Arm:
             "wrench_rate": _limits(f"{where}: wrench_rate", wrench_rate, WRENCH),
             "joints": joints,
             "reach": reach,
+            "soft_finger": soft_finger,
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)

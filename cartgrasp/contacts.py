@@ -119,3 +119,11 @@ class ContactWrenches:
         for arm, wrench_a in self.wrenches.items():
             total += self.grasp_map_ba(arm) @ wrench_a
         return total
+
+    @property
+    def spatial_wrench_b(self) -> Array:
+        """All six components of it, about {b}'s origin."""
+        total = np.zeros(6)
+        for arm, wrench_a in self.wrenches.items():
+            total += grasp_map_spatial(self.contacts[arm], self.yaws.get(arm, 0.0)) @ wrench_a
+        return total

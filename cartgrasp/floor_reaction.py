@@ -23,7 +23,7 @@ and with it the loads and lambda have slopes; M_b and b are linear in phi.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
@@ -52,15 +52,15 @@ class FloorReaction:
 
     @classmethod
     def of(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
-        """At a motion; at rest where none is given."""
-        _height(cart)
+        """At a motion; at rest where none is given. Without wheels or `com_height` it tells no loads."""
         rows = cart.floor_rows(_state(cart, motion), time)
-        return cls(rows[:-1, :6], rows[:-1, 6], rows[-1, :6], rows[-1, 6])
+        loads = rows[:-1] if tells_loads(cart) else rows[:0]
+        return cls(loads[:, :6], loads[:, 6], rows[-1, :6], rows[-1, 6])
 
     @classmethod
     def by_parameters(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
         """The partials of all four by the cart's parameters (p,), on a leading axis."""
-        height, state, basis = _height(cart), _state(cart, motion), cart.basis_b
+        height, state, basis = cart.com_height or 0.0, _state(cart, motion), cart.basis_b
         acting, velocity_b = cart.acting(state, time=time), basis @ state[cart.velocity_slice]
         phi, by_phi, effects = acting.phi, acting.phi_by_parameters.T, acting.wrench_by_parameters.T
         mass, by_mass = mass_matrix_b(phi), mass_matrix_b(by_phi)
@@ -74,6 +74,7 @@ class FloorReaction:
         weight = GRAVITY * by_phi[:, :3]
         weight[:, 1:] -= height * offset[:, :2]
         spread, across = cart.wheel_set.load_map[:, :3] / GRAVITY, cart.rolling.across_b
+        spread = spread if tells_loads(cart) else spread[:0]
         return cls(-height * spread[:, 1:] @ rate, weight @ spread.T, across @ rate, (offset - effects)[:, :2] @ across)
 
     def along(self, direction: Array) -> Self:
@@ -92,17 +93,37 @@ class FloorReaction:
         return np.asarray(wrench_b @ self.lateral_map + self.lateral_offset)
 
 
-def lateral_force(cart: CartModel, wrench_b: Array, motion: Motion | None = None) -> float:
-    """N that the floor gives all fixed wheels, to their left, under a planar wrench (3,) of the hands in {b}, at a
-    motion or at rest; 0 where all wheels are casters. It asks for no wheels or height: their loads don't enter."""
-    row = cart.floor_rows(_state(cart, motion))[-1]
-    return float(row[:6] @ PLANAR.T @ wrench_b + row[6])
+class WheelForces(NamedTuple):
+    """What the wheels take, N: all fixed ones together sideways, positive where the floor pushes them to their left (0
+    where all are casters), and each wheel's load (n_wheels,), None where the cart tells no wheels or no `com_height`.
+    Below zero a wheel has left the floor, and the others carry more than is told."""
+
+    side: float
+    loads: Array | None
+
+    @classmethod
+    def of(cls, cart: CartModel, wrench_b: Array, motion: Motion | None = None) -> Self:
+        """Under a spatial wrench (6,) of the hands about {b}'s origin, at a motion or at rest."""
+        rows = cart.floor_rows(_state(cart, motion))
+        forces = rows[:, :6] @ wrench_b + rows[:, 6]
+        return cls(float(forces[-1]), forces[:-1] if tells_loads(cart) else None)
 
 
-def _height(cart: CartModel) -> float:
-    if not cart.wheels or cart.com_height is None:
+def straight_force(cart: CartModel, motion: Motion | None = None) -> tuple[Array, float]:
+    """What the fixed wheels take sideways, N, of hands that give the effective rows of a planar wrench (3,), and
+    nothing across the wheels: its slope (3,) by the wrench, and what there is without any."""
+    row, slope = cart.floor_rows(_state(cart, motion))[-1], np.zeros(3)
+    slope[:2] = cart.rolling.across_b
+    return slope + PLANAR @ row[:6], float(row[6])
+
+
+def tells_loads(cart: CartModel) -> bool:
+    return bool(cart.wheels) and cart.com_height is not None
+
+
+def check_loads(cart: CartModel) -> None:
+    if not tells_loads(cart):
         raise UsageError(f"{cart.name}: wheels and com_height are needed for wheel loads; add them to the cart")
-    return cart.com_height
 
 
 def _state(cart: CartModel, motion: Motion | None) -> Array:

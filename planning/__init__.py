@@ -12,10 +12,11 @@ if TYPE_CHECKING:
     from .embedded import EmbeddedProblem, export_c
     from .excitation.excitation_choice import Allowance, ExcitationChooser
     from .excitation.excitation_plan import plan_excitation
-    from .limits import InternalForce, Skid, TipOver
+    from .limits import InternalForce, SideForce, Skid, TipOver
     from .objectives import (
         LeastInternalForce,
         LeastJointTorque,
+        LeastSideForce,
         Lexicographic,
         LoadShare,
         Nothing,
@@ -44,6 +45,7 @@ __all__ = [
     "InternalForce",
     "LeastInternalForce",
     "LeastJointTorque",
+    "LeastSideForce",
     "Lexicographic",
     "LoadShare",
     "Nothing",
@@ -54,6 +56,7 @@ __all__ = [
     "QuadraticProgram",
     "RegraspCost",
     "SearchLimit",
+    "SideForce",
     "Skid",
     "Smoothness",
     "SteeringTracker",
@@ -82,9 +85,9 @@ _HOMES = {
     "embedded": "EmbeddedProblem export_c",
     "excitation.excitation_choice": "Allowance ExcitationChooser",
     "excitation.excitation_plan": "plan_excitation",
-    "limits": "InternalForce Skid TipOver",
-    "objectives": "LeastInternalForce LeastJointTorque Lexicographic LoadShare Nothing Objective Smoothness "
-    "WeightedWrench WorstArm",
+    "limits": "InternalForce SideForce Skid TipOver",
+    "objectives": "LeastInternalForce LeastJointTorque LeastSideForce Lexicographic LoadShare Nothing Objective "
+    "Smoothness WeightedWrench WorstArm",
     "plan": "Plan",
     "planner": "WrenchPlanner",
     "quadratic_program": "QPSolution QuadraticProgram",

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Self
 from cartgrasp.checks import brief, digits
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import WheelForces
 from cartgrasp.frames import Array
 
 from .allocation.infeasibility import Certificate, Nearest
@@ -48,9 +49,9 @@ class Plan:
 
     When `infeasible`, `certificate` proves it and holds the nearest plan; `relaxed` is that nearest plan. `held` is
     what `plan_or_hold` gives instead where there are no wrenches. `switched` are the arms that hold elsewhere than at
-    the last plan, told where switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `side_force` what
-    the wheels take, when asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves that
-    open.
+    the last plan, told where switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `wheel_forces`
+    what the wheels take, when asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves
+    that open.
     """
 
     status: str
@@ -66,7 +67,7 @@ class Plan:
     tell: Callable[[], Figures] = field(default=Figures, repr=False)
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
     explain: Callable[[], Plan] | None = field(default=None, repr=False)
-    side_force: Callable[[Array], float] | None = field(default=None, repr=False)
+    wheel_forces: Callable[[Array], WheelForces] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         if not self.is_usable:
@@ -142,11 +143,22 @@ class Plan:
         return self.contact_wrenches.wrench_b if self.is_usable or self.held else None
 
     @cached_property
+    def _wheels(self) -> WheelForces | None:
+        if self.wheel_forces is None or self.cart_wrench is None:
+            return None
+        return self.wheel_forces(self.contact_wrenches.spatial_wrench_b)
+
+    @property
     def wheel_side_force(self) -> float | None:
         """N that the floor gives the fixed wheels, to their left, under `cart_wrench`, at the motion of the estimate
         given last or at rest: m (u r + dx r' - dy r²) - fy for an axle through {b}'s origin. None without wrenches."""
-        wrench = self.cart_wrench
-        return None if wrench is None or self.side_force is None else self.side_force(wrench)
+        return None if self._wheels is None else self._wheels.side
+
+    @property
+    def wheel_loads(self) -> Array | None:
+        """N on each wheel of the cart's file, in its order, as `TipOver` and `Skid` count them, at the same motion.
+        None without wrenches, and where the cart tells no wheels or no `com_height`."""
+        return None if self._wheels is None else self._wheels.loads
 
     @property
     def nearest(self) -> Nearest | None:
@@ -166,9 +178,9 @@ class Plan:
         return program.margins(solution.x)
 
     def as_dict(self) -> dict[str, Any]:
-        """The JSON of `cartgrasp plan`; `margins` only with wrenches, `nearest` only with a certificate, `missing` only
-        when relaxed, `switched` only where arms have, `message` only where neither wrenches nor a certificate say it
-        all."""
+        """The JSON of `cartgrasp plan`; `margins` only with wrenches, `wheel_loads` only of a cart that tells its
+        wheels and `com_height`, `nearest` only with a certificate, `missing` only when relaxed, `switched` only where
+        arms have, `message` only where neither wrenches nor a certificate say it all."""
         document: dict[str, Any] = {
             "status": self.status,
             "effort": self.effort,
@@ -186,6 +198,8 @@ class Plan:
             document["margins"] = dict(self.margins)
             document["cart_wrench"] = None if self.cart_wrench is None else self.cart_wrench.tolist()
             document["wheel_side_force"] = self.wheel_side_force
+            if self.wheel_loads is not None:
+                document["wheel_loads"] = self.wheel_loads.tolist()
         if self.certificate is not None:
             document["nearest"] = None if self.nearest is None else self.nearest.as_dict()
         elif self.status != OPTIMAL:

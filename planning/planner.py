@@ -38,6 +38,7 @@ from .tick.compiled_planning import CompiledPlanning
 from .tick.estimate_inputs import check_estimate
 from .tick.given_contacts import GivenContacts
 from .tick.last_plan import LastPlan
+from .tick.next_problem import next_problem
 from .tick.plan_inputs import RefusedError, read_arms, read_wrench
 from .tick.program_at_contacts import ProgramAtContacts
 from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided
@@ -45,6 +46,8 @@ from .tick.remedy import find_remedy, with_remedy
 from .tick.terms import Terms, scaled_into
 
 if TYPE_CHECKING:
+    import cvxpy
+
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
 
@@ -64,7 +67,7 @@ class WrenchPlanner:
         cart: What is pushed.
         arms: What holds it, each arm with its limits and places to hold.
         objective: What is least: `WeightedWrench()`, by the arms' own weights, unless given.
-        cart_limits: Limits of the hands together: `Skid`, `TipOver`, `InternalForce`.
+        cart_limits: Limits of the hands together: `Skid`, `TipOver`, `SideForce`, `InternalForce`.
         confidence: The probability (0.5 to below 1) with which all `cart_limits` hold, by the covariance of the
             estimate given last (robust.py). None: they hold for the cart as it is believed to be.
         min_hand_distance: m, between any two hands.
@@ -73,6 +76,9 @@ class WrenchPlanner:
         switching_cost: What an arm pays that moves from where the last usable plan held, in the objective's unit (N² as
             a rule); one for every arm, or by arm (switching_cost.py).
         search_limit: When a choice among contacts ends before its optimum is proven: by programs solved, s, or gap.
+        solver: Of programs, by any name that qpsolvers has installed ("osqp", "clarabel", "piqp", …), with the same
+            proof and a polish to the same accuracy, in the place of the compiled one, which is 30 to 170 times as
+            fast.
         period: s between calls: a held wrench decays by it, and rates of change count by it.
 
     Raises:
@@ -100,6 +106,7 @@ class WrenchPlanner:
         relax: float = 0.0,
         switching_cost: float | Mapping[str, float] = 0.0,
         search_limit: SearchLimit = DEFAULT_SEARCH,
+        solver: str | None = None,
         period: float = PERIOD,
     ) -> None:
         number("min_hand_distance", min_hand_distance, 0.0, LARGEST_FLOAT, "give m")
@@ -110,7 +117,8 @@ class WrenchPlanner:
         self._made = cart, objective, RobustLimits(limits, confidence), (min_hand_distance, period)
         self._relax, self._switching_costs = relax, switching_cost
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
-        self._solver, self._last = QuadraticSolver(), LastPlan(0)
+        self._solver_name, self._last = solver, LastPlan(0)
+        self._solver, self._asked = QuadraticSolver(name=solver), (0.0, 0.0, 0.0)
         self._compiled: CompiledPlanning | None = None
         self._is_warm = False
         self._begin(Terms(cart, arms, *self._made[1:]), ())
@@ -178,6 +186,12 @@ class WrenchPlanner:
         certificate = with_remedy(plan.certificate, remedy, held)
         return replace(plan, certificate=certificate, message=certificate.words)
 
+    def problem(self, wrench: ArrayLike | None = None, contacts: Mapping[str, ArrayLike] = NOWHERE) -> cvxpy.Problem:
+        """What the next call of `plan` is to solve, in cvxpy: to be read, changed, and solved by any of its solvers.
+        For the wrench (3,) of the last call unless one is given, at contacts (3,) by arm; arms left out hold where they
+        held, or at their first candidate. See `tick/next_problem.py` for its names."""
+        return next_problem(self._terms, self._last, self._asked if wrench is None else wrench, contacts)
+
     def plan_or_hold(
         self,
         wrench: ArrayLike,
@@ -198,7 +212,7 @@ class WrenchPlanner:
         self._remember(shrink * self._last.wrenches, self._last.contacts)
         by_arm, points = self._answers.by_arm, self._last.contacts_or(self._terms.first)
         held = ContactWrenches(by_arm(self._last.wrenches), by_arm(points), self._terms.yaws)
-        return Plan.of(vars(plan) | {"held": held, "side_force": self._terms.side_force})
+        return Plan.of(vars(plan) | {"held": held, "wheel_forces": self._terms.wheel_forces})
 
     def _plan(
         self,
@@ -214,9 +228,11 @@ class WrenchPlanner:
             if arms is not None and self._take_arms(arms):  # first: what is held must obey them as well
                 self._begin_terms()
                 self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
-            asked = read_wrench(wrench)
+            asked = self._asked = read_wrench(wrench)
             if estimate is not None:
                 self._take_estimate(estimate)
+            if self._terms.base.looks_at_wheels:
+                self._cost = self._terms.cost(self._last.wrenches, asked)
             plan = None if self._compiled is None else self._compiled.at(contacts, asked, self._cost, start)
             if self._compiled is not None and plan is not None:
                 return self._remembered(plan, *self._compiled.last)
@@ -285,8 +301,9 @@ class WrenchPlanner:
             costs = {name: cost for name, cost in costs.items() if name in names}
         self._terms, self._switching = terms, SwitchingCost(costs, names)
         self._last = self._last.among(before, names)
-        self._cases, self._given = CaseSolver(terms.template), GivenContacts(terms)
-        self._answers, self._program = Answers(terms, self._relax), ProgramAtContacts(terms)
+        self._cases, self._given = CaseSolver(terms.template, self._solver_name), GivenContacts(terms)
+        self._answers = Answers(terms, self._relax, self._solver_name)
+        self._program = ProgramAtContacts(terms)
         self._compiled, self._cost = None, terms.base.cost(self._last.wrenches)
         self._begin_terms()
 
@@ -300,8 +317,9 @@ class WrenchPlanner:
             self._compile()
 
     def _compile(self) -> None:
-        """Where it is warm, and what is compiled covers the programs."""
-        self._compiled = CompiledPlanning.of(self._terms, self._cost) if self._is_warm else None
+        """Where it is warm, no other solver is asked for, and what is compiled covers the programs."""
+        wanted = self._is_warm and self._solver_name is None
+        self._compiled = CompiledPlanning.of(self._terms, self._cost) if wanted else None
 
     def _look_back_at(self, wrenches: Array) -> None:
         self._last.wrenches = wrenches

@@ -235,8 +235,7 @@ def test_every_name_of_a_package_is_there(name):
 
 
 def test_the_dependencies_are_what_is_imported():
-    """Beside two that the project's users ask for: the tests' runner, and the interface that its solvers are compared
-    by."""
+    """Beside the tests' runner, which the project's users ask for."""
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     extras = [name for names in declared["optional-dependencies"].values() for name in names]
     named = {re.split(r"[^\w.-]", line)[0] for line in declared["dependencies"]}
@@ -254,7 +253,7 @@ def test_the_dependencies_are_what_is_imported():
     used = {distribution for home in homes for distribution in listed.get(home, [home])}
     optional = {re.split(r"[^\w.-]", line)[0] for line in extras}
     assert used - optional <= named | {"mujoco", "pinocchio", "rtbdata"}
-    assert named - used == {"pytest", "qpsolvers"}
+    assert named - used == {"pytest"}
 
 
 # --- the checker bites --------------------------------------------------------------------------------------

@@ -48,6 +48,8 @@ def _print(plan: Plan) -> None:
         if plan.cart_wrench is not None and plan.wheel_side_force is not None:
             fx, fy, tau = plan.cart_wrench
             beside = f"the fixed wheels take {plan.wheel_side_force:.4g} N to their left"
+            if plan.wheel_loads is not None:
+                beside += f", wheels carry {', '.join(f'{load:.4g}' for load in plan.wheel_loads)} N"
             print(f"on the cart: fx {fx:.4g} N, fy {fy:.4g} N, moment {tau:.4g} N·m; {beside}")
         if plan.switched:
             print(f"hold elsewhere than before: {', '.join(plan.switched)}")

@@ -21,7 +21,6 @@ from planning.tracking import build_tracker
 
 from ..arms import Arm
 from ..constraints import RollingConstraints
-from ..contacts import grasp_map_spatial
 from ..effects import ViscousDrag
 from ..floor_reaction import FloorReaction
 from ..frames import Array
@@ -178,10 +177,7 @@ def effort_of(plan: Plan) -> float:
 
 def room(truth: CartModel, motion: Motion, plan: Plan) -> float:
     """How far the true cart is inside the limits when it is pushed so, N."""
-    floor, given = FloorReaction.of(truth, motion), plan.contact_wrenches
-    spatial = np.zeros(6)
-    for arm, wrench_a in given.wrenches.items():
-        spatial += grasp_map_spatial(given.contacts[arm]) @ wrench_a
+    floor, spatial = FloorReaction.of(truth, motion), plan.contact_wrenches.spatial_wrench_b
     loads = floor.loads(spatial)
     skid = FRICTION * loads[:2].sum() - abs(float(floor.lateral(spatial)))
     return float(min(loads.min() - LEAST_LOAD, skid))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import straight_force
 from cartgrasp.frames import Array
 
 from ..limits import CartLimit
@@ -49,8 +50,9 @@ def build_allocation(
 ) -> QuadraticProgram:
     """minimise the objective over F (6n,) such that `Sᵀ sum G_i F_i = Sᵀ wrench_b` and every limit holds."""
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
-    rows = template.contact_rows(contact_array(template, contacts))
-    return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(np.zeros(template.n)))
+    rows, zero = template.contact_rows(contact_array(template, contacts)), np.zeros(template.n)
+    straight = _straight(template, cart, wrench_b)
+    return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(zero, straight))
 
 
 def allocate(
@@ -65,10 +67,11 @@ def allocate(
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
     points = contact_array(template, contacts)
     target = template.basis_b.T @ np.asarray(wrench_b, dtype=float)
-    program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n)))
+    straight = _straight(template, cart, wrench_b)
+    program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n), straight))
     allocation = conclude(template, points, program, QuadraticSolver().solve(program))
     if allocation.status == OPTIMAL and isinstance(objective, Lexicographic):
-        second = objective.second_cost(template.arms, np.zeros(template.n))
+        second = template.second_cost(np.zeros(template.n), straight)
         return _solved(template, *second_stage(QuadraticSolver(), program, allocation.solution, second))
     return allocation
 
@@ -107,6 +110,14 @@ def contact_array(template: AllocationTemplate, contacts: Mapping[str, ArrayLike
     if points.shape != (len(template.arms), 3) or not np.isfinite(points).all():
         raise UsageError("contacts: each must be three finite numbers (x, y, z in {b}, m)")
     return points
+
+
+def _straight(template: AllocationTemplate, cart: CartModel, wrench_b: ArrayLike) -> float:
+    """N, at rest; zero where no cost asks for it."""
+    if not template.looks_at_wheels:
+        return 0.0
+    slope, besides = straight_force(cart)
+    return float(slope @ np.asarray(wrench_b, dtype=float)) + besides
 
 
 def _solved(template: AllocationTemplate, program: QuadraticProgram, solution: QPSolution) -> Allocation:

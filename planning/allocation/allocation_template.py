@@ -30,7 +30,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.checks import check_kind, listed
 from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.errors import UsageError
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.model import CartModel
 
 from ..limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
@@ -52,7 +52,7 @@ class AllocationTemplate:
     def __post_init__(self) -> None:
         _ = self._first_cost  # raises what the objective has against these arms
         if isinstance(self.objective, Lexicographic):
-            self.objective.second_cost(self.arms, np.zeros(self.n))
+            self.second_cost(np.zeros(self.n))
 
     @classmethod
     def of(
@@ -80,9 +80,9 @@ class AllocationTemplate:
     def with_arms(self, arms: tuple[Arm, ...], rows: CartRows) -> Self:
         """The same for other arms of the same names, with rows for the cart's limits."""
         other = type(self)(arms, self.basis_b, side_by_side(self.names, map(limits_of, arms)), self.objective, rows)
-        same = {"names", "row_names"}
+        same = {"names", "row_names", "looks_at_wheels"}
         if all(one.yaw == before.yaw for one, before in zip(arms, self.arms, strict=True)):
-            same |= {"yaws", "_along_axes"}
+            same |= {"yaws", "across", "_along_axes"}
         other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
         return other
 
@@ -135,7 +135,28 @@ class AllocationTemplate:
 
     @cached_property
     def _first_cost(self) -> Cost:
-        return self.objective.cost(self.arms, np.zeros(self.n))
+        """Of the first tick, and of any where the objective looks neither back nor at the wheels."""
+        return self._with_side_force(self.objective.cost(self.arms, np.zeros(self.n)), 0.0)
+
+    @cached_property
+    def looks_at_wheels(self) -> bool:
+        """Whether costs change with what the fixed wheels would take of hands that push straight."""
+        costs = [self.objective.cost(self.arms, np.zeros(self.n))]
+        if isinstance(self.objective, Lexicographic):
+            costs.append(self.objective.second_cost(self.arms, np.zeros(self.n)))
+        return any(cost.side_weight for cost in costs)
+
+    def _with_side_force(self, cost: Cost, straight: float) -> Cost:
+        if cost.side_weight and len(self.basis_b.T) == 3:
+            raise UsageError("least side force: a cart on casters alone has no fixed wheels to spare")
+        return cost.with_side_force(self.across, straight) if cost.side_weight else cost
+
+    @cached_property
+    def across(self) -> Array:
+        """The hands' force across the fixed wheels, to their left, by their wrenches, (6n,)."""
+        across, along = np.zeros((len(self.arms), 6)), self.basis_b[:2, 0]
+        across[:, :2] = [np.array([-along[1], along[0]]) @ rotation_planar(yaw) for yaw in self.yaws]
+        return across.ravel()
 
     @cached_property
     def hessian(self) -> Array:
@@ -154,8 +175,17 @@ class AllocationTemplate:
         wide = replace(limits, rows=np.pad(limits.rows, ((0, 0), (0, n_own))), cones=cones)
         return wide.followed_by(epigraph)
 
-    def cost(self, previous: Array) -> Cost:
-        return self.objective.cost(self.arms, previous) if self.objective.looks_back else self._first_cost
+    def cost(self, previous: Array, straight: float = 0.0) -> Cost:
+        """After wrenches (6n,), where the fixed wheels take `straight` (N, to their left) of hands without any force
+        across them (`floor_reaction.straight_force`)."""
+        if not (self.objective.looks_back or self.looks_at_wheels):
+            return self._first_cost
+        return self._with_side_force(self.objective.cost(self.arms, previous), straight)
+
+    def second_cost(self, previous: Array, straight: float = 0.0) -> Cost:
+        """As `cost`, of the second in a lexicographic order."""
+        assert isinstance(self.objective, Lexicographic)
+        return self._with_side_force(self.objective.second_cost(self.arms, previous), straight)
 
     def effort(self, wrenches: Array) -> float:
         """`sum weight component²` by the arms' own weights, whatever the objective."""

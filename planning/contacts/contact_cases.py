@@ -70,10 +70,10 @@ class Question:
 class CaseSolver:
     """Warm solvers for point cases and range cases, each for efforts and for distances."""
 
-    def __init__(self, template: AllocationTemplate) -> None:
+    def __init__(self, template: AllocationTemplate, solver: str | None = None) -> None:
         self.template = template
         self.solved = 0
-        self._effort = {is_range: QuadraticSolver() for is_range in (False, True)}
+        self._effort = {is_range: QuadraticSolver(name=solver) for is_range in (False, True)}
         self._distance = {is_range: QuadraticSolver(always_feasible=True) for is_range in (False, True)}
 
     def answer(self, question: Question, high: Array, low: Array, hull: Array | None = None) -> Answer:

@@ -52,7 +52,7 @@ class EmbeddedProblem:
         program = template.program(template.contact_rows(points), np.zeros(template.basis_b.shape[1]), cost)
         if program.cones:
             cone = program.cones[0].name
-            raise UsageError(f"{cone}: C is exported for linear limits only; set friction's `sides` to a number")
+            raise UsageError(f"{cone}: C is exported for linear limits only; set its `sides` to a number")
         return cls(template, points, program)
 
     @property

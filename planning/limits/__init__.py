@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from cartgrasp.arms import EXACT, Arm
+from cartgrasp.arms import Arm
+from cartgrasp.friction import EXACT
 
 from .cart_limit import CartLimit, CartRows, Pushed, RowCone, cart_rows
 from .friction_cone import FrictionCone
@@ -15,7 +16,9 @@ from .limit import Limit, LimitRows
 from .payload import Payload
 from .push_only import PushOnly
 from .side_by_side import side_by_side
+from .side_force import SideForce
 from .skid import Skid
+from .soft_finger import SoftFingerLimit
 from .tip_over import TipOver
 from .wrench_box import WrenchBox
 from .wrench_rate import WrenchRate
@@ -33,7 +36,9 @@ __all__ = [
     "PushOnly",
     "Pushed",
     "RowCone",
+    "SideForce",
     "Skid",
+    "SoftFingerLimit",
     "TipOver",
     "WrenchBox",
     "WrenchRate",
@@ -52,6 +57,8 @@ def _stated(arm: Arm) -> list[Limit]:
     stated: list[Limit] = [WrenchBox()]
     if arm.friction is not None:
         stated.append(FrictionCone() if arm.friction.sides == EXACT else FrictionPyramid())
+    if arm.soft_finger is not None:
+        stated.append(SoftFingerLimit())
     if arm.push_only:
         stated.append(PushOnly())
     if math.isfinite(arm.payload):

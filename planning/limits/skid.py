@@ -14,6 +14,7 @@ import numpy as np
 
 from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import check_loads
 
 from .cart_limit import CartLimit, CartRows, Pushed
 
@@ -38,6 +39,7 @@ class Skid(CartLimit):
         fixed = ~cart.wheel_set.is_caster
         if cart.constraints.n_rows != 1 or not fixed.any():
             raise UsageError(f"skid: {cart.name} has no fixed wheels under one no_lateral_slip; only such a cart skids")
+        check_loads(cart)
         floor, share = pushed.floor, self.friction * fixed
         return CartRows(
             of_sum=SIDES[:, None] * floor.lateral_map - share @ floor.load_map,

@@ -10,6 +10,7 @@ import numpy as np
 
 from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import check_loads
 
 from .cart_limit import CartLimit, CartRows, Pushed
 
@@ -31,6 +32,7 @@ class TipOver(CartLimit):
             raise UsageError(
                 f"tip-over: the wheels of {pushed.cart.name} stand in one line; three that don't are needed"
             )
+        check_loads(pushed.cart)
         floor = pushed.floor
         names = _names(len(floor.load_offset))
         return CartRows(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .least_internal_force import LeastInternalForce
 from .least_joint_torque import LeastJointTorque
+from .least_side_force import LeastSideForce
 from .lexicographic import Lexicographic
 from .load_share import LoadShare
 from .nothing import Nothing
@@ -16,6 +17,7 @@ __all__ = [
     "Cost",
     "LeastInternalForce",
     "LeastJointTorque",
+    "LeastSideForce",
     "Lexicographic",
     "LoadShare",
     "Nothing",

@@ -1,7 +1,7 @@
 """All wrenches that an arm can give at a contact and a posture: `{F : rows @ F <= limits}`, F (6,) in {a}.
 
-What an arm states about itself (box, friction pyramid) and what its joints bear, `|Jᵀ F + tau_0| <= tau_max`, are all
-linear, so the set is a polytope; how far it goes in a direction is a linear program.
+What an arm states about itself (box, friction by a number of sides) and what its joints bear, `|Jᵀ F + tau_0| <=
+tau_max`, are all linear, so the set is a polytope; how far it goes in a direction is a linear program.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ class WrenchPolytope:
 
     @classmethod
     def of(cls, arm: Arm) -> WrenchPolytope:
-        """Of all that the arm states about itself; friction as a pyramid."""
+        """Of all that the arm states about itself; friction by a number of sides."""
         stated = limits_of(arm)
         if stated.cones:
-            raise UsageError(f"arm {arm.name}: a polytope needs friction with a number of sides, not the exact cone")
+            raise UsageError(f"arm {arm.name}: a polytope needs friction with a number of sides, not an exact cone")
         rows = np.vstack([np.eye(6), -np.eye(6), stated.rows, -stated.rows])
         limits = np.concatenate([stated.upper, -stated.lower, stated.limits, -stated.low_limits])
         names = (*stated.upper_names, *stated.lower_names, *stated.names, *stated.low_names)

@@ -11,23 +11,33 @@ from typing import Any
 import numpy as np
 from ruamel.yaml.comments import CommentedMap
 
-from cartgrasp.arms import EXACT, Arm, Friction
+from cartgrasp.arms import Arm
 from cartgrasp.cart_file import cart_from_document, load_cart
 from cartgrasp.contacts import ContactSet, Segment
 from cartgrasp.errors import FileError, UsageError
+from cartgrasp.friction import EXACT, Friction
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.reach import Reach
+from cartgrasp.soft_finger import SoftFinger
 from cartgrasp.yaml_file import file_error, read_yaml, validate
 
-from ..limits import CartLimit, InternalForce, Pushed, Skid, TipOver
+from ..limits import CartLimit, InternalForce, Pushed, SideForce, Skid, TipOver
 from ..objectives import Objective
 from ..plan import Plan
 from ..planner import WrenchPlanner
 from .problem_estimate import estimate_of
 from .problem_objective import Refuse, objective_of
-from .problem_schema import ArmEntry, CartLimitsEntry, FrictionEntry, JointsEntry, ProblemEntry, ReachEntry
+from .problem_schema import (
+    ArmEntry,
+    CartLimitsEntry,
+    FrictionEntry,
+    JointsEntry,
+    ProblemEntry,
+    ReachEntry,
+    SoftFingerEntry,
+)
 
 NO_LIMIT = (float("inf"),) * 3
 
@@ -51,6 +61,7 @@ class Problem:
     objective: Objective
     confidence: float | None
     estimate: Estimate | None
+    solver: str | None
 
     def plan(self) -> Plan:
         return self.planner().plan(self.wrench, estimate=self.estimate)
@@ -66,6 +77,7 @@ class Problem:
             relax=self.relax,
             switching_cost=self.switching_cost,
             period=self.period,
+            solver=self.solver,
         )
         planner.start_from(self.last, self.held)
         return planner
@@ -93,9 +105,10 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         last={arm.name: arm.rate.last for arm in entry.arms if arm.rate is not None},
         switching_cost=entry.switching_cost,
         held=_held(entry.arms, refuse),
-        objective=objective_of(entry.objective, arms, refuse),
+        objective=objective_of(entry.objective, (cart, arms), refuse),
         confidence=None if entry.confidence is None else entry.confidence.probability,
         estimate=estimate_of(entry, cart, refuse),
+        solver=_solver(entry.solver, refuse),
     )
 
 
@@ -125,6 +138,9 @@ def _cart_limits(entry: CartLimitsEntry, cart: CartModel, arms: Sequence[Arm], r
     if entry.tip_over is not None:
         least = entry.tip_over.least_load
         limits.append(("tip_over", lambda: TipOver(least)))
+    if entry.side_force is not None:
+        most = entry.side_force.bound
+        limits.append(("side_force", lambda: SideForce(most)))
     if entry.internal_force is not None:
         bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
         limits.append(("internal_force", lambda: InternalForce(bound, (x, y, z))))
@@ -143,6 +159,7 @@ def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
         raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
     held = _contacts(entry, where, refuse)
     friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
+    soft_finger = _soft_finger(entry.soft_finger, [*where, "soft_finger"], refuse)
     joints = _joints(entry.joints, [*where, "joints"], refuse)
     reach = _reach(entry.reach, held, [*where, "reach"], refuse)
     rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
@@ -160,6 +177,7 @@ def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
             wrench_rate=rate or NO_LIMIT * 2,
             joints=joints,
             reach=reach,
+            soft_finger=soft_finger,
         )
     except UsageError as error:
         raise refuse([*where, "name"], str(error)) from error
@@ -174,6 +192,17 @@ def _contacts(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Contac
         return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
     except UsageError as error:
         raise refuse([*where, "contacts" if points else "segment"], str(error)) from error
+
+
+def _solver(name: str | None, refuse: Refuse) -> str | None:
+    if name is None:
+        return None
+    from ..solvers.named_solver import check_installed  # imports qpsolvers
+
+    try:
+        return check_installed(name)
+    except UsageError as error:
+        raise refuse(["solver"], str(error).removeprefix("solver: ")) from error
 
 
 def _held(entries: Sequence[ArmEntry], refuse: Refuse) -> dict[str, Sequence[float]]:
@@ -195,6 +224,13 @@ def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refus
     if sides != EXACT and not (isinstance(sides, int) and not isinstance(sides, bool) and 3 <= sides <= 256):
         raise refuse(where, f"{sides!r} is neither a whole number of 3 to 256 nor `exact`")
     return Friction(entry.mu, sides)
+
+
+def _soft_finger(entry: SoftFingerEntry | None, where: list[str | int], refuse: Refuse) -> SoftFinger | None:
+    try:
+        return None if entry is None else SoftFinger(**dict(entry))
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
 
 
 def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -> JointTorques | None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from cartgrasp.arms import Arm
 from cartgrasp.errors import FileError, UsageError
+from cartgrasp.model import CartModel
 
+from ..allocation.allocation_template import AllocationTemplate
 from ..objectives import (
     LeastInternalForce,
     LeastJointTorque,
+    LeastSideForce,
     LoadShare,
     Nothing,
     Objective,
@@ -24,8 +25,8 @@ from .problem_schema import ObjectiveEntry
 Refuse = Callable[[list[str | int], str], FileError]
 
 
-def objective_of(entry: ObjectiveEntry, arms: Sequence[Arm], refuse: Refuse) -> Objective:
-    """What a term has against its numbers, or against these arms, is refused at its key."""
+def objective_of(entry: ObjectiveEntry, of: tuple[CartModel, Sequence[Arm]], refuse: Refuse) -> Objective:
+    """What a term has against its numbers, or against this cart and these arms, is refused at its key."""
     objective: Objective = WeightedWrench() if entry.effort else Nothing()
     terms = _terms(entry)
     if not (entry.effort or terms):
@@ -33,7 +34,7 @@ def objective_of(entry: ObjectiveEntry, arms: Sequence[Arm], refuse: Refuse) -> 
     for key, add in terms:
         try:
             objective = add(objective)
-            objective.cost(arms, np.zeros(6 * len(arms)))
+            AllocationTemplate.of(*of, objective)
         except UsageError as error:
             raise refuse(["objective", key], str(error)) from error
     return objective
@@ -48,6 +49,8 @@ def _terms(entry: ObjectiveEntry) -> list[tuple[str, Callable[[Objective], Objec
         terms.append(("load_share", lambda base: LoadShare(share.shares, share.weight, base)))
     if (torque := entry.least_joint_torque) is not None:
         terms.append(("least_joint_torque", lambda base: LeastJointTorque(torque.weight, base)))
+    if (sideways := entry.least_side_force) is not None:
+        terms.append(("least_side_force", lambda base: LeastSideForce(sideways.weight, base)))
     if (inner := entry.least_internal_force) is not None:
         x, y, z = inner.axis
         terms.append(("least_internal_force", lambda base: LeastInternalForce(inner.weight, (x, y, z), base)))

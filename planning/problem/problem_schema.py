@@ -78,6 +78,14 @@ class FrictionEntry(StrictModel):
     sides: Any = 4
 
 
+class SoftFingerEntry(StrictModel):
+    mu: NotNegative
+    twist_radius: Positive
+    grip: NotNegative = 0.0
+    normal: str = "x"
+    sides: Any = 8
+
+
 class ArmEntry(StrictModel):
     name: str
     contacts: list[Triple] = Field(default_factory=list)
@@ -85,6 +93,7 @@ class ArmEntry(StrictModel):
     yaw: float = 0.0
     limits: LimitsEntry = LimitsEntry()
     friction: FrictionEntry | None = None
+    soft_finger: SoftFingerEntry | None = None
     weights: list[NotNegative] = Field(default_factory=lambda: [*WEIGHTS], min_length=6, max_length=6)
     push_only: bool = False
     payload: LimitValue | None = None
@@ -102,6 +111,10 @@ class TipOverEntry(StrictModel):
     least_load: NotNegative = 0.0
 
 
+class SideForceEntry(StrictModel):
+    bound: NotNegative
+
+
 class InternalForceEntry(StrictModel):
     bound: NotNegative
     axis: Triple = Field(default_factory=lambda: [0.0, 1.0, 0.0])
@@ -112,6 +125,7 @@ class CartLimitsEntry(StrictModel):
 
     skid: SkidEntry | None = None
     tip_over: TipOverEntry | None = None
+    side_force: SideForceEntry | None = None
     internal_force: InternalForceEntry | None = None
 
 
@@ -144,6 +158,7 @@ class ObjectiveEntry(StrictModel):
     smoothness: SmoothnessEntry | None = None
     load_share: LoadShareEntry | None = None
     least_joint_torque: WeightEntry | None = None
+    least_side_force: WeightEntry | None = None
     least_internal_force: InternalWeightEntry | None = None
     worst_arm: WorstArmEntry | None = None
 
@@ -171,6 +186,7 @@ class ProblemEntry(StrictModel):
     relax: NotNegative = 0.0
     switching_cost: SwitchingCostValue = 0.0
     period: Positive = 1e-3
+    solver: str | None = None
     objective: ObjectiveEntry = ObjectiveEntry()
     motion: MotionEntry | None = None
     confidence: ConfidenceEntry | None = None

@@ -1,9 +1,10 @@
-"""The only rooms that know a solver: daqp first, Clarabel where daqp can't or doesn't, a polish in
-between."""
+"""The only rooms that know a solver: daqp or the one asked for by name first, Clarabel where that can't or doesn't, a
+polish in between."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
@@ -15,22 +16,29 @@ from .polish import polish
 __all__ = ["QuadraticSolver", "solve_with_clarabel"]
 
 
+class Solver(Protocol):
+    """Proposes a solution: `optimal` where that verifies, `infeasible` and `numerical` as it says itself."""
+
+    def solve(self, program: QuadraticProgram) -> QPSolution: ...
+
+
 class QuadraticSolver:
     """Solves programs of one structure, warm; what it returns as `optimal` has been verified.
 
     `always_feasible` is for projections: they have a solution, whatever daqp says, and a Hessian without full
-    rank, where daqp iterates; so each is polished even within tolerance.
+    rank, where daqp iterates; so each is polished even within tolerance. So is what the solver finds that is asked by
+    `name` in the place of daqp; its word that there is no answer counts for nothing.
     """
 
-    def __init__(self, always_feasible: bool = False) -> None:
-        self._daqp = DaqpSolver()
-        self._always_feasible = always_feasible
+    def __init__(self, always_feasible: bool = False, name: str | None = None) -> None:
+        self._first = _first(name)
+        self._always_polished, self._is_named = always_feasible or name is not None, name is not None
 
     def solve(self, program: QuadraticProgram) -> QPSolution:
-        if program.cones:
+        if program.cones and not self._is_named:
             return solve_with_clarabel(program)
-        solution = self._daqp.solve(program)
-        if solution.status in (OPTIMAL, INFEASIBLE) and not self._always_feasible:
+        solution = self._first.solve(program)
+        if solution.status in (OPTIMAL, INFEASIBLE) and not self._always_polished:
             return solution
         if np.isfinite(solution.residuals.equality):
             polished = polish(program, solution)
@@ -39,7 +47,16 @@ class QuadraticSolver:
         if solution.status == OPTIMAL:
             return solution
         fallback = solve_with_clarabel(program)
-        return replace(fallback, message=f"fallback: {solution.message or 'daqp did not reach the tolerance'}")
+        why = solution.message or f"{solution.solver} did not reach the tolerance"
+        return replace(fallback, message=f"fallback: {why}")
+
+
+def _first(name: str | None) -> Solver:
+    if name is None:
+        return DaqpSolver()
+    from .named_solver import NamedSolver  # imports qpsolvers
+
+    return NamedSolver(name)
 
 
 def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cartgrasp.frames import Array
-from planning.quadratic_program import Cone, QPSolution, QuadraticProgram
+from planning.quadratic_program import OPTIMAL, Cone, QPSolution, QuadraticProgram
 
-STEPS = 4
+STEPS, ROUNDS = 4, 10
+ROUNDING = 1e-12  # of the largest value
 
 
 @dataclass
@@ -42,13 +43,27 @@ class _ActiveCone:
 
 
 def polish(program: QuadraticProgram, solution: QPSolution) -> QPSolution:
-    x, y = solution.x.copy(), solution.multipliers
+    """Where the rows that look active don't lead to an answer that verifies, those that pull the wrong way are left
+    out, those that are broken are held, and so on: a primal-dual active set method (Hintermüller and others, 2002)."""
     active, target = _active_rows(program, solution)
+    for _ in range(ROUNDS):
+        found = _settled(program, solution, active, target)
+        if found.status == OPTIMAL or program.cones or not np.isfinite(found.x).all():
+            return found
+        before, (active, target) = active, _corrected(program, found, active, target)
+        if np.array_equal(before, active):
+            break
+    return found
+
+
+def _settled(program: QuadraticProgram, solution: QPSolution, active: Array, target: Array) -> QPSolution:
+    """From a solution, with these rows of (x, R x) held at `target` (n + m,)."""
+    x, y = solution.x.copy(), solution.multipliers
     cones = _active_cones(program, solution)
-    rows = np.vstack([np.eye(program.n), program.rows])[active]
+    rows, held = program.stacked[program.n :][active], target[active]
     dual = y[active].copy()
     for _ in range(STEPS if cones else 2):
-        step, dual_step = _newton_step(program, (x, dual), (rows, target), list(cones.values()))
+        step, dual_step = _newton_step(program, (x, dual), (rows, held), list(cones.values()))
         x, start = x + step, len(dual)
         dual = dual + dual_step[:start]
         for cone in cones.values():
@@ -83,12 +98,22 @@ def _newton_step(
 
 
 def _active_rows(program: QuadraticProgram, solution: QPSolution) -> tuple[Array, Array]:
-    """Which entries of (x, R x) are held, and at what."""
-    y, values = solution.multipliers, np.concatenate([solution.x, program.rows @ solution.x])
+    """Which entries of (x, R x) are held, and at what any would be, both (n + m,)."""
+    y, values = solution.multipliers, program.stacked[program.n :] @ solution.x
     slack = np.where(y > 0, program.upper - values, values - program.lower)
     fixed = program.sense | (program.lower == program.upper)
     active = fixed | ((y != 0) & (np.abs(y) > slack))
-    return active, np.where(y > 0, program.upper, np.where(fixed, program.upper, program.lower))[active]
+    return active, np.where(fixed | (y > 0), program.upper, program.lower)
+
+
+def _corrected(program: QuadraticProgram, found: QPSolution, active: Array, target: Array) -> tuple[Array, Array]:
+    y, values = found.multipliers, program.stacked[program.n :] @ found.x
+    room = ROUNDING * max(1.0, float(np.abs(values).max(initial=0.0)))
+    fixed = program.sense | (program.lower == program.upper)
+    above, below = values > program.upper + room, values < program.lower - room
+    pulls = np.where(target == program.upper, y >= 0, y <= 0)
+    held = fixed | (active & pulls) | above | below
+    return held, np.where(above, program.upper, np.where(below, program.lower, target))
 
 
 def _active_cones(program: QuadraticProgram, solution: QPSolution) -> dict[int, _ActiveCone]:

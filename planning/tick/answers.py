@@ -31,11 +31,11 @@ class Solved(NamedTuple):
 
 
 class Answers:
-    """Makes plans for terms; `relax` is how far a relaxed plan may be from what is asked."""
+    """Makes plans for terms; `relax` is how far a relaxed plan may be from what is asked, `solver` a name of one."""
 
-    def __init__(self, terms: Terms, relax: float) -> None:
+    def __init__(self, terms: Terms, relax: float, solver: str | None = None) -> None:
         self._terms, self._relax = terms, relax
-        self._second_solver = QuadraticSolver()
+        self._second_solver = QuadraticSolver(name=solver)
         self._shown: dict[str, Array] = {}
         self._shown_points = np.zeros((0, 3))
 
@@ -68,7 +68,7 @@ class Answers:
         program, solution, base = solved.program, solved.solution, self._terms.base
         proof = proof or ChoiceProof(solution.cost, 0.0, 1)
         if isinstance(base.objective, Lexicographic):
-            second = base.objective.second_cost(base.arms, last)
+            second = base.second_cost(last, self._terms.straight)
             program, solution = second_stage(self._second_solver, program, solution, second)
         wrenches = solution.x if len(solution.x) == base.n else solution.x[: base.n]
         wrenches.setflags(write=False)  # plans show them
@@ -82,7 +82,7 @@ class Answers:
             message=solution.message,
             tell=lambda: Figures(base.effort(wrenches), program.active(solution), solution.residuals, proof),
             prove=lambda: (program, solution),
-            side_force=self._terms.side_force,
+            wheel_forces=self._terms.wheel_forces,
         )
 
     def _relaxed(self, solved: Solved, allocation: Allocation, last: Array, proof: ChoiceProof | None) -> Plan | None:

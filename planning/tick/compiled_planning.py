@@ -155,7 +155,7 @@ class CompiledPlanning:
             "solver": SOLVER,
             "message": "",
             "tell": partial(_told, self._terms.template, answer, found.names, choice),
-            "side_force": self._terms.side_force,
+            "wheel_forces": self._terms.wheel_forces,
             "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer),
         }
         return Plan.of(fields)

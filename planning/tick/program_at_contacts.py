@@ -32,6 +32,6 @@ class ProgramAtContacts:
         program = self._program.with_equality_value(target)
         if self._terms.rate is not None:
             program = program.with_bounds(self._terms.template.limits)
-        if base.objective.looks_back:
+        if base.objective.looks_back or base.looks_at_wheels:
             program = program.with_gradient(cost.gradient, cost.constant)
         return program

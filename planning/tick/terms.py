@@ -7,7 +7,7 @@ the bounds about the last wrench; new arms cost their rows.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactSet
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import lateral_force
+from cartgrasp.floor_reaction import WheelForces, straight_force
 from cartgrasp.frames import Array
 from cartgrasp.reach import Reach
 
@@ -23,7 +23,7 @@ from ..allocation.allocation_template import AllocationTemplate
 from ..contacts.contact_bounds import Candidates
 from ..limits import LimitRows, Pushed, WrenchRate
 from ..limits.robust import RobustLimits
-from ..objectives import Objective
+from ..objectives import Cost, Objective
 from ..plan import INVALID_INPUT
 from .estimate_inputs import read_cart, read_covariance
 from .plan_inputs import LARGEST_WRENCH, RefusedError
@@ -57,8 +57,10 @@ class Terms:
         self._pushed = Pushed(cart, None, base.arms)
         self._covariance: Array | None = None
         self.estimate: Estimate | None = None
-        self.side_force: Callable[[Array], float] = partial(lateral_force, cart)
-        """N that the fixed wheels take under a wrench (3,) of the hands."""
+        self.wheel_forces: Callable[[Array], WheelForces] = partial(WheelForces.of, cart)
+        """What the wheels take under a spatial wrench (6,) of the hands."""
+        self.straight = 0.0
+        """N that they take of hands which give what is asked, and nothing across the wheels."""
         self._places: list[tuple[ContactSet, Reach | None]] = []
         self._cart_limits = cart_limits
         self._distance, self._period = distance_and_period
@@ -78,6 +80,20 @@ class Terms:
             raise RefusedError(INVALID_INPUT, str(error)) from error
         self._pushed = pushed
         return True
+
+    def cost(self, last: Array, asked: Sequence[float]) -> Cost:
+        """After wrenches (6n,), where the cart is to get a wrench (3,)."""
+        if self.base.looks_at_wheels:
+            slope, besides = self._straight_force
+            self.straight = float(slope.dot(asked)) + besides
+        return self.base.cost(last, self.straight)
+
+    @cached_property
+    def _straight_force(self) -> tuple[Array, float]:
+        """Of the estimate given last."""
+        if self.estimate is None:
+            return straight_force(self._pushed.cart)
+        return straight_force(read_cart(self.estimate, self.base.basis_b), self.estimate.motion)
 
     @property
     def first(self) -> Array:
@@ -118,7 +134,8 @@ class Terms:
         return True
 
     def _believe(self, estimate: Estimate) -> None:
-        self.estimate, self.side_force = estimate, partial(_side_force, estimate, self.base.basis_b)
+        self.__dict__.pop("_straight_force", None)
+        self.estimate, self.wheel_forces = estimate, partial(_wheel_forces, estimate, self.base.basis_b)
 
     def take_last(self, wrenches: Array) -> None:
         """Bounds about the last wrenches (6n,), where an arm has a rate."""
@@ -154,8 +171,8 @@ def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
     return np.zeros_like(wrenches) if outside else scale * wrenches
 
 
-def _side_force(estimate: Estimate, basis_b: Array, wrench_b: Array) -> float:
-    return lateral_force(read_cart(estimate, basis_b), wrench_b, estimate.motion)
+def _wheel_forces(estimate: Estimate, basis_b: Array, wrench_b: Array) -> WheelForces:
+    return WheelForces.of(read_cart(estimate, basis_b), wrench_b, estimate.motion)
 
 
 def _within_reach(arm: Arm) -> ContactSet:

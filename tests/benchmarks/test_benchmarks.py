@@ -12,6 +12,7 @@ from benchmarks import cold_start
 ROOT = Path(__file__).parents[2]
 TITLES = (
     "Allocation at given contacts",
+    "Any solver by its name",
     "Bags",
     "Campaign",
     "Choice of contacts",

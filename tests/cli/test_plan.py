@@ -136,7 +136,13 @@ def test_random_problems_reach_the_optimum(capsys, tmp_path, seed):
         check_infeasible(answer, A, b, C, h)
         return
     assert answer.status == 0
-    assert set(document) == KEYS | {"margins", "cart_wrench", "wheel_side_force"}
+    has_loads = "com_height" in cart_text(kind, axle_x)
+    assert set(document) == KEYS | {"margins", "cart_wrench", "wheel_side_force"} | (
+        {"wheel_loads"} if has_loads else set()
+    )
+    if has_loads:
+        carried = 9.81 * 24.0 - sum(a["wrench"][2] for a in document["arms"].values())
+        assert sum(document["wheel_loads"]) == pytest.approx(carried)
     assert document["status"] == "optimal"
     assert document["certificate"] is None
     assert list(document["arms"]) == [a["name"] for a in problem["arms"]]

@@ -11,7 +11,7 @@ import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_spatial
 from cartgrasp.effects import LoadSlosh, PayloadChange, RollingResistance, ViscousDrag, WheelMisalignment
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import FloorReaction
+from cartgrasp.floor_reaction import FloorReaction, check_loads
 from cartgrasp.motion import Motion
 
 TRICYCLE = (cg.Wheel("fixed", 0.1, 0.3), cg.Wheel("fixed", 0.1, -0.25), cg.Wheel("caster", 0.8, 0.05, 0.04))
@@ -123,11 +123,14 @@ def test_partials_at_the_bound_of_an_effect_are_whole():
     assert slope.load_offset == pytest.approx(grown / 1e-3, rel=1e-6)
 
 
-def test_what_it_needs():
+def test_what_loads_need():
     for changes in ({"wheels": ()}, {"com_height": None}):
         model = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), **({"wheels": TRICYCLE, "com_height": 0.4} | changes))
         with pytest.raises(UsageError, match="wheels and com_height are needed"):
-            FloorReaction.of(model)
+            check_loads(model)
+        for floor in (FloorReaction.of(model), FloorReaction.by_parameters(model)):
+            assert floor.load_map.size == floor.load_offset.size == 0  # the lateral force is told all the same
+            assert np.abs(floor.lateral_map).max() > 0
 
 
 def test_casters_leave_a_push_to_the_mass():

@@ -20,6 +20,7 @@ WITH_EXAMPLE = [
     "cartgrasp.CartModel",
     "cartgrasp.Measurement",
     "cartgrasp.RunLog",
+    "cartgrasp.SoftFinger",
     "cartgrasp.load_cart",
     "cartgrasp.read_log",
     "cartgrasp.simulation.ModelPlant",

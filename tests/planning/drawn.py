@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from scipy.optimize import linprog
+from scipy.spatial import ConvexHull
 
 from cartgrasp.arms import Arm, Friction
 from cartgrasp.constraints import RollingConstraints
@@ -11,6 +14,7 @@ from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.inertia import Inertia
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
+from cartgrasp.soft_finger import SoftFinger
 
 FORCE, MOMENT = (60.0, 60.0, 40.0), (8.0, 8.0, 6.0)
 
@@ -69,7 +73,7 @@ def random_arms(rng, n, n_points=1, sides=None):
 
 
 def random_strength(rng):
-    """What some arms state beside a wrench box: push only, a payload, joints that bear so much."""
+    """What some arms state beside a wrench box: push only, a payload, joints that bear so much, soft fingers."""
     more = {}
     if rng.random() < 0.2:
         more["push_only"] = True
@@ -78,6 +82,9 @@ def random_strength(rng):
     if rng.random() < 0.2:
         at_rest, n = rng.uniform(-5, 5, 7), 7
         more["joints"] = JointTorques(rng.uniform(-1, 1, (6, n)), at_rest, np.abs(at_rest) + rng.uniform(0, 30, n))
+    if rng.random() < 0.2:
+        grip, sides = float(rng.choice([0.0, 30.0])), int(rng.choice([3, 4, 8]))
+        more["soft_finger"] = SoftFinger(float(rng.uniform(0.2, 1)), float(rng.uniform(0.01, 0.1)), grip, "z", sides)
     return more
 
 
@@ -93,6 +100,7 @@ def replace_friction(a, friction):
         push_only=a.push_only,
         payload=a.payload,
         joints=a.joints,
+        soft_finger=a.soft_finger,
     )
 
 
@@ -114,6 +122,14 @@ def linear_limits(arms):
             at_rest, most = a.joints.gravity_torque, a.joints.torque_limit
             rows += [*wide[np.isfinite(most)], *-wide[np.isfinite(most)]]
             limits += [*(most - at_rest)[np.isfinite(most)], *(most + at_rest)[np.isfinite(most)]]
+        if a.soft_finger is not None:
+            normals, distances = soft_finger_sides(a.soft_finger)
+            wide = np.zeros((len(normals), 6 * len(arms)))
+            wide[:, 6 * i : 6 * i + 6] = normals
+            rows += [*wide]
+            limits += [*distances]
+            if not a.soft_finger.grip:
+                bounds[6 * i + 2] = (0.0, bounds[6 * i + 2][1])
         if a.friction is None:
             continue
         sides, mu = a.friction.sides, a.friction.mu
@@ -128,6 +144,20 @@ def linear_limits(arms):
             limits.append(0.0)
     matrix = np.array(rows).reshape(len(rows), 6 * len(arms))
     return matrix, np.array(limits), bounds
+
+
+@cache
+def soft_finger_sides(finger):
+    """Of pads whose normal is z, as the hull of corners on the ellipsoid: rows (k, 6) and limits (k,)."""
+    rings = max(1, round(finger.sides / 4))
+    up, around = np.pi / 2 * np.arange(-rings, rings + 1) / rings, 2 * np.pi * np.arange(finger.sides) / finger.sides
+    corners = [(np.cos(b) * np.cos(a), np.cos(b) * np.sin(a), np.sin(b)) for b in up for a in around]
+    sides = ConvexHull(np.unique(np.round(corners, 14), axis=0)).equations  # of triangles, some in one plane
+    rows = np.zeros((len(sides), 6))
+    rows[:, :2], rows[:, 5] = sides[:, :2], sides[:, 2] / finger.twist_radius
+    if not finger.grip:
+        rows[:, 2] = finger.mu * sides[:, 3]
+    return rows, -sides[:, 3] * finger.mu * 2 * finger.grip
 
 
 def effective_matrix(model, arms, contacts):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linprog, nnls
 
-from cartgrasp.arms import EXACT
+from cartgrasp.friction import EXACT
 
 from .drawn import effective_matrix, linear_limits, replace_friction
 

@@ -12,9 +12,11 @@ from cartgrasp.motion import Motion
 from planning import (
     InternalForce,
     LeastInternalForce,
+    LeastSideForce,
     Lexicographic,
     Nothing,
     SearchLimit,
+    SideForce,
     Skid,
     Smoothness,
     TipOver,
@@ -32,6 +34,7 @@ OBJECTIVES = [
     Smoothness(1.0),
     WorstArm(10.0),
     LeastInternalForce(1.0),
+    LeastSideForce(2.0),
     Lexicographic(WorstArm(1.0, Nothing()), WeightedWrench()),
 ]
 
@@ -58,6 +61,14 @@ def drawn_arm(rng, name):
         payload=float(rng.choice([np.inf, 3.0, 0.0])),
         wrench_rate=rng.choice([np.inf, 500.0, 1e4], 6),
         joints=joints(rng) if rng.random() < 0.5 else None,
+        soft_finger=drawn_finger(rng) if rng.random() < 0.3 else None,
+    )
+
+
+def drawn_finger(rng):
+    grip, sides = float(rng.choice([0.0, 20.0, 80.0])), [3, 4, 8, "exact"][int(rng.integers(4))]
+    return cg.SoftFinger(
+        float(rng.uniform(0.1, 1)), float(rng.uniform(0.005, 0.05)), grip, str(rng.choice([*"xyz"])), sides
     )
 
 
@@ -65,7 +76,13 @@ def drawn_limits(rng, cart):
     limits = [TipOver(float(rng.uniform(0, 30)))] if rng.random() < 0.5 else []
     limits += [InternalForce(float(rng.uniform(0, 20)), tuple(rng.normal(size=3)))] if rng.random() < 0.5 else []
     limits += [Skid(float(rng.uniform(0, 0.8)))] if cart.constraints.n_rows == 1 and rng.random() < 0.5 else []
+    limits += [SideForce(float(rng.uniform(5, 60)))] if cart.constraints.n_rows and rng.random() < 0.3 else []
     return limits
+
+
+def drawn_objective(seed, cart):
+    objective = OBJECTIVES[seed % len(OBJECTIVES)]
+    return None if isinstance(objective, LeastSideForce) and cart.constraints.n_rows == 0 else objective
 
 
 def excess(arm, wrench, last):
@@ -77,6 +94,11 @@ def excess(arm, wrench, last):
         broken.append(-wrench[0])
     if arm.friction is not None:
         broken.append(np.hypot(wrench[1], wrench[2]) - arm.friction.mu * wrench[0])
+    if arm.soft_finger is not None:
+        finger, axis = arm.soft_finger, "xyz".index(arm.soft_finger.normal)
+        borne = [*np.delete(wrench[:3], axis), wrench[3 + axis] / finger.twist_radius]
+        pressed = 2 * finger.grip or wrench[axis]
+        broken.append(np.linalg.norm(borne) - finger.mu * pressed)
     if arm.joints is not None:
         broken.append(np.max(np.abs(arm.joints.torques(wrench)) - arm.joints.torque_limit))
     return max(broken)
@@ -98,7 +120,7 @@ def test_answers_are_safe_and_true(seed):
     planner = WrenchPlanner(
         cart,
         arms,
-        objective=OBJECTIVES[seed % len(OBJECTIVES)],
+        objective=drawn_objective(seed, cart),
         cart_limits=limits,
         relax=float(rng.choice([0.0, 5.0, np.inf])),
         switching_cost=30.0 * (seed // len(OBJECTIVES) % 2),
@@ -129,7 +151,7 @@ def test_answers_are_safe_and_true(seed):
 
 def check_floor(cart, limits, motion, plan, tolerance):
     """Skid and tip-over, of the sum of the hands' wrenches."""
-    if not any(isinstance(limit, TipOver | Skid) for limit in limits):
+    if not any(isinstance(limit, TipOver | Skid | SideForce) for limit in limits):
         return
     maps = {name: grasp_map_spatial(plan.contacts[name], plan.yaws[name]) for name in plan.wrenches}
     hands = sum(maps[name] @ wrench for name, wrench in plan.wrenches.items())
@@ -140,3 +162,5 @@ def check_floor(cart, limits, motion, plan, tolerance):
             assert loads.min() >= limit.least_load - tolerance
         elif isinstance(limit, Skid):
             assert abs(floor.lateral(hands)) <= limit.friction * loads[:2].sum() + tolerance
+        elif isinstance(limit, SideForce):
+            assert abs(floor.lateral(hands)) <= limit.bound + tolerance

@@ -209,7 +209,7 @@ def test_the_fallback_is_reported(monkeypatch):
     solver = QuadraticSolver()
     failed = replace(solver.solve(program), status="numerical", message="daqp gave up (flag -2)")
     failed = replace(failed, residuals=failed.residuals._replace(equality=np.inf))
-    monkeypatch.setattr(solver._daqp, "solve", lambda _: failed)
+    monkeypatch.setattr(solver._first, "solve", lambda _: failed)
     solution = solver.solve(program)
     assert solution.status == "optimal"
     assert solution.solver.startswith("clarabel")

@@ -9,6 +9,7 @@ from cartgrasp.joint_torques import JointTorques
 from planning import (
     LeastInternalForce,
     LeastJointTorque,
+    LeastSideForce,
     Lexicographic,
     LoadShare,
     Nothing,
@@ -29,6 +30,7 @@ OBJECTIVES = [
     Smoothness(0.5, WorstArm(5.0)),
     Smoothness(2.0, LeastJointTorque(0.4)),
     LeastInternalForce(3.0, (0.0, 1.0, 0.3)),
+    LeastSideForce(3.0, Smoothness(0.5)),
     LeastJointTorque(0.3, Nothing()),
     LoadShare({"left": 0.7, "right": 0.3}, 3.0),
     Lexicographic(WorstArm(1.0, Nothing()), WeightedWrench()),
@@ -43,8 +45,9 @@ def pair(**changes):
 
 def bound_and_cost(objective, previous, **changes):
     arms = pair(**changes)
-    cost = objective.cost(arms, previous)
-    return least_cost(AllocationTemplate.of(cart(), arms, objective), cost), cost
+    template = AllocationTemplate.of(cart(), arms, objective)
+    cost = template.cost(previous, 12.0)
+    return least_cost(template, cost), cost
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES, ids=lambda one: type(one).__name__)

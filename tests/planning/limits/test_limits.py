@@ -9,13 +9,26 @@ import pytest
 from cartgrasp.arms import Friction
 from cartgrasp.errors import UsageError
 from cartgrasp.joint_torques import JointTorques
+from cartgrasp.soft_finger import SoftFinger
 from planning import allocate
-from planning.limits import FrictionCone, FrictionPyramid, JointTorque, Payload, PushOnly, WrenchBox, limits_of
+from planning.limits import (
+    FrictionCone,
+    FrictionPyramid,
+    JointTorque,
+    Payload,
+    PushOnly,
+    SoftFingerLimit,
+    WrenchBox,
+    limits_of,
+)
 
 from ..drawn import arm, cart, first_contacts
 
 ARM = arm(force_limit=(60, 50, 40), moment_limit=(8, 7, 6), friction=Friction(0.6, 5))
 CONE_ARM = arm(friction=Friction(0.6, "exact"))
+OPEN = arm(friction=None, soft_finger=SoftFinger(0.6, 0.01, sides="exact"))
+PINCH = arm(friction=None, soft_finger=SoftFinger(0.6, 0.01, 100.0, "z", "exact"))
+COARSE = arm(friction=None, soft_finger=SoftFinger(0.6, 0.01, 100.0, "z", 4))
 LEVERS = np.zeros((6, 2))
 LEVERS[1], LEVERS[5] = (0.7, 0.3), (1.0, 1.0)  # two links along x
 LINKS = arm(friction=None, joints=JointTorques(LEVERS, [5.0, 0.0], [20.0, 10.0]))
@@ -36,6 +49,11 @@ BOUNDARIES = [
     (JointTorque(), LINKS, np.array([0, -40.0, 0, 0, 0, 3.0]), "joint 0 torque lower"),
     (JointTorque(), LINKS, np.array([0, -10.0, 9.0, 0, 0, 13.0]), "joint 1 torque upper"),
     (FrictionCone(), CONE_ARM, np.array([10, 3.6, -4.8, 0, 0, 0]), "friction cone"),
+    (SoftFingerLimit(), OPEN, np.array([10, 2.0, -4.0, 0.04, 0, 0]), "soft finger"),
+    (SoftFingerLimit(), OPEN, np.array([0.0, 0, 0, 0, 9, 9]), "push only"),
+    (SoftFingerLimit(), PINCH, np.array([40.0, 80, 500, 0, 0, 0.8]), "soft finger"),
+    (SoftFingerLimit(), COARSE, np.array([40.0, 50, -30, 9, 9, 0.3]), "soft finger side 4"),
+    (SoftFingerLimit(), COARSE, np.array([40.0, 50, -30, 9, 9, -0.3]), "soft finger side 0"),
 ]
 
 
@@ -103,6 +121,8 @@ def test_asking_a_limit_of_the_wrong_arm():
         FrictionCone().rows(arm(friction=None))
     with pytest.raises(UsageError, match="left"):
         JointTorque().rows(arm())
+    with pytest.raises(UsageError, match="left"):
+        SoftFingerLimit().rows(arm())
 
 
 @pytest.mark.parametrize("wrench", [(30, 0, 2), (30, 0, 15), (55, 0, -18), (15, 0, 6)])

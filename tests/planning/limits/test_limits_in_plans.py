@@ -17,7 +17,7 @@ from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.motion import Motion
 from planning import WrenchPlanner, allocate
-from planning.limits import InternalForce, Skid, TipOver
+from planning.limits import InternalForce, SideForce, Skid, TipOver
 
 from ..contacts.test_contact_choice_with_cart_limits import WHEELS
 
@@ -81,6 +81,15 @@ def skid(F):
     return [cvxpy.abs(lateral) <= 0.3 * (loads[0] + loads[1])]
 
 
+def side_force(F):
+    return [cvxpy.abs(at_rest(F)[1]) <= 8.0]
+
+
+def soft_finger(F):
+    """Two fingers of 25 N above and below the handle; the right hand as it is."""
+    return [cvxpy.norm(cvxpy.hstack([F[0][0], F[0][1], F[0][5] / 0.03])) <= 2 * 0.6 * 25.0]
+
+
 EXAMS = {
     "push only": Exam((-20, 0, 4), (40, 0, 1), ("left: push only",), lambda F: [F[0][0] >= 0], {"push_only": True}),
     "payload": Exam(
@@ -102,6 +111,14 @@ EXAMS = {
     ),
     "tip over": Exam((-110, 0, 0), (40, 0, 3), ("wheel 2 load", "wheel 3 load"), tip_over, {}, (TipOver(20.0),)),
     "skid": Exam((40, 0, 26), (40, 0, 3), ("skid to the right",), skid, {}, (Skid(0.3),)),
+    "side force": Exam((40, 0, 14), (40, 0, 1), ("side force to the left",), side_force, {}, (SideForce(8.0),)),
+    "soft finger": Exam(
+        (60, 0, 6),
+        (20, 0, 0.5),
+        ("left: soft finger",),
+        soft_finger,
+        {"soft_finger": cg.SoftFinger(0.6, 0.03, 25.0, "z", "exact")},
+    ),
 }
 
 
@@ -227,6 +244,8 @@ def estimate_at(motion, time=1.0):
         (lambda: Skid(-1.0), "skid: friction"),
         (lambda: TipOver(np.nan), "tip-over: least_load"),
         (lambda: InternalForce(-1.0), "internal force: bound"),
+        (lambda: SideForce(np.nan), "side force: bound"),
+        (lambda: plain(SideForce(9.0)), "side force: cart has no fixed wheels"),
         (lambda: InternalForce(1.0, (0, 0, 0)), "internal force: axis"),
         (lambda: plain(Skid(0.5)), "skid: cart has no fixed wheels"),
         (lambda: plain(TipOver()), "wheels of cart stand in one line"),
@@ -241,6 +260,33 @@ def test_what_is_refused(make, words):
 def plain(limit, wheels=()):
     cart = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), cg.RollingConstraints(None), wheels=wheels)
     return WrenchPlanner(cart, hands({}), cart_limits=[limit])
+
+
+def test_a_side_force_needs_no_wheel_loads():
+    cart = cg.CartModel(cg.Inertia(MASS, COM, INERTIA), cg.RollingConstraints(0.0))
+    plan = WrenchPlanner(cart, hands({}), cart_limits=[SideForce(8.0)]).plan((40, 0, 14))
+    assert plan.wheel_side_force == pytest.approx(8.0)
+    assert plan.wheel_loads is None
+    assert plan.effort == pytest.approx(planner_of(EXAMS["side force"]).plan((40, 0, 14)).effort)
+
+
+@pytest.mark.parametrize("warm", [False, True])
+def test_a_plan_tells_what_its_wheels_take(warm):
+    """By the balance of forces and moments written down above, at rest; on the limits these are what limits allow."""
+    made = WrenchPlanner(shopping_cart(), hands({}), cart_limits=[TipOver(20.0), SideForce(8.0)])
+    if warm:
+        made.warm_up()
+    for wrench in ((40, 0, 14), (-110, 0, 0), (30, 5, -3)):
+        plan = made.plan(wrench)
+        loads, lateral = at_rest([cvxpy.Constant(plan.wrenches[name]) for name in ("left", "right")])
+        assert plan.wheel_loads == pytest.approx(loads.value, rel=1e-9)
+        assert plan.wheel_side_force == pytest.approx(float(lateral.value), abs=1e-9)
+        assert plan.as_dict()["wheel_loads"] == plan.wheel_loads.tolist()
+        assert sum(plan.wheel_loads) == pytest.approx(9.81 * MASS - sum(w[2] for w in plan.wrenches.values()))
+    held = made.plan_or_hold((np.nan, 0, 0))  # decays
+    loads, _ = at_rest([cvxpy.Constant(held.contact_wrenches.wrenches[name]) for name in ("left", "right")])
+    assert held.wheel_loads == pytest.approx(loads.value, rel=1e-9)
+    assert made.plan((4000, 0, 0)).wheel_loads is None
 
 
 def test_a_contradiction_whatever_the_contacts():

@@ -14,7 +14,7 @@ import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.inertia import physical_jacobian
 from cartgrasp.motion import Motion
-from planning import InternalForce, Skid, TipOver, WrenchPlanner
+from planning import InternalForce, SideForce, Skid, TipOver, WrenchPlanner
 from planning.limits import Pushed
 from planning.limits.robust import RobustLimits, root
 
@@ -78,8 +78,29 @@ def test_monte_carlo(name, scale, correlation):
     assert shares[1] > 0.4
 
 
+@pytest.mark.parametrize("name", ["turning", "in a bend"])
+def test_monte_carlo_of_the_side_force(name):
+    (wrench, motion), n = BITES[name], 20000
+    draws = np.random.default_rng(8).multivariate_normal(cart().parameters, covariance(), n, method="cholesky")
+    shares = []
+    for confidence in (0.99, None):
+        planner = WrenchPlanner(cart(), hands(), cart_limits=[SideForce(12.0)], confidence=confidence)
+        plan = planner.plan(wrench, estimate=estimate(covariance(), motion))
+        assert plan.status == "optimal"
+        assert any("side force" in limit for limit in plan.active)
+        shares.append((np.abs(floor_under(plan, draws, motion)[1]) > 12.0).mean())
+    assert 0.0 < shares[0] <= 0.01 + 3 * (0.01 * 0.99 / n) ** 0.5
+    assert shares[1] > 0.4
+
+
 def breaks(plan, phi, motion):
-    """Which of many carts phi (n, 4) break a limit: by the accelerations of each (physics 4), and moments on it."""
+    """Which of many carts phi (n, 4) break a limit."""
+    loads, lateral = floor_under(plan, phi, motion)
+    return (loads.min(axis=0) < 20.0) | (np.abs(lateral) > 0.3 * loads[:2].sum(axis=0))
+
+
+def floor_under(plan, phi, motion):
+    """Loads and lateral force of many carts phi (n, 4): by the accelerations of each (physics 4), and moments on it."""
     (m, mx, my, J), (u, r) = phi.T, motion.velocity
     W = sum(grasp_map_spatial(plan.contacts[name]) @ wrench for name, wrench in plan.wrenches.items())
     push, turn, determinant = W[0] + mx * r**2, W[5] - mx * u * r, m * J - my**2
@@ -87,7 +108,7 @@ def breaks(plan, phi, motion):
     along, across = m * du - my * dr - mx * r**2, m * u * r + mx * dr - my * r**2  # of the momentum, in N
     balance = [9.81 * m - W[2], 9.81 * mx + W[4] - HEIGHT * along, 9.81 * my - W[3] - HEIGHT * across]
     loads = np.linalg.pinv([np.ones(4), *np.array([[w.x, w.y] for w in WHEELS]).T]) @ balance
-    return (loads.min(axis=0) < 20.0) | (np.abs(across - W[1]) > 0.3 * loads[:2].sum(axis=0))
+    return loads, across - W[1]
 
 
 @settings(max_examples=25, deadline=None)

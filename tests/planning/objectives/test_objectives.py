@@ -12,13 +12,17 @@ from scipy.optimize import linprog
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import rotation_planar
+from cartgrasp.inertia import Inertia
 from cartgrasp.joint_torques import JointTorques
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Motion
 from planning import LoadShare, Smoothness, WeightedWrench, WrenchPlanner, allocate
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.allocation.second_stage import second_stage
-from planning.objectives import LeastInternalForce, LeastJointTorque, Lexicographic, Nothing, WorstArm
+from planning.objectives import LeastInternalForce, LeastJointTorque, LeastSideForce, Lexicographic, Nothing, WorstArm
 from planning.quadratic_program import verify
 from planning.solvers import QuadraticSolver
+from planning.tick.compiled_allocation import SOLVER
 
 from ..drawn import arm, cart, effective_matrix, first_contacts
 
@@ -54,6 +58,15 @@ def pressed(f, previous):
     return effort(f, previous) + 4.0 * 2 * (0.5 * (left - right)) ** 2
 
 
+STRAIGHT = 7.0  # N, that the wheels take of hands without any force across them
+
+
+def sideways(f, previous):
+    """The hands' force along {b}'s y takes from it what it gives."""
+    across = (rotation_planar(0.4) @ f[:2])[1] + f[7]
+    return effort(f, previous) + 2.0 * (STRAIGHT - across) ** 2
+
+
 def worst(f, previous):
     limits = np.concatenate([a.wrench_limit for a in ARMS])
     return effort(f, previous) + 900.0 * np.max(np.abs(f) / limits) ** 2
@@ -63,6 +76,13 @@ OBJECTIVES = [
     (LeastJointTorque(0.3), torques),
     (LeastInternalForce(4.0), pressed),
     (WorstArm(900.0), worst),
+    (LeastSideForce(2.0), sideways),
+    (Smoothness(0.5, LeastSideForce(2.0)), lambda f, p: sideways(f, p) + change(f, p) - effort(f, p)),
+    (WorstArm(900.0, LeastSideForce(2.0)), lambda f, p: worst(f, p) + sideways(f, p) - effort(f, p)),
+    (
+        LeastSideForce(1.5, LeastSideForce(0.5, LeastInternalForce(4.0))),
+        lambda f, p: sideways(f, p) + pressed(f, p) - effort(f, p),
+    ),
     (WorstArm(900.0, Smoothness(0.5)), lambda f, p: worst(f, p) + change(f, p) - effort(f, p)),
     (Smoothness(0.5, WorstArm(900.0)), lambda f, p: worst(f, p) + change(f, p) - effort(f, p)),
     (
@@ -87,7 +107,8 @@ OBJECTIVES = [
 def test_exam(objective, formula):
     rng = np.random.default_rng(3)
     previous, wrenches = rng.normal(size=12), rng.normal(size=(5, 12))
-    cost = objective.cost(ARMS, previous)
+    template = AllocationTemplate.of(cart(), ARMS, objective)
+    cost = template.cost(previous, STRAIGHT)
     n = len(cost.weights)
     coupling = np.zeros((n, n)) if cost.coupling is None else cost.coupling
     for f in wrenches:
@@ -95,20 +116,21 @@ def test_exam(objective, formula):
         value = cost.weights @ x**2 + cost.gradient @ x + x @ coupling @ x + cost.constant
         assert value == pytest.approx(formula(f, previous), rel=1e-12)
     assert np.linalg.eigvalsh(coupling).min() >= -1e-12
-    template = AllocationTemplate.of(cart(), ARMS, objective)
     assert template.hessian == pytest.approx(2 * np.diag(cost.weights) + 2 * coupling)
-    other = objective.cost(ARMS, previous + 1)
+    other = template.cost(previous + 1, STRAIGHT)
     assert objective.looks_back == (other.constant != cost.constant)
     assert other.weights == pytest.approx(cost.weights)
 
 
 @pytest.mark.parametrize(("objective", "formula"), OBJECTIVES)
 def test_a_plan_is_no_worse_than_its_neighbours(objective, formula):
-    """Steps along the null space of the equality, by the formula and not by the program."""
+    """Steps along the null space of the equality, by the formula and not by the program. Wheels take m dx r' of hands
+    without side force, with r' = tau / J: STRAIGHT at this moment, of a load 0.3 m ahead."""
     planner = WrenchPlanner(cart(), ARMS, objective=objective)
     first = planner.plan((30, 0, 2))
     previous = np.concatenate(list(first.wrenches.values()))
-    plan = planner.plan((36, 0, 1))
+    mass, ahead, inertia = 24.0, 0.3, 2.0 + 24.0 * 0.3**2
+    plan = planner.plan((36, 0, STRAIGHT * inertia / (mass * ahead)))
     x = np.concatenate(list(plan.wrenches.values()))
     template = AllocationTemplate.of(cart(), ARMS)
     matrix = np.hstack(list(template.contact_rows(np.array([plan.contacts[a.name] for a in ARMS]))))
@@ -127,6 +149,44 @@ def test_smoothness_slows_a_change():
         before, after = (planner.plan((30, 0, 3), contacts=contacts) for contacts in held)
         moved.append(np.linalg.norm(after.wrenches["left"] - before.wrenches["left"]))
     assert moved[0] > moved[1] > moved[2]
+
+
+def test_wheels_are_spared_as_far_as_it_is_worth():
+    """Of hands that give all of a moment by side force and torques alone, more by force the more lambda weighs."""
+    taken, efforts = [], []
+    for weight in (0.0, 1.0, 100.0):
+        plan = WrenchPlanner(cart(), ARMS, objective=LeastSideForce(weight)).plan((30, 0, 4))
+        taken.append(abs(plan.wheel_side_force))
+        efforts.append(plan.effort)
+    assert taken[0] > 1.5 * taken[1] > 15 * taken[2]
+    assert efforts[0] < efforts[1] < efforts[2]
+    free = WrenchPlanner(cart(), ARMS, objective=LeastSideForce(1.0, Nothing())).plan((30, 0, 4))
+    assert free.wheel_side_force == pytest.approx(0.0, abs=1e-7)
+    order = Lexicographic(LeastSideForce(1.0, Nothing()), WeightedWrench())
+    both = WrenchPlanner(cart(), ARMS, objective=order).plan((30, 0, 4))
+    assert both.wheel_side_force == pytest.approx(0.0, abs=1e-6)
+    assert efforts[2] < both.effort < free.effort
+    second = Lexicographic(LeastInternalForce(1.0, base=Nothing()), LeastSideForce())
+    plan = WrenchPlanner(cart(), ARMS, objective=second).plan((30, 0, 4))
+    again = allocate(cart(), ARMS, first_contacts(ARMS), (30, 0, 4), second)
+    assert plan.effort == pytest.approx(again.effort, rel=1e-9)
+
+
+def test_the_side_force_is_that_of_the_estimate_at_every_tick():
+    """Compiled and not, by the same cost, at motions and masses that change."""
+    rng, objective = np.random.default_rng(2), LeastSideForce(3.0)
+    roads = [WrenchPlanner(cart(), ARMS, objective=objective) for _ in range(2)]
+    roads[0].warm_up()
+    for tick in range(20):
+        model = CartModel(Inertia(float(rng.uniform(15, 60)), (0.3, 0.02), 2.0), cart().constraints)
+        now = Estimate(float(tick), Motion(np.zeros(3), rng.uniform(-0.8, 0.8, 2)), {}, "", model, model.parameters)
+        wrench = rng.uniform((5, -5, -3), (40, 5, 3))
+        one, other = (planner.plan(wrench, estimate=now) for planner in roads)
+        assert (one.status, one.solver) == (other.status, SOLVER)
+        assert one.effort == pytest.approx(other.effort, rel=1e-9)
+        for plan in (one, other):
+            cost = plan.effort + 3.0 * plan.wheel_side_force**2
+            assert plan.proof[1].cost == pytest.approx(cost, rel=1e-9)
 
 
 def test_a_heavy_share_is_kept():
@@ -227,7 +287,9 @@ def test_a_large_wrench_gives_a_share_no_room():
         assert not verify(second, moved, found.multipliers).feasible
 
 
-@pytest.mark.parametrize("objective", [LeastJointTorque(0.3), LeastInternalForce(4.0), WorstArm(900.0)])
+@pytest.mark.parametrize(
+    "objective", [LeastJointTorque(0.3), LeastInternalForce(4.0), LeastSideForce(2.0), WorstArm(900.0)]
+)
 @pytest.mark.parametrize("seed", range(6))
 def test_contact_choice_by_brute_force(objective, seed):
     rng = np.random.default_rng(seed)
@@ -253,6 +315,10 @@ def test_more_that_is_refused():
         LeastJointTorque(-1.0)
     with pytest.raises(UsageError, match="weight"):
         LeastInternalForce(np.nan)
+    with pytest.raises(UsageError, match="weight"):
+        LeastSideForce(-1.0)
+    with pytest.raises(UsageError, match="no fixed wheels to spare"):
+        WrenchPlanner(cart(0), [arm("left")], objective=Smoothness(1.0, LeastSideForce()))
     with pytest.raises(UsageError, match="axis"):
         LeastInternalForce(1.0, axis=(0.0, 0.0, 0.0))
     with pytest.raises(UsageError, match="states its joints"):

@@ -10,7 +10,8 @@ import pytest
 from cartgrasp.arms import Friction
 from cartgrasp.contacts import Segment
 from cartgrasp.errors import FileError
-from planning import InternalForce, Skid, TipOver, WrenchPlanner
+from cartgrasp.soft_finger import SoftFinger
+from planning import InternalForce, SideForce, Skid, TipOver, WrenchPlanner
 from planning.problem.problem_file import read_problem
 
 CART = """\
@@ -183,10 +184,12 @@ arms:
     reach: {low: [-0.5, -0.3, 0], high: [0, 0.3, 2]}
   - name: right
     contacts: [[-0.25, -0.20, 1.0]]
+    soft_finger: {mu: 0.6, twist_radius: 0.016, grip: 100, normal: z, sides: 6}
 cart_limits:
   skid: {friction: 0.4}
   tip_over: {least_load: 10}
   internal_force: {bound: 20}
+  side_force: {bound: 30}
 relax: 50
 period: 0.01
 """
@@ -207,8 +210,9 @@ def test_every_other_limit(tmp_path):
     assert left.joints.jacobian.shape == (6, 2)
     assert left.joints.torque_limit.tolist() == [30, 20]
     assert left.reach.excess([-0.25, 0.2, 1.0]) < 0 < left.reach.excess([-0.25, 0.5, 1.0])
-    assert problem.cart_limits == (Skid(0.4), TipOver(10.0), InternalForce(20.0))
+    assert problem.cart_limits == (Skid(0.4), TipOver(10.0), SideForce(30.0), InternalForce(20.0))
     assert (problem.relax, problem.period) == (50.0, 0.01)
+    assert (left.soft_finger, right.soft_finger) == (None, SoftFinger(0.6, 0.016, 100.0, "z", 6))
     assert (right.push_only, right.payload, right.joints, right.reach) == (False, np.inf, None, None)
     plan = problem.planner().plan(problem.wrench)
     assert plan.status == "optimal"
@@ -245,12 +249,16 @@ def test_a_plan_from_a_file_is_relaxed_as_it_allows(tmp_path):
         ("torque_limit: [30, 20]", "torque_limit: [30, -20]", "12:26: arms.0.joints.torque_limit.1", "-20 is negative"),
         ("low: [-0.5", "low: [0.5", "13:5: arms.0.reach", "corner of a box"),
         ("low: [-0.5", "low: [-0.1", "13:5: arms.0.reach", "no candidate contact is within it"),
-        ("friction: 0.4", "friction: -0.4", "17:10: cart_limits.skid.friction", "-0.4 is negative"),
-        ("{friction: 0.4}", "{mu: 0.4}", "17:10: cart_limits.skid", "mu"),
-        ("{bound: 20}", "{bound: 20, axis: [0, 0, 0]}", "19:3: cart_limits.internal_force", "not a direction"),
-        ("relax: 50", "relax: .inf", "20:1: relax", "inf is not a finite"),
-        ("period: 0.01", "period: 0", "21:1: period", "0 is not > 0"),
-        ("tip_over:", "tipover:", "18:3: cart_limits.tipover", "unknown key; did you mean tip_over?"),
+        ("friction: 0.4", "friction: -0.4", "18:10: cart_limits.skid.friction", "-0.4 is negative"),
+        ("{friction: 0.4}", "{mu: 0.4}", "18:10: cart_limits.skid", "mu"),
+        ("{bound: 20}", "{bound: 20, axis: [0, 0, 0]}", "20:3: cart_limits.internal_force", "not a direction"),
+        ("relax: 50", "relax: .inf", "22:1: relax", "inf is not a finite"),
+        ("period: 0.01", "period: 0", "23:1: period", "0 is not > 0"),
+        ("{bound: 30}", "{bound: -30}", "21:16: cart_limits.side_force.bound", "-30 is negative"),
+        ("z, sides: 6}", "z, sides: 2}", "16:5: arms.1.soft_finger", "soft finger: sides: 2"),
+        ("normal: z", "normal: w", "16:5: arms.1.soft_finger", "soft finger: normal: 'w'"),
+        ("twist_radius: 0.016, ", "", "16:5: arms.1.soft_finger.twist_radius", "is missing"),
+        ("tip_over:", "tipover:", "19:3: cart_limits.tipover", "unknown key; did you mean tip_over?"),
     ],
 )
 def test_a_mistake_in_another_limit_has_a_place(tmp_path, old, new, place, why):
@@ -264,7 +272,7 @@ def test_a_mistake_in_another_limit_has_a_place(tmp_path, old, new, place, why):
 def test_a_cart_that_can_not_have_a_limit(tmp_path):
     with pytest.raises(FileError, match="stand in one line") as caught:
         read_problem(problem_file(tmp_path, MORE.replace("  skid: {friction: 0.4}\n", "")))
-    assert ":17:3: cart_limits.tip_over: " in str(caught.value)
+    assert ":18:3: cart_limits.tip_over: " in str(caught.value)
 
 
 def test_no_arms(tmp_path):

@@ -11,7 +11,15 @@ from cartgrasp.errors import FileError
 from cartgrasp.inertia import Inertia
 from cartgrasp.motion import Estimate, Motion
 from planning import Skid, WrenchPlanner
-from planning.objectives import LeastInternalForce, LoadShare, Nothing, Smoothness, WeightedWrench, WorstArm
+from planning.objectives import (
+    LeastInternalForce,
+    LeastSideForce,
+    LoadShare,
+    Nothing,
+    Smoothness,
+    WeightedWrench,
+    WorstArm,
+)
 from planning.problem.problem_file import read_problem
 
 from .test_problem_file import CART, WHEELS, problem_file
@@ -41,6 +49,7 @@ def read(folder, text):
         ("objective: {smoothness: {}}\n", Smoothness()),
         ("objective: {load_share: {shares: {left: 0.7, right: 0.3}, weight: 5}}\n", LoadShare(SHARES, 5.0)),
         ("objective: {effort: false, worst_arm: {weight: 100}}\n", WorstArm(100.0, Nothing())),
+        ("objective: {least_side_force: {weight: 3}}\n", LeastSideForce(3.0)),
         (
             "objective:\n  least_internal_force: {weight: 2, axis: [1, 0, 0]}\n  smoothness: {rate: 0.5}\n",
             LeastInternalForce(2.0, (1.0, 0.0, 0.0), Smoothness(0.5)),

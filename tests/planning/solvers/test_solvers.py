@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from qpsolvers import available_solvers
 from scipy.optimize import linprog
 
 from planning.allocation.allocation import build_allocation
@@ -23,7 +24,15 @@ class Clarabel:
         return solve_with_clarabel(program)
 
 
-SOLVERS = [QuadraticSolver, DaqpSolver, DualActiveSetSolver, Clarabel]
+def named(name):
+    def make():
+        return QuadraticSolver(name=name)
+
+    make.__name__ = name
+    return make
+
+
+SOLVERS = [QuadraticSolver, DaqpSolver, DualActiveSetSolver, Clarabel, *map(named, available_solvers)]
 each_solver = pytest.mark.parametrize("make", SOLVERS, ids=lambda make: make.__name__)
 
 

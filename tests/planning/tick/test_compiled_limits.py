@@ -10,7 +10,7 @@ from cartgrasp.arms import Friction
 from cartgrasp.motion import Motion
 from cartgrasp.reach import Reach
 from planning import WrenchPlanner
-from planning.limits import InternalForce, Skid, TipOver
+from planning.limits import InternalForce, SideForce, Skid, TipOver
 from planning.tick.compiled_allocation import SOLVER
 
 from ..contacts.test_contact_choice_with_cart_limits import WHEELS, joints
@@ -29,6 +29,7 @@ RATE = (4000.0, 4000.0, 4000.0, 900.0, 900.0, 900.0)
 def limited_arms(rng, points):
     """With every limit that an arm can state."""
     stated = {"payload": 3.0, "wrench_rate": RATE, "push_only": True, "joints": joints(rng)}
+    stated["soft_finger"] = cg.SoftFinger(0.7, 0.1, 40.0, "z")
     return [arm(name, points, **stated) for name in ("left", "right")]
 
 
@@ -45,7 +46,7 @@ def test_all_limits_and_a_cart_that_changes(seed):
     rng = np.random.default_rng(seed)
     points = [(-0.25, y, 1.0) for y in rng.uniform(-0.25, 0.25, 1 + 5 * (seed % 2))]
     arms = limited_arms(rng, points)
-    options = {"cart_limits": (Skid(0.5), TipOver(30.0), InternalForce(25.0))}
+    options = {"cart_limits": (Skid(0.5), TipOver(30.0), InternalForce(25.0), SideForce(30.0))}
     roads = [make(loaded_cart(24.0), arms, **options) for make in (warm, WrenchPlanner)]
     statuses = []
     for tick in range(25):
