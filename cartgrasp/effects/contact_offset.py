@@ -33,7 +33,6 @@ class ContactOffset(SensorEffect):
         Parameter("x", "m", typical=0.03, estimated=False, grid=(0.0,)),
         Parameter("y", "m", typical=0.03),
     )
-    searched: ClassVar[bool] = False
     signature: ClassVar[str] = "a yaw moment in proportion to one hand's force"
 
     def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:

@@ -33,7 +33,6 @@ class PoseOffset(SensorEffect):
         Parameter("yaw", "rad", typical=0.03, lower=-np.pi, upper=np.pi),
     )
     by_arm: ClassVar[bool] = False
-    searched: ClassVar[bool] = False
     signature: ClassVar[str] = "a velocity across the wheels in proportion to the yaw rate, or to the speed"
     moves_pose: ClassVar[bool] = True
 

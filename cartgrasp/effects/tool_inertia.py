@@ -42,7 +42,6 @@ class ToolInertia(SensorEffect):
         Parameter("y", "m", typical=0.05, grid=(0.0,)),
         Parameter("z", "m", typical=0.05, estimated=False, grid=(0.0,)),
     )
-    searched: ClassVar[bool] = False
     signature: ClassVar[str] = "a force in proportion to the acceleration of one hand, wherever it holds"
     feels_motion: ClassVar[bool] = True
 

@@ -35,12 +35,14 @@ MOST = {
     "caster_realignment.trail": 0.15,  # m
     "force_scale.gain": 2.0,
     "force_misalignment.angle": 0.5,  # rad: beyond, axes are wrong (`check`)
+    "contact_offset.y": 0.1,  # m: beyond, the hand holds elsewhere
 }
 """Between which a setting of what bears the name lies."""
 LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
 """No wheel drives: the moment of wheels that drag unlike is at most the drag times half a track."""
-ESSENTIAL = {"wheel_drag_imbalance": "moment"}
-"""What makes an effect what its name says: without it, the wheels of an axle drag alike."""
+ESSENTIAL = {"wheel_drag_imbalance": "moment", "pose_offset": "x"}
+"""What makes an effect what its name says: without it, the wheels of an axle drag alike, and a frame that is turned, or
+beside {b}, is one whose wheels, or hands, are."""
 TOLD = 2.0
 """Standard deviations beyond nought of what is essential."""
 SPARE = 1.5

@@ -85,8 +85,8 @@ def _adds_law(step: Step) -> bool:
 
 
 def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
-    """With what takes fewer numbers, where beside all else it explains about as much as an effect that was added:
-    alone, what takes more may have stood in for two."""
+    """With what takes fewer numbers, where beside all else it explains about as much as an effect that was added, or
+    that is no longer what its name says: alone, what takes more may have stood in for two."""
     if len(added(model)) + len(model.laws) < 2:
         return model, steps
     for effect in added(model):
@@ -100,7 +100,7 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
         if best is own or best.model is None or best.gain < WORTH:
             continue
         is_once = effect.gate is not Gate.ALWAYS  # stretches don't tell what chance makes of it
-        if own.gain - best.gain <= (WORTH if is_once else margin(best.model, model)):
+        if not _may_be(own) or own.gain - best.gain <= (WORTH if is_once else margin(best.model, model)):
             model, steps = best.model, [_with(step, best, own) for step in steps]
     return model, steps
 

@@ -26,12 +26,6 @@ BEHIND, OTHER_END, BESIDE = (-0.25, 0.1, 1.0), (-0.25, -0.3, 1.0), (0.35, -0.3, 
 NOISE = (0.0004, 0.005, 3.0, 0.1)
 
 
-NOT_OFFERED = pytest.mark.xfail(
-    reason="issue 29: offered, contact_offset stands beside rolling resistance on a straight log without it",
-    strict=True,
-)
-
-
 def log_of(tool=NO_TOOL, offset=(0.0, 0.0, 0.0), then=BEHIND, duration=24.0):
     """Of a hand that takes another place every 6 s, where one is given."""
     time = STEP * np.arange(round(duration / STEP))
@@ -46,7 +40,6 @@ def test_where_nothing_is_wrong_nothing_is_named(then):
     assert diagnose(log_of(then=then), GUESS).verdict == "no_discrepancy"
 
 
-@NOT_OFFERED
 def test_poses_6_cm_ahead_of_the_axle():
     (effect,) = diagnose(tracked(log_of(), np.array([0.06, 0.0]), 0.0), GUESS).effects
     assert effect.name == "pose_offset"
@@ -55,7 +48,6 @@ def test_poses_6_cm_ahead_of_the_axle():
     assert effect.gap_share > 0.9
 
 
-@NOT_OFFERED
 def test_a_hand_6_cm_to_the_right():
     (effect,) = diagnose(log_of(offset=(0.0, -0.06, 0.0), then=BESIDE), GUESS).effects
     assert effect.name == "contact_offset"
@@ -63,7 +55,6 @@ def test_a_hand_6_cm_to_the_right():
     assert abs(value + 0.06) < 3 * std < 0.03
 
 
-@NOT_OFFERED
 @pytest.mark.parametrize(("guess", "then"), [(SURE, BEHIND), (GUESS, OTHER_END)], ids=["known cart", "regrasps"])
 def test_a_tool_on_the_sensor(guess, then):
     (effect,) = diagnose(log_of(TOOL, then=then), guess).effects
@@ -78,7 +69,6 @@ def test_at_one_place_a_tool_is_another_cart():
     assert found.final.cart.inertia.mass == pytest.approx(26.0, abs=0.5)
 
 
-@NOT_OFFERED
 def test_which_carts_may_have_them():
     """Where nobody pushes there is no sensor of wrenches, and where wheels forbid nothing no pose is seen to be off."""
     offered = {family.key for family in families(GUESS, ["left", "right"])}
