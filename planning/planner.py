@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -129,6 +129,15 @@ class WrenchPlanner:
         if self._compiled is not None:
             self._compiled.forget()
         self._look_back_at(self._last.wrenches)
+
+    def for_arms(self, names: Sequence[str]) -> Self:
+        """A planner like this one, which remembers nothing, for some of its arms."""
+        other, before = shallow(self), self._terms.base
+        other._solver, other._is_warm = QuadraticSolver(), False
+        other._begin(Terms(self._made[0], [a for a in before.arms if a.name in names], *self._made[1:]), before.names)
+        other._names = other._terms.base.names
+        other.reset()
+        return other
 
     def start_from(self, wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike] = NOWHERE) -> None:
         """As if the last plan had been these wrenches (6,) in {a} by arm, of arms left out zero, at these contacts (3,)

@@ -9,7 +9,7 @@ teaches does not depend on what there is to learn, only its effort does.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from ..frames import Array
 from ..inertia import N_PHI, Inertia
 from ..information import WrenchNoise, fisher_information, parameter_regressor, reduced_noise
 from ..model import CartModel
-from ..roles import ContactSource, ReferencePath
+from ..roles import ContactQuery, ContactSource, ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise
@@ -138,11 +138,11 @@ def run_ways(
 def drive(way: str, seed: int, duration: float | None = None) -> RunRecord:
     """One closed-loop run, whole or of a duration (s)."""
     base = scenario(way, seed)
-    loop = base.build()
+    parts = {}
     if way in ALLOWANCES:
         plan = excitation(ALLOWANCES[way])
-        loop = replace(loop, reference=plan.reference, contacts=plan)
-    return with_truth(run(loop, duration), base.truth)
+        parts = {"reference": plan.reference, "contacts": plan}
+    return with_truth(run(base.build(**parts), duration), base.truth)
 
 
 def taught(way: str) -> Array:
@@ -150,7 +150,7 @@ def taught(way: str) -> Array:
     if way in ALLOWANCES:
         return taught_by(excitation(ALLOWANCES[way]))
     base = scenario(way, 0)
-    return _taught(PathReference(base.stretches, base.truth.rolling), base.build().contacts)
+    return _taught(PathReference(base.stretches, base.truth.rolling), base.contact_source())
 
 
 def taught_by(plan: ExcitationPlan) -> Array:
@@ -165,7 +165,7 @@ def _taught(reference: ReferencePath, source: ContactSource) -> Array:
     wanted = [reference.at(time) for time in times]
     states = np.array([cart.state(w.pose_sb, w.velocity) for w in wanted])
     regressors = parameter_regressor(cart, states, np.array([w.acceleration for w in wanted]))
-    points = np.array([list(source.contacts(time, np.zeros(3)).values()) for time in times])
+    points = np.array([list(source.contacts(ContactQuery(time, np.zeros(3))).contacts.values()) for time in times])
     each = fisher_information(regressors[:, None], reduced_noise(cart, points, NOISE))
     return np.asarray(first_information(base.guess) + each.sum(axis=0))
 

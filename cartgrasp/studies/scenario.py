@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
-from planning import WrenchPlanner
-from planning.contacts.contact_switching import FixedContacts, LeastEffortContacts, PeriodicContacts
+from planning import Controller, WrenchPlanner
+from planning.contact_sources.fixed import FixedContacts
+from planning.contact_sources.least_effort import LeastEffortContacts
+from planning.contact_sources.periodic import PeriodicContacts
 from planning.references import PathReference, Stretch
-from planning.tracking import Gains, build_tracker
+from planning.tracking import Gains
 
 from ..arms import Arm
 from ..effects import InertiaEffect
@@ -56,22 +59,22 @@ class Scenario:
         """The whole run, with the truth beside each estimate."""
         return with_truth(run(self.build(), self.duration, progress), self.truth)
 
-    def build(self) -> Loop:
-        """The loop, ready to run."""
-        planner = WrenchPlanner(self.guess, list(self.arms), period=self.period, relax=np.inf)
-        reference = PathReference(self.stretches, self.guess.rolling, self.start_pose)
-        return Loop(
-            reference=reference,
-            tracker=build_tracker(self.truth.constraints, self.gains),
-            contacts=self.contact_source(),
-            planner=planner,
-            plant=self._plant(),
-            sensors=Sensors(self.truth, self.sensors, self.seed),
-            estimator=self._estimator(),
-            cart=self.guess,
-            period=self.period,
-            learn=self.estimation != FIRST_GUESS,
-        )
+    def build(self, **parts: Any) -> Loop:
+        """The loop, ready to run; `parts` of the controller in place of the usual ones."""
+        return Loop(self.controller(**parts), self._plant(), Sensors(self.truth, self.sensors, self.seed))
+
+    def controller(self, **parts: Any) -> Controller:
+        """What follows the path, with the estimator and the way to hold that are described."""
+        usual: dict[str, Any] = {
+            "reference": PathReference(self.stretches, self.guess.rolling, self.start_pose),
+            "contacts": self.contact_source(),
+            "regrasp": None,
+            "gains": self.gains,
+            "estimator": self._estimator(),
+            "period": self.period,
+            "learn": self.estimation != FIRST_GUESS,
+        }
+        return Controller(self.guess, list(self.arms), **(usual | parts))
 
     def contact_source(self) -> ContactSource:
         """Where the arms hold, and when."""

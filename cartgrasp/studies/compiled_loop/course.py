@@ -11,6 +11,7 @@ from planning.references import PathReference, Stretch
 from ...constraints import RollingConstraints
 from ...contacts import grasp_map_planar
 from ...frames import Array
+from ...roles import ContactQuery
 from ..scenario import Scenario
 from .values import Course, Series
 
@@ -26,7 +27,7 @@ def course_of(scenario: Scenario) -> Course:
     )
     _, first, place = np.unique(turns, return_index=True, return_inverse=True)
     contacts, names = scenario.contact_source(), [arm.name for arm in scenario.arms]
-    held = [contacts.contacts(float(time[k]), np.zeros(3)) for k in first]
+    held = [contacts.contacts(ContactQuery(float(time[k]), np.zeros(3))).contacts for k in first]
     points, yaws = np.array([[at[name] for name in names] for at in held]), np.array([arm.yaw for arm in scenario.arms])
     grasp = np.concatenate(list(np.moveaxis(grasp_map_planar(points, yaws), 1, 0)), axis=-1)
     reduced = guess.basis_b.T @ grasp
