@@ -23,7 +23,7 @@ from ..constraints import RollingConstraints
 from ..effects import ViscousDrag
 from ..frames import Array
 from ..inertia import N_PHI, Inertia
-from ..information import WrenchNoise, fisher_information, parameter_regressor, reduced_noise
+from ..information import CERTAIN, WrenchNoise, fisher_information, parameter_regressor, reduced_noise
 from ..model import CartModel
 from ..roles import ContactQuery, ContactSource, ReferencePath
 from ..simulation.closed_loop import run
@@ -44,8 +44,6 @@ ALLOWANCES = {
 }
 """N² beyond the least, mean over each window; m to either side."""
 PARAMETERS = ("mass", "com_x", "com_y", "inertia")
-CERTAIN = 1e8
-"""Information that stands for a known value."""
 KNOWN = frozenset({"viscous_drag"})
 NOISE = WrenchNoise(force=1.0, moment=0.05, rate=100.0)
 FILTER_NOISE = FilterNoise(*(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment), disturbance=0.02, slip=0.0001)

@@ -1,28 +1,13 @@
-"""The ways to choose contacts by name, and what they may ask, spend and take."""
+"""What ways to choose contacts may ask, spend and take."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-from cartgrasp.arms import Arm
 from cartgrasp.checks import LARGEST_NUMBER, check_kind, check_known, number, positive
 from cartgrasp.information import WrenchNoise
 
-from ..planner import WrenchPlanner
-from .fixed import FixedContacts
-from .least_effort import LeastEffortContacts
-from .periodic import PeriodicContacts
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import ContactSource, ReferencePath
-
-    from ..control.hand import RegraspTimes
-
-FIXED, PERIODIC, LEAST_EFFORT, TEACH, SCHEDULE = "fixed", "periodic", "least-effort", "teach", "schedule"
-WAYS = (FIXED, PERIODIC, LEAST_EFFORT, TEACH, SCHEDULE)
 TEACHABLE = ("mass", "com_x", "com_y", "inertia")
 LONGEST = 3600.0  # s
 USUAL_NOISE = WrenchNoise()
@@ -60,21 +45,3 @@ class Choosing:
             positive(f"choosing: asked: {name}", std, LARGEST_NUMBER, "give one standard deviation")
         for name in ("extra_effort", "regrasp_effort", "min_hand_distance"):
             number(f"choosing: {name}", getattr(self, name), 0.0, LARGEST_NUMBER)
-
-
-def contact_source(
-    way: str,
-    cart: CartModel,
-    arms: Sequence[Arm],
-    reference: ReferencePath,
-    choosing: Choosing,
-    regrasp: RegraspTimes,
-) -> ContactSource:
-    """The source called `way`, for a cart that is first believed to be `cart`."""
-    check_known("contacts", [way], WAYS)
-    if way == FIXED:
-        return FixedContacts(arms)
-    if way == PERIODIC:
-        return PeriodicContacts(arms, choosing.every)
-    planner = WrenchPlanner(cart, arms, min_hand_distance=choosing.min_hand_distance)
-    return LeastEffortContacts(planner, arms, choosing.every)

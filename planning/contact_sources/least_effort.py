@@ -25,10 +25,14 @@ class LeastEffortContacts:
         self._held: dict[str, Array] = {arm.name: arm.contacts.first for arm in arms}
         self._wanted = np.zeros(3)
         self._last_time = 0.0
+        self._has_begun = False
         self._due = dwell
 
     def contacts(self, query: ContactQuery) -> ContactChoice:
         time = query.time
+        if not self._has_begun and query.held:
+            self._held = dict(query.held)
+        self._has_begun = True
         share = min(1.0, (time - self._last_time) / self._dwell * 3.0)
         self._wanted = self._wanted + share * (np.asarray(query.wrench_b) - self._wanted)
         self._last_time = time

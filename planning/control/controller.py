@@ -16,7 +16,8 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Planner, ReferencePath, Tracker
 
-from ..contact_sources.choosing import FIXED, Choosing, contact_source
+from ..contact_sources.by_name import FIXED, contact_source
+from ..contact_sources.choosing import Choosing
 from ..planner import WrenchPlanner
 from ..tracking import Gains, build_tracker
 from .default_filter import default_filter
