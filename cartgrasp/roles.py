@@ -86,6 +86,11 @@ class ControlStep(Protocol):
     @property
     def estimate(self) -> Estimate: ...
 
+    @property
+    def words(self) -> str:
+        """What it does and why."""
+        ...
+
 
 class Controller(Protocol):
     """From what is sensed to what the arms do, once a `period` (s). `cart` is its first guess, and all that it

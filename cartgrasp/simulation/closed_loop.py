@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -33,6 +34,7 @@ class _Row:
     wrenches: Mapping[str, Array]
     headings: Array | None
     status: str
+    words: str
 
 
 def run(loop: Loop, duration: float | None = None, progress: Callable[[float], None] | None = None) -> RunRecord:
@@ -59,7 +61,8 @@ def _tick(loop: Loop) -> _Row:
     headings = getattr(plant, "caster_headings", None)
     plant.step(step.given, controller.period)
     measurement = Measurement(time, sensed.pose, sensed.velocity, felt.wrenches, felt.contacts)
-    return _Row(measurement, motion, step.reference, estimate, step.given.wrenches, headings, step.plan.status)
+    told = step.plan.status, step.words
+    return _Row(measurement, motion, step.reference, estimate, step.given.wrenches, headings, *told)
 
 
 def _record(controller: Controller, rows: list[_Row]) -> RunRecord:
@@ -85,5 +88,10 @@ def _record(controller: Controller, rows: list[_Row]) -> RunRecord:
         statuses=tuple(row.status for row in rows),
         identifiable={name: rows[-1].estimate.parameters[name].identifiable for name in names},
         com_covariance=None if spreads[0] is None else np.array(spreads),
+        words=tuple(
+            (row.measurement.time, row.words)
+            for before, row in pairwise([None, *rows])
+            if row is not None and (before is None or before.words != row.words)
+        ),
         healths=tuple(str(row.estimate.health) for row in rows) if controller.learns else (),
     )

@@ -14,6 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimation import FilterNoise, Prior
+from planning import Choosing
+from planning.contact_sources.fixed import FixedContacts
+from planning.contact_sources.periodic import PeriodicContacts
 from planning.excitation.excitation_choice import D_OPTIMAL, E_OPTIMAL, Allowance, ExcitationChooser
 from planning.excitation.excitation_plan import ExcitationPlan, plan_excitation
 from planning.references import PathReference, chain, pause, speed_change, turn
@@ -70,7 +73,8 @@ def scenario(way: str, seed: int) -> Scenario:
         stretches=chain(speed_change(0.6), pause(4.0), *curves, pause(4.0), speed_change(-0.6)),
         sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment),
         noise=FILTER_NOISE,
-        switching=DWELL if way == PERIODIC else None,
+        contacts=PERIODIC if way == PERIODIC else FIXED,
+        choosing=Choosing(every=DWELL),
         known=KNOWN,
         seed=seed,
     )
@@ -148,7 +152,8 @@ def taught(way: str) -> Array:
     if way in ALLOWANCES:
         return taught_by(excitation(ALLOWANCES[way]))
     base = scenario(way, 0)
-    return _taught(PathReference(base.stretches, base.truth.rolling), base.contact_source())
+    source = PeriodicContacts(base.arms, DWELL) if way == PERIODIC else FixedContacts(base.arms)
+    return _taught(PathReference(base.stretches, base.truth.rolling), source)
 
 
 def taught_by(plan: ExcitationPlan) -> Array:

@@ -20,6 +20,9 @@ class PeriodicContacts:
         if not period > 0:
             raise UsageError(f"contact switching: period {period} s is not positive")
         self._points = {arm.name: [np.array(p) for p in arm.contacts.points] for arm in arms}
+        for name, points in self._points.items():
+            if not points:
+                raise UsageError(f"contact switching: arm {name} has no points to go round; list points of its segment")
         self._period = period
 
     def contacts(self, query: ContactQuery) -> ContactChoice:

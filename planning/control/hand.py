@@ -95,7 +95,7 @@ class Hand:
         match self.phase:
             case Phase.UNLOADS:
                 share = self.share - _part(duration, times.unload)
-                return replace(self, share=share) if share > 0 else replace(self, share=0.0, phase=Phase.MOVES)
+                return replace(self, share=share) if share > 1e-9 else replace(self, share=0.0, phase=Phase.MOVES)
             case Phase.MOVES:
                 return self._moved(times.speed * duration)
             case Phase.TAKES_HOLD:

@@ -74,7 +74,8 @@ class Step:
             case Phase.HOLDS:
                 return f"holds {name} at {here}{why}"
             case Phase.UNLOADS | Phase.MOVES:
-                return f"{hand.phase} {name}, from {here} to {_place(hand.target or hand.point)}{why}"
+                from_here = f" at {here}, to go" if hand.phase is Phase.UNLOADS else ""
+                return f"{hand.phase} {name}{from_here} to {_place(hand.target or hand.point)}{why}"
         return f"{hand.phase.value.replace('takes hold', 'takes hold with')} {name} at {here}{why}"
 
 
