@@ -19,6 +19,7 @@ class Choosing:
 
     Args:
         every: s between choices, in which a hand stays.
+        ahead: s of the reference by which a choice is judged, for "teach" and "schedule".
         asked: To which standard deviation a parameter is to be known (`mass`, `com_x`, `com_y`, `inertia`; kg, m, m,
             kg·m²), for "teach".
         extra_effort: Share of the least effort of the time ahead that may be spent on learning, for "teach".
@@ -31,6 +32,7 @@ class Choosing:
     """
 
     every: float = 3.0
+    ahead: float = 8.0
     asked: Mapping[str, float] = field(default_factory=lambda: {"com_x": 0.02, "com_y": 0.02})
     extra_effort: float = 0.3
     regrasp_effort: float = 100.0
@@ -39,6 +41,7 @@ class Choosing:
 
     def __post_init__(self) -> None:
         positive("choosing: every", self.every, LONGEST, "give s")
+        positive("choosing: ahead", self.ahead, LONGEST, "give s")
         check_kind("choosing: asked", self.asked, Mapping, 'write {"com_x": 0.02}')
         check_known("choosing: asked", self.asked, TEACHABLE)
         for name, std in self.asked.items():

@@ -28,6 +28,9 @@ class LeastEffortContacts:
         self._has_begun = False
         self._due = dwell
 
+    def warm_up(self) -> None:
+        self._planner.warm_up()
+
     def contacts(self, query: ContactQuery) -> ContactChoice:
         time = query.time
         if not self._has_begun and query.held:

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
     from ..control.hand import RegraspTimes
 
-STAGES, AHEAD = 20, 4
-"""A horizon's stages; and how many times as long it is as a schedule is followed."""
+STAGES = 20
+"""Of a horizon."""
 
 
 @final
 class ScheduledContacts:
-    """The schedule of least effort over the next `AHEAD` times `every` s, made anew each `every` s, while no hand is on
-    its way, for the cart as then estimated."""
+    """The schedule of least effort for the time `ahead`, made anew each `every` s, while no hand is on its way, for the
+    cart as then estimated."""
 
     def __init__(
         self,
@@ -62,8 +62,8 @@ class ScheduledContacts:
         if any(np.abs(self._points[name] - grip.contact).max(axis=1).min() > SAME_PLACE for name, grip in held.items()):
             return  # a hand is on its way
         self._due = query.time + self._choosing.every
-        length = AHEAD * self._choosing.every
-        horizon = Horizon(query.time, length / STAGES, held or None, self._choosing.min_hand_distance, length)
+        length, apart = self._choosing.ahead, self._choosing.min_hand_distance
+        horizon = Horizon(query.time, length / STAGES, held or None, apart, length)
         cart = self._cart if query.estimate is None else query.estimate.cart()
         if self._schedule is None and held:
             self._chosen = self._chosen._replace(contacts=query.held)

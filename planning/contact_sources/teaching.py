@@ -45,8 +45,11 @@ class TeachingContacts:
         first = {arm.name: arm.contacts.first for arm in arms}
         self._chosen, self._due = ContactChoice(first, LEAST), -np.inf
 
+    def warm_up(self) -> None:
+        self._family.planner.warm_up()
+
     def contacts(self, query: ContactQuery) -> ContactChoice:
-        stop = min(query.time + self._choosing.every, self._reference.duration)
+        stop = min(query.time + self._choosing.ahead, self._reference.duration)
         if query.time < self._due - 1e-9 or stop - query.time < SHORTEST:
             return self._chosen
         held = self._family.index_of(query.held)
@@ -69,23 +72,19 @@ class TeachingContacts:
         asked = np.array([TEACHABLE.index(name) for name in wanted])
         after = self._deviations(estimate, covariance_after(estimate.covariance, outlook.taught))[:, asked]
         merits = np.log(after).sum(axis=1)
-        best = self._most_taught(outlook, merits, charges, cheapest)
-        if held is not None and merits[held] - merits[best] < LEAST_GAIN and np.isfinite(outlook.effort(held)):
+        budget = (1 + self._choosing.extra_effort) * (outlook.effort(cheapest) + charges[cheapest]) + SPARE
+        best = self._most_taught(outlook, merits, charges, budget)
+        if held is not None and merits[held] - merits[best] < LEAST_GAIN and outlook.effort(held) <= budget:
             best = held
         falls = self._deviations(estimate, estimate.covariance)[asked] / after[best]
         return ContactChoice(self._family.contacts(best), f"teaches {list(wanted)[int(falls.argmax())]}")
 
-    def _most_taught(self, outlook: Outlook, merits: Array, charges: Array, cheapest: int) -> int:
-        """The choice that teaches most within the effort allowed."""
-        least = outlook.effort(cheapest) + charges[cheapest]
-        budget = (1 + self._choosing.extra_effort) * least + SPARE
-        for choice in np.lexsort((outlook.lowest + charges, np.round(merits, 3))).tolist():
-            if choice == cheapest:
-                break
-            is_cheap = outlook.lowest[choice] + charges[choice] <= budget
-            if is_cheap and outlook.effort(choice) + charges[choice] <= budget:
-                return int(choice)
-        return cheapest
+    def _most_taught(self, outlook: Outlook, merits: Array, charges: Array, budget: float) -> int:
+        """The choice that teaches most within a budget (N²), which at least one is."""
+        lowest = outlook.lowest + charges
+        order = np.lexsort((lowest, np.round(merits, 3)))
+        within = (c for c in order.tolist() if lowest[c] <= budget and outlook.effort(c) + charges[c] <= budget)
+        return int(next(within))
 
     def _not_known(self, estimate: Estimate) -> dict[str, float]:
         """The parameters whose deviation is above what was asked for, with that."""

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import brief, check_kind, number, positive
+from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Planner, ReferencePath, Tracker
@@ -47,6 +49,7 @@ class Controller:
         contacts: Where to hold: "fixed", "periodic", "least-effort", "teach", "schedule", or a source of one's own.
         choosing: What these ways to choose contacts may ask, spend and take.
         regrasp: What a regrasp takes; None: hands are where they are wanted at once, as in the paper.
+        held: Where the hands hold already, (3,) in {b} by arm; else they take hold where they are first wanted.
         drift: m from its path that a cart may coast while its only hand regrasps.
         gains: Of the tracker.
         estimator: What learns; an `estimation.CartFilter` unless given.
@@ -79,6 +82,7 @@ class Controller:
         contacts: str | ContactSource = FIXED,
         choosing: Choosing = AS_CHOSEN,
         regrasp: RegraspTimes | None = USUAL,
+        held: Mapping[str, ArrayLike] | None = None,
         drift: float = 0.05,
         gains: Gains | None = None,
         estimator: Estimator | None = None,
@@ -105,7 +109,7 @@ class Controller:
             check_kind("controller: planner", whole, WrenchPlanner, "or give regrasp=None")
             assert isinstance(whole, WrenchPlanner)
             self._regrasps = Regrasps(whole, self._arms, regrasp, drift)
-        self._held: Mapping[str, Array] = {}
+        self._held: Mapping[str, Array] = _checked(held, self._arms)
         self._last: Step | None = None
         self._time = -math.inf
 
@@ -115,7 +119,7 @@ class Controller:
 
     def warm_up(self) -> None:
         """Does now what would cost at the first ticks, of all parts that have something to do."""
-        for part in (self._planner, self._estimator, self._regrasps):
+        for part in (self._planner, self._estimator, self._regrasps, self._source):
             getattr(part, "warm_up", _nothing)()
 
     def step(self, measurement: Measurement) -> Step:
@@ -173,11 +177,22 @@ class Controller:
     def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, health: str) -> Given:
         """One that regrasps goes on; another may only leave while the senses are there."""
         if not regrasps.hands:
-            regrasps.begin(chosen.contacts)
+            regrasps.begin(self._held or chosen.contacts)
         regrasps.go_on(max(0.0, ahead.time - self._time))
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b)
+
+
+def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[str, Array]:
+    """Contacts of all arms, or of none."""
+    if held is None:
+        return {}
+    check_kind("controller: held", held, Mapping, "write {'left': (-0.25, 0.2, 1.0)}")
+    names = [arm.name for arm in arms]
+    if set(held) != set(names):
+        raise UsageError(f"controller: held: {', '.join(held)} are not the arms {', '.join(names)}; name all of them")
+    return {name: np.array(points_of(f"controller: held: {name}", [held[name]])[0]) for name in names}
 
 
 def _nothing() -> None:

@@ -30,6 +30,7 @@ class ChoosingEntry(StrictModel):
     """As `Choosing`, whose noise is the filter's."""
 
     every: Positive = 3.0
+    ahead: Positive = 8.0
     asked: dict[str, Positive] = Field(default_factory=lambda: {"com_x": 0.02, "com_y": 0.02})
     extra_effort: NotNegative = 0.3
     regrasp_effort: NotNegative = 100.0

@@ -25,7 +25,7 @@ CART = cg.CartModel(cg.Inertia(24.0, (-0.35, 0.06), 2.6), effects=(ViscousDrag(3
 ALL_CASTERS = cg.CartModel(CART.inertia, RollingConstraints(None), CART.effects)
 PATH = PathReference(chain(speed_change(0.5), turn(0.8, 0.4), pause(1.0), turn(-0.8, 0.4), speed_change(-0.5)))
 TIMES = RegraspTimes()
-CHOOSING = Choosing(every=1.0, min_hand_distance=0.3, noise=cg.WrenchNoise(1.0, 0.05))
+CHOOSING = Choosing(every=1.0, ahead=1.0, min_hand_distance=0.3, noise=cg.WrenchNoise(1.0, 0.05))
 
 
 def arms(force=80.0, names=("left", "right")):
@@ -194,13 +194,13 @@ def test_a_schedule_is_followed_and_made_anew_for_another_estimate():
     heavy = CART.with_inertia(cg.Inertia(60.0, (0.6, -0.2), 6.0))
     first = one.contacts(query(0.0, {}, estimate())).contacts
     cost = RegraspCost(TIMES.lasting(np.linalg.norm([0.9, 0.1, 0.2])), choosing.regrasp_effort)
-    expected = plan_schedule(PATH, CART, arms(), cost, Horizon(0.0, 0.2, None, 0.3, 4.0))
+    expected = plan_schedule(PATH, CART, arms(), cost, Horizon(0.0, 0.05, None, 0.3, 1.0))
     for name, grip in expected.grips(0.0).items():
         assert np.array_equal(first[name], grip.contact)
     now = estimate(heavy, time=1.0)
     then = one.contacts(query(1.0, first, now)).contacts
     held = {name: Grip(point) for name, point in first.items()}
-    anew = plan_schedule(PATH, now.cart(), arms(), cost, Horizon(1.0, 0.2, held, 0.3, 4.0))
+    anew = plan_schedule(PATH, now.cart(), arms(), cost, Horizon(1.0, 0.05, held, 0.3, 1.0))
     for name, grip in anew.grips(1.0).items():
         assert np.array_equal(then[name], grip.contact)
 
@@ -212,7 +212,13 @@ def test_what_cannot_be_driven_is_said():
 
 
 def test_what_is_asked_is_checked():
-    for wrong in ({"every": 0.0}, {"asked": {"com_z": 0.02}}, {"asked": {"mass": 0.0}}, {"extra_effort": -1.0}):
+    for wrong in (
+        {"every": 0.0},
+        {"ahead": 0.0},
+        {"asked": {"com_z": 0.02}},
+        {"asked": {"mass": 0.0}},
+        {"extra_effort": -1.0},
+    ):
         with pytest.raises(UsageError, match="choosing: "):
             Choosing(**wrong)
     segment = [cg.Arm("left", segment=[(-0.25, -0.2, 1.0), (-0.25, 0.2, 1.0)])]

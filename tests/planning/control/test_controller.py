@@ -177,6 +177,16 @@ def test_it_goes_on_from_what_was_saved(tmp_path):
         Controller.restored(path, arms(names=["left"]), PATH)
 
 
+def test_hands_that_hold_already_regrasp_first():
+    held = arms()
+    second = {arm.name: arm.contacts.points[1] for arm in held}
+    controller = Controller(GUESS, held, PATH, held=second, regrasp=TIMES, estimator=learner())
+    told = drive(controller, 2.5)
+    assert told[0][0].words == "holds left at (0.10, 0.20): fixed; holds right at (0.10, −0.20): fixed"
+    assert told[5][0].words.startswith("unloads left at (0.10, 0.20), to go to (−0.25, 0.20): fixed; holds right")
+    assert told[-1][0].words == "holds left at (−0.25, 0.20): fixed; holds right at (−0.25, −0.20): fixed"
+
+
 def test_no_hand_leaves_while_the_senses_are_lost():
     held = arms()
     controller = Controller(GUESS, held, PATH, contacts=Later(held, 1.0), regrasp=TIMES, estimator=learner())
@@ -194,6 +204,8 @@ def test_what_it_is_made_of_is_checked():
     assert "arms left, right" in repr(controller)
     with pytest.raises(UsageError, match="nothing to save before the first step"):
         controller.save("x.yaml")
+    with pytest.raises(UsageError, match="controller: held: left are not the arms left, right"):
+        Controller(GUESS, held, PATH, held={"left": (0.0, 0.2, 1.0)})
     with pytest.raises(UsageError, match="contacts: there is no 'teaching'; did you mean teach"):
         Controller(GUESS, held, PATH, contacts="teaching")
     with pytest.raises(UsageError, match="controller: period"):
