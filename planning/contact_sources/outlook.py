@@ -73,8 +73,19 @@ class ContactFamily:
     def ahead(self, cart: CartModel, reference: ReferencePath, window: tuple[float, float]) -> Outlook:
         way = motions(reference, cart, window, 0.0)
         samples = (window[1] - window[0]) * self.noise.rate / way.samples
-        taught = samples * fisher_information(way.regressors[0], self.reduced)
+        noise = self.reduced + self.noise.rate * _stiction(cart, reference, window, way.samples)
+        taught = samples * fisher_information(way.regressors[0], noise)
         return Outlook(self, cart.planar_wrench(way.needed[0]), self.split.efforts(way.needed)[0], taught)
+
+
+def _stiction(cart: CartModel, reference: ReferencePath, window: tuple[float, float], samples: int) -> Array:
+    """Mean density (k, k) of what stiction leaves open of the reduced wrench, as the filter counts it: no contact makes
+    it less, so that where it is large there is nothing to gain by another one."""
+    times = window[0] + (np.arange(samples) + 0.5) * (window[1] - window[0]) / samples
+    wanted = [reference.at(time) for time in times.tolist()]
+    states = np.array([cart.state(one.pose_sb, one.velocity) for one in wanted])
+    roots = cart.basis_b.T @ cart.stiction(states, cart.parameters, time=float(times.mean()))
+    return np.asarray((roots @ np.swapaxes(roots, -1, -2)).mean(axis=0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,11 +10,12 @@ import pytest
 
 import cartgrasp as cg
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import CasterRealignment, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import physical_jacobian
 from cartgrasp.information import CERTAIN, covariance_after, information_of, parameter_regressor, reduced_noise
 from cartgrasp.roles import ContactQuery
+from cartgrasp.wheels import Wheel
 from estimation import CartFilter, Prior
 from planning import Choosing, Controller, PathReference, RegraspTimes, WrenchPlanner, chain, pause, plan_schedule
 from planning.contact_sources.by_name import WAYS, contact_source
@@ -171,6 +172,21 @@ def test_once_known_the_least_effort_is_taken_with_the_cost_of_switching():
             assert (tuple(found.contacts["left"]), tuple(found.contacts["right"])) == (p, q)
     free = source("teach", choosing=replace(CHOOSING, regrasp_effort=0.0)).contacts(query(2.0, worst, known))
     assert efforts[tuple(free.contacts["left"]), tuple(free.contacts["right"])] == pytest.approx(least)
+
+
+def test_nothing_is_spent_where_the_floor_is_louder_than_the_sensors():
+    """Casters with a stiff swivel leave the moment open by more than any lever arm does."""
+    wheels = [Wheel("fixed", 0.0, y) for y in (0.27, -0.27)] + [
+        Wheel("caster", -0.8, y, trail=0.045) for y in (0.25, -0.25)
+    ]
+    dear = replace(CHOOSING, every=3.0, ahead=3.0, extra_effort=10.0, regrasp_effort=0.0)
+    handle = {"left": np.array([-0.9, 0.2, 1.0]), "right": np.array([-0.9, -0.2, 1.0])}
+    for torque, moves in ((0.0, True), (2.0, False)):
+        effects = (*CART.effects, CasterRealignment(torque)) if torque else CART.effects
+        cart = cg.CartModel(CART.inertia, effects=effects, wheels=wheels)
+        told = estimate(cart, time=0.0, known={"viscous_drag"})
+        found = source("teach", cart, choosing=dear).contacts(query(0.0, handle, told, cart)).contacts
+        assert any(not np.array_equal(found[name], handle[name]) for name in handle) == moves
 
 
 def test_what_is_spent_on_learning_is_within_what_is_allowed():
