@@ -39,7 +39,9 @@ class Plan(Protocol):
 class Planner(Protocol):
     """Spreads a planar wrench over the arms; never raises for data and never returns an unsafe wrench."""
 
-    def plan_or_hold(self, wrench: Array, contacts: Mapping[str, Array] | None = None) -> Plan: ...
+    def plan_or_hold(
+        self, wrench: Array, contacts: Mapping[str, Array] | None = None, estimate: Estimate | None = None
+    ) -> Plan: ...
 
 
 class ContactQuery(NamedTuple):

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .allocation.allocation import Allocation, allocate, build_allocation
     from .contact_sources.choosing import Choosing
     from .contacts.contact_choice import SearchLimit
+    from .control.caution import Caution
     from .control.controller import Controller
     from .control.hand import RegraspTimes
     from .embedded import EmbeddedProblem, export_c
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Allocation",
     "Allowance",
+    "Caution",
     "Choosing",
     "Controller",
     "DirectTracker",
@@ -86,6 +88,7 @@ _HOMES = {
     "allocation.allocation": "Allocation allocate build_allocation",
     "contact_sources.choosing": "Choosing",
     "contacts.contact_choice": "SearchLimit",
+    "control.caution": "Caution",
     "control.controller": "Controller",
     "control.hand": "RegraspTimes",
     "embedded": "EmbeddedProblem export_c",

@@ -122,6 +122,11 @@ class WrenchPlanner:
         objective = type(self._terms.base.objective).__name__
         return brief("WrenchPlanner", self._made[0].name, f"arms {', '.join(self._terms.base.names)}", objective)
 
+    @property
+    def needs_estimate(self) -> bool:
+        """Whether it has limits of the cart, which hold for the estimate given last."""
+        return bool(self._made[2].limits)
+
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
         self._last = LastPlan(len(self._terms.sets))

@@ -20,8 +20,10 @@ from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimato
 
 from ..contact_sources.by_name import FIXED, contact_source
 from ..contact_sources.choosing import Choosing
+from ..limits import CartLimit
 from ..planner import WrenchPlanner
 from ..tracking import Gains, build_tracker
+from .caution import Caution, Pace
 from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
@@ -31,7 +33,7 @@ from .step import Step
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-    from cartgrasp.motion import Estimate, Measurement
+    from cartgrasp.motion import Estimate, Measurement, Reference
 
 LOST = ("stale", "no_wrench", "clock_went_back")
 """Healths under which no hand lets go."""
@@ -50,6 +52,9 @@ class Controller:
         choosing: What these ways to choose contacts may ask, spend and take.
         regrasp: What a regrasp takes; None: hands are where they are wanted at once, as in the paper.
         held: Where the hands hold already, (3,) in {b} by arm; else they take hold where they are first wanted.
+        cart_limits: Limits of the hands together, such as `Skid` and `TipOver`, for the cart as now estimated.
+        confidence: The probability with which they hold, by the estimate's covariance; None: as it is believed to be.
+        caution: What to do less of while the estimate's health is not ok; None: nothing.
         drift: m from its path that a cart may coast while its only hand regrasps.
         gains: Of the tracker.
         estimator: What learns; an `estimation.CartFilter` unless given.
@@ -83,6 +88,9 @@ class Controller:
         choosing: Choosing = AS_CHOSEN,
         regrasp: RegraspTimes | None = USUAL,
         held: Mapping[str, ArrayLike] | None = None,
+        cart_limits: Sequence[CartLimit] = (),
+        confidence: float | None = None,
+        caution: Caution | None = None,
         drift: float = 0.05,
         gains: Gains | None = None,
         estimator: Estimator | None = None,
@@ -96,7 +104,14 @@ class Controller:
         check_kind("controller: choosing", choosing, Choosing, "write Choosing(every=3.0)")
         self.cart, self.reference, self.period, self.learns = cart, reference, float(period), bool(learn)
         self._arms = tuple(arms)
-        self._planner = WrenchPlanner(cart, arms, period=period, relax=math.inf) if planner is None else planner
+        if planner is None:
+            planner = WrenchPlanner(
+                cart, arms, cart_limits=cart_limits, confidence=confidence, period=period, relax=math.inf
+            )
+        elif cart_limits or confidence is not None:
+            raise UsageError("controller: cart_limits and confidence are the planner's; give them to yours")
+        self._planner, self._caution = planner, caution
+        self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
         self._tracker = build_tracker(cart.constraints, gains) if tracker is None else tracker
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
         if isinstance(contacts, str):
@@ -111,7 +126,7 @@ class Controller:
             self._regrasps = Regrasps(whole, self._arms, regrasp, drift)
         self._held: Mapping[str, Array] = _checked(held, self._arms)
         self._last: Step | None = None
-        self._time = -math.inf
+        self._time, self._pace = -math.inf, Pace(math.nan)
 
     def __repr__(self) -> str:
         source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
@@ -125,19 +140,20 @@ class Controller:
     def step(self, measurement: Measurement) -> Step:
         """One tick: takes in what was sensed, and says what the arms are to do."""
         estimate, time = self._estimator.update(measurement), measurement.time
-        reference = self.reference.at(time)
+        reference, along, slowed = self._paced(estimate.health, time)
         model = estimate.cart() if self.learns else self.cart
         wanted = self._tracker.wrench_b(reference, estimate.motion, model)
-        chosen = self._source.contacts(ContactQuery(time, wanted, estimate, self._held))
+        chosen = self._source.contacts(ContactQuery(along, wanted, estimate, self._held))
+        told = self._for_planner(estimate)
         if self._regrasps is None:
-            plan = self._planner.plan_or_hold(wanted, contacts=chosen.contacts)
+            plan = self._planner.plan_or_hold(wanted, chosen.contacts, told)
             given = Given(plan.contact_wrenches, plan)
         else:
-            ahead = Ahead(self.reference, model, estimate.motion, time, wanted)
-            given = self._with_hands(self._regrasps, chosen, ahead, estimate.health)
+            ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told)
+            given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health))
         self._time, self._held = time, given.wrenches.contacts
         hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
-        self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept)
+        self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed)
         return self._last
 
     def observe(self, measurement: Measurement) -> Estimate:
@@ -153,7 +169,8 @@ class Controller:
         if last is None:
             raise UsageError("controller: there is nothing to save before the first step")
         cart = as_first_guess(last.estimate) if self.learns else self.cart
-        return Saved(self._time, cart, last.placed, last.wrenches).save(path)
+        along = self._time if self._caution is None else self._pace.along
+        return Saved(self._time, along, cart, last.placed, last.wrenches).save(path)
 
     @classmethod
     def restored(
@@ -164,7 +181,7 @@ class Controller:
         if set(saved.hands) != {arm.name for arm in arms}:
             raise UsageError(f"controller: {path} has the hands of {', '.join(saved.hands)}; give these arms")
         controller = cls(saved.cart, arms, reference, **options)
-        controller._time = saved.time
+        controller._time, controller._pace = saved.time, Pace(saved.along)
         controller._held = {name: np.array(hand.point) for name, hand in saved.hands.items()}
         if controller._regrasps is not None:
             controller._regrasps.restart(saved.hands, saved.wrenches)
@@ -174,14 +191,32 @@ class Controller:
 
     # --- within a tick ------------------------------------------------------------------------------------
 
-    def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, health: str) -> Given:
-        """One that regrasps goes on; another may only leave while the senses are there."""
+    def _paced(self, health: str, time: float) -> tuple[Reference, float, str]:
+        """Where to be, how far along the reference that is (s), and why that is behind."""
+        if self._caution is None:
+            return self.reference.at(time), time, ""
+        wanted = self._caution.pace.get(health, 1.0)
+        pace = self._pace if math.isfinite(self._pace.along) else Pace(time)
+        elapsed = time - self._time if math.isfinite(self._time) else 0.0
+        self._pace = pace.after(elapsed, wanted, self._caution.change)
+        slowed = "" if wanted == 1.0 else f"slows to {100 * wanted:.0f} % of its speed: health {health}"
+        return self._pace.reference(self.reference, time), self._pace.along, slowed
+
+    def _for_planner(self, estimate: Estimate) -> Estimate | None:
+        """The estimate, where the planner has limits that hold for it."""
+        if not self._needs_estimate:
+            return None
+        return estimate if self._caution is None else self._caution.widened(estimate)
+
+    def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
+        """One that regrasps goes on; another may only leave while the senses are there. `now` are time and health."""
+        time, health = now
         if not regrasps.hands:
             regrasps.begin(self._held or chosen.contacts)
-        regrasps.go_on(max(0.0, ahead.time - self._time))
+        regrasps.go_on(max(0.0, time - self._time))
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
-        return regrasps.plan(ahead.wrench_b)
+        return regrasps.plan(ahead.wrench_b, ahead.estimate)
 
 
 def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[str, Array]:

@@ -15,6 +15,7 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactWrenches, grasp_map_planar
 from cartgrasp.frames import Array
+from cartgrasp.motion import Estimate
 from cartgrasp.roles import Plan as AnyPlan
 
 from ..plan import RELAXED, Plan
@@ -91,31 +92,34 @@ class Regrasps:
         """The arm whose hand does not hold wholly."""
         return next((name for name, hand in self.hands.items() if hand.phase is not Phase.HOLDS), None)
 
-    def plan(self, wrench_b: Array) -> Given:
-        """What the arms give for a planar wrench (3,) in {b}."""
+    def plan(self, wrench_b: Array, estimate: Estimate | None = None) -> Given:
+        """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart."""
         name, contacts = self.busy, self.contacts
         phase = None if name is None else self.hands[name].phase
         if phase is not self._last[0] and self._last[1]:
             self._start_from(name)
         if name is None:
-            plan = self._planner.plan_or_hold(wrench_b, contacts=contacts)
+            plan = self._planner.plan_or_hold(wrench_b, contacts, estimate)
             given = plan.contact_wrenches
         else:
-            plan, given = self._shared(name, wrench_b, contacts)
+            plan, given = self._shared(name, wrench_b, contacts, estimate)
         self._last = phase, given.wrenches
         return Given(given, plan)
 
-    def _shared(self, name: str, wrench_b: Array, contacts: dict[str, Array]) -> tuple[Plan, ContactWrenches]:
+    def _shared(
+        self, name: str, wrench_b: Array, contacts: dict[str, Array], estimate: Estimate | None
+    ) -> tuple[Plan, ContactWrenches]:
         share, own = self.hands[name].share, np.zeros(6)
         if share > 0:
-            own = share * self._planner.plan_or_hold(wrench_b, contacts=contacts).contact_wrenches.wrenches[name]
+            whole = self._planner.plan_or_hold(wrench_b, contacts, estimate)
+            own = share * whole.contact_wrenches.wrenches[name]
         away = frozenset({name}) if self.hands[name].is_away else frozenset()
         if name not in self._others:
             plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=ALONE)
             return plan, ContactWrenches({name: own}, contacts, self._yaws, away)
         rest = np.asarray(wrench_b) - grasp_map_planar(contacts[name], self._yaws[name]) @ own
         held = {other: point for other, point in contacts.items() if other != name}
-        plan = self._others[name].plan_or_hold(rest, contacts=held)
+        plan = self._others[name].plan_or_hold(rest, held, estimate)
         given = plan.contact_wrenches.wrenches
         wrenches = {other: own if other == name else given[other] for other in contacts}
         return plan, ContactWrenches(wrenches, contacts, self._yaws, away)

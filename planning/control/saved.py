@@ -46,15 +46,18 @@ class _HandEntry(StrictModel):
 
 class _SavedEntry(StrictModel):
     time: float
+    along: float | None = None
     cart: Any
     hands: Annotated[dict[str, _HandEntry], Field(min_length=1)]
 
 
 @dataclass(frozen=True, eq=False)
 class Saved:
-    """At `time` (s): the cart, and how sure its numbers are; the hands, and the wrenches (6,) in {a} that they gave."""
+    """At `time` (s), and so far `along` the reference (s): the cart, and how sure its numbers are; the hands, and the
+    wrenches (6,) in {a} that they gave."""
 
     time: float
+    along: float
     cart: CartModel
     hands: Mapping[str, Hand]
     wrenches: Mapping[str, Array]
@@ -62,7 +65,8 @@ class Saved:
     def save(self, path: str | os.PathLike[str]) -> Path:
         hands = {name: _entry(hand, self.wrenches[name]) for name, hand in self.hands.items()}
         cart = parse_yaml(cart_text(self.cart), "cart")
-        return write_atomically(path, dump_yaml(CommentedMap({"time": self.time, "cart": cart, "hands": hands})))
+        document = {"time": self.time, "along": self.along, "cart": cart, "hands": hands}
+        return write_atomically(path, dump_yaml(CommentedMap(document)))
 
 
 def read_saved(path: str | os.PathLike[str]) -> Saved:
@@ -71,6 +75,7 @@ def read_saved(path: str | os.PathLike[str]) -> Saved:
     entry = validate(_SavedEntry, document, str(path))
     return Saved(
         time=entry.time,
+        along=entry.time if entry.along is None else entry.along,
         cart=cart_from_document(document["cart"], str(path), ["cart"]),
         hands={name: one.hand() for name, one in entry.hands.items()},
         wrenches={name: np.array(one.wrench) for name, one in entry.hands.items()},

@@ -20,7 +20,8 @@ class Step:
     """What the arms do from `time` (s) on, and by what.
 
     `given` are their wrenches, with where the hands are; `plan` is the plan of the hands that hold wholly, where one is
-    on its way. `why` says why the contacts were chosen, and `kept` by arm why a hand stays that was to go.
+    on its way. `why` says why the contacts were chosen, `kept` by arm why a hand stays that was to go, and `slowed` why
+    the cart goes slower than its reference.
     """
 
     time: float
@@ -31,6 +32,7 @@ class Step:
     hands: Mapping[str, Hand] = field(default_factory=dict)
     why: str = ""
     kept: Mapping[str, str] = field(default_factory=dict)
+    slowed: str = ""
 
     def __repr__(self) -> str:
         arms = (
@@ -58,7 +60,8 @@ class Step:
     @cached_property
     def words(self) -> str:
         """What each hand does, where, and why."""
-        return "; ".join(self._of_hand(name, hand) for name, hand in self.placed.items())
+        hands = [self._of_hand(name, hand) for name, hand in self.placed.items()]
+        return "; ".join([*hands, *([self.slowed] if self.slowed else [])])
 
     @property
     def placed(self) -> Mapping[str, Hand]:
