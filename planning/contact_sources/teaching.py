@@ -58,7 +58,8 @@ class TeachingContacts:
         self._due = query.time + self._choosing.every
         cart = self._cart if query.estimate is None else query.estimate.cart()
         outlook = self._family.ahead(cart, self._reference, (query.time, stop))
-        charges = self._family.moved(held) * self._choosing.regrasp_effort / (stop - query.time)
+        left = self._reference.duration - query.time  # for which the time ahead stands
+        charges = self._family.moved(held) * self._choosing.regrasp_effort / left
         self._chosen = self._choose(outlook, query.estimate, charges, held)
         return self._chosen
 

@@ -164,7 +164,8 @@ def test_once_known_the_least_effort_is_taken_with_the_cost_of_switching():
     (p, q), most = max(efforts.items(), key=lambda item: item[1])
     worst = {"left": np.array(p), "right": np.array(q)}
     moves = (left != p) + (right != q)
-    for cost, moved in (((most - least) / moves * 0.9, True), ((most - least) * 1.1, False)):
+    left = PATH.duration - 2.0
+    for cost, moved in (((most - least) / moves * 0.9 * left, True), ((most - least) * 1.1 * left, False)):
         found = source("teach", choosing=replace(CHOOSING, regrasp_effort=cost)).contacts(query(2.0, worst, known))
         assert found.why == "least effort"
         assert (tuple(found.contacts["left"]), tuple(found.contacts["right"])) != (p, q) if moved else True
