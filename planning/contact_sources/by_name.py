@@ -43,7 +43,7 @@ def contact_source(
             planner = WrenchPlanner(cart, arms, min_hand_distance=choosing.min_hand_distance)
             return LeastEffortContacts(planner, arms, choosing.every)
         case "teach":
-            return TeachingContacts(cart, arms, reference, choosing)
+            return TeachingContacts(cart, arms, reference, choosing, regrasp)
         case "schedule":
             return ScheduledContacts(cart, arms, reference, choosing, regrasp)
     return FixedContacts(arms)

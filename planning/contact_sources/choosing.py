@@ -23,7 +23,7 @@ class Choosing:
         asked: To which standard deviation a parameter is to be known (`mass`, `com_x`, `com_y`, `inertia`; kg, m, m,
             kg·m²), for "teach".
         extra_effort: Share of the least effort of the time ahead that may be spent on learning, for "teach".
-        regrasp_effort: What a regrasp must save to be worth it, N²·s, for "teach" and "schedule".
+        regrasp_effort: What a regrasp must save beyond what the others bear meanwhile, N²·s, for "teach", "schedule".
         noise: Of the arms' force sensors, for "teach".
         min_hand_distance: m between any two hands.
 
@@ -35,7 +35,7 @@ class Choosing:
     ahead: float = 8.0
     asked: Mapping[str, float] = field(default_factory=lambda: {"com_x": 0.02, "com_y": 0.02})
     extra_effort: float = 0.3
-    regrasp_effort: float = 100.0
+    regrasp_effort: float = 20.0
     noise: WrenchNoise = USUAL_NOISE
     min_hand_distance: float = 0.0
 

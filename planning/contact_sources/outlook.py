@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.roles import ReferencePath
 
+    from ..control.hand import RegraspTimes
+
 SAME_PLACE = 1e-6  # m
 QUIET = 1e-3
 """N and N·m: sensors are not taken to be better."""
@@ -30,7 +32,8 @@ QUIET = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class ContactFamily:
-    """Every choice (J, n, 3) of the arms' points, with what does not depend on the cart's load."""
+    """Every choice (J, n, 3) of the arms' points, with what does not depend on the cart's load; `without` each of the
+    arms (none where one is alone) the split over the others."""
 
     names: tuple[str, ...]
     choices: Array
@@ -38,6 +41,7 @@ class ContactFamily:
     noise: WrenchNoise
     reduced: Array
     planner: WrenchPlanner
+    without: tuple[FreeSplit, ...]
 
     @classmethod
     def of(cls, cart: CartModel, arms: Sequence[Arm], noise: WrenchNoise, min_hand_distance: float) -> ContactFamily:
@@ -51,6 +55,7 @@ class ContactFamily:
             noise=noise,
             reduced=reduced_noise(cart, choices, noise, template.yaws),
             planner=WrenchPlanner(cart, arms),
+            without=tuple(_without(cart, arms, choices, i) for i in range(len(arms)) if len(arms) > 1),
         )
 
     def index_of(self, held: Mapping[str, Array]) -> int | None:
@@ -64,18 +69,18 @@ class ContactFamily:
     def contacts(self, choice: int) -> dict[str, Array]:
         return dict(zip(self.names, self.choices[choice], strict=True))
 
-    def moved(self, held: int | None) -> Array:
-        """How many hands each choice moves, (J,); none where nothing is held."""
-        if held is None:
-            return np.zeros(len(self.choices))
-        return np.asarray((np.abs(self.choices - self.choices[held]) > SAME_PLACE).any(axis=2).sum(axis=1))
-
     def ahead(self, cart: CartModel, reference: ReferencePath, window: tuple[float, float]) -> Outlook:
         way = motions(reference, cart, window, 0.0)
         samples = (window[1] - window[0]) * self.noise.rate / way.samples
         noise = self.reduced + self.noise.rate * _stiction(cart, reference, window, way.samples)
         taught = samples * fisher_information(way.regressors[0], noise)
-        return Outlook(self, cart.planar_wrench(way.needed[0]), self.split.efforts(way.needed)[0], taught)
+        alone = np.array([split.efforts(way.needed)[0] for split in self.without])
+        return Outlook(self, cart.planar_wrench(way.needed[0]), self.split.efforts(way.needed)[0], taught, alone)
+
+
+def _without(cart: CartModel, arms: Sequence[Arm], choices: Array, arm: int) -> FreeSplit:
+    others = [i for i in range(len(arms)) if i != arm]
+    return FreeSplit.of(AllocationTemplate.of(cart, [arms[i] for i in others]), choices[:, others])
 
 
 def _stiction(cart: CartModel, reference: ReferencePath, window: tuple[float, float], samples: int) -> Array:
@@ -91,12 +96,14 @@ def _stiction(cart: CartModel, reference: ReferencePath, window: tuple[float, fl
 @dataclass(frozen=True, eq=False)
 class Outlook:
     """The wrenches (T, 3) in {b} that the reference needs, and by choice the mean effort that no limit can lower,
-    `lowest` (J,) in N², and the Fisher information `taught` (J, p, p)."""
+    `lowest` (J,) in N², and the Fisher information `taught` (J, p, p); `alone` (n, J) is as `lowest`, without each arm.
+    """
 
     family: ContactFamily
     wrenches: Array
     lowest: Array
     taught: Array
+    alone: Array
     _efforts: dict[int, float] = field(default_factory=dict)
 
     def effort(self, choice: int) -> float:
@@ -110,6 +117,19 @@ class Outlook:
                     break
             self._efforts[choice] = total / len(self.wrenches)
         return self._efforts[choice]
+
+    def regrasps(self, held: int | None, times: RegraspTimes, effort: float) -> Array:
+        """What it costs to go from a choice to each, (J,), N²·s: for each hand that moves an `effort`, and what the
+        others bear more while it is away. Nothing where nothing is held."""
+        if held is None:
+            return np.zeros(len(self.lowest))
+        choices = self.family.choices
+        distances = np.linalg.norm(choices - choices[held], axis=2)
+        lasting = np.where(
+            distances > SAME_PLACE, times.unload + times.load + times.take_hold + distances / times.speed, 0.0
+        )
+        more = np.maximum(self.alone[:, held] - self.lowest[held], 0.0) if len(self.alone) else np.zeros(1)
+        return np.asarray(lasting @ more + effort * (lasting > 0).sum(axis=1))
 
     def cheapest(self, charges: Array) -> int | None:
         """The choice of least effort and charge (J,), N²; None where no choice can drive the reference."""

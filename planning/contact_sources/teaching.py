@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from cartgrasp.motion import Estimate
     from cartgrasp.roles import ReferencePath
 
+    from ..control.hand import RegraspTimes
+
 LEAST_GAIN = 0.1
 """By which the logarithm of the deviations' product must fall to be worth a regrasp."""
 SPARE = 1.0
@@ -39,9 +41,16 @@ LEAST, CANNOT = "least effort", "no contacts can drive the time ahead"
 class TeachingContacts:
     """For the arms' points; segments are refused. `choosing` says what is asked for, and at which cost."""
 
-    def __init__(self, cart: CartModel, arms: Sequence[Arm], reference: ReferencePath, choosing: Choosing) -> None:
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        reference: ReferencePath,
+        choosing: Choosing,
+        regrasp: RegraspTimes,
+    ) -> None:
         self._family = ContactFamily.of(cart, arms, choosing.noise, choosing.min_hand_distance)
-        self._reference, self._choosing, self._cart = reference, choosing, cart
+        self._reference, self._choosing, self._cart, self._times = reference, choosing, cart, regrasp
         first = {arm.name: arm.contacts.first for arm in arms}
         self._chosen, self._due = ContactChoice(first, LEAST), -np.inf
 
@@ -59,7 +68,7 @@ class TeachingContacts:
         cart = self._cart if query.estimate is None else query.estimate.cart()
         outlook = self._family.ahead(cart, self._reference, (query.time, stop))
         left = self._reference.duration - query.time  # for which the time ahead stands
-        charges = self._family.moved(held) * self._choosing.regrasp_effort / left
+        charges = outlook.regrasps(held, self._times, self._choosing.regrasp_effort) / left
         self._chosen = self._choose(outlook, query.estimate, charges, held)
         return self._chosen
 

@@ -33,7 +33,7 @@ class ChoosingEntry(StrictModel):
     ahead: Positive = 8.0
     asked: dict[str, Positive] = Field(default_factory=lambda: {"com_x": 0.02, "com_y": 0.02})
     extra_effort: NotNegative = 0.3
-    regrasp_effort: NotNegative = 100.0
+    regrasp_effort: NotNegative = 20.0
     min_hand_distance: NotNegative = 0.0
 
 

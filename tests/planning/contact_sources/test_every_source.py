@@ -19,6 +19,7 @@ from cartgrasp.wheels import Wheel
 from estimation import CartFilter, Prior
 from planning import Choosing, Controller, PathReference, RegraspTimes, WrenchPlanner, chain, pause, plan_schedule
 from planning.contact_sources.by_name import WAYS, contact_source
+from planning.contact_sources.outlook import ContactFamily
 from planning.references import speed_change, turn
 from planning.schedule.schedule import Grip, Horizon, RegraspCost, wanted_wrench
 
@@ -164,14 +165,15 @@ def test_once_known_the_least_effort_is_taken_with_the_cost_of_switching():
     (p, q), most = max(efforts.items(), key=lambda item: item[1])
     worst = {"left": np.array(p), "right": np.array(q)}
     moves = (left != p) + (right != q)
-    left = PATH.duration - 2.0
-    for cost, moved in (((most - least) / moves * 0.9 * left, True), ((most - least) * 1.1 * left, False)):
-        found = source("teach", choosing=replace(CHOOSING, regrasp_effort=cost)).contacts(query(2.0, worst, known))
+    left, quick = PATH.duration - 2.0, RegraspTimes(10.0, 0.0, 0.0, 0.0)
+    for cost, moved in (((most - least) / moves * 0.8 * left, True), ((most - least) * 1.1 * left, False)):
+        dear = replace(CHOOSING, regrasp_effort=cost)
+        found = contact_source("teach", CART, arms(), PATH, dear, quick).contacts(query(2.0, worst, known))
         assert found.why == "least effort"
         assert (tuple(found.contacts["left"]), tuple(found.contacts["right"])) != (p, q) if moved else True
         if not moved:
             assert (tuple(found.contacts["left"]), tuple(found.contacts["right"])) == (p, q)
-    free = source("teach", choosing=replace(CHOOSING, regrasp_effort=0.0)).contacts(query(2.0, worst, known))
+    free = source("teach").contacts(query(2.0, {}, known))
     assert efforts[tuple(free.contacts["left"]), tuple(free.contacts["right"])] == pytest.approx(least)
 
 
@@ -188,6 +190,26 @@ def test_nothing_is_spent_where_the_floor_is_louder_than_the_sensors():
         told = estimate(cart, time=0.0, known={"viscous_drag"})
         found = source("teach", cart, choosing=dear).contacts(query(0.0, handle, told, cart)).contacts
         assert any(not np.array_equal(found[name], handle[name]) for name in handle) == moves
+
+
+def test_what_a_regrasp_costs():
+    """By plans of the other arm alone, which bears everything for as long as the hand is away."""
+    family = ContactFamily.of(CART, arms(force=1e3), CHOOSING.noise, 0.0)
+    outlook = family.ahead(CART, PATH, (2.0, 3.0))
+    held = {"left": np.array([-0.9, 0.2, 1.0]), "right": np.array([-0.45, -0.3, 0.8])}
+    left_moves = {**held, "left": np.array([0.0, 0.3, 0.8])}
+    both, alone = WrenchPlanner(CART, arms(force=1e3)), WrenchPlanner(CART, arms(force=1e3)[1:])
+    more = [
+        alone.plan(w, contacts={"right": held["right"]}).effort - both.plan(w, contacts=held).effort
+        for w in outlook.wrenches
+    ]
+    start, end = family.index_of(held), family.index_of(left_moves)
+    found = outlook.regrasps(start, TIMES, 7.0)
+    lasting = TIMES.lasting(np.linalg.norm(left_moves["left"] - held["left"]))
+    assert found[end] == pytest.approx(7.0 + lasting * np.mean(more), rel=1e-6)
+    assert found[start] == 0.0
+    single = ContactFamily.of(CART, arms(names=["left"]), CHOOSING.noise, 0.0).ahead(CART, PATH, (2.0, 3.0))
+    assert np.allclose(single.regrasps(0, TIMES, 7.0), [0.0, 7.0, 7.0])
 
 
 def test_what_is_spent_on_learning_is_within_what_is_allowed():
