@@ -92,11 +92,13 @@ class ContactSet:
 
 @dataclass(frozen=True)
 class ContactWrenches:
-    """What each arm gives to the cart: wrench (6,) in its contact frame {a}, at a point (3,) of {b}."""
+    """What each arm gives to the cart: wrench (6,) in its contact frame {a}, at a point (3,) of {b}. Arms that are
+    `away` hold nothing: their wrench is zero, which needs no sensor, and their point is where the hand is."""
 
     wrenches: Mapping[str, Array] = field(default_factory=dict)
     contacts: Mapping[str, Array] = field(default_factory=dict)
     yaws: Mapping[str, float] = field(default_factory=dict)
+    away: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         for name, parts, n in (("wrenches", self.wrenches, 6), ("contacts", self.contacts, 3)):

@@ -22,6 +22,9 @@ from .frames import Array
 from .inertia import N_PHI
 from .model import CartModel
 
+CERTAIN = 1e8
+"""Information that stands for a known value."""
+
 
 @dataclass(frozen=True)
 class WrenchNoise:
@@ -67,6 +70,22 @@ def phi_covariance(information: Array) -> Array:
     """Cramér-Rao bound (..., 4, 4) of phi, all other parameters being unknown too; the information (..., p, p) must
     be regular (a prior makes it so)."""
     return np.asarray(np.linalg.inv(information)[..., :N_PHI, :N_PHI])
+
+
+def covariance_after(covariance: Array, information: Array) -> Array:
+    """(..., p, p) after `information` (..., p, p) came to what was known before: `(1 + P I)⁻¹ P`. What is known for
+    sure, or for sure in some combination, needs no inverse and stays so."""
+    learned = np.linalg.solve(np.eye(covariance.shape[-1]) + covariance @ information, covariance)
+    return np.asarray((learned + np.swapaxes(learned, -1, -2)) / 2)
+
+
+def information_of(covariance: Array) -> Array:
+    """The inverse (p, p) of a covariance (p, p) in which some parameters may be known for sure: they have `CERTAIN`."""
+    variance = np.diagonal(covariance)
+    free = np.flatnonzero(variance > 0)
+    information = CERTAIN * np.eye(len(covariance))
+    information[np.ix_(free, free)] = np.linalg.inv(covariance[np.ix_(free, free)])
+    return information
 
 
 def phi_scales(phi: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from .contacts import ContactWrenches
 from .frames import Array
@@ -39,19 +39,82 @@ class Plan(Protocol):
 class Planner(Protocol):
     """Spreads a planar wrench over the arms; never raises for data and never returns an unsafe wrench."""
 
-    def plan_or_hold(self, wrench: Array, contacts: Mapping[str, Array] | None = None) -> Plan: ...
+    def plan_or_hold(
+        self, wrench: Array, contacts: Mapping[str, Array] | None = None, estimate: Estimate | None = None
+    ) -> Plan: ...
+
+
+class ContactQuery(NamedTuple):
+    """What a source of contacts is told: the time (s), the wrench (3,) in {b} that the cart is to feel, what is known
+    of it, and where the arms hold now, (3,) in {b} by name; nothing before the first tick."""
+
+    time: float
+    wrench_b: Array
+    estimate: Estimate | None = None
+    held: Mapping[str, Array] = {}
+
+
+class ContactChoice(NamedTuple):
+    """Where the arms are to hold, (3,) in {b} by name, and why, in a few words."""
+
+    contacts: Mapping[str, Array]
+    why: str = ""
 
 
 class ContactSource(Protocol):
-    """Says where the arms hold, (3,) in {b} by name, when the cart is to feel a wrench (3,)."""
+    """Says where the arms are to hold."""
 
-    def contacts(self, time: float, wrench_b: Array) -> Mapping[str, Array]: ...
+    def contacts(self, query: ContactQuery) -> ContactChoice: ...
 
 
 class Estimator(Protocol):
     """Learns from measurements."""
 
     def update(self, measurement: Measurement) -> Estimate: ...
+
+
+class ControlStep(Protocol):
+    """What a controller gives in a tick, and by what."""
+
+    @property
+    def given(self) -> ContactWrenches: ...
+
+    @property
+    def plan(self) -> Plan: ...
+
+    @property
+    def reference(self) -> Reference: ...
+
+    @property
+    def estimate(self) -> Estimate: ...
+
+    @property
+    def words(self) -> str:
+        """What it does and why."""
+        ...
+
+
+class Controller(Protocol):
+    """From what is sensed to what the arms do, once a `period` (s). `cart` is its first guess, and all that it
+    believes where it does not learn."""
+
+    @property
+    def cart(self) -> CartModel: ...
+
+    @property
+    def period(self) -> float: ...
+
+    @property
+    def learns(self) -> bool: ...
+
+    @property
+    def reference(self) -> ReferencePath: ...
+
+    def step(self, measurement: Measurement) -> ControlStep: ...
+
+    def observe(self, measurement: Measurement) -> Estimate:
+        """Takes in what is sensed between two ticks."""
+        ...
 
 
 class Plant(Protocol):

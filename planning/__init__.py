@@ -8,7 +8,11 @@ from cartgrasp.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .allocation.allocation import Allocation, allocate, build_allocation
+    from .contact_sources.choosing import Choosing
     from .contacts.contact_choice import SearchLimit
+    from .control.caution import Caution
+    from .control.controller import Controller
+    from .control.hand import RegraspTimes
     from .embedded import EmbeddedProblem, export_c
     from .excitation.excitation_choice import Allowance, ExcitationChooser
     from .excitation.excitation_plan import plan_excitation
@@ -36,6 +40,9 @@ if TYPE_CHECKING:
 __all__ = [
     "Allocation",
     "Allowance",
+    "Caution",
+    "Choosing",
+    "Controller",
     "DirectTracker",
     "EmbeddedProblem",
     "ExcitationChooser",
@@ -55,6 +62,7 @@ __all__ = [
     "QPSolution",
     "QuadraticProgram",
     "RegraspCost",
+    "RegraspTimes",
     "SearchLimit",
     "SideForce",
     "Skid",
@@ -81,7 +89,11 @@ __all__ = [
 
 _HOMES = {
     "allocation.allocation": "Allocation allocate build_allocation",
+    "contact_sources.choosing": "Choosing",
     "contacts.contact_choice": "SearchLimit",
+    "control.caution": "Caution",
+    "control.controller": "Controller",
+    "control.hand": "RegraspTimes",
     "embedded": "EmbeddedProblem export_c",
     "excitation.excitation_choice": "Allowance ExcitationChooser",
     "excitation.excitation_plan": "plan_excitation",

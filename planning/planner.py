@@ -1,5 +1,4 @@
-"""`WrenchPlanner`: what a controller calls at its rate; it checks, chooses contacts, allocates, and
-proves."""
+"""`WrenchPlanner`: what a controller calls at its rate; it checks, chooses contacts, allocates, and proves."""
 
 from __future__ import annotations
 
@@ -8,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -76,9 +75,8 @@ class WrenchPlanner:
         switching_cost: What an arm pays that moves from where the last usable plan held, in the objective's unit (N² as
             a rule); one for every arm, or by arm (switching_cost.py).
         search_limit: When a choice among contacts ends before its optimum is proven: by programs solved, s, or gap.
-        solver: Of programs, by any name that qpsolvers has installed ("osqp", "clarabel", "piqp", …), with the same
-            proof and a polish to the same accuracy, in the place of the compiled one, which is 30 to 170 times as
-            fast.
+        solver: Of programs, by any name that qpsolvers has installed ("osqp", "clarabel", …), with the same proof and
+            accuracy, in the place of the compiled one, which is 30 to 170 times as fast.
         period: s between calls: a held wrench decays by it, and rates of change count by it.
 
     Raises:
@@ -117,18 +115,24 @@ class WrenchPlanner:
         self._made = cart, objective, RobustLimits(limits, confidence), (min_hand_distance, period)
         self._relax, self._switching_costs = relax, switching_cost
         self._limit, self._decay = search_limit, math.exp(-period / HOLD_TIME)
-        self._solver_name, self._last = solver, LastPlan(0)
+        self._solver_name, self._last, self._is_warm = solver, LastPlan(0), False
         self._solver, self._asked = QuadraticSolver(name=solver), (0.0, 0.0, 0.0)
         self._compiled: CompiledPlanning | None = None
-        self._is_warm = False
         self._begin(Terms(cart, arms, *self._made[1:]), ())
         self._names = self._terms.base.names
         self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
         self.reset()
 
     def __repr__(self) -> str:
-        objective = type(self._terms.base.objective).__name__
-        return brief("WrenchPlanner", self._made[0].name, f"arms {', '.join(self._terms.base.names)}", objective)
+        base = self._terms.base
+        return brief(
+            "WrenchPlanner", self._made[0].name, f"arms {', '.join(base.names)}", type(base.objective).__name__
+        )
+
+    @property
+    def needs_estimate(self) -> bool:
+        """Whether it has limits of the cart, which hold for the estimate given last."""
+        return bool(self._made[2].limits)
 
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
@@ -138,16 +142,24 @@ class WrenchPlanner:
             self._compiled.forget()
         self._look_back_at(self._last.wrenches)
 
+    def for_arms(self, names: Sequence[str]) -> Self:
+        """A planner like this one, which remembers nothing, for some of its arms."""
+        other, before = shallow(self), self._terms.base
+        other._solver, other._is_warm = QuadraticSolver(name=self._solver_name), False
+        other._begin(Terms(self._made[0], [a for a in before.arms if a.name in names], *self._made[1:]), before.names)
+        other._names = other._terms.base.names
+        other.reset()
+        return other
+
     def start_from(self, wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike] = NOWHERE) -> None:
-        """As if the last plan had been these wrenches (6,) in {a} by arm, of arms left out zero, at these contacts (3,)
-        in {b}; arms left out hold where they held."""
+        """As if the last plan had been these wrenches (6,) in {a} by arm, zero of others, at contacts (3,) in {b};
+        others hold where they held."""
         self._last = self._last.started(self._terms.base.names, wrenches, contacts)
         self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
 
     def warm_up(self) -> None:
-        """Does now what would cost at the first call: workspaces, the import of the fallback solver, and the compiled
-        kernels, without which planning takes ten times as long. They are loaded in half a second, and compiled in half
-        a minute the very first time on a machine."""
+        """Does now what would cost at the first call: workspaces, the fallback solver's import, and compiled kernels,
+        without which planning takes ten times as long: loaded in half a second, compiled in half a minute."""
         self._is_warm = True
         self._begin_terms()
         self.plan((0.0, 0.0, 0.0))
@@ -155,8 +167,6 @@ class WrenchPlanner:
         self.reset()
         target = np.zeros(len(self._to_effective))
         solve_with_clarabel(self._program.at(self._terms.first, target, self._cost))
-
-    # --- planning -----------------------------------------------------------------------------------------
 
     def plan(
         self,
@@ -181,8 +191,8 @@ class WrenchPlanner:
             return plan
         question = Question(self._to_effective.dot(read_wrench(wrench)), self._cost)
         held = plan.nearest.contacts
-        own = None if contacts is None else self._terms.candidates
-        remedy = find_remedy(self._cases, question, own, held, self._terms.candidates.distance)
+        every = self._terms.candidates
+        remedy = find_remedy(self._cases, question, None if contacts is None else every, held, every.distance)
         certificate = with_remedy(plan.certificate, remedy, held)
         return replace(plan, certificate=certificate, message=certificate.words)
 
@@ -207,8 +217,7 @@ class WrenchPlanner:
         plan = self._plan(wrench, contacts, estimate, arms, at_once=self._relax == 0.0)
         if plan.is_usable:
             return plan
-        rate = self._terms.rate
-        shrink = self._decay if rate is None else rate.shrink(self._last.wrenches, self._decay)
+        shrink = self._terms.shrink(self._last.wrenches, self._decay)
         self._remember(shrink * self._last.wrenches, self._last.contacts)
         by_arm, points = self._answers.by_arm, self._last.contacts_or(self._terms.first)
         held = ContactWrenches(by_arm(self._last.wrenches), by_arm(points), self._terms.yaws)
@@ -246,14 +255,13 @@ class WrenchPlanner:
         points = candidates.single
         if points is None:
             return self._choose(candidates, asked, start, at_once)
+        target = self._to_effective.dot(asked)
         if at_once and self._compiled is not None and self._compiled.is_infeasible:
-            return self._left_open(
-                lambda then: then._planned(points, then._to_effective.dot(asked), None, start), start
-            )
-        return self._planned(points, self._to_effective.dot(asked), None, start)
+            return self._left_open(lambda then: then._planned(points, target, None, start), start)
+        return self._planned(points, target, None, start)
 
     def _left_open(self, explained: Callable[[WrenchPlanner], Plan], start: float) -> Plan:
-        """Infeasible, as is proven; why, a planner that remembers what this one does now will say when asked."""
+        """Infeasible, as is proven; why, a planner that remembers what this one does now says when asked."""
         then = shallow(self)
         then._terms, then._last, then._compiled = shallow(self._terms), shallow(self._last), None
 
@@ -264,15 +272,14 @@ class WrenchPlanner:
             return explained(then)
 
         spent = time.perf_counter() - start
-        nothing: dict[str, Any] = {"wrenches": {}, "contacts": {}, "yaws": {}}
-        fields = {"status": INFEASIBLE, "solve_time": spent, "solver": SOLVER, "explain": explain}
-        return Plan.of({**nothing, **fields, "tell": lambda: explain().figures})
+        fields: dict[str, Any] = {"status": INFEASIBLE, "solve_time": spent, "solver": SOLVER, "explain": explain}
+        fields |= {"wrenches": {}, "contacts": {}, "yaws": {}, "tell": lambda: explain().figures}
+        return Plan.of(fields)
 
     # --- what changes between ticks -----------------------------------------------------------------------
 
     def _take_estimate(self, estimate: Estimate) -> None:
-        newest = check_estimate(estimate, self._newest_estimate)
-        before = self._terms.base.cart_rows
+        newest, before = check_estimate(estimate, self._newest_estimate), self._terms.base.cart_rows
         if self._terms.take_estimate(estimate):
             self._program.drop()
             self._take_last()
@@ -302,8 +309,7 @@ class WrenchPlanner:
         self._terms, self._switching = terms, SwitchingCost(costs, names)
         self._last = self._last.among(before, names)
         self._cases, self._given = CaseSolver(terms.template, self._solver_name), GivenContacts(terms)
-        self._answers = Answers(terms, self._relax, self._solver_name)
-        self._program = ProgramAtContacts(terms)
+        self._answers, self._program = Answers(terms, self._relax, self._solver_name), ProgramAtContacts(terms)
         self._compiled, self._cost = None, terms.base.cost(self._last.wrenches)
         self._begin_terms()
 
@@ -336,13 +342,10 @@ class WrenchPlanner:
             self._look_back_at(wrenches)
 
     def _remembered(self, plan: Plan, wrenches: Array, contacts: Array) -> Plan:
-        """A usable plan, which tells who has switched."""
         if self._switching.is_any:
             plan = replace(plan, switched=self._last.moving_to(contacts, self._terms.base.names))
         self._remember(wrenches, contacts)
         return plan
-
-    # --- solving ------------------------------------------------------------------------------------------
 
     def _choose(self, candidates: Candidates, asked: Point, start: float, at_once: bool) -> Plan:
         switching, is_own = self._switching.over(candidates, self._last.contacts), candidates is self._terms.candidates
@@ -376,8 +379,8 @@ class WrenchPlanner:
             certificate = contradiction(self._terms.template, program, question.target)
             return too_near(candidates, start) if certificate is None else certified(certificate, start)
         if nearest.contacts is None:
-            message = "infeasible at every contact, but the nearest wrench was not found"
-            return refusal(NUMERICAL if nearest.complete else TIMEOUT, message, start)
+            status, wrench = NUMERICAL if nearest.complete else TIMEOUT, "the nearest wrench was not found"
+            return refusal(status, f"infeasible at every contact, but {wrench}", start)
         whole = replace(choice, solved=choice.solved + nearest.solved)
         plan = self._planned(nearest.contacts, question.target, whole, start)
         return at_nearest(plan, candidates)

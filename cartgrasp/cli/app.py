@@ -13,7 +13,7 @@ from typer.exceptions import TyperException
 
 from ..compile_notice import telling
 from ..errors import CartgraspError, DataError, PlantError, printable
-from .options import Accept, Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics
+from .options import Accept, Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics, Way
 from .output import KernelsTold
 from .study_commands import study
 
@@ -52,13 +52,21 @@ def simulate(
     speed: Annotated[float, typer.Option("--speed", help="Forward speed, m/s.")] = 0.6,
     force_noise: Annotated[float, typer.Option("--force-noise", help="Of the force sensors, N.")] = 3.0,
     learn: Annotated[bool, typer.Option(metavar="", help="Whether to estimate the parameters.")] = True,
+    contacts: Annotated[
+        Way,
+        typer.Option(
+            "--contacts",
+            metavar="<name>",
+            help="Where hands hold: fixed, periodic, least-effort, teach or schedule; a regrasp takes its time.",
+        ),
+    ] = "fixed",
     seed: Seed = 0,
     json: Json = False,
 ) -> None:
     """A closed-loop run with a cart of yours: writes its log, figures and an animated page."""
     from . import simulate as command
 
-    choice = command.Choice(cart, guess, path, reference, plant, arms, speed, force_noise, learn, seed)
+    choice = command.Choice(cart, guess, path, reference, plant, arms, speed, force_noise, learn, seed, contacts)
     raise typer.Exit(command.run(choice, out, json))
 
 

@@ -54,7 +54,7 @@ def run(
     if as_json:
         print_json(found.report.as_dict())
     else:
-        _print(found)
+        _print(found, is_written=next_file is not None)
     return 0
 
 
@@ -67,7 +67,7 @@ def _write_next(found: Diagnosis, path: Path) -> None:
     say(f"the reference to run next is {path}: cartgrasp simulate --cart cart.yaml --reference {path}")
 
 
-def _print(found: Diagnosis) -> None:
+def _print(found: Diagnosis, is_written: bool) -> None:
     print(found.sentence)
     for one in found.where[:MOST_WHERE]:
         print(f"  {one.sentence}")
@@ -81,7 +81,8 @@ def _print(found: Diagnosis) -> None:
         [f"after {horizon}", *(f"{1e3 * values[k]:.1f}" for k in ("before", "refitted", "after", "noise_floor"))]
         for horizon, values in found.gap.per_horizon.items()
     ]
-    print_table("Rollout error on held-out stretches, mm", ["", "nominal", "refitted", "extended", "noise alone"], rows)
+    refit = "refit, not used" if found.is_refused else "refitted"
+    print_table("Rollout error on held-out stretches, mm", ["", "nominal", refit, "extended", "noise alone"], rows)
     rows = [
         [name, f"{nominal:.4g}", f"{one.value:.4g}", f"{one.std:.2g}", one.unit, "yes" if one.identifiable else "no"]
         for name, (nominal, one) in found.file_parameters.items()
@@ -96,7 +97,7 @@ def _print(found: Diagnosis) -> None:
             f"{value:.4g}",
             f"{std:.2g}",
             unit,
-            ", ".join(e.confusable_with),
+            ", ".join(e.alike),
         ]
         for e in found.effects
         if e.law is None
@@ -110,8 +111,14 @@ def _print(found: Diagnosis) -> None:
                 f"Added {e.name} {e.label}".rstrip()
                 + f" (prob. {e.probability:.2f}): {e.law.words}; likely {e.law.likely}"
             )
+    for hint in found.unlisted_wheels:
+        print(f"note: {hint}")
     for experiment in found.next_experiment.words[:MOST_WHERE]:
         print(f"next: {experiment}")
+    if found.next_reference is not None and not is_written:
+        print(
+            "--next next.yaml writes that motion for `cartgrasp simulate`, or a robot; then add its log: --follow DIR"
+        )
 
 
 def _print_impacts(found: Diagnosis) -> None:

@@ -106,7 +106,8 @@ def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
 
 
 def _print(result: Replay, prior: Prior) -> None:
-    title = f"After {result.last.time:.2f} s, health: {result.last.health}"
+    spent = result.last.time - result.estimates[0].time
+    title = f"After {spent:.2f} s, health: {result.last.health}"
     print_parameters(title, result.last.parameters, "taught by this motion", result.last.health)
     for one in result.last.suspicions:
         print(f"- {one.words}")

@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from estimation import FilterNoise
+from planning import Choosing, RegraspTimes
+from planning.contact_sources.by_name import FIXED
 
 from ..arms import Arm
 from ..cart_file import load_cart
 from ..constraints import RollingConstraints
 from ..errors import UsageError
+from ..information import WrenchNoise
 from ..reference_file import StoredReference, read_reference
 from ..simulation.sensors import SensorNoise
 from ..studies.named_paths import named_path
@@ -23,6 +26,8 @@ from .artefacts import save_run
 from .output import make_folder, print_json, progress, say
 from .run_tables import print_run
 
+APART = 0.1
+"""m along the handle, between the places where a hand may hold."""
 LARGEST_FORCE, LARGEST_MOMENT, MOST_NOISE = 150.0, 40.0, 1e4
 
 
@@ -40,6 +45,7 @@ class Choice:
     force_noise: float
     learn: bool
     seed: int
+    contacts: str = FIXED
 
 
 def run(choice: Choice, out: Path, as_json: bool) -> int:
@@ -51,7 +57,8 @@ def run(choice: Choice, out: Path, as_json: bool) -> int:
         save_run(record, out, scenario.truth.name)
     figures = RunFigures.of(record)
     if as_json:
-        print_json({"run": figures.as_dict(), "out": str(out), "seed": choice.seed})
+        told = [{"time": time, "words": words} for time, words in record.words]
+        print_json({"run": figures.as_dict(), "hands": told, "out": str(out), "seed": choice.seed})
     else:
         print_run(figures, f"{scenario.truth.name}: {choice.reference or choice.path}, plant {choice.plant}")
     say(f"open {out / 'player.html'} to watch; the log is {out / 'run.csv'}")
@@ -83,6 +90,9 @@ def build_scenario(choice: Choice) -> Scenario:
         truth=truth,
         guess=guess,
         arms=_arms(choice.arms),
+        contacts=choice.contacts,
+        choosing=Choosing(noise=WrenchNoise(choice.force_noise, moment), min_hand_distance=APART / 2),
+        regrasp=RegraspTimes(),
         stretches=way.stretches,
         start_pose=way.start,
         sensors=sensors,
@@ -97,10 +107,8 @@ def build_scenario(choice: Choice) -> Scenario:
 def _arms(count: int) -> tuple[Arm, ...]:
     sides = np.linspace(0.25, -0.25, count) if count > 1 else np.zeros(1)
     force, moment = (LARGEST_FORCE,) * 3, (LARGEST_MOMENT,) * 3
-    return tuple(
-        Arm(f"arm{i + 1}", [(-0.25, float(y), 1.0)], force_limit=force, moment_limit=moment)
-        for i, y in enumerate(sides)
-    )
+    places = [[(-0.25, float(y) + off, 1.0) for off in (0.0, APART, -APART)] for y in sides]
+    return tuple(Arm(f"arm{i + 1}", points, force_limit=force, moment_limit=moment) for i, points in enumerate(places))
 
 
 def _way(choice: Choice, constraints: RollingConstraints) -> StoredReference:

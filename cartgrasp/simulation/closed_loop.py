@@ -1,36 +1,28 @@
-"""The closed loop: reference, tracker, planner, plant, sensors and estimator, known only by their roles."""
+"""The closed loop: a controller, a plant and its sensors, known only by their roles."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from ..frames import Array
 from ..logs.run_log import RunLog
-from ..model import CartModel
 from ..motion import Estimate, Measurement, Motion, Reference
-from ..roles import ContactSource, Estimator, Planner, Plant, ReferencePath, Tracker
+from ..roles import Controller, Plant
 from .record import RunRecord, Series
 from .sensors import Sensors
 
 
 @dataclass(frozen=True)
 class Loop:
-    """What takes part. `period` is the control period (s); `cart` is the first guess, and all that the controller
-    believes where it does not `learn`."""
+    """What takes part."""
 
-    reference: ReferencePath
-    tracker: Tracker
-    contacts: ContactSource
-    planner: Planner
+    controller: Controller
     plant: Plant
     sensors: Sensors
-    estimator: Estimator
-    cart: CartModel
-    period: float = 0.01
-    learn: bool = True
 
 
 @dataclass(frozen=True)
@@ -42,52 +34,50 @@ class _Row:
     wrenches: Mapping[str, Array]
     headings: Array | None
     status: str
+    words: str
 
 
 def run(loop: Loop, duration: float | None = None, progress: Callable[[float], None] | None = None) -> RunRecord:
     """Runs to the end of the reference; `progress` is told the share done."""
-    duration = loop.reference.duration if duration is None else duration
-    n = round(duration / loop.period)
+    controller = loop.controller
+    n = round((controller.reference.duration if duration is None else duration) / controller.period)
     rows = []
     for k in range(n):
         rows.append(_tick(loop))
         if progress is not None and k % 50 == 0:
             progress(k / n)
-    return _record(loop, rows)
+    return _record(controller, rows)
 
 
 def _tick(loop: Loop) -> _Row:
-    """One control period: sense, estimate, track, plan, push."""
-    time, motion = loop.plant.time, loop.plant.motion
-    sensed = loop.sensors.motion(time, motion)
-    estimate = loop.estimator.update(sensed)
-    reference = loop.reference.at(time)
-    model = estimate.cart() if loop.learn else loop.cart
-    wanted = loop.tracker.wrench_b(reference, estimate.motion, model)
-    plan = loop.planner.plan_or_hold(wanted, contacts=loop.contacts.contacts(time, wanted))
-    given = plan.contact_wrenches
-    acceleration = loop.plant.acceleration(given) if loop.sensors.cart.feels_motion else None
-    felt = loop.sensors.wrenches(time, given, acceleration)
-    estimate = loop.estimator.update(felt)
-    headings = getattr(loop.plant, "caster_headings", None)
-    loop.plant.step(given, loop.period)
+    """One control period: sense, step, push, feel."""
+    controller, plant, sensors = loop.controller, loop.plant, loop.sensors
+    time, motion = plant.time, plant.motion
+    sensed = sensors.motion(time, motion)
+    step = controller.step(sensed)
+    acceleration = plant.acceleration(step.given) if sensors.cart.feels_motion else None
+    felt = sensors.wrenches(time, step.given, acceleration)
+    estimate = controller.observe(felt)
+    headings = getattr(plant, "caster_headings", None)
+    plant.step(step.given, controller.period)
     measurement = Measurement(time, sensed.pose, sensed.velocity, felt.wrenches, felt.contacts)
-    return _Row(measurement, motion, reference, estimate, given.wrenches, headings, plan.status)
+    told = step.plan.status, step.words
+    return _Row(measurement, motion, step.reference, estimate, step.given.wrenches, headings, *told)
 
 
-def _record(loop: Loop, rows: list[_Row]) -> RunRecord:
+def _record(controller: Controller, rows: list[_Row]) -> RunRecord:
     arms = list(rows[0].wrenches)
-    names = list(rows[0].estimate.parameters) if loop.learn else []
+    names = list(rows[0].estimate.parameters) if controller.learns else []
     parameters = {}
     for name in names:
         estimates = [row.estimate.parameters[name] for row in rows]
         values, deviations = np.array([[e.value, e.std] for e in estimates]).T
         parameters[name] = Series(values, deviations, None, estimates[0].unit)
     headings = [row.headings for row in rows]
-    spreads = [row.estimate.com_covariance for row in rows] if loop.learn else [None]
+    spreads = [row.estimate.com_covariance for row in rows] if controller.learns else [None]
     return RunRecord(
         log=RunLog.from_measurements([row.measurement for row in rows], arms),
-        cart=loop.cart,
+        cart=controller.cart,
         pose=np.array([row.motion.pose_sb for row in rows]),
         velocity=np.array([row.motion.velocity for row in rows]),
         reference_pose=np.array([row.reference.pose_sb for row in rows]),
@@ -98,5 +88,10 @@ def _record(loop: Loop, rows: list[_Row]) -> RunRecord:
         statuses=tuple(row.status for row in rows),
         identifiable={name: rows[-1].estimate.parameters[name].identifiable for name in names},
         com_covariance=None if spreads[0] is None else np.array(spreads),
-        healths=tuple(str(row.estimate.health) for row in rows) if loop.learn else (),
+        words=tuple(
+            (row.measurement.time, row.words)
+            for before, row in pairwise([None, *rows])
+            if row is not None and (before is None or before.words != row.words)
+        ),
+        healths=tuple(str(row.estimate.health) for row in rows) if controller.learns else (),
     )

@@ -33,7 +33,8 @@ class RunRecord:
     reference; `wrenches` what each arm really gave, (n, 6) in {a}; `parameters` the estimates by contract name
     (`mass`, `com_x`, `com_y`, `inertia`, `EFFECT.PARAMETER`), empty without estimation; `identifiable` says at the end
     which of them the motion has taught; `statuses` one word a plan, `healths` one an estimate; `com_covariance`
-    (n, 2, 2), m², is that of the estimated CoM in {b}, where it is known.
+    (n, 2, 2), m², is that of the estimated CoM in {b}, where it is known; `words` are what the controller says that it
+    does, each with the time (s) from which on.
     """
 
     log: RunLog
@@ -49,6 +50,7 @@ class RunRecord:
     identifiable: Mapping[str, bool] = field(default_factory=dict)
     com_covariance: Array | None = None
     healths: tuple[str, ...] = ()
+    words: tuple[tuple[float, str], ...] = ()
 
     @property
     def time(self) -> Array:

@@ -92,8 +92,9 @@ class Sensors:
         return Measurement(time, pose, velocity)
 
     def wrenches(self, time: float, wrenches: ContactWrenches, acceleration: Array | None = None) -> Measurement:
-        """Wrenches as recorded, where they are due, and where the arms hold. `acceleration` is that of the cart's free
-        velocities (n_free,) at the motion that was sensed last; None where no sensor feels it."""
+        """Wrenches as recorded, where they are due, and where the arms hold; what holds nothing is known to give
+        nothing, without noise. `acceleration` is that of the cart's free velocities (n_free,) at the motion that was
+        sensed last; None where no sensor feels it."""
         recorded = {}
         self._felt.append(Felt(time, wrenches.wrenches, self._hands(wrenches, acceleration)))
         if self._is_due("wrench", time, self.noise.wrench_period):
@@ -101,7 +102,8 @@ class Sensors:
             for arm in wrenches.wrenches:
                 wrench_a, hand = self._felt_at(time - self.cart.lateness(arm), arm)
                 told = self.cart.recorded_wrench(arm, wrench_a, hand=hand)
-                recorded[arm] = told + self._random.standard_normal(6) * scale
+                noise = self._random.standard_normal(6) * scale
+                recorded[arm] = told if arm in wrenches.away else told + noise
         self._forget(time - self._latest)
         return Measurement(time, wrenches=recorded, contacts=dict(wrenches.contacts))
 
@@ -112,6 +114,7 @@ class Sensors:
         return {
             arm: self.cart.hand_motion(nu, acceleration, contact, yaws.get(arm, 0.0))
             for arm, contact in given.contacts.items()
+            if arm not in given.away
         }
 
     def _felt_at(self, time: float, arm: str) -> tuple[Array, HandMotion]:

@@ -9,11 +9,14 @@ teaches does not depend on what there is to learn, only its effort does.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from estimation import FilterNoise, Prior
+from planning import Choosing
+from planning.contact_sources.fixed import FixedContacts
+from planning.contact_sources.periodic import PeriodicContacts
 from planning.excitation.excitation_choice import D_OPTIMAL, E_OPTIMAL, Allowance, ExcitationChooser
 from planning.excitation.excitation_plan import ExcitationPlan, plan_excitation
 from planning.references import PathReference, chain, pause, speed_change, turn
@@ -23,9 +26,9 @@ from ..constraints import RollingConstraints
 from ..effects import ViscousDrag
 from ..frames import Array
 from ..inertia import N_PHI, Inertia
-from ..information import WrenchNoise, fisher_information, parameter_regressor, reduced_noise
+from ..information import CERTAIN, WrenchNoise, fisher_information, parameter_regressor, reduced_noise
 from ..model import CartModel
-from ..roles import ContactSource, ReferencePath
+from ..roles import ContactQuery, ContactSource, ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise
@@ -44,8 +47,6 @@ ALLOWANCES = {
 }
 """N² beyond the least, mean over each window; m to either side."""
 PARAMETERS = ("mass", "com_x", "com_y", "inertia")
-CERTAIN = 1e8
-"""Information that stands for a known value."""
 KNOWN = frozenset({"viscous_drag"})
 NOISE = WrenchNoise(force=1.0, moment=0.05, rate=100.0)
 FILTER_NOISE = FilterNoise(*(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment), disturbance=0.02, slip=0.0001)
@@ -72,7 +73,8 @@ def scenario(way: str, seed: int) -> Scenario:
         stretches=chain(speed_change(0.6), pause(4.0), *curves, pause(4.0), speed_change(-0.6)),
         sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment),
         noise=FILTER_NOISE,
-        switching=DWELL if way == PERIODIC else None,
+        contacts=PERIODIC if way == PERIODIC else FIXED,
+        choosing=Choosing(every=DWELL),
         known=KNOWN,
         seed=seed,
     )
@@ -138,11 +140,11 @@ def run_ways(
 def drive(way: str, seed: int, duration: float | None = None) -> RunRecord:
     """One closed-loop run, whole or of a duration (s)."""
     base = scenario(way, seed)
-    loop = base.build()
+    parts = {}
     if way in ALLOWANCES:
         plan = excitation(ALLOWANCES[way])
-        loop = replace(loop, reference=plan.reference, contacts=plan)
-    return with_truth(run(loop, duration), base.truth)
+        parts = {"reference": plan.reference, "contacts": plan}
+    return with_truth(run(base.build(**parts), duration), base.truth)
 
 
 def taught(way: str) -> Array:
@@ -150,7 +152,8 @@ def taught(way: str) -> Array:
     if way in ALLOWANCES:
         return taught_by(excitation(ALLOWANCES[way]))
     base = scenario(way, 0)
-    return _taught(PathReference(base.stretches, base.truth.rolling), base.build().contacts)
+    source = PeriodicContacts(base.arms, DWELL) if way == PERIODIC else FixedContacts(base.arms)
+    return _taught(PathReference(base.stretches, base.truth.rolling), source)
 
 
 def taught_by(plan: ExcitationPlan) -> Array:
@@ -165,7 +168,7 @@ def _taught(reference: ReferencePath, source: ContactSource) -> Array:
     wanted = [reference.at(time) for time in times]
     states = np.array([cart.state(w.pose_sb, w.velocity) for w in wanted])
     regressors = parameter_regressor(cart, states, np.array([w.acceleration for w in wanted]))
-    points = np.array([list(source.contacts(time, np.zeros(3)).values()) for time in times])
+    points = np.array([list(source.contacts(ContactQuery(time, np.zeros(3))).contacts.values()) for time in times])
     each = fisher_information(regressors[:, None], reduced_noise(cart, points, NOISE))
     return np.asarray(first_information(base.guess) + each.sum(axis=0))
 

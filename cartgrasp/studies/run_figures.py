@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..frames import Array
 from ..simulation.record import RunRecord, Series
 
 SETTLING = 5.0
@@ -40,7 +41,7 @@ class RunFigures:
             error_after_5=float(error[record.time >= SETTLING].max()) if record.time[-1] >= SETTLING else float("nan"),
             plans=len(record.statuses),
             optimal=sum(status == "optimal" for status in record.statuses),
-            regrasps=int(sum((np.abs(np.diff(c, axis=0)).max(axis=1) > 1e-9).sum() for c in contacts)),
+            regrasps=sum(_regrasps(contact) for contact in contacts),
             largest_force=float(max(forces)),
             parameters={name: _parameter(record, name, series) for name, series in record.parameters.items()},
             health=record.healths[-1] if record.healths else "",
@@ -48,6 +49,12 @@ class RunFigures:
 
     def as_dict(self) -> dict[str, Any]:
         return dict(vars(self))
+
+
+def _regrasps(contact: Array) -> int:
+    """How often a hand's place (n, 3) begins to change."""
+    moves = np.abs(np.diff(contact, axis=0)).max(axis=1) > 1e-9
+    return int(moves[:1].sum() + (moves[1:] & ~moves[:-1]).sum())
 
 
 def _parameter(record: RunRecord, name: str, series: Series) -> dict[str, Any]:

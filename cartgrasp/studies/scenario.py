@@ -4,35 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
-from planning import WrenchPlanner
-from planning.contacts.contact_switching import FixedContacts, LeastEffortContacts, PeriodicContacts
+from planning import Choosing, Controller, RegraspTimes
+from planning.contact_sources.by_name import FIXED
 from planning.references import PathReference, Stretch
-from planning.tracking import Gains, build_tracker
+from planning.tracking import Gains
 
 from ..arms import Arm
 from ..effects import InertiaEffect
 from ..errors import UsageError
 from ..inertia import physical_from_phi
 from ..model import CartModel
-from ..roles import ContactSource, Estimator, Plant
+from ..roles import Estimator, Plant
 from ..simulation.closed_loop import Loop, run
 from ..simulation.plant import ModelPlant
 from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise, Sensors
 
 LEARNING, FIRST_GUESS, PAPER = "learning", "first guess kept", "paper's literal filter"
+USUAL = Choosing()
 MODEL_PLANT, MUJOCO_PLANT = "model", "mujoco"
 
 
 @dataclass(frozen=True)
 class Scenario:
     """`truth` is what is pushed, `guess` what is believed at first. `estimation` is LEARNING, FIRST_GUESS (the
-    parameters stay as guessed, only the motion is filtered) or PAPER. `switching` (s) is the period of regrasps
-    (None: fixed contacts); with `least_effort` the planner chooses where. `relative` filter noise is in `noise`."""
+    parameters stay as guessed, only the motion is filtered) or PAPER. `contacts` is the way in which the arms choose
+    where to hold, by its name, `choosing` what it may ask and spend; without `regrasp` hands are there at once, as in
+    the paper."""
 
     truth: CartModel
     guess: CartModel
@@ -43,8 +46,9 @@ class Scenario:
     known: frozenset[str] = frozenset()
     estimation: str = LEARNING
     plant: str = MODEL_PLANT
-    switching: float | None = None
-    least_effort: bool = False
+    contacts: str = FIXED
+    choosing: Choosing = USUAL
+    regrasp: RegraspTimes | None = None
     gains: Gains = Gains()
     period: float = 0.01
     plant_timestep: float | None = None
@@ -56,30 +60,23 @@ class Scenario:
         """The whole run, with the truth beside each estimate."""
         return with_truth(run(self.build(), self.duration, progress), self.truth)
 
-    def build(self) -> Loop:
-        """The loop, ready to run."""
-        planner = WrenchPlanner(self.guess, list(self.arms), period=self.period, relax=np.inf)
-        reference = PathReference(self.stretches, self.guess.rolling, self.start_pose)
-        return Loop(
-            reference=reference,
-            tracker=build_tracker(self.truth.constraints, self.gains),
-            contacts=self.contact_source(),
-            planner=planner,
-            plant=self._plant(),
-            sensors=Sensors(self.truth, self.sensors, self.seed),
-            estimator=self._estimator(),
-            cart=self.guess,
-            period=self.period,
-            learn=self.estimation != FIRST_GUESS,
-        )
+    def build(self, **parts: Any) -> Loop:
+        """The loop, ready to run; `parts` of the controller in place of the usual ones."""
+        return Loop(self.controller(**parts), self._plant(), Sensors(self.truth, self.sensors, self.seed))
 
-    def contact_source(self) -> ContactSource:
-        """Where the arms hold, and when."""
-        if self.switching is None:
-            return FixedContacts(self.arms)
-        if self.least_effort:
-            return LeastEffortContacts(WrenchPlanner(self.guess, list(self.arms)), self.arms, self.switching)
-        return PeriodicContacts(self.arms, self.switching)
+    def controller(self, **parts: Any) -> Controller:
+        """What follows the path, with the estimator and the way to hold that are described."""
+        usual: dict[str, Any] = {
+            "reference": PathReference(self.stretches, self.guess.rolling, self.start_pose),
+            "contacts": self.contacts,
+            "choosing": self.choosing,
+            "regrasp": self.regrasp,
+            "gains": self.gains,
+            "estimator": self._estimator(),
+            "period": self.period,
+            "learn": self.estimation != FIRST_GUESS,
+        }
+        return Controller(self.guess, list(self.arms), **(usual | parts))
 
     def _plant(self) -> Plant:
         step = {"timestep": self.plant_timestep} if self.plant_timestep else {}

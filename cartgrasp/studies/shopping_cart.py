@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from estimation import FilterNoise
+from planning import Choosing
+from planning.contact_sources.by_name import LEAST_EFFORT
 from planning.references import Stretch, chain, pause, straight, turn
 from planning.tracking import Gains
 
@@ -86,8 +88,8 @@ def scenario(with_effects: bool = True, quick: bool = False, seed: int = 0, plan
         stretches=push_and_pull(quick),
         sensors=SENSORS,
         noise=NOISE,
-        switching=4.0,
-        least_effort=True,
+        contacts=LEAST_EFFORT,
+        choosing=Choosing(every=4.0),
         gains=FIRM,
         plant=plant,
         seed=seed,

@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimation import FilterNoise
+from planning import Choosing
+from planning.contact_sources.by_name import FIXED, PERIODIC
 from planning.references import Stretch, chain, pause, speed_change, straight, turn
 
 from ..arms import Arm
@@ -95,7 +97,8 @@ def scenario(row: Row, estimation: str = LEARNING, seed: int = 0) -> Scenario:
         noise=FilterNoise(sigma, sigma, sigma, sigma, 0.0, 0.0, disturbance=0.02, slip=0.0001),
         known=frozenset({"viscous_drag"}),
         estimation=estimation,
-        switching=3.0 if row.varies else None,
+        contacts=PERIODIC if row.varies else FIXED,
+        choosing=Choosing(every=3.0),
         plant_timestep=0.01,
         seed=seed,
         duration=DURATION,

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from cartgrasp.checks import LARGEST_NUMBER
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
 NOTHING_SEEN, NOTHING_FELT = np.full(6, np.nan), np.full(1, np.nan)
+
+
+def usable(values: ArrayLike) -> Array:
+    """As floats, NaN where squares may overflow."""
+    numbers = np.array(values, dtype=float)
+    numbers[np.abs(numbers) > LARGEST_NUMBER] = np.nan
+    return numbers
 
 
 class Seen:
@@ -22,4 +31,5 @@ class Seen:
         pose, velocity = measurement.pose, measurement.velocity
         self._pose[:] = np.nan if pose is None else pose
         self._velocity[:] = np.nan if velocity is None else velocity
+        self._whole[np.abs(self._whole) > LARGEST_NUMBER] = np.nan
         return self._whole

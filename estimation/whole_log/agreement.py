@@ -48,7 +48,8 @@ def disagreements(
     return tuple(
         f"{name}: identify, by least squares over the whole log, says {_words(whole[name])}, "
         f"the online filter {_words(one)} with health {health}; "
-        "believe neither until `cartgrasp discrepancy` has told what the model lacks"
+        "ask `cartgrasp discrepancy` what the model lacks; where it finds nothing, believe identify, which allows for "
+        "what is left"
         for name, one in online.items()
         if name in whole and (one.identifiable or whole[name].identifiable) and _apart(whole[name], one)
     )

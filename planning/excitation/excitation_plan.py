@@ -6,7 +6,6 @@ this order wins at least half of what the best of all sequences of the same fami
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.roles import ContactChoice, ContactQuery
 
 from ..quadratic_program import OPTIMAL
 from .deviation import DeviatedReference
@@ -31,9 +31,10 @@ class ExcitationPlan:
     reference: DeviatedReference
     windows: tuple[Excitation, ...]
 
-    def contacts(self, time: float, wrench_b: Array) -> Mapping[str, Array]:
+    def contacts(self, query: ContactQuery) -> ContactChoice:
         starts = [window.window[0] for window in self.windows]
-        return self.windows[max(0, int(np.searchsorted(starts, time + 1e-9, side="right")) - 1)].contacts
+        k = max(0, int(np.searchsorted(starts, query.time + 1e-9, side="right")) - 1)
+        return ContactChoice(self.windows[k].contacts, "teaches most, as planned")
 
 
 def plan_excitation(

@@ -33,13 +33,14 @@ class Grip:
 
 @dataclass(frozen=True)
 class Horizon:
-    """From `now` (s) to the reference's end, in stages of at most `stage` (s). `held` are the grips that one starts
-    from, by arm; without it the first grips are chosen, free of charge."""
+    """From `now` (s) for `length` (s), but at most to the reference's end, in stages of at most `stage` (s). `held` are
+    the grips that one starts from, by arm; without it the first grips are chosen, free of charge."""
 
     now: float = 0.0
     stage: float = 0.25
     held: Mapping[str, Grip] | None = None
     min_hand_distance: float = 0.0
+    length: float = np.inf
 
 
 @dataclass(frozen=True, eq=False)

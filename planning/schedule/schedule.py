@@ -172,4 +172,7 @@ def _stage_times(reference: ReferencePath, horizon: Horizon) -> Array:
         raise UsageError(f"horizon: now = {horizon.now} s is not before the reference's end, {reference.duration:g} s")
     if not (np.isfinite(horizon.stage) and horizon.stage > 0):
         raise UsageError(f"horizon: a stage of {horizon.stage} s is not a finite time > 0")
-    return np.linspace(horizon.now, reference.duration, int(np.ceil(left / horizon.stage - 1e-9)) + 1)
+    if not horizon.length > 0:
+        raise UsageError(f"horizon: a length of {horizon.length} s is not a time > 0")
+    left = min(left, horizon.length)
+    return np.linspace(horizon.now, horizon.now + left, int(np.ceil(left / horizon.stage - 1e-9)) + 1)

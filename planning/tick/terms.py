@@ -105,6 +105,10 @@ class Terms:
         """Whether the last wrench matters to the next plan."""
         return self.rate is not None or self.base.objective.looks_back
 
+    def shrink(self, wrenches: Array, factor: float) -> float:
+        """The smallest factor from `factor` on by which wrenches (6n,) may be scaled in one call."""
+        return factor if self.rate is None else self.rate.shrink(wrenches, factor)
+
     def reaching(self, names: Iterable[str]) -> list[tuple[str, Reach]]:
         """Those of the named arms that have a reach, with it."""
         return [(arm.name, arm.reach) for arm in self.base.arms if arm.name in names and arm.reach is not None]

@@ -320,3 +320,14 @@ def test_a_reader_that_goes_away_loses_no_report(monkeypatch, tmp_path):
     with pytest.raises(BrokenPipeError):
         discrepancy.run(Sources((log_file(tmp_path, []),)), tmp_path, as_json=True)
     assert saved == [tmp_path]
+
+
+def test_what_to_do_next_stands_in_the_terminal(capsys, tmp_path, sealed):
+    """A cart without wheels is told to list them; the motion to run next can be written, unless it was."""
+    log = log_file(tmp_path, sealed.table)
+    cart = re.sub(r"\nwheels:\n( .*\n|-.*\n)*", "\n", sealed.cart)
+    (tmp_path / "cart.yaml").write_text(cart, encoding="utf-8")
+    told = run(capsys, "discrepancy", log, "--cart", tmp_path / "cart.yaml")
+    assert told.status == 0
+    assert "lists no wheels" in told.out
+    assert "next.yaml" in told.out

@@ -11,7 +11,7 @@ import pytest
 
 from cartgrasp.cli import demo, estimate, main, output, plan, simulate, table1
 from cartgrasp.errors import CartgraspError, DataError, PlantError, UsageError
-from cartgrasp.logs import ArmLog, RunLog
+from cartgrasp.logs import ArmLog, RunLog, read_log
 
 from .commands import CART, PROBLEM, RAIL, problem_file, run, run_apart
 
@@ -283,3 +283,27 @@ def test_simulate_leaves_a_log_that_estimate_reads(capsys, monkeypatch, tmp_path
     answer = run(capsys, "estimate", out / "run.csv", "--cart", tmp_path / "cart.yaml", "--json")
     assert answer.status == 0
     assert answer.json["parameters"]["mass"]["value"] == pytest.approx(24, rel=0.2)
+
+
+@pytest.mark.parametrize("way", ["periodic", "least-effort", "teach", "schedule"])
+def test_simulate_chooses_contacts(capsys, monkeypatch, tmp_path, way):
+    """Each way says what it does and why; a hand that goes round is logged on its way, with a wrench of zero."""
+    from planning.references import chain, pause, straight
+
+    (tmp_path / "cart.yaml").write_text(CART)
+    monkeypatch.setattr(simulate, "named_path", lambda *a: chain(straight(2.0, 0.6, 0.6), pause(0.2)))
+    out = tmp_path / "run"
+    answer = run(
+        capsys, "simulate", "--cart", tmp_path / "cart.yaml", "--contacts", way, "--no-learn", "--out", out, "--json"
+    )
+    assert answer.status == 0
+    told = {"periodic": "goes round", "least-effort": "least effort", "teach": "", "schedule": "of the schedule"}
+    assert all(told[way] in hands["words"] for hands in answer.json["hands"])
+    log = read_log(out / "run.csv")
+    for arm in log.arms.values():
+        moving = np.abs(np.diff(arm.contact, axis=0)).max(axis=1) > 0
+        speed = np.linalg.norm(np.diff(arm.contact, axis=0), axis=1) / np.diff(log.time)
+        assert speed.max() <= 0.5 * (1 + 1e-3)
+        assert (arm.wrench[1:][moving] == 0).all()
+        if way == "periodic":
+            assert moving.any()

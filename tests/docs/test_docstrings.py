@@ -30,7 +30,9 @@ WITH_EXAMPLE = [
     "estimation.Prior",
     "estimation.diagnose",
     "estimation.identify",
+    "planning.Controller",
     "planning.PathReference",
+    "planning.RegraspTimes",
     "planning.WrenchPlanner",
 ]
 

@@ -22,6 +22,9 @@ NAMES = {
     "X-Position (mm)": ("x", "mm", ""),
     "Weg X / mm": ("x", "mm", ""),
     "yaw_deg": ("theta", "deg", ""),
+    "push_fwd_N": ("fx", "N", ""),
+    "F_lat [N]": ("fy", "N", ""),
+    "hand force forward (lbf)": ("fx", "lbf", "hand"),
     "Heading (°)": ("theta", "deg", ""),
     "v_x_m_s": ("vx", "m/s", ""),
     "field.twist.twist.linear.x": ("vx", None, ""),
@@ -43,7 +46,9 @@ def test_names(name):
     assert (found.role, found.unit, found.group) == NAMES[name]
 
 
-@pytest.mark.parametrize("name", ["cmd_vx", "theta_ref", "accel_x", "roll_deg", "battery_V", "max", "index", "vz", ""])
+@pytest.mark.parametrize(
+    "name", ["cmd_vx", "theta_ref", "accel_x", "roll_deg", "battery_V", "max", "index", "vz", "side", "forward", ""]
+)
 def test_names_of_other_things(name):
     assert meaning_of(name) is None
 

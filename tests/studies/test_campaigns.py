@@ -180,6 +180,20 @@ def test_closed_loop_runs_are_the_same_bytes_over_cores(tmp_path):
     assert RunsSummary.of(found).runs == 3
 
 
+def test_runs_that_choose_their_contacts(tmp_path):
+    """Two hands on a short path: every way ends, and a hand moves where it is told to go round."""
+    one = STUDY[STUDY.index("    - {name: hand") : STUDY.index("drawn:")]
+    places = {"a": "[[-0.25, 0.2, 1.0], [-0.25, 0.3, 1.0]]", "b": "[[-0.25, -0.2, 1.0], [-0.25, -0.3, 1.0]]"}
+    both = "".join(one.replace("hand", name).replace("[[-0.25, 0.0, 1.0]]", at) for name, at in places.items())
+    for way in ("fixed", "periodic", "least-effort", "teach", "schedule"):
+        more = f"duration: 1.6\n  contacts: {way}\n  choosing: {{every: 0.5}}\n  regrasp: {{speed: 1.0, unload: 0.1}}"
+        text = STUDY.replace(one, both).replace("duration: 0.4", more).replace("runs: 3", "runs: 1")
+        (run,) = run_campaign(read_study(study_file(tmp_path, text)), Results.under(tmp_path / way), here)
+        assert run["largest_error"] < 0.02
+        assert run["regrasps"] >= (way == "periodic")
+        assert run["regrasps"] <= (way != "fixed") * 4
+
+
 def test_a_campaign_killed_at_any_moment_goes_on(tmp_path):
     """kill -9 while results are written: what is there is whole, and in the end all is as if nothing had been."""
     program = (
@@ -277,6 +291,23 @@ REFUSED = (
     ("duration: 0.4", "path: [{duration: -1}]", "closed_loop.path.0.duration: -1 is not > 0"),
     ("duration: 0.4", "plant_timestep: 1.0e-9", "study.yaml:6:3: closed_loop.plant_timestep: is below a 1,000th"),
     ("[[-0.25, 0.0, 1.0]]", "[[1.0e+300, 0, 0]]", "closed_loop.arms.0.contacts: contacts: (1e+300"),
+    ("duration: 0.4", "contacts: best", "study.yaml:6:3: closed_loop.contacts"),
+    (
+        "duration: 0.4",
+        "regrasp: {speed: 1}",
+        "6:3: closed_loop.regrasp: is for `contacts`, which is missing",
+    ),
+    ("duration: 0.4", "contacts: teach\n  switching: {every: 2}", "7:3: closed_loop.switching: stands beside"),
+    (
+        "duration: 0.4",
+        "contacts: teach\n  choosing: {asked: {com_z: 0.1}}",
+        "closed_loop.choosing: choosing: asked: there is no 'com_z'; did you mean com_",
+    ),
+    (
+        "duration: 0.4\n  arms:\n    - {name: hand, contacts: [[-0.25, 0.0, 1.0]]",
+        "contacts: schedule\n  arms:\n    - {name: hand, segment: [[-0.25, 0.0, 1.0], [-0.25, 0.1, 1.0]]",
+        "closed_loop.contacts: schedule: arm hand may hold anywhere on a segment",
+    ),
     ("cart: cart.yaml", "cart: 3", "study.yaml:5:3: closed_loop.cart: 3 is neither"),
     ("cart: cart.yaml", "cart: {mass: 3}", "study.yaml:5:9: closed_loop.cart.com: is missing"),
     ("cart: cart.yaml", "cart: no.yaml", "no.yaml: can't be read"),

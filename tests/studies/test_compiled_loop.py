@@ -23,6 +23,7 @@ from cartgrasp.studies.compiled_loop.loop import compiled_run, covers
 from cartgrasp.studies.scenario import FIRST_GUESS, MUJOCO_PLANT, PAPER, Scenario
 from cartgrasp.studies.shopping_cart import FIRM, WHEELS
 from estimation import FilterNoise
+from planning import Choosing, RegraspTimes
 from planning.references import chain, pause, speed_change, straight, turn
 
 CURVES = chain(speed_change(0.6, 0.4), turn(0.8, 0.5), turn(-0.8, 0.5), speed_change(-0.6, 0.4), pause(0.5))
@@ -95,7 +96,7 @@ KNOWN_LAWS = (
 FLAT_SPOT = LearnedForce("forward_force", "travelled_distance", lever=0.27, period=0.525, amplitudes=(4.0, 2.0))
 CASES = {
     "drawn": {},
-    "regrasps": {"switching": 1.0},
+    "regrasps": {"contacts": "periodic", "choosing": Choosing(every=1.0)},
     "sensors of their own rates": {"sensors": SLOW_SENSORS},
     "casters nobody knows of": {
         "truth": CartModel(Inertia(30.0, (0.36, 0.05), 2.6), effects=WITH_CASTERS, wheels=WHEELS)
@@ -154,7 +155,8 @@ def test_what_is_left_to_the_other_loop():
         {"estimation": FIRST_GUESS},
         {"estimation": PAPER},
         {"plant": MUJOCO_PLANT},
-        {"switching": 1.0, "least_effort": True},
+        *({"contacts": way} for way in ("least-effort", "teach", "schedule")),
+        {"contacts": "periodic", "regrasp": RegraspTimes()},
         {"truth": biased},
         {"noise": exact},
         {"guess": casters},

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from cartgrasp.roles import ContactQuery
 from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.excitation import ALLOWANCES, E_MOTION, FIXED, PERIODIC, WAYS, Drive, drive, excitation, run_ways
 from cartgrasp.studies.excitation_figures_of_merit import COLUMNS, as_dict, bounds, claims, rows
@@ -26,7 +27,7 @@ def test_a_short_drive_holds_where_it_was_planned():
     assert set(record.statuses) == {"optimal"}
     assert record.tracking_error[record.time > 1.0].max() < 0.03
     for i in (50, 350, 549):
-        expected = plan.contacts(float(record.time[i]), np.zeros(3))
+        expected = plan.contacts(ContactQuery(float(record.time[i]), np.zeros(3))).contacts
         for arm, log in record.log.arms.items():
             assert np.array_equal(log.contact[i], expected[arm])
     one = Drive(E_MOTION, (record,))

@@ -21,11 +21,9 @@ def weak_hands():
 
 
 def farthest(relax):
-    made = replace(scenario(quick=True, plant="model"), arms=weak_hands(), switching=None, least_effort=False)
-    loop = made.build()
-    if not relax:
-        loop = replace(loop, planner=WrenchPlanner(made.guess, list(made.arms), period=made.period))
-    record = run(loop, duration=4.0)
+    made = replace(scenario(quick=True, plant="model"), arms=weak_hands(), contacts="fixed")
+    parts = {} if relax else {"planner": WrenchPlanner(made.guess, list(made.arms), period=made.period)}
+    record = run(made.build(**parts), duration=4.0)
     error = np.linalg.norm(record.pose[:, :2] - record.reference_pose[:, :2], axis=1)
     return float(error.max()), record.statuses
 

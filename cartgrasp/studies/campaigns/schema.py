@@ -26,6 +26,26 @@ class SwitchingEntry(StrictModel):
     least_effort: bool = False
 
 
+class ChoosingEntry(StrictModel):
+    """As `Choosing`, whose noise is the filter's."""
+
+    every: Positive = 3.0
+    ahead: Positive = 8.0
+    asked: dict[str, Positive] = Field(default_factory=lambda: {"com_x": 0.02, "com_y": 0.02})
+    extra_effort: NotNegative = 0.3
+    regrasp_effort: NotNegative = 20.0
+    min_hand_distance: NotNegative = 0.0
+
+
+class RegraspEntry(StrictModel):
+    """As `RegraspTimes`."""
+
+    speed: Positive = 0.5
+    unload: NotNegative = 0.2
+    take_hold: NotNegative = 0.2
+    load: NotNegative = 0.2
+
+
 class GainsEntry(StrictModel):
     along: Positive | None = None
     across: Positive | None = None
@@ -74,6 +94,9 @@ class ClosedLoopEntry(StrictModel):
     plant_timestep: Positive | None = None
     arms: list[ArmEntry] = Field(min_length=1)
     switching: SwitchingEntry | None = None
+    contacts: Literal["fixed", "periodic", "least-effort", "teach", "schedule"] | None = None
+    choosing: ChoosingEntry | None = None
+    regrasp: RegraspEntry | None = None
     estimation: Literal["learning", "first_guess", "paper"] = "learning"
     known: list[str] = Field(default_factory=list)
     gains: GainsEntry = GainsEntry()

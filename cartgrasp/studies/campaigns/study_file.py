@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ruamel.yaml.comments import CommentedMap
 
 from estimation import FilterNoise, Prior
+from planning import Choosing, RegraspTimes
+from planning.contact_sources.by_name import LEAST_EFFORT, PERIODIC
 from planning.problem.problem_file import arms_of
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains
 
 from ...cart_file import cart_from_document, load_cart
 from ...errors import FileError, UsageError
+from ...information import WrenchNoise
 from ...model import CartModel
 from ...simulation.sensors import SensorNoise
 from ...yaml_file import did_you_mean, file_error, parse_yaml, plain, read_yaml, validate
@@ -25,11 +29,21 @@ from ..shopping_cart import FIRM
 from .closed_loop import ClosedLoopStudy
 from .drawing import NORMAL, UNIFORM, Drawn, parameter_names
 from .logs import LogStudy
-from .schema import ESTIMATIONS, ClosedLoopEntry, DrawnEntry, LogsEntry, StudyEntry
+from .schema import (
+    ESTIMATIONS,
+    ChoosingEntry,
+    ClosedLoopEntry,
+    DrawnEntry,
+    LogsEntry,
+    RegraspEntry,
+    StudyEntry,
+)
 
 Refuse = Callable[[list[str | int], str], FileError]
 SHARED = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
 """What filter and sensors both have."""
+NEWER = ("contacts", "choosing", "regrasp")
+"""Keys that hashes of studies without `contacts` don't know."""
 MOST_STEPS, MOST_WITHIN = 1_000_000, 1_000
 """Periods of control in a run, and steps of the plant in one of them."""
 
@@ -77,7 +91,7 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
     guess = truth if loop.guess is None else carts.at("closed_loop", "guess")
     if guess.constraints != truth.constraints:
         raise carts.refuse(["closed_loop", "guess"], "its constraints differ from the cart's; they must be the same")
-    told = loop.model_dump(mode="json", exclude={"cart", "guess"})
+    told = loop.model_dump(mode="json", exclude={"cart", "guess", *(NEWER if loop.contacts is None else ())})
     drawn = {name: one.model_dump(exclude_none=True) for name, one in entry.drawn.items()}
     return ClosedLoopStudy(
         name=entry.name,
@@ -91,26 +105,51 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
 
 def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, refuse: Refuse) -> Scenario:
     sensors = SensorNoise(**loop.sensors.model_dump())
-    noise = {name: getattr(sensors, name) for name in SHARED} | loop.filter.model_dump(exclude_none=True)
+    told = {name: getattr(sensors, name) for name in SHARED} | loop.filter.model_dump(exclude_none=True)
+    noise = FilterNoise(**told)
     known, stretches = _known(loop, guess, refuse), _stretches(loop, guess, refuse)
     _check_steps(loop, total_duration(stretches), refuse)
-    return Scenario(
+    arms = arms_of(loop.arms, ["closed_loop", "arms"], refuse)
+    scenario = Scenario(
         truth=truth,
         guess=guess,
-        arms=tuple(arms_of(loop.arms, ["closed_loop", "arms"], refuse)),
+        arms=tuple(arms),
         stretches=stretches,
         sensors=sensors,
-        noise=FilterNoise(**noise),
+        noise=noise,
         known=known,
         estimation=ESTIMATIONS[loop.estimation],
         plant=loop.plant,
-        switching=None if loop.switching is None else loop.switching.every,
-        least_effort=loop.switching is not None and loop.switching.least_effort,
         gains=Gains(**vars(FIRM) | loop.gains.model_dump(exclude_none=True)),
         period=loop.period,
         plant_timestep=loop.plant_timestep,
         duration=loop.duration,
     )
+    return _with_contacts(scenario, loop, refuse)
+
+
+def _with_contacts(scenario: Scenario, loop: ClosedLoopEntry, refuse: Refuse) -> Scenario:
+    """By `switching`, at once, as in the paper; or by `contacts`, with regrasps that take time."""
+    if loop.contacts is None:
+        for key in ("choosing", "regrasp"):
+            if getattr(loop, key) is not None:
+                raise refuse(["closed_loop", key], "is for `contacts`, which is missing; write `contacts: teach`, say")
+        if loop.switching is None:
+            return scenario
+        way = LEAST_EFFORT if loop.switching.least_effort else PERIODIC
+        return replace(scenario, contacts=way, choosing=Choosing(every=loop.switching.every))
+    if loop.switching is not None:
+        raise refuse(["closed_loop", "switching"], "stands beside `contacts`; write one of them")
+    sensed = WrenchNoise(scenario.noise.force, scenario.noise.moment, 1.0 / loop.period)
+    times = RegraspTimes(**(loop.regrasp or RegraspEntry()).model_dump())
+    key = "choosing"
+    try:
+        choosing = Choosing(**(loop.choosing or ChoosingEntry()).model_dump(), noise=sensed)
+        found, key = replace(scenario, contacts=loop.contacts, choosing=choosing, regrasp=times), "contacts"
+        found.controller()
+    except UsageError as error:
+        raise refuse(["closed_loop", key], str(error)) from error
+    return found
 
 
 def _check_steps(loop: ClosedLoopEntry, path: float, refuse: Refuse) -> None:

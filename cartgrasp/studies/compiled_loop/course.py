@@ -6,11 +6,15 @@ from functools import lru_cache
 
 import numpy as np
 
+from planning.contact_sources.by_name import PERIODIC
+from planning.contact_sources.fixed import FixedContacts
+from planning.contact_sources.periodic import PeriodicContacts
 from planning.references import PathReference, Stretch
 
 from ...constraints import RollingConstraints
 from ...contacts import grasp_map_planar
 from ...frames import Array
+from ...roles import ContactQuery, ContactSource
 from ..scenario import Scenario
 from .values import Course, Series
 
@@ -21,12 +25,13 @@ def course_of(scenario: Scenario) -> Course:
     time, pose, velocity, acceleration = _reference(
         scenario.stretches, guess.rolling, scenario.period, scenario.duration
     )
-    turns = (
-        np.zeros(len(time), np.int64) if scenario.switching is None else (time / scenario.switching + 1e-9).astype(int)
-    )
+    names, turns = [arm.name for arm in scenario.arms], np.zeros(len(time), np.int64)
+    contacts: ContactSource = FixedContacts(scenario.arms)
+    if scenario.contacts == PERIODIC:
+        every = scenario.choosing.every
+        contacts, turns = PeriodicContacts(scenario.arms, every), (time / every + 1e-9).astype(int)
     _, first, place = np.unique(turns, return_index=True, return_inverse=True)
-    contacts, names = scenario.contact_source(), [arm.name for arm in scenario.arms]
-    held = [contacts.contacts(float(time[k]), np.zeros(3)) for k in first]
+    held = [contacts.contacts(ContactQuery(float(time[k]), np.zeros(3))).contacts for k in first]
     points, yaws = np.array([[at[name] for name in names] for at in held]), np.array([arm.yaw for arm in scenario.arms])
     grasp = np.concatenate(list(np.moveaxis(grasp_map_planar(points, yaws), 1, 0)), axis=-1)
     reduced = guess.basis_b.T @ grasp

@@ -14,6 +14,7 @@ from estimation.online.kernels.filtered_row import BLOCK, LAG, WIDTH
 from estimation.online.kernels.sensor_health import said_of
 from estimation.online.learning_filter import LearningFilter
 from planning.allocation.allocation_template import AllocationTemplate
+from planning.contact_sources.by_name import FIXED, PERIODIC
 from planning.planner import WrenchPlanner
 from planning.tick.compiled_allocation import CompiledAllocation
 
@@ -41,11 +42,12 @@ ROOM = 8
 def covers(scenario: Scenario) -> bool:
     """Whether `compiled_run` does what `Scenario.run` does: our plant, a cart that is steered and meets no stop,
     effects with kernels, none of sensors, a filter that learns from noisy wrenches, contacts that are fixed or go
-    round, linear limits."""
+    round at once, linear limits."""
     truth, guess = scenario.truth, scenario.guess
     if walls_of(truth) or any(effect.quickness(1.0) for effect, _, _ in truth.force_effects):
         return False
-    if scenario.estimation != LEARNING or scenario.plant != MODEL_PLANT or scenario.least_effort:
+    at_once = scenario.contacts == FIXED or (scenario.contacts == PERIODIC and scenario.regrasp is None)
+    if scenario.estimation != LEARNING or scenario.plant != MODEL_PLANT or not at_once:
         return False
     plain = all(cart.is_compiled and not cart.slip_compliance and not cart.sensor_effects for cart in (truth, guess))
     steered = guess.constraints.n_rows == 1 and truth.rolling == guess.rolling and scenario.period <= LONGEST_PERIOD

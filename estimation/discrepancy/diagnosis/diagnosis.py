@@ -205,7 +205,18 @@ class Diagnosis:
         """What the logs' sensors seem to do, in words, what makes estimates worthless first."""
         told = [(check.name, one) for check in self.checks for one in check.suspicions]
         sensors = (f"{name}: {one.words}" for name, one in sorted(told, key=lambda pair: not pair[1].is_refused))
-        return (*sensors, *self._of_several_carts)
+        return (*sensors, *self._of_several_carts, *self.unlisted_wheels)
+
+    @property
+    def unlisted_wheels(self) -> tuple[str, ...]:
+        """What would tell names and masses better, where a cart on an axle lists no wheels."""
+        cart = self.nominal_cart
+        if cart.wheels or cart.constraints.n_rows != 1 or not (self.effects or self.withdrawn):
+            return ()
+        return (
+            f"{cart.name} lists no wheels, so what they drag is one force at {{b}}, and the moment that it lacks may "
+            "pass for another effect: list them, and compare again",
+        )
 
     @property
     def _of_several_carts(self) -> Iterator[str]:

@@ -124,7 +124,7 @@ def _effects(found: Diagnosis) -> str:
         one, law = group[0], group[0].law
         told = [_valued(name, *numbers) for name, numbers in one.parameters.items()]
         size = [words_of(group, alike=False), f"likely {law.likely}"] if law else told
-        names, alike = ", ".join(each.called for each in group), ", ".join(one.confusable_with) or "-"
+        names, alike = ", ".join(each.called for each in group), ", ".join(one.alike) or "-"
         rows.append([names, "\n".join(size), f"{100 * one.probability:.0f} %", alike, f"{100 * one.gap_share:.0f} %"])
     columns = ["effect", f"size {ONE_STD}", "probability", "not told apart from", "gap closed"]
     return f"<p>{WORDS['added']}</p>{_table(columns, rows, 'text')}" if rows else "<p>Nothing.</p>"

@@ -56,6 +56,11 @@ class NamedEffect:
         """The name, with its label."""
         return f"{self.name} {self.label}".rstrip()
 
+    @property
+    def alike(self) -> list[str]:
+        """What the log can't tell it apart from, in words: its own name is another arm's."""
+        return [f"that of another arm than {self.label}" if n == self.name else n for n in self.confusable_with]
+
     def as_dict(self) -> dict[str, Any]:
         told = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "law"}
         told["parameters"] = {k: {"value": v, "std": s, "unit": u} for k, (v, s, u) in self.parameters.items()}
@@ -111,7 +116,7 @@ def together(effects: Sequence[NamedEffect]) -> list[list[NamedEffect]]:
 def words_of(effects: Sequence[NamedEffect], alike: bool = True) -> str:
     """Of what belongs together, in a sentence: the law, or the name, with its size, and, if `alike`, what it may be
     as well."""
-    one, others = effects[0], effects[0].confusable_with if alike else ()
+    one, others = effects[0], effects[0].alike if alike else []
     told = f", or {' or '.join(others)}: these logs can't tell" if others else ""
     if one.law:
         return one.law.words + "".join(more.law.words_beside for more in effects[1:] if more.law) + told

@@ -35,6 +35,7 @@ from ..kernels.correction import GATE
 from ..kernels.driven_motion import MAX_STEP, POISED
 from ..kernels.felt_wrench import JUMP
 from ..kernels.sensor_health import noted
+from ..seen import usable
 from ..wrench_sensing import Moving, WrenchSensing
 from .filtering import exponential_step, innovation, predicted, updated
 from .innovation_watch import InnovationWatch
@@ -103,9 +104,9 @@ class AugmentedFilter:
         else:
             self._predict(measurement.time)
             if measurement.pose is not None:
-                self._take_pose(np.asarray(measurement.pose, dtype=float))
+                self._take_pose(usable(measurement.pose))
         if measurement.velocity is not None:
-            self._take_velocity(np.asarray(measurement.velocity, dtype=float))
+            self._take_velocity(usable(measurement.velocity))
         if measurement.wrenches:
             self._take_wrenches(measurement)
         if self._watch.wants_reset(self.time):
@@ -173,7 +174,7 @@ class AugmentedFilter:
     # --- prediction ------------------------------------------------------------------------------------------
 
     def _start(self, measurement: Measurement) -> None:
-        pose = np.full(3, np.nan) if measurement.pose is None else np.asarray(measurement.pose, dtype=float)
+        pose = np.full(3, np.nan) if measurement.pose is None else usable(measurement.pose)
         layout = self.layout
         mean, variances = np.zeros((2, layout.wrench.stop))
         mean[layout.motion], variances[layout.motion] = first_motion(self.cart, self.noise, pose)

@@ -220,3 +220,19 @@ def test_nothing_that_a_sensor_says_poisons(online, data):
         assert np.isfinite(estimate.motion.pose_sb).all()
         assert np.isfinite(estimate.model_parameters).all()
     assert np.linalg.eigvalsh(estimate.covariance[:4, :4]).min() > -1e-9
+
+
+@ONLINE
+@pytest.mark.parametrize("force", [0.0, 1.0])
+@pytest.mark.parametrize("part", ["pose", "velocity"])
+def test_a_number_whose_square_overflows_is_no_sample(online, force, part):
+    """1e300 for one sample: what is learned is what is learned where that sample is missing."""
+    log, _ = simulate(TRUTH, 3, duration=8.0)
+    noise = replace(NOISE, force=force, moment=force / 20)
+    found = []
+    for odd in (np.full(3, 1e300), None):
+        learner = online(guess(), noise=noise, prior=KNOWN)
+        for k, sample in enumerate(log.measurements()):
+            estimate = learner.update(replace(sample, **{part: odd}) if k == 300 else sample)
+        found.append(estimate.model_parameters)
+    assert np.allclose(*found, rtol=1e-9)

@@ -14,6 +14,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.information import WrenchNoise, reduced_noise
 from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import regressor_b
+from cartgrasp.roles import ContactQuery
 from planning.allocation.allocation import allocate
 from planning.excitation.excitation_choice import Allowance, ExcitationChooser
 from planning.excitation.excitation_family import FreeSplit, motions
@@ -147,7 +148,7 @@ def test_what_was_summed_is_what_the_whole_drive_teaches():
         wanted = plan.reference.at(time)
         rigid = regressor_b(wanted.velocity @ CART.basis_b.T, wanted.acceleration @ CART.basis_b.T)
         Y = np.hstack([CART.basis_b.T @ rigid, np.diag(wanted.velocity)])
-        points = list(plan.contacts(time, np.zeros(3)).values())
+        points = list(plan.contacts(ContactQuery(time, np.zeros(3))).contacts.values())
         total += Y.T @ np.linalg.solve(reduced_noise(CART, points, NOISE), Y)
     planned, driven = (np.sqrt(np.diag(covariance_of_phi(i))) for i in (plan.windows[-1].information, total))
     assert np.allclose(planned, driven, rtol=0.05)

@@ -150,6 +150,20 @@ def test_replanned_on_the_way_costs_what_was_left():
         assert paid + rest.total == pytest.approx(whole.total, rel=1e-9)
 
 
+def test_a_horizon_that_ends_early_is_that_of_its_stages():
+    """With a length beyond the reference's end nothing changes; with half of it the first stages alone count."""
+    arm = Arm("hand", [(0.0, 0.0, 1.0), (-0.1, 0.2, 1.0), (-0.1, -0.2, 1.0)])
+    whole, beyond, half = (
+        plan_schedule(push(), CART, [arm], RegraspCost(0.0), Horizon(stage=0.25, length=length))
+        for length in (np.inf, 60.0, 1.5)
+    )
+    assert np.array_equal(beyond.times, whole.times)
+    assert beyond.total == whole.total
+    assert half.times[-1] == pytest.approx(1.5)
+    stages = len(half.efforts)
+    assert half.total == pytest.approx(whole.efforts[:stages].sum() * 0.25)  # regrasps are free, so stages are apart
+
+
 def test_a_heavier_cart_is_scheduled_anew():
     """What is not worth a regrasp for 5 kg is for 40 kg."""
     hand = Arm("hand", [(0.0, 0.0, 1.0), (0.0, OFF, 1.0)])
@@ -211,6 +225,7 @@ def test_states_are_counted_right(counts, stages):
     [
         (Horizon(now=9.0), "before the reference's end"),
         (Horizon(stage=0.0), "stage of 0.0 s"),
+        (Horizon(length=0.0), "length of 0.0 s"),
         (Horizon(held={"foot": Grip(np.zeros(3))}), "foot"),
         (Horizon(held={"hand": Grip(np.ones(3))}), "none of its points"),
         (Horizon(held={"hand": Grip(np.zeros(3), ready=2.0)}), "ready at 2 s"),

@@ -17,7 +17,7 @@ VOCABULARY: Mapping[str, frozenset[str]] = {
         "speed": "v vel velocity speed geschwindigkeit vitesse",
         "rate": "omega w gyro yawrate thetadot turnrate drehrate gierrate",
         "heading": "theta yaw heading psi phi hdg angle winkel gier gierwinkel azimuth th ang rotation rot",
-        "force": "f force kraft effort fuerza forza kracht loadcell load",
+        "force": "f force kraft effort fuerza forza kracht loadcell load push",
         "moment": "m t mom moment torque tau tq trq drehmoment couple",
         "quaternion": "q quat quaternion orientation",
         "contact": "contact grip grasp hand tool point kontakt",
@@ -33,6 +33,12 @@ VOCABULARY: Mapping[str, frozenset[str]] = {
 }
 RATE_OF = frozenset(("rate", "dot", "vel", "velocity", "speed"))
 DOTS = frozenset(("xdot", "ydot", "dx", "dy"))
+AXES = {
+    **dict.fromkeys(["fwd", "forward", "forwards", "long", "longitudinal", "ahead", "vorwaerts", "laengs"], "x"),
+    **dict.fromkeys(["lat", "lateral", "side", "sideways", "across", "quer", "seitlich"], "y"),
+    **dict.fromkeys(["vert", "vertical", "up"], "z"),
+}
+"""Words for directions of forces."""
 BY_UNIT = {"force": "f", "moment": "t"}
 """What an axis alone is in such a unit."""
 IMPLIED = {"millis": "ms", "seconds": "s", "secs": "s", "sec": "s"}
@@ -71,6 +77,8 @@ def meaning_of(name: str, unit: str = "") -> Meaning | None:
 
 def _labelled(words: Sequence[str], label: str) -> Meaning | None:
     """Of an axis alone the unit says whether it is a force, and of a yaw whether it is a moment."""
+    if unit_of(label, "force"):
+        words = [AXES.get(word, word) for word in words]
     found = _role(words)
     if found is not None and found.role in DIMENSIONS and (known := unit_of(label, DIMENSIONS[found.role])):
         return Meaning(found.role, known, found.group)
@@ -106,7 +114,8 @@ def _words(text: str) -> list[str]:
 
 def _role(words: Sequence[str]) -> Meaning | None:
     """The quantity that the words name, and what tells it from others of its kind."""
-    left = [word for word in words if not word.isdigit()]
+    is_force = bool(VOCABULARY["force"] & set(words))
+    left = [AXES.get(word, word) if is_force else word for word in words if not word.isdigit()]
     if not left or VOCABULARY["others"] & set(left) or (reading := _reading(left)) is None:
         return None
     role, used = reading

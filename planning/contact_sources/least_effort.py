@@ -1,43 +1,17 @@
-"""Where the arms hold during a run: who decides, and how often."""
+"""Contacts of least effort for the wrench that is asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.roles import ContactChoice, ContactQuery
 
 from ..planner import WrenchPlanner
-
-
-@final
-class FixedContacts:
-    """Every arm keeps its first candidate."""
-
-    def __init__(self, arms: Sequence[Arm]) -> None:
-        self._contacts = {arm.name: arm.contacts.first for arm in arms}
-
-    def contacts(self, time: float, wrench_b: Array) -> Mapping[str, Array]:
-        return self._contacts
-
-
-@final
-class PeriodicContacts:
-    """Every arm goes to its next candidate point every `period` (s), as the paper varies its contact point."""
-
-    def __init__(self, arms: Sequence[Arm], period: float) -> None:
-        if not period > 0:
-            raise UsageError(f"contact switching: period {period} s is not positive")
-        self._points = {arm.name: [np.array(p) for p in arm.contacts.points] for arm in arms}
-        self._period = period
-
-    def contacts(self, time: float, wrench_b: Array) -> Mapping[str, Array]:
-        turn = int(time / self._period + 1e-9)
-        return {name: points[turn % len(points)] for name, points in self._points.items()}
 
 
 @final
@@ -51,16 +25,24 @@ class LeastEffortContacts:
         self._held: dict[str, Array] = {arm.name: arm.contacts.first for arm in arms}
         self._wanted = np.zeros(3)
         self._last_time = 0.0
+        self._has_begun = False
         self._due = dwell
 
-    def contacts(self, time: float, wrench_b: Array) -> Mapping[str, Array]:
+    def warm_up(self) -> None:
+        self._planner.warm_up()
+
+    def contacts(self, query: ContactQuery) -> ContactChoice:
+        time = query.time
+        if not self._has_begun and query.held:
+            self._held = dict(query.held)
+        self._has_begun = True
         share = min(1.0, (time - self._last_time) / self._dwell * 3.0)
-        self._wanted = self._wanted + share * (np.asarray(wrench_b) - self._wanted)
+        self._wanted = self._wanted + share * (np.asarray(query.wrench_b) - self._wanted)
         self._last_time = time
         if time >= self._due - 1e-9:
             self._due = time + self._dwell
             self._regrasp()
-        return self._held
+        return ContactChoice(self._held, "least effort")
 
     def _regrasp(self) -> None:
         free = self._planner.plan(self._wanted)

@@ -1,0 +1,49 @@
+"""The ways to choose contacts, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from cartgrasp.arms import Arm
+from cartgrasp.checks import check_known
+
+from ..planner import WrenchPlanner
+from .choosing import Choosing
+from .fixed import FixedContacts
+from .least_effort import LeastEffortContacts
+from .periodic import PeriodicContacts
+from .scheduled import ScheduledContacts
+from .teaching import TeachingContacts
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.roles import ContactSource, ReferencePath
+
+    from ..control.hand import RegraspTimes
+
+FIXED, PERIODIC, LEAST_EFFORT, TEACH, SCHEDULE = "fixed", "periodic", "least-effort", "teach", "schedule"
+WAYS = (FIXED, PERIODIC, LEAST_EFFORT, TEACH, SCHEDULE)
+
+
+def contact_source(
+    way: str,
+    cart: CartModel,
+    arms: Sequence[Arm],
+    reference: ReferencePath,
+    choosing: Choosing,
+    regrasp: RegraspTimes,
+) -> ContactSource:
+    """The source called `way`, for a cart that is first believed to be `cart`."""
+    check_known("contacts", [way], WAYS)
+    match way:
+        case "periodic":
+            return PeriodicContacts(arms, choosing.every)
+        case "least-effort":
+            planner = WrenchPlanner(cart, arms, min_hand_distance=choosing.min_hand_distance)
+            return LeastEffortContacts(planner, arms, choosing.every)
+        case "teach":
+            return TeachingContacts(cart, arms, reference, choosing, regrasp)
+        case "schedule":
+            return ScheduledContacts(cart, arms, reference, choosing, regrasp)
+    return FixedContacts(arms)

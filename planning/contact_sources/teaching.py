@@ -1,0 +1,108 @@
+"""Contacts that teach what is asked for while it is not known, and cost least after that.
+
+At each choice every combination of the arms' points is judged by the time ahead: which standard deviations of the
+parameters asked for it leaves, by the Fisher information with the sensors' noise at the lever arms, and what it costs.
+Of those within the effort allowed, the one is taken that lowers the product of the deviations most; once all are as
+small as asked, the one of least effort. A regrasp has to be worth its own cost in both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI, physical_jacobian
+from cartgrasp.information import covariance_after
+from cartgrasp.roles import ContactChoice, ContactQuery
+
+from .choosing import TEACHABLE, Choosing
+from .outlook import ContactFamily, Outlook
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Estimate
+    from cartgrasp.roles import ReferencePath
+
+    from ..control.hand import RegraspTimes
+
+LEAST_GAIN = 0.1
+"""By which the logarithm of the deviations' product must fall to be worth a regrasp."""
+SPARE = 1.0
+"""N² that may be spent wherever nothing is needed."""
+SHORTEST = 0.2  # s of the reference that are worth a choice
+LEAST, CANNOT = "least effort", "no contacts can drive the time ahead"
+
+
+@final
+class TeachingContacts:
+    """For the arms' points; segments are refused. `choosing` says what is asked for, and at which cost."""
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        reference: ReferencePath,
+        choosing: Choosing,
+        regrasp: RegraspTimes,
+    ) -> None:
+        self._family = ContactFamily.of(cart, arms, choosing.noise, choosing.min_hand_distance)
+        self._reference, self._choosing, self._cart, self._times = reference, choosing, cart, regrasp
+        first = {arm.name: arm.contacts.first for arm in arms}
+        self._chosen, self._due = ContactChoice(first, LEAST), -np.inf
+
+    def warm_up(self) -> None:
+        self._family.planner.warm_up()
+
+    def contacts(self, query: ContactQuery) -> ContactChoice:
+        stop = min(query.time + self._choosing.ahead, self._reference.duration)
+        if query.time < self._due - 1e-9 or stop - query.time < SHORTEST:
+            return self._chosen
+        held = self._family.index_of(query.held)
+        if held is None and query.held:
+            return self._chosen  # a hand is on its way
+        self._due = query.time + self._choosing.every
+        cart = self._cart if query.estimate is None else query.estimate.cart()
+        outlook = self._family.ahead(cart, self._reference, (query.time, stop))
+        left = self._reference.duration - query.time  # for which the time ahead stands
+        charges = outlook.regrasps(held, self._times, self._choosing.regrasp_effort) / left
+        self._chosen = self._choose(outlook, query.estimate, charges, held)
+        return self._chosen
+
+    def _choose(self, outlook: Outlook, estimate: Estimate | None, charges: Array, held: int | None) -> ContactChoice:
+        cheapest = outlook.cheapest(charges)
+        if cheapest is None:
+            return ContactChoice(self._chosen.contacts if held is None else self._family.contacts(held), CANNOT)
+        wanted = {} if estimate is None else self._not_known(estimate)
+        if estimate is None or estimate.covariance is None or not wanted:
+            return ContactChoice(self._family.contacts(cheapest), LEAST)
+        asked = np.array([TEACHABLE.index(name) for name in wanted])
+        after = self._deviations(estimate, covariance_after(estimate.covariance, outlook.taught))[:, asked]
+        merits = np.log(after).sum(axis=1)
+        budget = (1 + self._choosing.extra_effort) * (outlook.effort(cheapest) + charges[cheapest]) + SPARE
+        best = self._most_taught(outlook, merits, charges, budget)
+        if held is not None and merits[held] - merits[best] < LEAST_GAIN and outlook.effort(held) <= budget:
+            best = held
+        falls = self._deviations(estimate, estimate.covariance)[asked] / after[best]
+        return ContactChoice(self._family.contacts(best), f"teaches {list(wanted)[int(falls.argmax())]}")
+
+    def _most_taught(self, outlook: Outlook, merits: Array, charges: Array, budget: float) -> int:
+        """The choice that teaches most within a budget (N²), which at least one is."""
+        lowest = outlook.lowest + charges
+        order = np.lexsort((lowest, np.round(merits, 3)))
+        within = (c for c in order.tolist() if lowest[c] <= budget and outlook.effort(c) + charges[c] <= budget)
+        return int(next(within))
+
+    def _not_known(self, estimate: Estimate) -> dict[str, float]:
+        """The parameters whose deviation is above what was asked for, with that."""
+        told = estimate.parameters
+        return {name: std for name, std in self._choosing.asked.items() if name in told and told[name].std > std}
+
+    def _deviations(self, estimate: Estimate, covariance: Array) -> Array:
+        """Of mass, CoM and inertia (..., 4), from the parameters' covariance (..., p, p)."""
+        partials = physical_jacobian(estimate.model_parameters[:N_PHI])
+        variances = np.einsum("ij,...jk,ik->...i", partials, covariance[..., :N_PHI, :N_PHI], partials)
+        return np.asarray(np.sqrt(np.maximum(variances, np.finfo(float).tiny)))

@@ -1,0 +1,1 @@
+"""What a robot's loop calls once a tick: tracker, filter, planner, contacts and regrasps as one."""

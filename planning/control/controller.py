@@ -1,0 +1,234 @@
+"""`Controller`: what a robot's loop calls once a tick: tracker, filter, planner, contacts and regrasps as one."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cartgrasp.arms import Arm
+from cartgrasp.checks import brief, check_kind, number, positive
+from cartgrasp.contacts import points_of
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Planner, ReferencePath, Tracker
+
+from ..contact_sources.by_name import FIXED, contact_source
+from ..contact_sources.choosing import Choosing
+from ..limits import CartLimit
+from ..planner import WrenchPlanner
+from ..tracking import Gains, build_tracker
+from .caution import Caution, Pace
+from .default_filter import default_filter
+from .hand import RegraspTimes
+from .letting_go import Ahead
+from .regrasps import Given, Regrasps
+from .saved import Saved, as_first_guess, read_saved
+from .step import Step
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Estimate, Measurement, Reference
+
+LOST = ("stale", "no_wrench", "clock_went_back")
+"""Healths under which no hand lets go."""
+LONGEST_PERIOD, FARTHEST_DRIFT = 10.0, 10.0
+USUAL, AS_CHOSEN = RegraspTimes(), Choosing()
+
+
+class Controller:
+    """Follows a reference with one cart and its arms; `step` is called once a tick.
+
+    Args:
+        cart: What is pushed, as it is first believed to be.
+        arms: What holds it.
+        reference: Where the cart shall be: a `PathReference`.
+        contacts: Where to hold: "fixed", "periodic", "least-effort", "teach", "schedule", or a source of one's own.
+        choosing: What these ways to choose contacts may ask, spend and take.
+        regrasp: What a regrasp takes; None: hands are where they are wanted at once, as in the paper.
+        held: Where the hands hold already, (3,) in {b} by arm; else they take hold where they are first wanted.
+        cart_limits: Limits of the hands together, such as `Skid` and `TipOver`, for the cart as now estimated.
+        confidence: The probability with which they hold, by the estimate's covariance; None: as it is believed to be.
+        caution: What to do less of while the estimate's health is not ok; None: nothing.
+        drift: m from its path that a cart may coast while its only hand regrasps.
+        gains: Of the tracker.
+        estimator: What learns; an `estimation.CartFilter` unless given.
+        tracker: The law from errors to a wrench; the one that suits the cart unless given.
+        planner: What spreads the wrench over the arms; a `WrenchPlanner` that relaxes unless given. With `regrasp` it
+            must be a `WrenchPlanner`.
+        period: s between ticks.
+        learn: Whether tracker and contacts use the cart as estimated, not as first believed.
+
+    Raises:
+        UsageError: An argument is of the wrong kind or out of bounds.
+
+    Example:
+        >>> import cartgrasp as cg
+        >>> from planning import Controller, PathReference, chain, straight
+        >>> cart = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0))
+        >>> hands = [cg.Arm("left", [(-0.25, 0.2, 1.0)]), cg.Arm("right", [(-0.25, -0.2, 1.0)])]
+        >>> controller = Controller(cart, hands, PathReference(chain(straight(2.0, 0.5))))
+        >>> step = controller.step(cg.Measurement(0.0, pose=[0, 0, 0], velocity=[0, 0, 0]))
+        >>> step.plan.status, step.words.split(";")[0]
+        ('optimal', 'holds left at (−0.25, 0.20): fixed')
+    """
+
+    def __init__(
+        self,
+        cart: CartModel,
+        arms: Sequence[Arm],
+        reference: ReferencePath,
+        *,
+        contacts: str | ContactSource = FIXED,
+        choosing: Choosing = AS_CHOSEN,
+        regrasp: RegraspTimes | None = USUAL,
+        held: Mapping[str, ArrayLike] | None = None,
+        cart_limits: Sequence[CartLimit] = (),
+        confidence: float | None = None,
+        caution: Caution | None = None,
+        drift: float = 0.05,
+        gains: Gains | None = None,
+        estimator: Estimator | None = None,
+        tracker: Tracker | None = None,
+        planner: Planner | None = None,
+        period: float = 0.01,
+        learn: bool = True,
+    ) -> None:
+        positive("controller: period", period, LONGEST_PERIOD, "give s")
+        number("controller: drift", drift, 0.0, FARTHEST_DRIFT, "give m")
+        check_kind("controller: choosing", choosing, Choosing, "write Choosing(every=3.0)")
+        self.cart, self.reference, self.period, self.learns = cart, reference, float(period), bool(learn)
+        self._arms = tuple(arms)
+        if planner is None:
+            planner = WrenchPlanner(
+                cart, arms, cart_limits=cart_limits, confidence=confidence, period=period, relax=math.inf
+            )
+        elif cart_limits or confidence is not None:
+            raise UsageError("controller: cart_limits and confidence are the planner's; give them to yours")
+        self._planner, self._caution = planner, caution
+        self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
+        self._tracker = build_tracker(cart.constraints, gains) if tracker is None else tracker
+        self._estimator = default_filter(cart, arms) if estimator is None else estimator
+        if isinstance(contacts, str):
+            contacts = contact_source(contacts, cart, arms, reference, choosing, regrasp or RegraspTimes())
+        self._source: ContactSource = contacts
+        self._regrasps: Regrasps | None = None
+        if regrasp is not None:
+            check_kind("controller: regrasp", regrasp, RegraspTimes, "write RegraspTimes(speed=0.5)")
+            whole = self._planner
+            check_kind("controller: planner", whole, WrenchPlanner, "or give regrasp=None")
+            assert isinstance(whole, WrenchPlanner)
+            self._regrasps = Regrasps(whole, self._arms, regrasp, drift)
+        self._held: Mapping[str, Array] = _checked(held, self._arms)
+        self._last: Step | None = None
+        self._time, self._pace = -math.inf, Pace(math.nan)
+
+    def __repr__(self) -> str:
+        source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
+        return brief("Controller", self.cart.name, f"arms {arms}", source, f"period {self.period:g} s")
+
+    def warm_up(self) -> None:
+        """Does now what would cost at the first ticks, of all parts that have something to do."""
+        for part in (self._planner, self._estimator, self._regrasps, self._source):
+            getattr(part, "warm_up", _nothing)()
+
+    def step(self, measurement: Measurement) -> Step:
+        """One tick: takes in what was sensed, and says what the arms are to do."""
+        estimate, time = self._estimator.update(measurement), measurement.time
+        reference, along, slowed = self._paced(estimate.health, time)
+        model = estimate.cart() if self.learns else self.cart
+        wanted = self._tracker.wrench_b(reference, estimate.motion, model)
+        chosen = self._source.contacts(ContactQuery(along, wanted, estimate, self._held))
+        told = self._for_planner(estimate)
+        if self._regrasps is None:
+            plan = self._planner.plan_or_hold(wanted, chosen.contacts, told)
+            given = Given(plan.contact_wrenches, plan)
+        else:
+            ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told)
+            given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health))
+        self._time, self._held = time, given.wrenches.contacts
+        hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
+        self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed)
+        return self._last
+
+    def observe(self, measurement: Measurement) -> Estimate:
+        """Takes in what was sensed between two ticks, such as the wrenches that the arms then gave."""
+        return self._estimator.update(measurement)
+
+    # --- saved and restored -------------------------------------------------------------------------------
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes where the hands are, what they gave, and the cart as it is now known, each parameter with its standard
+        deviation; the filter's correlations and recent samples are not kept (saved.py)."""
+        last = self._last
+        if last is None:
+            raise UsageError("controller: there is nothing to save before the first step")
+        cart = as_first_guess(last.estimate) if self.learns else self.cart
+        along = self._time if self._caution is None else self._pace.along
+        return Saved(self._time, along, cart, last.placed, last.wrenches).save(path)
+
+    @classmethod
+    def restored(
+        cls, path: str | os.PathLike[str], arms: Sequence[Arm], reference: ReferencePath, **options: Any
+    ) -> Self:
+        """One that goes on from what was saved; `options` are those of the constructor, which are not kept."""
+        saved = read_saved(path)
+        if set(saved.hands) != {arm.name for arm in arms}:
+            raise UsageError(f"controller: {path} has the hands of {', '.join(saved.hands)}; give these arms")
+        controller = cls(saved.cart, arms, reference, **options)
+        controller._time, controller._pace = saved.time, Pace(saved.along)
+        controller._held = {name: np.array(hand.point) for name, hand in saved.hands.items()}
+        if controller._regrasps is not None:
+            controller._regrasps.restart(saved.hands, saved.wrenches)
+        elif isinstance(controller._planner, WrenchPlanner):
+            controller._planner.start_from(saved.wrenches, controller._held)
+        return controller
+
+    # --- within a tick ------------------------------------------------------------------------------------
+
+    def _paced(self, health: str, time: float) -> tuple[Reference, float, str]:
+        """Where to be, how far along the reference that is (s), and why that is behind."""
+        if self._caution is None:
+            return self.reference.at(time), time, ""
+        wanted = self._caution.pace.get(health, 1.0)
+        pace = self._pace if math.isfinite(self._pace.along) else Pace(time)
+        elapsed = time - self._time if math.isfinite(self._time) else 0.0
+        self._pace = pace.after(elapsed, wanted, self._caution.change)
+        slowed = "" if wanted == 1.0 else f"slows to {100 * wanted:.0f} % of its speed: health {health}"
+        return self._pace.reference(self.reference, time), self._pace.along, slowed
+
+    def _for_planner(self, estimate: Estimate) -> Estimate | None:
+        """The estimate, where the planner has limits that hold for it."""
+        if not self._needs_estimate:
+            return None
+        return estimate if self._caution is None else self._caution.widened(estimate)
+
+    def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
+        """One that regrasps goes on; another may only leave while the senses are there. `now` are time and health."""
+        time, health = now
+        if not regrasps.hands:
+            regrasps.begin(self._held or chosen.contacts)
+        regrasps.go_on(max(0.0, time - self._time))
+        if health not in LOST:
+            regrasps.send(chosen.contacts, ahead)
+        return regrasps.plan(ahead.wrench_b, ahead.estimate)
+
+
+def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[str, Array]:
+    """Contacts of all arms, or of none."""
+    if held is None:
+        return {}
+    check_kind("controller: held", held, Mapping, "write {'left': (-0.25, 0.2, 1.0)}")
+    names = [arm.name for arm in arms]
+    if set(held) != set(names):
+        raise UsageError(f"controller: held: {', '.join(held)} are not the arms {', '.join(names)}; name all of them")
+    return {name: np.array(points_of(f"controller: held: {name}", [held[name]])[0]) for name in names}
+
+
+def _nothing() -> None:
+    pass

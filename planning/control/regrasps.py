@@ -1,0 +1,145 @@
+"""The arms' plan while a hand may be on its way: what it gives rises and falls along ramps, the others bear the rest.
+
+One hand at a time lets go. A hand with share s of its wrench gives s times what the plan of all arms asks of it, and
+the others are planned for what is left, so that the cart gets what it is to get as long as they can give it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.contacts import ContactWrenches, grasp_map_planar
+from cartgrasp.frames import Array
+from cartgrasp.motion import Estimate
+from cartgrasp.roles import Plan as AnyPlan
+
+from ..plan import RELAXED, Plan
+from ..planner import WrenchPlanner
+from .hand import Hand, Phase, Point, RegraspTimes, point_of
+from .letting_go import Ahead, why_cart_cannot_coast, why_others_cannot
+
+RETRY = 0.2  # s until a hand that may not let go is asked again
+ALONE = "no other hand holds: the cart coasts"
+
+
+class Given(NamedTuple):
+    """What the arms give, and the plan that says so."""
+
+    wrenches: ContactWrenches
+    plan: AnyPlan
+
+
+class Regrasps:
+    """The hands of some arms, from tick to tick, and what they give."""
+
+    def __init__(self, planner: WrenchPlanner, arms: Sequence[Arm], times: RegraspTimes, drift: float) -> None:
+        self._planner, self._times, self._drift = planner, times, drift
+        names = [arm.name for arm in arms]
+        self._yaws = {arm.name: arm.yaw for arm in arms}
+        self._others = {
+            name: planner.for_arms([other for other in names if other != name]) for name in names if len(names) > 1
+        }
+        self.hands: dict[str, Hand] = {}
+        self.kept: dict[str, str] = {}
+        """Why hands stay that were to go."""
+        self._asked: dict[str, tuple[Point, float]] = {}
+        self._last: tuple[Phase | None, Mapping[str, Array]] = (None, {})
+
+    def warm_up(self) -> None:
+        for planner in self._others.values():
+            planner.warm_up()
+
+    @property
+    def contacts(self) -> dict[str, Array]:
+        return {name: np.array(hand.point) for name, hand in self.hands.items()}
+
+    def go_on(self, duration: float) -> None:
+        """So many s later."""
+        if self.busy is not None:
+            self.hands = {name: hand.after(duration, self._times) for name, hand in self.hands.items()}
+
+    def begin(self, contacts: Mapping[str, Array]) -> None:
+        """With hands that hold."""
+        self.hands = {name: Hand(point_of(contacts[name])) for name in self._yaws}
+
+    def restart(self, hands: Mapping[str, Hand], wrenches: Mapping[str, Array]) -> None:
+        """With hands that may be on their way, and what they gave."""
+        self.hands = {name: hands[name] for name in self._yaws}
+        self._last = None, wrenches
+        self._start_from(self.busy)
+
+    def send(self, contacts: Mapping[str, Array], ahead: Ahead) -> None:
+        """The first hand that is to hold elsewhere, and may, is sent there."""
+        for name, hand in self.hands.items():
+            target = point_of(contacts[name])
+            if target == hand.point or hand.phase is not Phase.HOLDS:
+                self.kept.pop(name, None)
+            elif self.busy is None and self._is_due(name, target, ahead.time):
+                why = self._why_not(name, target, ahead)
+                if why:
+                    self.kept[name], self._asked[name] = why, (target, ahead.time)
+                    continue
+                self.kept.pop(name, None)
+                self.hands[name] = hand.sent(target)
+
+    @property
+    def busy(self) -> str | None:
+        """The arm whose hand does not hold wholly."""
+        return next((name for name, hand in self.hands.items() if hand.phase is not Phase.HOLDS), None)
+
+    def plan(self, wrench_b: Array, estimate: Estimate | None = None) -> Given:
+        """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart."""
+        name, contacts = self.busy, self.contacts
+        phase = None if name is None else self.hands[name].phase
+        if phase is not self._last[0] and self._last[1]:
+            self._start_from(name)
+        if name is None:
+            plan = self._planner.plan_or_hold(wrench_b, contacts, estimate)
+            given = plan.contact_wrenches
+        else:
+            plan, given = self._shared(name, wrench_b, contacts, estimate)
+        self._last = phase, given.wrenches
+        return Given(given, plan)
+
+    def _shared(
+        self, name: str, wrench_b: Array, contacts: dict[str, Array], estimate: Estimate | None
+    ) -> tuple[Plan, ContactWrenches]:
+        share, own = self.hands[name].share, np.zeros(6)
+        if share > 0:
+            whole = self._planner.plan_or_hold(wrench_b, contacts, estimate)
+            own = share * whole.contact_wrenches.wrenches[name]
+        away = frozenset({name}) if self.hands[name].is_away else frozenset()
+        if name not in self._others:
+            plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=ALONE)
+            return plan, ContactWrenches({name: own}, contacts, self._yaws, away)
+        rest = np.asarray(wrench_b) - grasp_map_planar(contacts[name], self._yaws[name]) @ own
+        held = {other: point for other, point in contacts.items() if other != name}
+        plan = self._others[name].plan_or_hold(rest, held, estimate)
+        given = plan.contact_wrenches.wrenches
+        wrenches = {other: own if other == name else given[other] for other in contacts}
+        return plan, ContactWrenches(wrenches, contacts, self._yaws, away)
+
+    def _start_from(self, name: str | None) -> None:
+        """Planners go on from what was given last, where the hands that they plan for change."""
+        given, contacts = self._last[1], self.contacts
+        self._planner.start_from(given, contacts)
+        if name in self._others:
+            held = {other: point for other, point in contacts.items() if other != name}
+            self._others[name].start_from({other: given[other] for other in held}, held)
+
+    def _is_due(self, name: str, target: Point, time: float) -> bool:
+        asked = self._asked.get(name)
+        return asked is None or asked[0] != target or time >= asked[1] + RETRY - 1e-9
+
+    def _why_not(self, name: str, target: Point, ahead: Ahead) -> str:
+        distance = math.dist(self.hands[name].point, target)
+        if name in self._others:
+            held = {other: point for other, point in self.contacts.items() if other != name}
+            return why_others_cannot(self._others[name], held, ahead, self._times.lasting(distance))
+        lasting = self._times.away(distance) + (self._times.unload + self._times.load) / 2
+        return why_cart_cannot_coast(ahead, lasting, self._drift)

@@ -1,0 +1,99 @@
+"""What a controller leaves when it is stopped, as a file to read and to go on from.
+
+The cart is as it was last estimated, with each parameter's standard deviation. Correlations of the filter's belief, its
+recent samples and suspicions are not kept: a filter that goes on begins with these deviations alone.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+from ruamel.yaml.comments import CommentedMap
+
+from cartgrasp.cart_file import cart_from_document, cart_text
+from cartgrasp.first_guess import FirstGuess
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
+from cartgrasp.writing import write_atomically
+from cartgrasp.yaml_file import StrictModel, dump_yaml, parse_yaml, read_yaml, validate
+
+from .hand import Hand, Phase
+
+Coordinates = Annotated[list[float], Field(min_length=3, max_length=3)]
+Components = Annotated[list[float], Field(min_length=6, max_length=6)]
+
+
+class _HandEntry(StrictModel):
+    point: Coordinates
+    phase: Literal["holds", "unloads", "moves", "takes hold", "loads"] = "holds"
+    share: Annotated[float, Field(ge=0, le=1)] = 1.0
+    target: Coordinates | None = None
+    taken: Annotated[float, Field(ge=0)] = 0.0
+    wrench: Components
+
+    def hand(self) -> Hand:
+        x, y, z = self.point
+        target = None if self.target is None else (self.target[0], self.target[1], self.target[2])
+        return Hand((x, y, z), Phase(self.phase), self.share, target, self.taken)
+
+
+class _SavedEntry(StrictModel):
+    time: float
+    along: float | None = None
+    cart: Any
+    hands: Annotated[dict[str, _HandEntry], Field(min_length=1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Saved:
+    """At `time` (s), and so far `along` the reference (s): the cart, and how sure its numbers are; the hands, and the
+    wrenches (6,) in {a} that they gave."""
+
+    time: float
+    along: float
+    cart: CartModel
+    hands: Mapping[str, Hand]
+    wrenches: Mapping[str, Array]
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        hands = {name: _entry(hand, self.wrenches[name]) for name, hand in self.hands.items()}
+        cart = parse_yaml(cart_text(self.cart), "cart")
+        document = {"time": self.time, "along": self.along, "cart": cart, "hands": hands}
+        return write_atomically(path, dump_yaml(CommentedMap(document)))
+
+
+def read_saved(path: str | os.PathLike[str]) -> Saved:
+    """A mistake is refused as `file:line:column: key: why`."""
+    document = read_yaml(path)
+    entry = validate(_SavedEntry, document, str(path))
+    return Saved(
+        time=entry.time,
+        along=entry.time if entry.along is None else entry.along,
+        cart=cart_from_document(document["cart"], str(path), ["cart"]),
+        hands={name: one.hand() for name, one in entry.hands.items()},
+        wrenches={name: np.array(one.wrench) for name, one in entry.hands.items()},
+    )
+
+
+def as_first_guess(estimate: Estimate) -> CartModel:
+    """The cart as now estimated, with how sure that is: what does not vary is known."""
+    told, before = estimate.parameters, estimate.structure.first_guess
+    std = tuple((name, float(one.std)) for name, one in told.items() if one.std > 0)
+    known = (*before.known, *(name for name, one in told.items() if not one.std > 0))
+    sure = FirstGuess(tuple(pair for pair in std if pair[0] not in before.known), tuple(dict.fromkeys(known)))
+    return replace(estimate.cart(), first_guess=sure)
+
+
+def _entry(hand: Hand, wrench: Array) -> dict[str, Any]:
+    entry: dict[str, Any] = {"point": list(hand.point), "wrench": np.asarray(wrench).tolist()}
+    if hand.phase is not Phase.HOLDS:
+        target = None if hand.target is None else list(hand.target)
+        entry |= {"phase": hand.phase.value, "share": hand.share, "target": target, "taken": hand.taken}
+    return entry

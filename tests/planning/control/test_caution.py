@@ -1,0 +1,135 @@
+"""Slowing down and margins: the paced reference by finite differences; a controller under every health; margins that
+relax as the load is learned, by what the arms can give."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cartgrasp as cg
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.errors import UsageError
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
+from cartgrasp.studies.shopping_cart import WHEELS
+from estimation import CartFilter, FilterNoise, Prior
+from planning import Caution, Controller, PathReference, Skid, TipOver, WrenchPlanner, chain, pause
+from planning.control.caution import Pace
+from planning.references import speed_change, turn
+
+DRAG = ViscousDrag(3.0, 1.2)
+PATH = PathReference(chain(speed_change(0.6, 0.4), turn(0.8, 0.4), pause(1.0), speed_change(-0.6, 0.4), pause(1.0)))
+TRUTH = cg.CartModel(cg.Inertia(26.0, (0.3, 0.03), 2.4), effects=(DRAG,), wheels=WHEELS, com_height=0.45)
+GUESS = cg.CartModel(cg.Inertia(24.0, (0.2, 0.0), 2.0), effects=(DRAG,), wheels=WHEELS, com_height=0.45)
+LIMITS = Skid(0.5), TipOver(15.0)
+PRIOR = Prior(mass=0.15, com=0.04, inertia=0.2, known={"viscous_drag"})
+
+
+def arms():
+    sides = {"left": 0.2, "right": -0.2}
+    return [
+        cg.Arm(n, [(-0.25, y, 1.0)], force_limit=(90.0, 60.0, 40.0), moment_limit=(9.0,) * 3) for n, y in sides.items()
+    ]
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.tuples(st.floats(0.001, 0.05), st.floats(0.0, 1.0)), min_size=3, max_size=60), st.floats(0.1, 2.0))
+def test_the_pace_is_bounded_and_goes_forward(rhythm, change):
+    pace = Pace(1.0)
+    for duration, wanted in rhythm:
+        before, pace = pace, pace.after(duration, wanted, change)
+        assert 0.0 <= pace.share <= 1.0
+        assert abs(pace.share - before.share) <= change * duration + 1e-12
+        assert 0.0 <= pace.along - before.along <= duration + 1e-12
+
+
+def test_what_is_paced_is_a_motion():
+    """Velocity and acceleration are the derivatives of what is followed, in a bend while the pace changes."""
+    step, pace, told = 1e-3, Pace(2.0, 0.9), []
+    for k in range(400):
+        pace = pace.after(step, 0.4, 0.5)
+        told.append(pace.reference(PATH, k * step))
+    poses, nus, rates = (np.array([getattr(one, n) for one in told]) for n in ("pose_sb", "velocity", "acceleration"))
+    turned = np.diff(poses[:, 2]) / step
+    assert np.allclose(turned, (nus[1:, 1] + nus[:-1, 1]) / 2, atol=1e-4)
+    speed = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) / step
+    assert np.allclose(speed, (nus[1:, 0] + nus[:-1, 0]) / 2, atol=1e-4)
+    smooth = np.abs(np.diff(rates, axis=0)).max(axis=1) < 0.01  # but where the reference's own acceleration steps
+    assert smooth.sum() > 0.98 * len(smooth)
+    assert np.allclose((np.diff(nus, axis=0) / step)[smooth], rates[1:][smooth], atol=2e-3)
+
+
+def drive(controller, duration, blind=lambda time: False):
+    plant, sensors = ModelPlant(TRUTH), Sensors(TRUTH, SensorNoise(force=1.0, moment=0.05), seed=5)
+    told = []
+    while plant.time < duration:
+        sensed = sensors.motion(plant.time, plant.motion)
+        step = controller.step(cg.Measurement(plant.time) if blind(plant.time) else sensed)
+        controller.observe(sensors.wrenches(plant.time, step.given))
+        plant.step(step.given, controller.period)
+        told.append((step, plant.motion))
+    return told
+
+
+def controller(**options):
+    noise = FilterNoise(force=1.0, moment=0.05)
+    return Controller(
+        GUESS, arms(), PATH, estimator=CartFilter(GUESS, ["left", "right"], noise=noise, prior=PRIOR), **options
+    )
+
+
+def test_a_cart_whose_pose_is_lost_comes_to_rest():
+    """Within 2 s of being told, and near its path; it goes on where it is seen again."""
+    told = drive(controller(caution=Caution()), 6.0, lambda time: 2.0 < time < 5.5)
+    late = [(step, motion) for step, motion in told if 4.8 < step.time < 5.4]
+    assert all(step.health == "stale" for step, _ in late)
+    assert all(abs(motion.velocity[0]) < 0.05 for _, motion in late)
+    assert all(step.words.endswith("slows to 0 % of its speed: health stale") for step, _ in late)
+    assert all(np.linalg.norm(m.pose_sb[:2] - s.reference.pose_sb[:2]) < 0.05 for s, m in late)
+    assert max(abs(one.velocity[0]) for _, one in told[-20:]) > 0.0
+    plain = drive(controller(), 4.8, lambda time: 2.0 < time < 5.5)
+    assert abs(plain[-1][1].velocity[0]) > 0.2, "without caution it drives on"
+
+
+def test_where_all_is_well_caution_changes_nothing():
+    one, other = drive(controller(caution=Caution()), 2.0), drive(controller(), 2.0)
+    assert {step.health for step, _ in one} <= {"ok", "no_wrench"}
+    for (a, _), (b, _) in zip(one[50:], other[50:], strict=True):
+        assert np.allclose(a.given.wrench_b, b.given.wrench_b, atol=1.5)
+
+
+def test_margins_hold_by_the_estimate_and_relax_as_it_learns():
+    """How hard the hands may pull back for the estimate, by a planner of its own: less with confidence, and more at the
+    end than at first; and the controller's plans keep the limits with the probability, by drawn carts."""
+    made = controller(cart_limits=LIMITS, confidence=0.99)
+    told = drive(made, 5.0)
+    assert {step.plan.status for step, _ in told} <= {"optimal", "relaxed"}
+    hardest = {}
+    for name, confidence in (("sure", 0.99), ("as believed", None)):
+        for when in (0, -1):
+            planner = WrenchPlanner(GUESS, arms(), cart_limits=LIMITS, confidence=confidence, relax=np.inf)
+            plan = planner.plan((-150.0, 0.0, 0.0), estimate=told[when][0].estimate)
+            hardest[name, when] = -plan.cart_wrench[0]
+    assert hardest["sure", 0] < 0.8 * hardest["as believed", 0]
+    assert hardest["sure", -1] > hardest["sure", 0] + 1.0
+    assert hardest["sure", -1] > 0.9 * hardest["as believed", -1]
+
+
+def test_a_health_that_is_not_well_widens_margins():
+    told = drive(controller(cart_limits=LIMITS, confidence=0.99), 1.0)[-1][0].estimate
+    caution = Caution()
+    assert caution.widened(told) is told
+    wide = caution.widened(told._replace(health="inconsistent"))
+    assert np.allclose(wide.covariance, 4.0 * told.covariance)
+    planner = WrenchPlanner(GUESS, arms(), cart_limits=LIMITS, confidence=0.99, relax=np.inf)
+    pulls = [-planner.plan((-150.0, 0.0, 0.0), estimate=one).cart_wrench[0] for one in (told, wide)]
+    assert pulls[1] < pulls[0]
+
+
+def test_what_is_told_is_checked():
+    for wrong in ({"pace": {"stale": 1.5}}, {"widen": {"stale": 0.5}}, {"change": 0.0}, {"pace": 0.5}):
+        with pytest.raises(UsageError, match="caution: "):
+            Caution(**wrong)
+    with pytest.raises(UsageError, match="cart_limits and confidence are the planner's"):
+        Controller(GUESS, arms(), PATH, planner=WrenchPlanner(GUESS, arms()), confidence=0.9)

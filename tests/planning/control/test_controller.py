@@ -1,0 +1,216 @@
+"""The controller against its parts called one by one; and what it does, tick by tick, while a hand regrasps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cartgrasp as cg
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.errors import FileError, UsageError
+from cartgrasp.frames import body_to_world
+from cartgrasp.roles import ContactChoice
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
+from estimation import CartFilter, FilterNoise
+from planning import Controller, PathReference, RegraspTimes, WrenchPlanner, build_tracker, chain, pause, straight
+from planning.references import speed_change, turn
+
+DRAG = ViscousDrag(linear=3.0, angular=1.2)
+CART = cg.CartModel(cg.Inertia(24.0, (0.3, 0.05), 2.2), effects=(DRAG,))
+GUESS = cg.CartModel(cg.Inertia(18.0, (0.25, 0.0), 2.0), effects=(DRAG,))
+PATH = PathReference(chain(speed_change(0.5), turn(0.8, 0.4), pause(1.0), speed_change(-0.5), pause(1.0)))
+NOISE = FilterNoise(force=1.0, moment=0.05)
+TIMES = RegraspTimes(speed=0.6, unload=0.15, take_hold=0.1, load=0.2)
+
+
+def arms(force=120.0, names=("left", "right")):
+    sides = {"left": 0.2, "right": -0.2}
+    return [
+        cg.Arm(n, [(-0.25, sides[n], 1.0), (0.1, sides[n], 0.9)], force_limit=(force,) * 3, moment_limit=(15.0,) * 3)
+        for n in names
+    ]
+
+
+def learner(names=("left", "right")):
+    return CartFilter(GUESS, list(names), noise=NOISE)
+
+
+class Later:
+    """Every arm's second candidate from a time on."""
+
+    def __init__(self, holders, time):
+        self.points, self.time = {arm.name: [np.array(p) for p in arm.contacts.points] for arm in holders}, time
+
+    def contacts(self, query):
+        return ContactChoice(
+            {name: at[int(query.time >= self.time - 1e-9)] for name, at in self.points.items()}, "told"
+        )
+
+
+def drive(controller, duration, truth=CART, noise=None):
+    """Steps, and what was felt after each."""
+    plant, sensors = ModelPlant(truth), Sensors(truth, noise or SensorNoise(force=1.0, moment=0.05), seed=3)
+    told = []
+    for _ in range(round(duration / controller.period)):
+        step = controller.step(sensors.motion(plant.time, plant.motion))
+        felt = sensors.wrenches(plant.time, step.given)
+        controller.observe(felt)
+        plant.step(step.given, controller.period)
+        told.append((step, felt))
+    return told
+
+
+def test_it_does_what_its_parts_do_one_by_one():
+    held = arms()
+    told = drive(Controller(GUESS, held, PATH, estimator=learner()), 2.0)
+    plant, sensors = ModelPlant(CART), Sensors(CART, SensorNoise(force=1.0, moment=0.05), seed=3)
+    tracker, cart_filter = build_tracker(GUESS.constraints), learner()
+    planner = WrenchPlanner(GUESS, held, period=0.01, relax=np.inf)
+    first = {arm.name: arm.contacts.first for arm in held}
+    for step, _ in told:
+        estimate = cart_filter.update(sensors.motion(plant.time, plant.motion))
+        wanted = tracker.wrench_b(PATH.at(plant.time), estimate.motion, estimate.cart())
+        given = planner.plan_or_hold(wanted, contacts=first).contact_wrenches
+        cart_filter.update(sensors.wrenches(plant.time, given))
+        plant.step(given, 0.01)
+        for name in first:
+            assert np.array_equal(step.wrenches[name], given.wrenches[name])
+        assert step.health == estimate.health
+        assert step.estimate.parameters["mass"].value == estimate.parameters["mass"].value
+
+
+def test_no_hand_jumps_and_the_cart_gets_what_it_is_to_get():
+    """Two strong arms regrasp while the cart drives a bend: one after the other, each unloaded, moved, loaded."""
+    held = arms()
+    controller = Controller(GUESS, held, PATH, contacts=Later(held, 1.5), regrasp=TIMES, estimator=learner())
+    told = drive(controller, 6.0)
+    names = [arm.name for arm in held]
+    points = {n: np.array([step.contacts[n] for step, _ in told]) for n in names}
+    wrenches = {n: np.array([step.wrenches[n] for step, _ in told]) for n in names}
+    felt = {n: np.array([measured.wrenches[n] for _, measured in told]) for n in names}
+    moving = {n: np.linalg.norm(np.diff(points[n], axis=0), axis=1) for n in names}
+    wanted = np.array([step.reference.acceleration for step, _ in told])
+    steady = (np.diff(wanted, axis=0) == 0).all(axis=1)
+    distance = np.linalg.norm(np.subtract(*[np.array(p) for p in held[0].contacts.points]))
+    for n in names:
+        assert moving[n].max() <= TIMES.speed * 0.01 * (1 + 1e-6)
+        assert np.array_equal(points[n][-1], held[names.index(n)].contacts.points[1])
+        free = np.array([step.hands[n].is_away for step, _ in told])
+        assert (wrenches[n][free] == 0).all()
+        assert free.sum() * 0.01 >= TIMES.away(distance) - 0.01
+        assert (free[:-1] | (moving[n] == 0)).all()
+        assert np.array_equal(felt[n][free], np.zeros((free.sum(), 6)))
+        assert (felt[n][~free] != 0).all()
+        largest, changes = np.abs(wrenches[n]).max(axis=0), np.abs(np.diff(wrenches[n], axis=0))
+        assert (changes[100:][steady[100:]] <= 0.01 / min(TIMES.unload, TIMES.load) * largest + 0.2).all()
+    assert not ((moving["left"] > 0) & (moving["right"] > 0)).any()
+    assert all(not ((w["left"] == 0).all() and (w["right"] == 0).all()) for w in (step.wrenches for step, _ in told))
+    tracker = build_tracker(GUESS.constraints)
+    for step, _ in told[::7]:
+        wanted = tracker.wrench_b(step.reference, step.estimate.motion, step.estimate.cart())
+        assert np.allclose(GUESS.basis_b.T @ step.given.wrench_b, GUESS.basis_b.T @ wanted, atol=1e-6)
+    words = [step.words for step, _ in told]
+    assert words[0] == "holds left at (−0.25, 0.20): told; holds right at (−0.25, −0.20): told"
+    assert any(text.startswith("moves left to (0.10, 0.20): told;") for text in words)
+    assert words[-1] == "holds left at (0.10, 0.20): told; holds right at (0.10, −0.20): told"
+
+
+def test_a_hand_stays_where_the_others_cannot_do_without_it():
+    held = arms(force=9.0)
+    told = drive(Controller(GUESS, held, PATH, contacts=Later(held, 0.5), estimator=learner()), 0.9)
+    last = told[-1][0]
+    assert last.words.startswith("keeps left at (−0.25, 0.20): the others can't bear ")
+    assert all(np.array_equal(step.contacts["left"], held[0].contacts.first) for step, _ in told)
+
+
+@pytest.mark.parametrize("drag", [1.0, 30.0])
+def test_one_arm_lets_go_where_the_cart_coasts(drag):
+    """At constant speed a cart with little drag coasts for the 0.9 s; one with much would stop, so the hand waits until
+    the cart is to slow down as it would by itself."""
+    cart = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.2), effects=(ViscousDrag(drag, 5.0),))
+    held = arms(names=["left"])
+    path = PathReference(chain(straight(2.5, 0.5), pause(3.0)))
+    controller = Controller(
+        cart, held, path, contacts=Later(held, 2.0), regrasp=TIMES, estimator=CartFilter(cart, ["left"], noise=NOISE)
+    )
+    told = drive(controller, path.duration, cart)
+    start = next(step for step, _ in told if (step.wrenches["left"] == 0).all() and step.time > 1.0)
+    speed = float(start.estimate.motion.velocity[0])
+    assert start.plan.status == "relaxed"
+    if drag == 1.0:
+        assert start.time < 2.5
+        assert speed > 0.4
+    else:
+        assert start.reference.acceleration[0] < 0
+        waiting = next(step for step, _ in told if step.time > 2.05)
+        assert "keeps left at (−0.25, 0.20): the cart would coast 0." in waiting.words
+    off = max(np.linalg.norm(s.estimate.motion.pose_sb[:2] - s.reference.pose_sb[:2]) for s, _ in told)
+    assert off < 0.1
+    assert told[-1][0].words == "holds left at (0.10, 0.20): told"
+
+
+def test_it_goes_on_from_what_was_saved(tmp_path):
+    """In the middle of a regrasp: hands where they were, wrenches without a jump, and the cart as it was known."""
+    held = arms()
+    controller = Controller(GUESS, held, PATH, contacts=Later(held, 1.0), regrasp=TIMES, estimator=learner())
+    told = drive(controller, 1.1)
+    last = told[-1][0]
+    assert last.hands["left"].phase == "unloads"
+    path = controller.save(tmp_path / "controller.yaml")
+    again = Controller.restored(path, held, PATH, contacts=Later(held, 1.0), regrasp=TIMES)
+    assert again.cart.inertia.mass == pytest.approx(last.estimate.cart().inertia.mass)
+    std = dict(again.cart.first_guess.std)
+    assert std["com_x"] == pytest.approx(last.estimate.parameters["com_x"].std)
+    motion = last.estimate.motion
+    velocity = body_to_world(motion.pose_sb[2]) @ GUESS.basis_b @ motion.velocity
+    step = again.step(cg.Measurement(last.time + 0.01, motion.pose_sb, velocity))
+    assert step.hands["left"].phase == "unloads"
+    assert step.hands["left"].share == pytest.approx(last.hands["left"].after(0.01, TIMES).share)
+    for name in ("left", "right"):
+        assert np.abs(step.wrenches[name] - last.wrenches[name]).max() < 4.0
+    text = path.read_text()
+    path.write_text(text.replace("share:", "shar:"))
+    with pytest.raises(FileError, match=r"controller.yaml:\d+:\d+: hands.left.shar: unknown key"):
+        Controller.restored(path, held, PATH)
+    path.write_text(text)
+    with pytest.raises(UsageError, match="has the hands of left, right; give these arms"):
+        Controller.restored(path, arms(names=["left"]), PATH)
+
+
+def test_hands_that_hold_already_regrasp_first():
+    held = arms()
+    second = {arm.name: arm.contacts.points[1] for arm in held}
+    controller = Controller(GUESS, held, PATH, held=second, regrasp=TIMES, estimator=learner())
+    told = drive(controller, 2.5)
+    assert told[0][0].words == "holds left at (0.10, 0.20): fixed; holds right at (0.10, −0.20): fixed"
+    assert told[5][0].words.startswith("unloads left at (0.10, 0.20), to go to (−0.25, 0.20): fixed; holds right")
+    assert told[-1][0].words == "holds left at (−0.25, 0.20): fixed; holds right at (−0.25, −0.20): fixed"
+
+
+def test_no_hand_leaves_while_the_senses_are_lost():
+    held = arms()
+    controller = Controller(GUESS, held, PATH, contacts=Later(held, 1.0), regrasp=TIMES, estimator=learner())
+    last = drive(controller, 0.5)[-1][0]
+    for k in range(300):
+        last = controller.step(cg.Measurement(0.5 + 0.01 * k))
+    assert last.health in ("stale", "no_wrench")
+    assert np.array_equal(last.contacts["left"], held[0].contacts.first)
+
+
+def test_what_it_is_made_of_is_checked():
+    held = arms()
+    controller = Controller(GUESS, held, PATH)
+    assert len(repr(controller)) < 100
+    assert "arms left, right" in repr(controller)
+    with pytest.raises(UsageError, match="nothing to save before the first step"):
+        controller.save("x.yaml")
+    with pytest.raises(UsageError, match="controller: held: left are not the arms left, right"):
+        Controller(GUESS, held, PATH, held={"left": (0.0, 0.2, 1.0)})
+    with pytest.raises(UsageError, match="contacts: there is no 'teaching'; did you mean teach"):
+        Controller(GUESS, held, PATH, contacts="teaching")
+    with pytest.raises(UsageError, match="controller: period"):
+        Controller(GUESS, held, PATH, period=0.0)
+    with pytest.raises(UsageError, match=r"controller: regrasp: .* is no RegraspTimes"):
+        Controller(GUESS, held, PATH, regrasp=0.5)
+    with pytest.raises(UsageError, match=r"controller: planner: .* or give regrasp=None"):
+        Controller(GUESS, held, PATH, planner=object())
