@@ -12,7 +12,7 @@ They are in the body frame, where S is constant. Every function broadcasts over 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, final
 
@@ -219,6 +219,10 @@ class CartModel(CartStructure):
         state = np.hstack([pose_sb, velocity, np.tile(first, (len(time), 1))])
         if self.is_compiled:
             return self.dynamics.memories(self._point(state, parameters, time))
+        if not self._foreign_changes and all(own.start == own.stop for *_, own in self._foreign_forces):
+            cart = self if parameters is None else self.with_parameters(parameters)
+            known = tuple(e for e in cart.effects if not isinstance(e, ForceEffect) or isinstance(e, CompiledForce))
+            return replace(cart, effects=known).memory_along(pose_sb, velocity, time, first=first)
         for i, step in enumerate(np.diff(time)):
             still = np.zeros(self.constraints.n_free)
             rate = self.inverse(state[i], still, parameters, time[i]).memory_rate

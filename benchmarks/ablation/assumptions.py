@@ -42,6 +42,7 @@ ASSUMPTIONS = (
             "SOFT_SHARE": "of its duration, in which a push rises",
             "SOFT_ONSET": "time in which a load is put on",
             "LEAST_FORM": "share by which forms are wrong at least",
+            "POISED_BY": "deviations of the yaw rate by which casters that a reversal left poised may be off",
             "BELIEVED": "rows near standstill that count as if friction were as wrong there as it may be",
             "LONGEST_MEMORY": "of sensors' noise",
             "LOUDEST": "times the noise from sample to sample: how loud a sensor may be over a row",

@@ -32,6 +32,8 @@ ON_CASTERS = 0.5
 """Of a cart's weight."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
 """m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
+POISED_BY = 3.0
+"""Standard deviations of the yaw rate by which poised casters may be off."""
 BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
 LONGEST_MEMORY = 0.15
@@ -195,7 +197,23 @@ def edge_error(balances: Balances, cart: CartModel) -> Array:
             balances.expected(rest.with_effect(effect.with_values(values))) for values in _with_soft_edges(effect)
         )
         found = np.maximum(found, np.abs(outer - inner) / 2)
-    return found
+    return np.maximum(found, _poised_error(balances, cart))
+
+
+def _poised_error(balances: Balances, cart: CartModel) -> Array:
+    """Half of what effects give more or less (n, f) if memories follow a motion that turns a little more or less, by
+    its standard deviation: casters that a reversal left poised swing round nobody knows when."""
+    found, own = np.zeros((len(balances.motion.time), cart.constraints.n_free)), balances.of_body(cart)
+    if not cart.memory_names or cart.constraints.n_free < 2:
+        return found
+    motion, turned = own.motion, np.zeros(cart.constraints.n_free)
+    turned[-1] = POISED_BY * motion.rate_std[2]
+    ends = []
+    for velocity in (motion.velocity - turned, motion.velocity + turned):
+        memory = cart.memory_along(motion.pose, velocity, motion.time)
+        state = np.hstack([motion.pose, motion.velocity, memory])[::THIN]
+        ends.append(cart.effect_wrench(state, time=motion.time[::THIN]) @ cart.basis_b)
+    return np.asarray(np.repeat(np.abs(ends[1] - ends[0]) / 2, THIN, axis=0)[: len(found)])
 
 
 def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -12,12 +13,15 @@ from hypothesis import strategies as st
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import (
     CasterRealignment,
+    Contribution,
     ExternalPush,
     FloorPatch,
     FloorSlope,
     ForceBias,
+    ForceEffect,
     ForceMisalignment,
     ForceScale,
+    Parameter,
     PayloadChange,
     RollingResistance,
     ViscousDrag,
@@ -265,3 +269,28 @@ def test_effect_wrench_and_inverse_dynamics_broadcast(stacked):
         np.testing.assert_allclose(together[i], CART.effect_wrench(**one), rtol=1e-12)
         alone = CART.required_wrench(acceleration=np.array([0.3, -0.2]), **one)
         np.testing.assert_allclose(required[i], alone, rtol=1e-11, atol=1e-11)
+
+
+def test_memories_beside_an_effect_without_a_kernel_are_those_without_it():
+    """Along a given motion; what has a memory of its own, or changes the body, goes step by step."""
+
+    class Wind(ForceEffect):
+        name: ClassVar[str] = "wind_of_the_test"
+        parameters: ClassVar[tuple[Parameter, ...]] = ()
+
+        def wrench_b(self, situation, memory, parameters):
+            value = np.zeros((*situation.velocity_b.shape[:-1], 3))
+            value[..., 0] = -1.0
+            return Contribution(value)
+
+    time = np.arange(0.0, 4.0, 0.01)
+    cart = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), effects=(CasterRealignment(0.2, 0.05),))
+    velocity = np.column_stack([0.6 * np.cos(time), 0.4 * np.sin(2.0 * time)])
+    pose = np.column_stack([np.cumsum(velocity[:, 0]) * 0.01, np.zeros_like(time), np.cumsum(velocity[:, 1]) * 0.01])
+    beside = cart.with_effect(Wind())
+    assert not beside.is_compiled
+    found = beside.memory_along(pose, velocity, time)
+    np.testing.assert_array_equal(found, cart.memory_along(pose, velocity, time))
+    other = beside.parameters * 1.1
+    expected = cart.with_parameters(cart.parameters * 1.1).memory_along(pose, velocity, time)
+    np.testing.assert_allclose(beside.memory_along(pose, velocity, time, other), expected, rtol=1e-12, atol=1e-12)

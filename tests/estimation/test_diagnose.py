@@ -16,6 +16,7 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
+from cartgrasp.studies.shopping_cart import first_guess, scenario
 from estimation import diagnose
 
 EMPS = Path(__file__).parents[3] / "shared" / "data" / "emps" / "DATA_EMPS.mat"
@@ -65,6 +66,13 @@ def test_casters_that_the_cart_does_not_list_are_found_with_their_place(tmp_path
         assert value == getattr(found, name)
         assert abs(value - listed_value) < 2 * std < 0.5 * listed_value
     assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted
+
+
+def test_casters_that_a_reversal_left_poised_are_no_push():
+    """A thousandth of a radian decides when they swing round."""
+    found = diagnose(scenario(plant="model").run().log, first_guess())
+    assert found.verdict == "no_discrepancy"
+    assert not found.effects
 
 
 def test_where_nothing_is_hidden_nothing_is_named(found):
