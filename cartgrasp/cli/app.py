@@ -11,9 +11,11 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
+from planning.contact_sources.ways import Way
+
 from ..compile_notice import telling
 from ..errors import CartgraspError, DataError, PlantError, printable
-from .options import Accept, Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics, Way
+from .options import Accept, Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics
 from .output import KernelsTold
 from .study_commands import study
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from estimation import FilterNoise
 from planning import Choosing, RegraspTimes
-from planning.contact_sources.by_name import FIXED
+from planning.contact_sources.ways import FIXED
 
 from ..arms import Arm
 from ..cart_file import load_cart

@@ -27,7 +27,7 @@ from cartgrasp.model import CartModel, InverseDynamics
 from cartgrasp.wheels import WheelSet
 
 from ..noise import FilterNoise
-from .integrals import CHUNK, THIN, Integrals
+from .integrals import CHUNK, Integrals
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
 from .wrenches import Densities, GridWrenches
@@ -187,7 +187,7 @@ class Balances:
             force = alone.effect_wrench(state[at], time=self.motion.time[at])[:, 0]
             return np.asarray(np.eye(self.n_balances(cart))[place] * force[:, None])
 
-        return self.integrals.by_parts(moments, THIN)[..., None]
+        return self.integrals.by_parts(moments, is_thin=True)[..., None]
 
     # --- balances ----------------------------------------------------------------------------------------------
 
@@ -275,8 +275,8 @@ class Balances:
             return found if share is None else share[part, None, None] * found
 
         is_felt = isinstance(effect, SensorEffect)
-        along, thin = (felt, 1) if is_felt else (pushed, THIN)
-        slopes = self.integrals.by_parts(lambda part: self._on_all(along(part)), thin)
+        along = felt if is_felt else pushed
+        slopes = self.integrals.by_parts(lambda part: self._on_all(along(part)), is_thin=not is_felt)
         if moved := [i for i in whole.pose_indices if i >= first]:
             left = self._left(whole)[0]
             for i in moved:

@@ -50,13 +50,11 @@ class Integrals:
         """Signals (n, ...) against the test functions (k, ...)."""
         return _against(self.test, signals)
 
-    def by_parts(self, signals: Callable[[slice], Array], thin: int = 1) -> Array:
+    def by_parts(self, signals: Callable[[slice], Array], is_thin: bool = False) -> Array:
         """The same of signals that are worked out for one part of the grid after the other, or at every other of its
-        points."""
-        found = []
-        for part, test in self._parts:
-            at = slice(part.start, part.stop, thin)
-            found.append(_against(test if thin == 1 else csr_array(test[:, ::thin] * thin), signals(at)))
+        points (`is_thin`)."""
+        parts = self._thin_parts if is_thin else self._parts
+        found = [_against(test, signals(part)) for part, test in parts]
         return np.concatenate(found) if found else self.of(signals(slice(None)))
 
     def spread(self, rows: Array) -> Array:
@@ -78,6 +76,12 @@ class Integrals:
             part = slice(int(first[begin]) // THIN * THIN, int(first[end - 1]) + support)
             found.append((part, csr_array(self.test[begin:end][:, part])))
         return found
+
+    @cached_property
+    def _thin_parts(self) -> list[tuple[slice, csr_array]]:
+        """The same at every other point."""
+        thinned = (slice(part.start, part.stop, THIN) for part, _ in self._parts)
+        return [(part, csr_array(test[:, ::THIN] * THIN)) for part, (_, test) in zip(thinned, self._parts, strict=True)]
 
 
 def _test_functions(n: int, per_row: int, step: float) -> csr_array:

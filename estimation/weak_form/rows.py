@@ -211,9 +211,8 @@ def _poised_error(balances: Balances, cart: CartModel) -> Array:
     ends = []
     for velocity in (motion.velocity - turned, motion.velocity + turned):
         memory = cart.memory_along(motion.pose, velocity, motion.time)
-        state = np.hstack([motion.pose, motion.velocity, memory])[::THIN]
-        ends.append(cart.effect_wrench(state, time=motion.time[::THIN]) @ cart.basis_b)
-    return np.asarray(np.repeat(np.abs(ends[1] - ends[0]) / 2, THIN, axis=0)[: len(found)])
+        ends.append(_effects_at(balances, cart, np.hstack([motion.pose, motion.velocity, memory])))
+    return np.asarray(np.abs(ends[1] - ends[0]) / 2)
 
 
 def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:
@@ -234,12 +233,16 @@ def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:
 
 
 def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | float = 0.0) -> Array:
-    """What a cart's effects give (n, f), as at every other point, if it goes by a share of its velocity, and by a
-    velocity (f,), faster."""
-    state, free = balances.state(cart)[::THIN], cart.constraints.n_free
+    """What a cart's effects give (n, f) if it goes by a share of its velocity, and by a velocity (f,), faster."""
+    state, free = balances.state(cart), cart.constraints.n_free
     state[:, 3 : 3 + free] += share * state[:, 3 : 3 + free] + faster
-    found = cart.effect_wrench(state, time=balances.motion.time[::THIN]) @ cart.basis_b
-    return np.asarray(np.repeat(found, THIN, axis=0)[: len(balances.motion.time)])
+    return _effects_at(balances, cart, state)
+
+
+def _effects_at(balances: Balances, cart: CartModel, state: Array) -> Array:
+    """What they give (n, f) at states (n, s), as at every other point."""
+    found = cart.effect_wrench(state[::THIN], time=balances.motion.time[::THIN]) @ cart.basis_b
+    return np.asarray(np.repeat(found, THIN, axis=0)[: len(state)])
 
 
 def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:

@@ -50,9 +50,7 @@ def build_allocation(
 ) -> QuadraticProgram:
     """minimise the objective over F (6n,) such that `Sᵀ sum G_i F_i = Sᵀ wrench_b` and every limit holds."""
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
-    rows, zero = template.contact_rows(contact_array(template, contacts)), np.zeros(template.n)
-    straight = _straight(template, cart, wrench_b)
-    return template.program(rows, template.basis_b.T @ np.asarray(wrench_b), template.cost(zero, straight))
+    return _posed(template, contact_array(template, contacts), wrench_b, _straight(template, cart, wrench_b))
 
 
 def allocate(
@@ -65,15 +63,18 @@ def allocate(
 ) -> Allocation:
     """`build_allocation`, solved and proven."""
     template = AllocationTemplate.of(cart, arms, objective, cart_limits)
-    points = contact_array(template, contacts)
-    target = template.basis_b.T @ np.asarray(wrench_b, dtype=float)
-    straight = _straight(template, cart, wrench_b)
-    program = template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n), straight))
+    points, straight = contact_array(template, contacts), _straight(template, cart, wrench_b)
+    program = _posed(template, points, wrench_b, straight)
     allocation = conclude(template, points, program, QuadraticSolver().solve(program))
     if allocation.status == OPTIMAL and isinstance(objective, Lexicographic):
         second = template.second_cost(np.zeros(template.n), straight)
         return _solved(template, *second_stage(QuadraticSolver(), program, allocation.solution, second))
     return allocation
+
+
+def _posed(template: AllocationTemplate, points: Array, wrench_b: ArrayLike, straight: float) -> QuadraticProgram:
+    target = template.basis_b.T @ np.asarray(wrench_b, dtype=float)
+    return template.program(template.contact_rows(points), target, template.cost(np.zeros(template.n), straight))
 
 
 def conclude(

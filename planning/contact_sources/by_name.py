@@ -1,4 +1,4 @@
-"""The ways to choose contacts, by name."""
+"""The source of contacts of a name."""
 
 from __future__ import annotations
 
@@ -15,15 +15,13 @@ from .least_effort import LeastEffortContacts
 from .periodic import PeriodicContacts
 from .scheduled import ScheduledContacts
 from .teaching import TeachingContacts
+from .ways import LEAST_EFFORT, PERIODIC, SCHEDULE, TEACH, WAYS
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.roles import ContactSource, ReferencePath
 
     from ..control.hand import RegraspTimes
-
-FIXED, PERIODIC, LEAST_EFFORT, TEACH, SCHEDULE = "fixed", "periodic", "least-effort", "teach", "schedule"
-WAYS = (FIXED, PERIODIC, LEAST_EFFORT, TEACH, SCHEDULE)
 
 
 def contact_source(
@@ -36,14 +34,13 @@ def contact_source(
 ) -> ContactSource:
     """The source called `way`, for a cart that is first believed to be `cart`."""
     check_known("contacts", [way], WAYS)
-    match way:
-        case "periodic":
-            return PeriodicContacts(arms, choosing.every)
-        case "least-effort":
-            planner = WrenchPlanner(cart, arms, min_hand_distance=choosing.min_hand_distance)
-            return LeastEffortContacts(planner, arms, choosing.every)
-        case "teach":
-            return TeachingContacts(cart, arms, reference, choosing, regrasp)
-        case "schedule":
-            return ScheduledContacts(cart, arms, reference, choosing, regrasp)
+    if way == PERIODIC:
+        return PeriodicContacts(arms, choosing.every)
+    if way == LEAST_EFFORT:
+        planner = WrenchPlanner(cart, arms, min_hand_distance=choosing.min_hand_distance)
+        return LeastEffortContacts(planner, arms, choosing.every)
+    if way == TEACH:
+        return TeachingContacts(cart, arms, reference, choosing, regrasp)
+    if way == SCHEDULE:
+        return ScheduledContacts(cart, arms, reference, choosing, regrasp)
     return FixedContacts(arms)

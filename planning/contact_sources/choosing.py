@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from cartgrasp.checks import LARGEST_NUMBER, check_kind, check_known, number, positive
+from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.information import WrenchNoise
 
-TEACHABLE = ("mass", "com_x", "com_y", "inertia")
 LONGEST = 3600.0  # s
 USUAL_NOISE = WrenchNoise()
 
@@ -43,7 +43,7 @@ class Choosing:
         positive("choosing: every", self.every, LONGEST, "give s")
         positive("choosing: ahead", self.ahead, LONGEST, "give s")
         check_kind("choosing: asked", self.asked, Mapping, 'write {"com_x": 0.02}')
-        check_known("choosing: asked", self.asked, TEACHABLE)
+        check_known("choosing: asked", self.asked, PHYSICAL_NAMES)
         for name, std in self.asked.items():
             positive(f"choosing: asked: {name}", std, LARGEST_NUMBER, "give one standard deviation")
         for name in ("extra_effort", "regrasp_effort", "min_hand_distance"):

@@ -125,9 +125,7 @@ class Outlook:
             return np.zeros(len(self.lowest))
         choices = self.family.choices
         distances = np.linalg.norm(choices - choices[held], axis=2)
-        lasting = np.where(
-            distances > SAME_PLACE, times.unload + times.load + times.take_hold + distances / times.speed, 0.0
-        )
+        lasting = np.where(distances > SAME_PLACE, times.lasting(distances), 0.0)
         more = np.maximum(self.alone[:, held] - self.lowest[held], 0.0) if len(self.alone) else np.zeros(1)
         return np.asarray(lasting @ more + effort * (lasting > 0).sum(axis=1))
 

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, physical_jacobian
 from cartgrasp.information import covariance_after
 from cartgrasp.roles import ContactChoice, ContactQuery
 
-from .choosing import TEACHABLE, Choosing
+from .choosing import Choosing
 from .outlook import ContactFamily, Outlook
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ class TeachingContacts:
         wanted = {} if estimate is None else self._not_known(estimate)
         if estimate is None or estimate.covariance is None or not wanted:
             return ContactChoice(self._family.contacts(cheapest), LEAST)
-        asked = np.array([TEACHABLE.index(name) for name in wanted])
+        asked = np.array([PHYSICAL_NAMES.index(name) for name in wanted])
         after = self._deviations(estimate, covariance_after(estimate.covariance, outlook.taught))[:, asked]
         merits = np.log(after).sum(axis=1)
         budget = (1 + self._choosing.extra_effort) * (outlook.effort(cheapest) + charges[cheapest]) + SPARE

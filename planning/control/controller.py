@@ -18,8 +18,9 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Planner, ReferencePath, Tracker
 
-from ..contact_sources.by_name import FIXED, contact_source
+from ..contact_sources.by_name import contact_source
 from ..contact_sources.choosing import Choosing
+from ..contact_sources.ways import FIXED
 from ..limits import CartLimit
 from ..planner import WrenchPlanner
 from ..tracking import Gains, build_tracker

@@ -9,13 +9,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.checks import number, positive
+from cartgrasp.frames import Array
 
 Point = tuple[float, float, float]
+Distances = TypeVar("Distances", float, Array)
 LONGEST, FASTEST = 60.0, 10.0
 """s of a phase, m/s of a hand."""
 
@@ -59,11 +62,11 @@ class RegraspTimes:
         for name in ("unload", "take_hold", "load"):
             number(f"regrasp: {name}", getattr(self, name), 0.0, LONGEST, "give s")
 
-    def away(self, distance: float) -> float:
+    def away(self, distance: Distances) -> Distances:
         """s in which the hand gives nothing, for contacts so many m apart."""
         return distance / self.speed + self.take_hold
 
-    def lasting(self, distance: float) -> float:
+    def lasting(self, distance: Distances) -> Distances:
         """s from the whole wrench at one contact to the whole wrench at the other."""
         return self.unload + self.away(distance) + self.load
 

@@ -58,6 +58,10 @@ class Regrasps:
     def contacts(self) -> dict[str, Array]:
         return {name: np.array(hand.point) for name, hand in self.hands.items()}
 
+    def _beside(self, name: str) -> dict[str, Array]:
+        """Contacts of the others."""
+        return {other: point for other, point in self.contacts.items() if other != name}
+
     def go_on(self, duration: float) -> None:
         """So many s later."""
         if self.busy is not None:
@@ -118,8 +122,7 @@ class Regrasps:
             plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=ALONE)
             return plan, ContactWrenches({name: own}, contacts, self._yaws, away)
         rest = np.asarray(wrench_b) - grasp_map_planar(contacts[name], self._yaws[name]) @ own
-        held = {other: point for other, point in contacts.items() if other != name}
-        plan = self._others[name].plan_or_hold(rest, held, estimate)
+        plan = self._others[name].plan_or_hold(rest, self._beside(name), estimate)
         given = plan.contact_wrenches.wrenches
         wrenches = {other: own if other == name else given[other] for other in contacts}
         return plan, ContactWrenches(wrenches, contacts, self._yaws, away)
@@ -129,7 +132,7 @@ class Regrasps:
         given, contacts = self._last[1], self.contacts
         self._planner.start_from(given, contacts)
         if name in self._others:
-            held = {other: point for other, point in contacts.items() if other != name}
+            held = self._beside(name)
             self._others[name].start_from({other: given[other] for other in held}, held)
 
     def _is_due(self, name: str, target: Point, time: float) -> bool:
@@ -139,7 +142,6 @@ class Regrasps:
     def _why_not(self, name: str, target: Point, ahead: Ahead) -> str:
         distance = math.dist(self.hands[name].point, target)
         if name in self._others:
-            held = {other: point for other, point in self.contacts.items() if other != name}
-            return why_others_cannot(self._others[name], held, ahead, self._times.lasting(distance))
+            return why_others_cannot(self._others[name], self._beside(name), ahead, self._times.lasting(distance))
         lasting = self._times.away(distance) + (self._times.unload + self._times.load) / 2
         return why_cart_cannot_coast(ahead, lasting, self._drift)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import physical_jacobian
 from cartgrasp.motion import Estimate, Motion
@@ -15,8 +16,6 @@ from .problem_schema import ConfidenceEntry, ProblemEntry
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-
-PHYSICAL_NAMES = ("mass", "com_x", "com_y", "inertia")
 
 
 def estimate_of(entry: ProblemEntry, cart: CartModel, refuse: Refuse) -> Estimate | None:

@@ -6,12 +6,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PositiveFloat
 
+from planning.contact_sources.choosing import Choosing
+from planning.contact_sources.ways import Way
+from planning.control.hand import RegraspTimes
 from planning.problem.problem_schema import ArmEntry, NotNegative, Positive
 
 from ...yaml_file import StrictModel
 from ..scenario import FIRST_GUESS, LEARNING, PAPER
 
 ESTIMATIONS = {"learning": LEARNING, "first_guess": FIRST_GUESS, "paper": PAPER}
+CHOOSING, REGRASP = Choosing(), RegraspTimes()
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
@@ -29,21 +33,21 @@ class SwitchingEntry(StrictModel):
 class ChoosingEntry(StrictModel):
     """As `Choosing`, whose noise is the filter's."""
 
-    every: Positive = 3.0
-    ahead: Positive = 8.0
-    asked: dict[str, Positive] = Field(default_factory=lambda: {"com_x": 0.02, "com_y": 0.02})
-    extra_effort: NotNegative = 0.3
-    regrasp_effort: NotNegative = 20.0
-    min_hand_distance: NotNegative = 0.0
+    every: Positive = CHOOSING.every
+    ahead: Positive = CHOOSING.ahead
+    asked: dict[str, Positive] = Field(default_factory=lambda: dict(CHOOSING.asked))
+    extra_effort: NotNegative = CHOOSING.extra_effort
+    regrasp_effort: NotNegative = CHOOSING.regrasp_effort
+    min_hand_distance: NotNegative = CHOOSING.min_hand_distance
 
 
 class RegraspEntry(StrictModel):
     """As `RegraspTimes`."""
 
-    speed: Positive = 0.5
-    unload: NotNegative = 0.2
-    take_hold: NotNegative = 0.2
-    load: NotNegative = 0.2
+    speed: Positive = REGRASP.speed
+    unload: NotNegative = REGRASP.unload
+    take_hold: NotNegative = REGRASP.take_hold
+    load: NotNegative = REGRASP.load
 
 
 class GainsEntry(StrictModel):
@@ -94,7 +98,7 @@ class ClosedLoopEntry(StrictModel):
     plant_timestep: Positive | None = None
     arms: list[ArmEntry] = Field(min_length=1)
     switching: SwitchingEntry | None = None
-    contacts: Literal["fixed", "periodic", "least-effort", "teach", "schedule"] | None = None
+    contacts: Way | None = None
     choosing: ChoosingEntry | None = None
     regrasp: RegraspEntry | None = None
     estimation: Literal["learning", "first_guess", "paper"] = "learning"

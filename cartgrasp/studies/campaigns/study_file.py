@@ -12,7 +12,7 @@ from ruamel.yaml.comments import CommentedMap
 
 from estimation import FilterNoise, Prior
 from planning import Choosing, RegraspTimes
-from planning.contact_sources.by_name import LEAST_EFFORT, PERIODIC
+from planning.contact_sources.ways import LEAST_EFFORT, PERIODIC
 from planning.problem.problem_file import arms_of
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains

@@ -6,9 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from planning.contact_sources.by_name import PERIODIC
 from planning.contact_sources.fixed import FixedContacts
 from planning.contact_sources.periodic import PeriodicContacts
+from planning.contact_sources.ways import PERIODIC
 from planning.references import PathReference, Stretch
 
 from ...constraints import RollingConstraints

@@ -14,7 +14,6 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
 from ...weak_form.balances import Balances
-from ...weak_form.integrals import THIN
 from .course import Course
 from .laws import AT_HANDS, Law, both_ways
 
@@ -68,7 +67,7 @@ class Scan:
             )
 
         found = np.zeros((len(balances.used), balances.n_balances(cart), len(chosen), 2))
-        found[:, pushed] = balances.integrals.by_parts(waves, THIN)
+        found[:, pushed] = balances.integrals.by_parts(waves, is_thin=True)
         return found
 
     def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:

@@ -18,8 +18,9 @@ from cartgrasp.roles import ContactQuery
 from cartgrasp.wheels import Wheel
 from estimation import CartFilter, Prior
 from planning import Choosing, Controller, PathReference, RegraspTimes, WrenchPlanner, chain, pause, plan_schedule
-from planning.contact_sources.by_name import WAYS, contact_source
+from planning.contact_sources.by_name import contact_source
 from planning.contact_sources.outlook import ContactFamily
+from planning.contact_sources.ways import WAYS
 from planning.references import speed_change, turn
 from planning.schedule.schedule import Grip, Horizon, RegraspCost, wanted_wrench
 

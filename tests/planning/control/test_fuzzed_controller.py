@@ -14,7 +14,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise
 from planning import Caution, Choosing, Controller, PathReference, RegraspTimes, chain, pause
-from planning.contact_sources.by_name import WAYS
+from planning.contact_sources.ways import WAYS
 from planning.references import speed_change, turn
 
 DRAG = ViscousDrag(3.0, 1.2)
