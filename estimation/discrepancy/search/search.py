@@ -72,7 +72,7 @@ def _grown(
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model, has_laws)
         form_error = SHARE * first
-        best = chosen(attempts, form_error) or _closing(attempts, model, form_error, closes)
+        best = chosen(attempts, form_error, WORTH) or _closing(attempts, model, form_error, closes)
         steps.append(Step(tuple(attempts), best, form_error))
         if best is None or best.model is None:
             break
@@ -187,7 +187,7 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
     return sorted((min(group, key=lambda one: one.numbers) for group in alike), key=lambda one: -one.gain)
 
 
-def chosen(attempts: list[Attempt], form_error: float, least: float = WORTH) -> Attempt | None:
+def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt | None:
     """Of those that are worth it, and more than what the form of others may have left, the simplest that is not surely
     worth less than the best that somebody would call so (Breiman's rule of one standard error)."""
     known = [one for one in attempts if one.model and one.gain >= least_gain(one, form_error, least) and _may_be(one)]
@@ -203,7 +203,7 @@ def _closing(attempts: list[Attempt], model: Model, form_error: float, closes: C
     return best if best is not None and best.model is not None and closes(model, best.model) else None
 
 
-def least_gain(one: Attempt, form_error: float, least: float = WORTH) -> float:
+def least_gain(one: Attempt, form_error: float, least: float) -> float:
     """What an attempt takes: more than the form of others may have left, unless every cart has it."""
     return least if one.is_usual else max(least, form_error)
 
