@@ -99,7 +99,7 @@ class WhenAsked(Mapping[str, ParameterEstimate]):
 
 def as_taught(parameters: Mapping[str, ParameterEstimate], learner: Health) -> Mapping[str, ParameterEstimate]:
     """By an estimator that does so well. One that is inconsistent was taught nothing: its deviations hold for a model
-    that fits, and its values are of one that doesn't."""
-    if learner is not Health.INCONSISTENT:
+    that fits, and its values are of one that doesn't. Nor was one whose load may have changed: it begins anew."""
+    if learner not in (Health.INCONSISTENT, Health.LOAD_CHANGED):
         return parameters
     return WhenAsked(lambda: {name: replace(one, identifiable=False) for name, one in parameters.items()})

@@ -129,6 +129,12 @@ class MotionTracker:
         missed = self._rows[: k + 1, -1]
         return bool(2 * np.count_nonzero(missed > 1.0) > np.count_nonzero(np.isfinite(missed)))
 
+    @property
+    def seen_until(self) -> float:
+        """Time of the last moment at which a pose or a velocity came, s."""
+        seen = np.flatnonzero(np.isfinite(self._rows[: self._n, -1]))
+        return float(self._rows[seen[-1], 0]) if len(seen) else -math.inf
+
     def drop(self, k: int) -> None:
         """The first k moments."""
         self._rows[: self._n - k] = self._rows[k : self._n]

@@ -74,6 +74,7 @@ class ParameterLearner:
         self._seen, self._started, self._has_wrench = Seen(), False, False
         self.worked = False  # whether the last sample brought a row, which takes long
         self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
+        self._seen_until = -math.inf  # time of the last pose or velocity
         self._conclude()
 
     def take(self, measurement: Measurement) -> None:
@@ -81,9 +82,12 @@ class ParameterLearner:
         time, sensing = float(measurement.time), self._sensing
         sensing.note_contacts(measurement)
         seen = self.seen = self._seen.of(measurement)
-        if not self._started or time - self.time > LONG_GAP:
+        is_seen = bool(np.isfinite(seen).any())
+        if not self._started or time - (self._seen_until if is_seen else self.time) > LONG_GAP:
             self._start(time)
             seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
+        if is_seen:
+            self._seen_until = time
         moving = self._moving(time) if sensing.feels_motion else None
         grip = sensing.gripped(measurement.wrenches, self.theta, moving)
         if sensing.corrects:
@@ -163,10 +167,17 @@ class ParameterLearner:
     # --- rows ------------------------------------------------------------------------------------------------
 
     def _take_row(self) -> None:
-        """Works out the block that has been over for long enough, if there is one."""
+        """Works out the block that has been over for long enough, if there is one, once the motion was seen after it."""
         k, end = self.tracker.over()
-        if k:
+        if not k:
+            return
+        self._seen_until = max(self._seen_until, self.tracker.seen_until)
+        if self.tracker.time[end - 1] <= self._seen_until:
             self._take_block(k, end)
+        elif self.time - self._seen_until > LONG_GAP:
+            self._unlink()
+            self._memory = None
+            self.tracker.drop(k)
 
     def followed(self, moments: int, before: float) -> int:
         """Kernels went on to so many moments with wrenches, of which the last but one was at a time; with them a row

@@ -235,6 +235,26 @@ def test_survives_what_sensors_do(seed, online):
 
 
 @ONLINE
+@pytest.mark.parametrize("gap", [0.2, 0.36, 0.5, 0.6, 1.0])
+def test_wrenches_alone_tell_no_load(gap, online):
+    """Where nobody saw the motion, nothing of it is known."""
+    log = simulate_two_hands(TRUTH, 5, duration=20.0)
+    noise = FilterNoise(0.0005, 0.0005, 0.005, 0.005, force=3.0, moment=0.05)
+    estimator, found = online(guess(), noise=noise, prior=KNOWN), []
+    for sample in log.measurements():
+        is_unseen = 6.0 <= sample.time < 6.0 + gap
+        found.append(
+            estimator.update(
+                Measurement(sample.time, None, None, sample.wrenches, sample.contacts) if is_unseen else sample
+            )
+        )
+    assert not {one.health for one in found} & {"load_changed", "inconsistent"}
+    for one in found[700::100]:
+        for name, true in zip(NAMES, TRUTH, strict=False):
+            assert abs(one.parameters[name].value - true) < 4.5 * one.parameters[name].std
+
+
+@ONLINE
 def test_no_wrench_is_said(online):
     estimator = online(guess(), ["hand"])
     estimate = estimator.update(Measurement(0.0, np.zeros(3), np.zeros(3)))
