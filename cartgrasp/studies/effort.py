@@ -240,7 +240,7 @@ def run_seeds(
     seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None
 ) -> list[Compared]:
     """Every truck with every seed, over `workers` processes."""
-    jobs = [Job(*one) for one in product(MASSES, ASIDE, HANDS, seeds)]
+    jobs = [Job(mass, aside, n, seed) for n, mass, aside, seed in product(HANDS, MASSES, ASIDE, seeds)]
     return run_all(compare, jobs, workers, progress)
 
 
