@@ -25,7 +25,7 @@ from estimation.discrepancy.search.candidates import amplitudes_of, families
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.refine import refined
 from estimation.discrepancy.search.screening import Screen
-from estimation.discrepancy.search.search import absent, chosen
+from estimation.discrepancy.search.search import CONFUSABLE, absent, chosen
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate_two_hands
@@ -208,3 +208,10 @@ def test_a_load_that_swings_faster_than_the_motion_is_known_explains_nothing(fre
     cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
     screen = Screen(Model.started([Balances.of(log, cart)], cart))
     assert screen.gain(LoadSlosh(mass=0.0, frequency=frequency, damping=0.2)) < 3.0
+
+
+def test_what_closes_the_gap_may_gain_less():
+    model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
+    slope = Attempt(FloorSlope(0.02, 0.0), 6.0, 1, model, 3.0)
+    assert chosen([slope], 0.0) is None
+    assert chosen([slope], 0.0, CONFUSABLE) is slope
