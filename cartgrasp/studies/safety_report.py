@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..view.plots import OKABE_ITO, house_style, legend_above
+from ..view.plots import OKABE_ITO, house_style
 from .claims import Claim
 from .safety import BEYOND, BLIND, CONFIDENCE, ESTIMATED, KNOWN, LEAST_LOAD, SURE, WAYS, Run
 
@@ -67,7 +67,7 @@ def figure(runs: Sequence[Run]) -> Figure:
         worst.axhline(0.0, color="0.6", linewidth=0.8)
         worst.set(xlabel="Carts, from the worst on", ylabel="Least room to a true limit (N)", ylim=(-60.0, 60.0))
         paid.set(xlabel="Effort with the cart known (N²)", ylabel="Effort (N²)")
-        legend_above(worst)
+        page.legend(*worst.get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return page
 
 
