@@ -60,6 +60,18 @@ _add(
     8,
 )
 _add(
+    "effort",
+    "What hands pay at equal tracking error, by what is known of a load and where they hold it.",
+    typer.Option("--seeds", min=1, max=100, help="Noises of each truck's sensors."),
+    1,
+)
+_add(
+    "safety",
+    "Whether drawn carts, driven hard, skid or tip over: with and without the estimate and margins in the planner.",
+    typer.Option("--seeds", min=1, max=1000, help="Carts drawn."),
+    50,
+)
+_add(
     "estimators",
     "Filter, regressor, the paper's form and identify on the same logs: which is better when.",
     typer.Option("--seeds", min=2, max=100, help="Logs of each kind."),

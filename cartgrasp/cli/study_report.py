@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from ..studies.claims import CLAIM_COLUMNS, Claim, all_kept, markdown_table
+from ..view.figures import save_figure
 from ..writing import write_atomically
-from .output import print_json, print_table, say
+from .output import make_folder, print_json, print_table, progress, say
 
 MOST_WORKERS = 8
 
@@ -59,6 +60,37 @@ class StudyReport:
                 print_table(section.title, section.columns, section.rows, section.left)
         say(f"tables and plots are in {out}")
         return 0 if kept else 1
+
+
+class Report(Protocol):
+    """A module that says what runs of a study come to: tables as title, columns and rows, and so on."""
+
+    def tables(self, found: Any, /) -> Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]]]]: ...
+
+    def claims(self, found: Any, /) -> list[Claim]: ...
+
+    def as_dict(self, one: Any, /) -> dict[str, Any]: ...
+
+    def figure(self, found: Any, /) -> Any: ...
+
+
+def run_study(
+    called: tuple[str, str],
+    run_seeds: Callable[..., Sequence[Any]],
+    report: Report,
+    *asked: Any,
+) -> int:
+    """The study of a name and a heading, with what its command was `asked`: folder, JSON or not, seed, how many."""
+    (name, heading), (out, as_json, seed, seeds) = called, asked
+    make_folder(out)
+    with progress(name) as tell:
+        found = run_seeds(range(seed, seed + seeds), usual_workers(), tell)
+    save_figure(report.figure(found), out / f"{name}.png")
+    promised = report.claims(found)
+    sections = [*(Section(*table) for table in report.tables(found)), Section.of_claims("Claims", promised)]
+    document = {"seed": seed, "seeds": seeds, "runs": [report.as_dict(one) for one in found]}
+    made_by = f"--seed {seed} --seeds {seeds}"
+    return StudyReport(name, heading, made_by, sections, document, promised).finish(out, as_json)
 
 
 def usual_workers() -> int:

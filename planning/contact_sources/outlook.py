@@ -120,13 +120,15 @@ class Outlook:
 
     def regrasps(self, held: int | None, times: RegraspTimes, effort: float) -> Array:
         """What it costs to go from a choice to each, (J,), N²·s: for each hand that moves an `effort`, and what the
-        others bear more while it is away. Nothing where nothing is held."""
+        others bear more while it is away; where there are none, what it does not give, which has to be made up for.
+        Nothing where nothing is held."""
         if held is None:
             return np.zeros(len(self.lowest))
         choices = self.family.choices
         distances = np.linalg.norm(choices - choices[held], axis=2)
         lasting = np.where(distances > SAME_PLACE, times.lasting(distances), 0.0)
-        more = np.maximum(self.alone[:, held] - self.lowest[held], 0.0) if len(self.alone) else np.zeros(1)
+        alone = self.alone[:, held] - self.lowest[held] if len(self.alone) else self.lowest[[held]]
+        more = np.maximum(alone, 0.0)
         return np.asarray(lasting @ more + effort * (lasting > 0).sum(axis=1))
 
     def cheapest(self, charges: Array) -> int | None:

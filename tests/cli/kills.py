@@ -82,6 +82,8 @@ TRIALS = [
     study("table1", "--rows 4", "run_rows"),
     study("excitation", "--seeds 1", "run_ways"),
     study("robust", "--seeds 1", "run_seeds"),
+    study("effort", "--seeds 1", "run_seeds"),
+    study("safety", "--seeds 1", "run_seeds"),
     study("estimators", "--seeds 2", "run_trials"),
     study("consistency", "--runs 2", "run_seeds"),
     study("hardware", "--runs 2", "run_experiments"),

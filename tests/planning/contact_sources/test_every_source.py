@@ -210,7 +210,9 @@ def test_what_a_regrasp_costs():
     assert found[end] == pytest.approx(7.0 + lasting * np.mean(more), rel=1e-6)
     assert found[start] == 0.0
     single = ContactFamily.of(CART, arms(names=["left"]), CHOOSING.noise, 0.0).ahead(CART, PATH, (2.0, 3.0))
-    assert np.allclose(single.regrasps(0, TIMES, 7.0), [0.0, 7.0, 7.0])
+    away = TIMES.lasting(np.linalg.norm(single.family.choices[:, 0] - single.family.choices[0, 0], axis=1))
+    made_up_for = single.lowest[0] * away * (away > TIMES.lasting(0.0))
+    assert np.allclose(single.regrasps(0, TIMES, 7.0), np.array([0.0, 7.0, 7.0]) + made_up_for)
 
 
 def test_what_is_spent_on_learning_is_within_what_is_allowed():

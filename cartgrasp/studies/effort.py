@@ -1,0 +1,272 @@
+"""What hands pay at equal tracking error, by what is known of a load and where they hold: the paper's headline.
+
+A truck on a handle 0.25 m behind its fixed wheels, casters ahead, in MuJoCo: a start, two curves, a stop, a start and a
+stop. The drags are known, the load is not. A path asks for the same net wrench of whoever follows it equally well, so
+ways are compared where they do: `gains` of each are scaled by one number until its rms position error is that of the
+learned cart, held in the middle of the handle, with the usual gains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from math import exp, inf, log
+
+import numpy as np
+
+from estimation import FilterNoise
+from planning import Choosing, RegraspTimes
+from planning.contact_sources.outlook import ContactFamily
+from planning.contact_sources.ways import FIXED as STAY
+from planning.contact_sources.ways import TEACH
+from planning.excitation.excitation_family import motions
+from planning.references import PathReference, chain, pause, speed_change, turn
+from planning.tracking import Gains
+
+from ..arms import Arm
+from ..constraints import RollingConstraints
+from ..effects import RollingResistance, ViscousDrag
+from ..errors import PlantError
+from ..first_guess import FirstGuess
+from ..frames import Array
+from ..inertia import Inertia
+from ..information import WrenchNoise
+from ..model import CartModel
+from ..simulation.closed_loop import run
+from ..simulation.record import RunRecord
+from ..simulation.sensors import SensorNoise
+from ..wheels import CASTER, FIXED, Wheel
+from .parallel import run_all
+from .run_figures import RunFigures
+from .scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
+
+MASSES, ASIDE, HANDS = (15.0, 40.0, 80.0), (0.0, 0.1, 0.2), (1, 2)
+WRONG, KEPT, LEARNED = "wrong guess kept", "usual load kept", "learned"
+KNOWLEDGE = (WRONG, KEPT, LEARNED)
+"""An empty cart of 15 kg is believed in; a usual load of 40 kg; the same, 25 kg to either side, and learned."""
+MIDDLE, BEST, CHOSEN = "middle", "best", "chosen"
+PLACES = (MIDDLE, BEST, CHOSEN)
+"""Held in the middle of the handle; where the whole path costs least by the truth; chosen in the loop."""
+WHEELS = (
+    *(Wheel(FIXED, 0.0, y) for y in (0.32, -0.32)),
+    *(Wheel(CASTER, 0.8, y, trail=0.045) for y in (0.3, -0.3)),
+)
+HANDLE_X, HEIGHT = -0.25, 1.0
+SIDE = (0.15, -0.05, 0.05, 0.25, 0.35)
+GRIPS: dict[int, dict[str, tuple[float, ...]]] = {
+    1: {"hand": (0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3)},
+    2: {"left": SIDE, "right": tuple(-y for y in SIDE)},
+}
+"""y of the places where each of so many hands may hold, the middle's first, m."""
+APART, COM_X, GYRATION = 0.15, 0.4, 0.33  # m
+NOISE = WrenchNoise(force=1.0, moment=0.05)
+SURE = FirstGuess((("mass", 25.0), ("com_x", 0.15), ("com_y", 0.15), ("inertia", 3.0)))
+START, STOP = (*speed_change(0.6), *pause(1.0)), (*speed_change(-0.6), *pause(1.2))
+BENDS = (*turn(np.pi / 3, 0.5), *pause(0.5), *turn(-np.pi / 3, 0.5), *pause(0.5))
+PATH = chain(START, STOP, START, BENDS, STOP)
+GAINS, SAME, CLOSE, TRIES, USUAL_SLOPE = (0.25, 8.0), 0.02, 1.6, 4, -1.5
+"""By how much gains are scaled; shares of an error that count as none, and as near; how many gains are tried; of the
+logarithm of the error by that of the gain."""
+FIGURES = ("gain", "error", "force", "moment", "largest_force", "largest_moment", "effort")
+
+
+def cart(mass: float, aside: float) -> CartModel:
+    """With its CoM so far to the left, m."""
+    inertia = Inertia(mass, (COM_X, aside), mass * GYRATION**2)
+    drags = ViscousDrag(2.0, 0.4), RollingResistance(0.015)
+    return CartModel(inertia, RollingConstraints(), drags, WHEELS, com_height=0.45, name=f"truck of {mass:g} kg")
+
+
+def arms(hands: int, grips: Sequence[float] | None = None, moment_weight: float = 10.0) -> tuple[Arm, ...]:
+    """At all places of the handle, or each at one of `grips`, m."""
+    force, moment = (120.0, 80.0, 40.0), (20.0, 20.0, 20.0)
+    weights = (1.0, 1.0, 1.0, moment_weight, moment_weight, moment_weight)
+    places = {name: ys if grips is None else (grips[i],) for i, (name, ys) in enumerate(GRIPS[hands].items())}
+    return tuple(
+        Arm(name, [(HANDLE_X, y, HEIGHT) for y in ys], weights=weights, force_limit=force, moment_limit=moment)
+        for name, ys in places.items()
+    )
+
+
+def scenario(truth: CartModel, hands: Sequence[Arm], knowledge: str, place: str, gain: float, seed: int) -> Scenario:
+    guess = cart(15.0 if knowledge == WRONG else 40.0, 0.0)
+    return Scenario(
+        truth=truth,
+        guess=replace(guess, first_guess=SURE),
+        arms=tuple(hands),
+        stretches=PATH,
+        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment),
+        noise=FilterNoise(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment, disturbance=0.1, slip=0.0005),
+        known=frozenset({"viscous_drag", "rolling_resistance"}),
+        estimation=LEARNING if knowledge == LEARNED else FIRST_GUESS,
+        plant=MUJOCO_PLANT,
+        contacts=TEACH if place == CHOSEN else STAY,
+        choosing=Choosing(every=2.0, asked={}, noise=NOISE, min_hand_distance=APART),
+        regrasp=RegraspTimes(speed=0.8),
+        gains=scaled(Gains(), gain),
+        seed=seed,
+    )
+
+
+def scaled(gains: Gains, by: float) -> Gains:
+    """All errors decay `by` times as fast."""
+    return Gains(by * gains.along, by**2 * gains.across, by * gains.heading, by * gains.velocity)
+
+
+@dataclass(frozen=True)
+class Paid:
+    """In one run: by how much its gains were scaled, the rms position error (m), rms of all hands' forces (N) and
+    moments (N·m) and the largest of one hand, mean effort (N²), regrasps; all infinite where the cart tips over."""
+
+    gain: float
+    error: float
+    force: float = inf
+    moment: float = inf
+    largest_force: float = inf
+    largest_moment: float = inf
+    effort: float = inf
+    regrasps: int = 0
+
+    @classmethod
+    def of(cls, record: RunRecord, gain: float) -> Paid:
+        wrenches = np.array(list(record.wrenches.values()))
+        (force, peak), (moment, largest) = (_rms_and_largest(part) for part in (wrenches[..., :3], wrenches[..., 3:]))
+        weights = np.array(arms(1)[0].weights)
+        figures = RunFigures.of(record)
+        effort = float((wrenches**2 @ weights).sum(axis=0).mean())
+        return cls(gain, figures.rms_error, force, moment, peak, largest, effort, figures.regrasps)
+
+    def is_equal(self, error: float) -> bool:
+        return bool(abs(log(self.error / error)) <= SAME)
+
+
+def _rms_and_largest(parts: Array) -> tuple[float, float]:
+    """Of (n, T, 3): rms of all n together, and the largest of one."""
+    sizes = np.linalg.norm(parts, axis=2)
+    return float(np.sqrt((sizes**2).sum(axis=0).mean())), float(sizes.max())
+
+
+@dataclass(frozen=True)
+class Job:
+    """A truck, its hands, and the seed of its sensors' noise."""
+
+    mass: float
+    aside: float
+    hands: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What each way paid, by (knowledge, place), at the error (m) that all were to have."""
+
+    job: Job
+    error: float
+    paid: dict[tuple[str, str], Paid]
+
+    def share(self, figure: str, one: tuple[str, str], other: tuple[str, str]) -> float:
+        """A figure of one way by that of another; NaN where either does not reach the error."""
+        ways = self.paid[one], self.paid[other]
+        if not all(way.is_equal(self.error) for way in ways):
+            return np.nan
+        return float(getattr(ways[0], figure) / getattr(ways[1], figure))
+
+
+def drive(job: Job, knowledge: str, place: str, gain: float) -> Paid:
+    """One run."""
+    truth, hands = cart(job.mass, job.aside), arms(job.hands)
+    grips = best_grips(truth, hands) if place == BEST else [arm.contacts.points[0][1] for arm in hands]
+    held = {arm.name: (HANDLE_X, y, HEIGHT) for arm, y in zip(hands, grips, strict=True)}
+    hands = hands if place == CHOSEN else arms(job.hands, grips)
+    try:
+        return Paid.of(run(scenario(truth, hands, knowledge, place, gain, job.seed).build(held=held)), gain)
+    except PlantError:
+        return Paid(gain, inf)
+
+
+def compare(job: Job) -> Compared:
+    """All ways at the error of the learned cart that is held in the middle, with the usual gains."""
+    first = drive(job, LEARNED, MIDDLE, 1.0)
+    paid = {(LEARNED, MIDDLE): first}
+    for knowledge, place in product(KNOWLEDGE, PLACES):
+        if (knowledge, place) not in paid:
+            paid[knowledge, place] = at_error(first.error, partial(drive, job, knowledge, place))
+    return Compared(job, first.error, paid)
+
+
+def at_error(error: float, run_with: Callable[[float], Paid]) -> Paid:
+    """What is paid at an error: gains are sought by secants over logarithms until two runs enclose the error closely,
+    and their figures interpolated so. Where no gain reaches it, the run that comes nearest."""
+    tries = [run_with(1.0)]
+    while len(tries) < TRIES and tries[-1].error < inf and not _enclosed(tries, error):
+        gain = min(max(_next_gain(tries, error), GAINS[0]), GAINS[1])
+        if any(abs(log(gain / before.gain)) < 0.01 for before in tries):
+            break
+        tries.append(run_with(gain))
+    near = _around(tries, error)
+    if len(near) < 2:
+        return min(tries, key=lambda paid: abs(log(paid.error / error)))
+    share = log(error / near[0].error) / log(near[1].error / near[0].error)
+    ends = np.log([[getattr(paid, name) for name in FIGURES] for paid in near])
+    figures = np.exp((1 - share) * ends[0] + share * ends[1]).tolist()
+    return Paid(**dict(zip(FIGURES, figures, strict=True)), regrasps=max(paid.regrasps for paid in near))
+
+
+def _around(tries: Sequence[Paid], error: float) -> list[Paid]:
+    """The runs next below and above, as far as there are any."""
+    below = sorted((paid for paid in tries if paid.error <= error), key=lambda paid: -paid.error)
+    above = sorted((paid for paid in tries if error < paid.error < inf), key=lambda paid: paid.error)
+    return below[:1] + above[:1]
+
+
+def _enclosed(tries: Sequence[Paid], error: float) -> bool:
+    near = _around(tries, error)
+    return any(paid.is_equal(error) for paid in near) or (len(near) == 2 and near[1].error < CLOSE * near[0].error)
+
+
+def _next_gain(tries: Sequence[Paid], error: float) -> float:
+    near = _around(tries, error)
+    if len(near) < 2:
+        near = sorted(tries, key=lambda paid: abs(log(paid.error / error)))[:2]
+    slope = USUAL_SLOPE
+    if len(near) == 2:
+        slope = min(log(near[0].error / near[1].error) / log(near[0].gain / near[1].gain), -0.5)
+    return near[0].gain * exp(log(error / near[0].error) / slope)
+
+
+def run_seeds(
+    seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None
+) -> list[Compared]:
+    """Every truck with every seed, over `workers` processes."""
+    jobs = [Job(mass, aside, n, seed) for n, mass, aside, seed in product(HANDS, MASSES, ASIDE, seeds)]
+    return run_all(compare, jobs, workers, progress)
+
+
+# --- what statics allow ---------------------------------------------------------------------------------------
+
+
+def best_grips(truth: CartModel, hands: Sequence[Arm]) -> list[float]:
+    """y of each hand, m, where the whole path takes the least effort."""
+    path = PathReference(PATH)
+    outlook = ContactFamily.of(truth, hands, NOISE, APART).ahead(truth, path, (0.0, path.duration))
+    best = outlook.cheapest(np.zeros(len(outlook.lowest)))
+    assert best is not None, "every grip can drive the path"
+    return [float(y) for y in outlook.family.choices[best][:, 1]]
+
+
+def best_by_statics(aside: float, hands: int, moment_weight: float = 10.0) -> tuple[float, float]:
+    """Of the middle's rms force and effort, what is left in the best place along the exact path, without limits."""
+    truth, path = cart(40.0, aside), PathReference(PATH)
+    family = ContactFamily.of(truth, arms(hands, None, moment_weight), NOISE, APART)
+    lowest = family.ahead(truth, path, (0.0, path.duration)).lowest
+    needed, best = motions(path, truth, (0.0, path.duration), 0.0).needed[0], int(lowest.argmin())
+    firsts = [ys[0] for ys in GRIPS[hands].values()]
+    middle = next(i for i, one in enumerate(family.choices) if (one[:, 1] == firsts).all())
+    forces = [_rms_and_largest(_forces(family.split.wrenches(i, needed), hands))[0] for i in (best, middle)]
+    return forces[0] / forces[1], float(lowest[best] / lowest[middle])
+
+
+def _forces(wrenches: Array, hands: int) -> Array:
+    return np.moveaxis(wrenches.reshape(len(wrenches), hands, 6)[..., :3], 1, 0)

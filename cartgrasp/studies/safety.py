@@ -1,0 +1,195 @@
+"""Whether carts that are not known yet skid or tip over: high loads that are driven hard, in MuJoCo.
+
+Carts of 10 to 100 kg are drawn with their CoM anywhere between the wheels that leaves each its least load, and for each
+a first guess that is as unsure as it says. Two hands on a handle start, bend and stop the cart. How high a load
+lies no sensor tells: it is known. In each tick the true cart's limits are worked out for the motion that the plant has
+and the wrenches that it gets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from math import inf
+
+import numpy as np
+
+from estimation import FilterNoise
+from planning import Skid, TipOver
+from planning.references import PathReference, Stretch, pause
+
+from ..arms import Arm
+from ..constraints import RollingConstraints
+from ..contacts import ContactWrenches
+from ..effects import RollingResistance, ViscousDrag
+from ..errors import PlantError
+from ..first_guess import FirstGuess
+from ..floor_reaction import FloorReaction
+from ..frames import Array
+from ..inertia import Inertia
+from ..model import CartModel
+from ..motion import Motion
+from ..simulation.closed_loop import Loop, run
+from ..simulation.mujoco_plant import MujocoPlant
+from ..simulation.sensors import SensorNoise, Sensors
+from ..wheels import CASTER, FIXED, Wheel
+from .parallel import run_all
+from .scenario import FIRST_GUESS, LEARNING, Scenario
+
+BLIND, GUESSED, ESTIMATED, SURE, KNOWN = (
+    *("no limits", "limits of the first guess", "limits of the estimate"),
+    *("limits of the estimate, 99 %", "limits of the true cart"),
+)
+WAYS = (BLIND, GUESSED, ESTIMATED, SURE, KNOWN)
+CONFIDENCE, LEAST_LOAD, FRICTION = 0.99, 5.0, 0.5
+LIMITS = (TipOver(LEAST_LOAD), Skid(FRICTION))
+DISTURBANCE = 0.5
+"""N: what the filter is told that its model lacks: loads that lean, and casters that swing round."""
+BEYOND = 0.1
+"""N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
+WHEELS = (
+    *(Wheel(FIXED, 0.0, y) for y in (0.3, -0.3)),
+    *(Wheel(CASTER, 0.72, y, trail=0.045) for y in (0.28, -0.28)),
+)
+MASS, COM_X, COM_Y, HEIGHTS = (10.0, 100.0), (0.1, 0.6), (-0.15, 0.15), (0.5, 1.0)
+STANDS = 2.0
+"""Times its least load that each wheel of a drawn cart carries at rest."""
+UNSURE = 0.15, 0.04, 0.04, 0.3
+"""Standard deviations of a first guess: shares of mass and inertia, m of the CoM."""
+PATH = (
+    *(Stretch(0.8, 1.0), *pause(0.3)),
+    *(Stretch(0.4, 0.0, 2.0), *pause(0.6), Stretch(0.8, 0.0, -2.0), *pause(0.6), Stretch(0.4, 0.0, 2.0)),
+    *(Stretch(0.4, -2.0), *pause(0.4)),
+)
+WAIT, THERE, STILL = 2.0, 0.05, 0.05
+"""s that a cart may be late, m from the end at which it has arrived, m/s."""
+
+
+def drawn(seed: int) -> tuple[CartModel, CartModel]:
+    """A cart, and what is believed of it at first."""
+    random = np.random.default_rng([7, seed])
+    while True:
+        mass, x, y, height = (random.uniform(*span) for span in (MASS, COM_X, COM_Y, HEIGHTS))
+        truth = _cart((mass, x, y, mass * random.uniform(0.08, 0.16)), height)
+        if (truth.wheel_set.loads(truth.inertia.phi) > STANDS * LEAST_LOAD).all():
+            break
+    body = truth.inertia
+    values = np.array([body.mass, *body.com, body.about_com])
+    std = np.array(UNSURE) * [body.mass, 1.0, 1.0, body.about_com]
+    guess = _cart(values + std * random.normal(size=4).clip(-2.5, 2.5), height)
+    told = tuple(zip(("mass", "com_x", "com_y", "inertia"), std.tolist(), strict=True))
+    return truth, replace(guess, first_guess=FirstGuess(told))
+
+
+def _cart(values: Sequence[float] | Array, height: float) -> CartModel:
+    mass, x, y, about = map(float, values)
+    drags = ViscousDrag(2.0, 0.4), RollingResistance(0.015)
+    return CartModel(Inertia(mass, (x, y), about), RollingConstraints(), drags, WHEELS, com_height=height)
+
+
+def arms() -> tuple[Arm, ...]:
+    force, moment = (150.0, 80.0, 80.0), (15.0, 15.0, 15.0)
+    places = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
+    return tuple(Arm(name, [p], force_limit=force, moment_limit=moment) for name, p in places.items())
+
+
+@dataclass(frozen=True)
+class Run:
+    """A cart driven one way. How far the true cart stayed inside its limits, `room` (N, by tick; negative: beyond), and
+    the least load (N) that a wheel in MuJoCo had in each; mean effort (N²); when it arrived (s; infinite if it did not,
+    or fell); and whether it fell."""
+
+    seed: int
+    way: str
+    room: Array
+    loads: Array
+    effort: float
+    arrived: float
+    fell: bool
+
+    @property
+    def violates(self) -> bool:
+        return self.fell or bool(self.room.min() < -BEYOND)
+
+
+class WatchedPlant:
+    """A plant, and beside it what happened in each tick."""
+
+    def __init__(self, truth: CartModel) -> None:
+        self._truth, self._plant = truth, MujocoPlant(truth)
+        self.acceleration = self._plant.acceleration
+        self.room: list[float] = []
+        self.loads: list[float] = []
+        self.efforts: list[float] = []
+        self.motions: list[Motion] = []
+
+    @property
+    def time(self) -> float:
+        return self._plant.time
+
+    @property
+    def motion(self) -> Motion:
+        return self._plant.motion
+
+    def step(self, wrenches: ContactWrenches, duration: float) -> None:
+        weights = np.array(arms()[0].weights)
+        self.room.append(room(self._truth, self.motion, wrenches.spatial_wrench_b))
+        self.efforts.append(sum(float(weights @ one**2) for one in wrenches.wrenches.values()))
+        self.motions.append(self.motion)
+        self._plant.step(wrenches, duration)
+        self.loads.append(float(self._plant.wheel_loads().min()))
+
+
+def room(truth: CartModel, motion: Motion, wrench_b: Array) -> float:
+    """How far the cart is inside its limits under a spatial wrench (6,), N."""
+    floor = FloorReaction.of(truth, motion)
+    loads = floor.loads(wrench_b)
+    skid = FRICTION * loads[~truth.wheel_set.is_caster].sum() - abs(float(floor.lateral(wrench_b)))
+    return float(min(loads.min() - LEAST_LOAD, skid))
+
+
+def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenario:
+    return Scenario(
+        truth=truth,
+        guess=replace(truth, first_guess=guess.first_guess) if way == KNOWN else guess,
+        arms=arms(),
+        stretches=PATH,
+        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05),
+        noise=FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=DISTURBANCE, slip=0.0005),
+        known=frozenset({"viscous_drag", "rolling_resistance"}),
+        estimation=FIRST_GUESS if way in (GUESSED, KNOWN) else LEARNING,
+        seed=seed,
+    )
+
+
+def drive(seed: int, way: str, duration: float | None = None) -> Run:
+    """One run, whole or of a duration (s)."""
+    truth, guess = drawn(seed)
+    made = scenario(truth, guess, way, seed)
+    limits = {"cart_limits": () if way == BLIND else LIMITS, "confidence": CONFIDENCE if way == SURE else None}
+    plant, end = WatchedPlant(truth), PathReference(PATH)
+    controller = made.controller(**limits)
+    controller.warm_up()
+    loop = Loop(controller, plant, Sensors(truth, made.sensors, seed))
+    fell = False
+    try:
+        run(loop, end.duration + WAIT if duration is None else duration)
+    except PlantError:
+        fell = True
+    goal, period = end.at(end.duration).pose_sb[:2], made.period
+    away = np.array([np.hypot(*(motion.pose_sb[:2] - goal)) for motion in plant.motions])
+    speed = np.array([abs(motion.velocity[0]) for motion in plant.motions])
+    late = np.flatnonzero((away > THERE) | (speed > STILL))
+    never = fell or not len(late) or late[-1] == len(away) - 1
+    arrived = inf if never else period * float(late[-1] + 1)
+    return Run(seed, way, np.array(plant.room), np.array(plant.loads), float(np.mean(plant.efforts)), arrived, fell)
+
+
+def _drive(job: tuple[int, str]) -> Run:
+    return drive(*job)
+
+
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Run]:
+    """Every way with each cart, over `workers` processes."""
+    return run_all(_drive, list(product(seeds, WAYS)), workers, progress)
