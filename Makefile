@@ -3,7 +3,8 @@
 BIN := .venv/bin
 READY := .venv/.set-up
 READY_FOR_BENCH := .venv/.set-up-bench
-PIP_INSTALL := $(BIN)/pip install -qq --disable-pip-version-check
+# pip by the side of a line every five seconds: a mute minute looks like one that hangs.
+PIP_INSTALL := .ci/with-progress $(BIN)/pip install -qq --disable-pip-version-check
 PACKAGES := cartgrasp estimation planning
 
 # The matrices are tiny, so threads inside BLAS only cost; and nothing here may open a window.

@@ -65,6 +65,14 @@ ASSUMPTIONS = (
     ),
     *_of("weak_form.splines", {"OUTLYING": "deviations from which on a sample counts for less"}),
     *_of(
+        "weak_form.steps",
+        {
+            "WHOLE": "of a step, how far a change is from whole ones",
+            "MOSTLY": "share of changes that are whole steps",
+            "COUNTED": "steps that are counted at most",
+        },
+    ),
+    *_of(
         "weak_form.standing",
         {
             "MOMENT": "who turns back does not stand for as long",

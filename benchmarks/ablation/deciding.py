@@ -55,6 +55,7 @@ DECIDING = (
         inf,
         "times the error on unseen stretches that speaks against a name",
     ),
+    Constant("discrepancy.findings.upheld", "MOSTLY", A, 1.0, "share of the gap that is told though it gains little"),
     # what is said
     Constant(
         "discrepancy.search.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"

@@ -63,6 +63,4 @@ def _print(found: Identification) -> None:
         for words in log.words:
             print(f"- {words}")
         if log.noise_excess > 2:
-            say(
-                f"{log.name}: the model misses {log.noise_excess:.1f} times the noise variance; deviations allow for it"
-            )
+            print(f"- {log.name}: {log.noise_excess:.1f} times the noise variance is left; deviations allow for it")

@@ -169,10 +169,10 @@ def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def moves(balances: Balances) -> bool:
-    """Whether it does for as long as a test function lasts at least."""
+    """Whether it does for as long as the shortest test function lasts at least."""
     fast = (balances.turning_speed > balances.still_speed) & balances.motion.seen
-    size = SUPPORT * balances.per_row
-    return bool((np.convolve(fast, np.ones(max(size, 1)), "valid") > size - 0.5).any())
+    size = SUPPORT * balances.every(0.0).per_row
+    return bool((np.convolve(fast, np.ones(size), "valid") > size - 0.5).any())
 
 
 def moving(balances: Balances) -> np.ndarray:

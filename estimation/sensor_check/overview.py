@@ -85,8 +85,9 @@ class Overview:
 
 
 def _noise(columns: Array) -> float | None:
-    """Of the loudest column (n, k)."""
-    return max((noise_floor(column) for column in columns.T), default=0.0) if len(columns) else None
+    """Of the loudest column (n, k); None where none varies, as of what no sensor measured."""
+    live = [column for column in columns.T if len(column) and np.ptp(column) > 0.0]
+    return max(map(noise_floor, live), default=None)
 
 
 def _size(columns: Array) -> float | None:

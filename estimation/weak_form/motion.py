@@ -16,6 +16,7 @@ from cartgrasp.tracked_point import composed, in_frame, inverted
 from ..noise import FilterNoise
 from .sensor_noise import MotionNoise
 from .splines import Samples, SplineBasis, SplineFit
+from .steps import between_steps
 
 GRID_STEP = 0.01
 """s, of the grid, where samples come as often as that."""
@@ -137,6 +138,7 @@ def motion_of(
         )
     grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
     noise = MotionNoise.of(log) if told is None else MotionNoise.told(told, log)
+    log = between_steps(log)
     poses = np.column_stack([log.pose[seen, :2], _unwrapped(log, seen)])
     basis = SplineBasis.over(first, last, KNOT_STEPS * step)
     fits, from_poses = [], []

@@ -1,4 +1,8 @@
-"""The recorded wrenches of a log on a motion's grid: each point has the mean of what was recorded around it."""
+"""The recorded wrenches of a log on a motion's grid, without what is faster than that.
+
+Between samples they go along cubics: on straight lines what swings at ω would be too small by (ω dt)²/12, and so would
+a cart's mass, by 1.2 % at 3 Hz and 50 samples a second.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.effects.hand_motion import AT_REST
@@ -153,23 +158,25 @@ def _covariance(reduced: Array, densities: Densities) -> Array:
 
 
 def _means(time: Array, values: Array, grid: Array, step: float) -> tuple[Array, np.ndarray]:
-    """Means (n, k) over `step` around points of a grid of what goes straight from sample to sample; and where samples
-    are near (n,)."""
+    """Values (n, k) at points of a grid, without what is faster than its `step`; and where samples are near (n,)."""
     if len(time) < 2:
         return np.zeros((len(grid), values.shape[1])), np.zeros(len(grid), dtype=bool)
     native = float(np.median(np.diff(time)))
-    edges = np.append(grid - step / 2, grid[-1] + step / 2)
-    areas = np.diff(time)[:, None] * (values[1:] + values[:-1]) / 2
-    total = np.vstack([np.zeros(values.shape[1]), np.cumsum(areas, axis=0)])
-    at = np.clip(np.searchsorted(time, edges) - 1, 0, len(time) - 2)
-    into = np.clip(edges - time[at], 0.0, np.diff(time)[at])[:, None]
-    slope = (values[at + 1] - values[at]) / np.diff(time)[at][:, None]
-    integral = total[at] + into * (values[at] + slope * into / 2)
-    covered = np.diff(np.clip(edges, time[0], time[-1]))
-    mean = np.diff(integral, axis=0) / np.maximum(covered, 1e-12)[:, None]
+    edges = np.clip(np.append(grid - step / 2, grid[-1] + step / 2), time[0], time[-1])
+    covered = np.diff(edges)
+    curve = CubicHermiteSpline(time, values, np.gradient(values, time, axis=0))
+    mean = np.diff(curve.antiderivative()(edges), axis=0) / np.maximum(covered, 1e-12)[:, None]
     after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
     near = (time[after] - time[after - 1] <= LONGEST_GAP * max(native, step)) & (covered > 0.4 * step)
-    return np.where(near[:, None], mean, 0.0), np.asarray(near)
+    return np.where(near[:, None], _of_means(mean, near), 0.0), np.asarray(near)
+
+
+def _of_means(mean: Array, known: np.ndarray) -> Array:
+    """Values (n, k) in the middle of cells with such means: these take step²/24 of the second derivative away."""
+    inner = known[:-2] & known[1:-1] & known[2:]
+    value = mean.copy()
+    value[1:-1] -= np.where(inner[:, None], np.diff(mean, 2, axis=0), 0.0) / 24
+    return value
 
 
 def _held(time: Array, contact: Array, grid: Array) -> tuple[Array, np.ndarray]:

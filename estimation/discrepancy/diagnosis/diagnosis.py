@@ -35,7 +35,7 @@ from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
 from ..findings.named import NamedEffect, named, named_stops
 from ..findings.rollouts import starts
-from ..findings.upheld import certainty_of, rollout_error, upheld
+from ..findings.upheld import certainty_of, closes_most, rollout_error, upheld
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from ..search.attempts import Step
 from ..search.candidates import free_label
@@ -332,7 +332,7 @@ def _diagnosed(
         known += [consistent(bands(part, cart)) for part in between] or [band]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
-    found_in = searched(parts, known, cart, candidates, tell) if is_moved else at_rest(parts, cart)
+    found_in = searched(parts, known, cart, candidates, tell, closes_most) if is_moved else at_rest(parts, cart)
     nominal, final, steps, widest = found_in
     final, withdrawn = upheld(final, nominal, steps, widest)
     tell("measuring the gap")

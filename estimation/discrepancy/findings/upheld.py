@@ -14,11 +14,15 @@ from ..search.model import Model
 from ..search.plausible import ODDS, TOLD
 from ..search.search import added
 from .certainty import Certainty
+from .gap import BEYOND_NOISE
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .named import faded
 from .refusal import WORSE
 from .rivals import undecided
 from .rollouts import Rollouts
+
+MOSTLY = 0.8
+"""Of the squared gap above noise: what closes as much is told though it gains less than `WORTH`."""
 
 
 def upheld(
@@ -60,6 +64,15 @@ def _most(final: Model, best: float) -> float:
     """From which error on stretches speak against what was added last: against what every cart has, only where they are
     predicted worse."""
     return best if final.laws or added(final)[-1].name not in ODDS else WORSE * best
+
+
+def closes_most(less: Model, more: Model) -> bool:
+    """Whether a model closes most of what another leaves, if that is beyond noise, on stretches that it did not see."""
+    floor = rollout_error(floor_rollouts(more))
+    best = min(rollout_error(file_rollouts(less)), rollout_error(held_out_rollouts(less)))
+    if best <= BEYOND_NOISE * floor:
+        return False
+    return rollout_error(held_out_rollouts(more)) ** 2 - floor**2 < (1.0 - MOSTLY) * (best**2 - floor**2)
 
 
 def rollout_error(rolled: Rollouts) -> float:

@@ -7,7 +7,7 @@ from cartgrasp.effects import Effect
 from ..search.attempts import Attempt, Refit, Step
 from ..search.laws import Law
 from ..search.plausible import ODDS, law_objection, objection
-from ..search.search import SURE, least_gain, unseen
+from ..search.search import SURE, WORTH, least_gain, unseen
 
 ADDED = "added"
 ROUGHLY = "not fitted with all else: others gain more at first sight"
@@ -23,7 +23,7 @@ def verdict(step: Step, one: Attempt) -> str:
     """Of one of a step's attempts."""
     if one is step.added:
         return ADDED
-    if one.gain < (least := least_gain(one, step.form_error)):
+    if one.gain < (least := least_gain(one, step.form_error, WORTH)):
         return f"gains {one.gain:.1f} nats, and {least:.1f} are needed"
     if one.gain < SURE * one.error:
         return f"gains less than {SURE:g} standard deviations of its gain: from stretch to stretch it is not sure"

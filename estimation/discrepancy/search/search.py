@@ -38,13 +38,19 @@ SURE = 1.5
 MOST_STEPS, MOST_SWAPPED = 6, 2
 
 
-def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[Model, list[Step]]:
+Closes = Callable[[Model, Model], bool]
+"""Whether a model closes most of what another leaves on stretches that it did not see."""
+
+
+def search(
+    model: Model, tell: Callable[[str], None] = lambda _: None, closes: Closes = lambda less, more: False
+) -> tuple[Model, list[Step]]:
     """The model with all that is worth it, and what was tried on the way."""
     nominal = replace(model, compares=True).rewhitened()
-    model, steps = _grown(nominal, tell)
+    model, steps = _grown(nominal, tell, closes)
     if model.laws:
         bare = replace(model, laws=()).refitted(model.cart)
-        named, others = _grown(bare, tell, len(model.laws), _first(steps), has_laws=False)
+        named, others = _grown(bare, tell, closes, len(model.laws), _first(steps), has_laws=False)
         alike = replace(model, laws=()).refitted(named.cart)
         if worth(alike.score, model.score, None) <= margin(alike, model):
             model, steps = named, [*(step for step in steps if not _adds_law(step)), *others]
@@ -53,7 +59,12 @@ def search(model: Model, tell: Callable[[str], None] = lambda _: None) -> tuple[
 
 
 def _grown(
-    model: Model, tell: Callable[[str], None], most: int = MOST_STEPS, first: float = 0.0, has_laws: bool = True
+    model: Model,
+    tell: Callable[[str], None],
+    closes: Closes,
+    most: int = MOST_STEPS,
+    first: float = 0.0,
+    has_laws: bool = True,
 ) -> tuple[Model, list[Step]]:
     """With candidates added, so many at most, as long as they are worth it beside what gained most so far."""
     steps = list[Step]()
@@ -61,7 +72,7 @@ def _grown(
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model, has_laws)
         form_error = SHARE * first
-        best = chosen(attempts, form_error)
+        best = chosen(attempts, form_error, WORTH) or _closing(attempts, model, form_error, closes)
         steps.append(Step(tuple(attempts), best, form_error))
         if best is None or best.model is None:
             break
@@ -176,18 +187,25 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
     return sorted((min(group, key=lambda one: one.numbers) for group in alike), key=lambda one: -one.gain)
 
 
-def chosen(attempts: list[Attempt], form_error: float) -> Attempt | None:
+def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt | None:
     """Of those that are worth it, and more than what the form of others may have left, the simplest that is not surely
     worth less than the best that somebody would call so (Breiman's rule of one standard error)."""
-    known = [one for one in attempts if one.model and one.gain >= least_gain(one, form_error) and _may_be(one)]
+    known = [one for one in attempts if one.model and one.gain >= least_gain(one, form_error, least) and _may_be(one)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
 
 
-def least_gain(one: Attempt, form_error: float) -> float:
+def _closing(attempts: list[Attempt], model: Model, form_error: float, closes: Closes) -> Attempt | None:
+    """What acts all the time and gains less, where it closes most of the gap on stretches that no fit saw: what drifts
+    is cheap beside noise with a long memory, and adds up in rollouts."""
+    best = chosen([one for one in attempts if one.error], form_error, CONFUSABLE)
+    return best if best is not None and best.model is not None and closes(model, best.model) else None
+
+
+def least_gain(one: Attempt, form_error: float, least: float) -> float:
     """What an attempt takes: more than the form of others may have left, unless every cart has it."""
-    return WORTH if one.is_usual else max(WORTH, form_error)
+    return least if one.is_usual else max(least, form_error)
 
 
 def _margin(one: Attempt, best: Attempt) -> float:

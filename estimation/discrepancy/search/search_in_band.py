@@ -12,7 +12,7 @@ from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent, is_narrower
 from .attempts import Step
 from .model import Model
-from .search import search
+from .search import Closes, search
 
 Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
 """Before and after a search, its steps, and the band of each log."""
@@ -24,6 +24,7 @@ def searched(
     cart: CartModel,
     candidates: tuple[Effect, ...],
     tell: Callable[[str], None],
+    closes: Closes,
 ) -> Searched:
     """In the widest band in which the model foretells the motion: with what it lacks, laws included, where that makes
     the mass the same in all bands, else without: in those that are `known` of the cart as it is."""
@@ -31,7 +32,7 @@ def searched(
     def in_band(chosen: Sequence[Balances]) -> tuple[Model, Model, list[Step]]:
         tell("fitting the model as it is")
         nominal = replace(Model.started(chosen, cart), candidates=candidates)
-        return nominal, *search(nominal, tell)
+        return nominal, *search(nominal, tell, closes)
 
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = in_band(parts)

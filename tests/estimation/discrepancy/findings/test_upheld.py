@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from cartgrasp.effects import LoadSlosh, RollingResistance
-from estimation.discrepancy.findings.upheld import within_bracket
+from cartgrasp.effects import FloorSlope, LoadSlosh, RollingResistance
+from estimation.discrepancy.findings.upheld import closes_most, within_bracket
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import Band
@@ -13,6 +14,7 @@ from estimation.weak_form.band import Band
 from ...weak_form.motions import RAIL, RAIL_MASS, on_rail
 
 LOAD = 0.25 * RAIL_MASS
+WEIGHT, FORWARD = 9.81 * RAIL_MASS, np.eye(6)[0]
 
 
 @pytest.mark.parametrize(("bracket", "named"), [(0.02, True), (0.12, True), (0.13, False), (0.4, False)])
@@ -24,3 +26,13 @@ def test_a_load_has_to_be_more_than_the_mass_is_open_by(bracket, named):
     model = replace(model, cart=cart.with_effect(LoadSlosh(mass=LOAD, frequency=1.0, damping=0.1)))
     band = Band(0.1, RAIL_MASS, 0.1, bracket * RAIL_MASS)
     assert within_bracket(model, (None, band)) == ([] if named else ["load_slosh"])
+
+
+@pytest.mark.parametrize("grade", [0.0, 0.02])
+def test_a_slope_closes_a_gap_where_there_is_one(grade):
+    log = on_rail(20.0)
+    arms = {name: replace(arm, wrench=arm.wrench + grade * WEIGHT * FORWARD) for name, arm in log.arms.items()}
+    model = Model.started([Balances.of(replace(log, arms=arms), RAIL)], RAIL)
+    more = model.refitted(model.cart.with_effect(FloorSlope())).settled()
+    assert closes_most(model, more) == (grade != 0.0)
+    assert not closes_most(more, more)

@@ -25,7 +25,7 @@ from estimation.discrepancy.search.candidates import amplitudes_of, families
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.refine import refined
 from estimation.discrepancy.search.screening import Screen
-from estimation.discrepancy.search.search import absent, chosen
+from estimation.discrepancy.search.search import CONFUSABLE, WORTH, absent, chosen
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate_two_hands
@@ -149,12 +149,12 @@ def test_what_stretches_contradict_is_not_taken():
     slope, rolling = FloorSlope(0.02, 0.0), RollingResistance(0.02)
     unsteady = Attempt(slope, 30.0, 1, model, 25.0)
     steady = Attempt(rolling, 28.0, 1, model, 5.0)
-    assert chosen([unsteady], 10.0) is None
-    assert chosen([unsteady, steady], 10.0) is steady
+    assert chosen([unsteady], 10.0, WORTH) is None
+    assert chosen([unsteady, steady], 10.0, WORTH) is steady
     vanished = Attempt(RollingResistance(0.0), 90.0, 1, model, 1.0)
-    assert chosen([vanished, steady], 10.0) is steady
+    assert chosen([vanished, steady], 10.0, WORTH) is steady
     late = Attempt(TimeDelay(0.4), 90.0, 1, model)
-    assert chosen([late, steady], 10.0) is steady
+    assert chosen([late, steady], 10.0, WORTH) is steady
 
 
 def test_what_every_cart_has_may_be_small_beside_another():
@@ -162,9 +162,9 @@ def test_what_every_cart_has_may_be_small_beside_another():
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
     rolling = Attempt(RollingResistance(0.02), 28.0, 1, model, 3.0)
     slope = Attempt(FloorSlope(0.02), 90.0, 1, model, 3.0)
-    assert chosen([slope, rolling], 100.0) is rolling
-    assert chosen([slope], 100.0) is None
-    assert chosen([replace(rolling, gain=9.0)], 0.0) is None
+    assert chosen([slope, rolling], 100.0, WORTH) is rolling
+    assert chosen([slope], 100.0, WORTH) is None
+    assert chosen([replace(rolling, gain=9.0)], 0.0, WORTH) is None
 
 
 @pytest.mark.parametrize(("deviations", "is_one"), [(3.0, True), (-3.0, True), (1.0, False)])
@@ -174,7 +174,7 @@ def test_wheels_that_drag_alike_are_no_imbalance(deviations, is_one):
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
     moment = deviations * model.deviation("wheel_drag_imbalance.moment")
     told = Attempt(WheelDragImbalance(4.0, moment), 90.0, 1, model, 3.0)
-    assert chosen([told], 0.0) is (told if is_one else None)
+    assert chosen([told], 0.0, WORTH) is (told if is_one else None)
 
 
 @pytest.mark.parametrize(("far", "is_one"), [(0.5, True), (50.0, False)])
@@ -183,7 +183,7 @@ def test_a_floor_without_an_edge_is_no_patch(far, is_one):
     cart = cart_of(TRUE).with_effect(FloorPatch(-50.0, far, -50.0, 50.0, 0.02))
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
     told = Attempt(cart.effects[-1], 90.0, 1, model)
-    assert chosen([told], 0.0) is (told if is_one else None)
+    assert chosen([told], 0.0, WORTH) is (told if is_one else None)
 
 
 def test_settings_stay_near_what_is_plausible():
@@ -208,3 +208,10 @@ def test_a_load_that_swings_faster_than_the_motion_is_known_explains_nothing(fre
     cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
     screen = Screen(Model.started([Balances.of(log, cart)], cart))
     assert screen.gain(LoadSlosh(mass=0.0, frequency=frequency, damping=0.2)) < 3.0
+
+
+def test_what_closes_the_gap_may_gain_less():
+    model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
+    slope = Attempt(FloorSlope(0.02, 0.0), 6.0, 1, model, 3.0)
+    assert chosen([slope], 0.0, WORTH) is None
+    assert chosen([slope], 0.0, CONFUSABLE) is slope
