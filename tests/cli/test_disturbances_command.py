@@ -15,7 +15,9 @@ def test_it_is_wired(capsys, monkeypatch, tmp_path, holds, status):
     asked = []
     monkeypatch.setattr(disturbances, "run_cases", lambda seeds, workers, tell: asked.extend(seeds) or ["one"])
     monkeypatch.setattr(disturbances, "claims", lambda runs: [Claim("push", "less", "0.5", holds)])
-    monkeypatch.setattr(disturbances, "rows", lambda runs: [tuple("push ours 1 2 3 4 5 6 7 8 9".split())])
+    monkeypatch.setattr(
+        disturbances, "rows", lambda runs: [("push", "ours", *"123456789")]
+    )
     monkeypatch.setattr(disturbances, "as_dict", lambda one: {"way": one})
     out = tmp_path / "x"
     answer = run(capsys, "study", "disturbances", "--runs", "2", "--seed", "7", "--out", out, "--json")

@@ -6,8 +6,8 @@ whose velocity is measured with density r, the filter is an observer with the po
     w² = walk / (m √r),    d's variance √2 m² w³ r,    answer to a step 1 - √2 exp(-w t/√2) sin(w t/√2 + π/4),
 
 which stays within 5 % from `w t = 2.93` on. So the walk follows from how quick the answer shall be; poses make it a
-little quicker. Two surprising samples in a row are no outlier, but something that sets in: then d may be any usual
-push, and is known as soon as the noise of the sensors allows.
+little quicker. Two surprising samples in a row that a usual push could have made are no outliers, but one that sets
+in: then d may be any such, and is known as soon as the noise of the sensors allows.
 """
 
 from __future__ import annotations
@@ -108,10 +108,12 @@ class DisturbanceObserver:
         belief = observed.belief
         square = float(innovation(belief, residual, rows, noise).nis)
         surprised = observed.surprised + 1 if square > GATE else 0
-        if surprised == 1:
-            noise = noise * square / GATE
-        elif surprised > 1:
+        if surprised > 1:
             belief = self._opened(belief, observed.k)
+            square = float(innovation(belief, residual, rows, noise).nis)
+            belief = belief if square <= GATE else observed.belief
+        if square > GATE:
+            noise = noise * square / GATE
         found = updated(belief, innovation(belief, residual, rows, noise), rows, noise)
         return replace(observed, belief=found, surprised=surprised)
 
@@ -189,7 +191,7 @@ class DisturbanceObserver:
         """Residuals, rows and noise of pose and of the velocity in the free directions."""
         k, mean, noise = observed.k, observed.belief.mean, self.noise
         to_free = self._to_free @ body_to_world(mean[2]).T
-        off = pose - mean[:3]
+        off = np.where(np.abs(pose) < FARTHEST, pose, np.nan) - mean[:3]
         off[2] = wrap_angle(off[2]) if np.isfinite(off[2]) else np.nan
         residual = np.append(off, to_free @ velocity - mean[3 : 3 + k])
         covariance = np.zeros((3 + k, 3 + k))

@@ -35,7 +35,7 @@ def given(estimator, **options):
 
 
 def test_it_is_answered_by_as_much_up_to_a_limit():
-    alone, quiet = given(Told([0.0, 0.0]), rejection=None)
+    alone, _ = given(Told([0.0, 0.0]), rejection=None)
     pushed, step = given(Told([30.0, -4.0]))
     assert pushed - alone == pytest.approx([-30.0, 4.0])
     assert "something else pushes the cart" in step.words
