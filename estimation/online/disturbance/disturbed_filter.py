@@ -47,8 +47,15 @@ PATIENCE = 10.0
 
 @final
 class DisturbedFilter:
-    """Learns as `CartFilter` does, with its arguments, and tells `estimate.disturbance`; its motion is right while
-    something pushes. Parameters are `response` (s) late: as long as a push takes to be seen.
+    """Learns as `CartFilter` does, and tells `estimate.disturbance`; its motion is right while something pushes.
+
+    Args:
+        cart: Structure and first guess.
+        arms: Names of those whose wrenches add up; None: all that are seen.
+        noise: Standard deviations of the sensors, in their units; those of `FilterNoise()` unless given.
+        prior: How sure the first guess is; `Prior()` and what the cart's file says unless given.
+        yaws: Of the contact frames against {b}, rad, by arm; 0 unless given.
+        response: s until a push is followed to 5 %; parameters are as much behind.
 
     Raises:
         UsageError: An argument is of the wrong kind or out of bounds.
