@@ -15,9 +15,7 @@ def test_it_is_wired(capsys, monkeypatch, tmp_path, holds, status):
     asked = []
     monkeypatch.setattr(disturbances, "run_cases", lambda seeds, workers, tell: asked.extend(seeds) or ["one"])
     monkeypatch.setattr(disturbances, "claims", lambda runs: [Claim("push", "less", "0.5", holds)])
-    monkeypatch.setattr(
-        disturbances, "rows", lambda runs: [("push", "ours", *"123456789")]
-    )
+    monkeypatch.setattr(disturbances, "rows", lambda runs: [("push", "ours", *"123456789")])
     monkeypatch.setattr(disturbances, "as_dict", lambda one: {"way": one})
     out = tmp_path / "x"
     answer = run(capsys, "study", "disturbances", "--runs", "2", "--seed", "7", "--out", out, "--json")
