@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from .checks import brief, digits
 from .frames import Array
 from .inertia import N_PHI, physical_jacobian
@@ -74,11 +76,34 @@ class ParameterEstimate:
         return f"{digits(self.value)} ± {self.std:.2g} {self.unit}{taught}"
 
 
+@dataclass(frozen=True, eq=False)
+class Disturbance:
+    """What pushes the cart beside all that its model explains: the reduced wrench `Sᵀ wrench_b` (k,) and its covariance
+    (k, k). It `acts` where that can be neither noise, nor wrong parameters, nor a usual load that was put on."""
+
+    wrench: Array
+    covariance: Array
+    acts: bool = False
+
+    @property
+    def std(self) -> Array:
+        """(k,), N and N·m."""
+        return np.sqrt(np.diagonal(self.covariance))
+
+    @property
+    def words(self) -> str:
+        """± is one standard deviation; the last of several is the moment."""
+        units = ["N"] if len(self.wrench) == 1 else [*["N"] * (len(self.wrench) - 1), "N·m"]
+        parts = zip(self.wrench.tolist(), self.std.tolist(), units, strict=True)
+        return ", ".join(f"{value:.0f} ± {std:.0f} {unit}" for value, std, unit in parts).replace("-", "−")
+
+
 class Estimate(NamedTuple):
     """What an estimator knows at `time`: the motion, the parameters by name, and its own health. `structure` is the
     cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated, `covariance` (p, p) is
     theirs (None where an estimator has none). `suspicions` tell of sensors that don't seem to mean what they say: each
-    has a `kind`, `where`, a `probability` and `words`."""
+    has a `kind`, `where`, a `probability` and `words`. `disturbance` is what pushes beside all that is known, where
+    somebody looks for it."""
 
     time: float
     motion: Motion
@@ -88,6 +113,7 @@ class Estimate(NamedTuple):
     model_parameters: Array
     covariance: Array | None = None
     suspicions: tuple[Any, ...] = ()
+    disturbance: Disturbance | None = None
 
     def __repr__(self) -> str:
         pose, velocity = (digits(part.tolist()) for part in self.motion[:2])
@@ -95,7 +121,9 @@ class Estimate(NamedTuple):
             "Estimate", f"t = {digits(self.time)} s", f"health: {self.health}", f"pose {pose}", f"nu {velocity}"
         )
         told = "; ".join(f"{name} {one!r}" for name, one in self.parameters.items())
-        return "\n  ".join([seen, told, *[one.words for one in self.suspicions]])
+        acts = self.disturbance is not None and self.disturbance.acts
+        pushed = [f"pushed by {self.disturbance.words} that are not explained"] if acts and self.disturbance else []
+        return "\n  ".join([seen, told, *pushed, *[one.words for one in self.suspicions]])
 
     def cart(self) -> CartModel:
         """The cart as now estimated."""

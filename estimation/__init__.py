@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .identifiable import Identifiability, identifiability
     from .noise import FilterNoise
     from .online.cart_filter import CartFilter
+    from .online.disturbance.disturbed_filter import DisturbedFilter
     from .online.paper_filter import PaperFilter
     from .online.regressor_estimator import RegressorEstimator
     from .prior import Prior
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CartFilter",
     "Diagnosis",
+    "DisturbedFilter",
     "FilterNoise",
     "Identifiability",
     "Identification",
@@ -37,6 +39,7 @@ __all__ = [
 
 _HOMES = {
     "online.cart_filter": "CartFilter",
+    "online.disturbance.disturbed_filter": "DisturbedFilter",
     "discrepancy": "Diagnosis diagnose",
     "experiments.manoeuvres": "Limits",
     "identifiable": "Identifiability identifiability",

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .control.caution import Caution
     from .control.controller import Controller
     from .control.hand import RegraspTimes
+    from .control.rejection import Rejection
     from .embedded import EmbeddedProblem, export_c
     from .excitation.excitation_choice import Allowance, ExcitationChooser
     from .excitation.excitation_plan import plan_excitation
@@ -63,6 +64,7 @@ __all__ = [
     "QuadraticProgram",
     "RegraspCost",
     "RegraspTimes",
+    "Rejection",
     "SearchLimit",
     "SideForce",
     "Skid",
@@ -92,6 +94,7 @@ _HOMES = {
     "contact_sources.choosing": "Choosing",
     "contacts.contact_choice": "SearchLimit",
     "control.caution": "Caution",
+    "control.rejection": "Rejection",
     "control.controller": "Controller",
     "control.hand": "RegraspTimes",
     "embedded": "EmbeddedProblem export_c",

@@ -48,9 +48,10 @@ class Gains:
 @final
 @dataclass(frozen=True)
 class SteeringTracker:
-    """For a cart with one rolling constraint."""
+    """For a cart with one rolling constraint. `as_it_is`: friction is fed forward as `_wrench` says."""
 
     gains: Gains = Gains()
+    as_it_is: bool = False
 
     def wrench_b(self, reference: Reference, motion: Motion, model: CartModel) -> Array:
         rolling = model.rolling
@@ -59,15 +60,16 @@ class SteeringTracker:
             part.tolist() for part in (motion.velocity, reference.velocity, reference.acceleration)
         )
         acceleration = steered(error, rolling.angle, (u, r), ((u_d, r_d), (du_d, dr_d)), self.gains.numbers)
-        return _wrench(model, reference, motion, np.array(acceleration))
+        return _wrench(model, reference, motion, np.array(acceleration), self.as_it_is)
 
 
 @final
 @dataclass(frozen=True)
 class DirectTracker:
-    """For a cart whose every coordinate can be pushed: all casters, or a rail."""
+    """For a cart whose every coordinate can be pushed: all casters, or a rail. `as_it_is` as above."""
 
     gains: Gains = Gains()
+    as_it_is: bool = False
 
     def wrench_b(self, reference: Reference, motion: Motion, model: CartModel) -> Array:
         k = self.gains
@@ -75,18 +77,26 @@ class DirectTracker:
         position = model.rolling.free_velocity(error)
         rate = reference.velocity - motion.velocity
         acceleration = reference.acceleration + (k.along + k.velocity) * rate + k.along * k.velocity * position
-        return _wrench(model, reference, motion, acceleration)
+        return _wrench(model, reference, motion, acceleration, self.as_it_is)
 
 
-def build_tracker(constraints: RollingConstraints, gains: Gains | None = None) -> SteeringTracker | DirectTracker:
+def build_tracker(
+    constraints: RollingConstraints, gains: Gains | None = None, as_it_is: bool = False
+) -> SteeringTracker | DirectTracker:
     """The tracking law that suits the constraints."""
     gains = gains or Gains()
-    return SteeringTracker(gains) if constraints.n_rows == 1 else DirectTracker(gains)
+    return SteeringTracker(gains, as_it_is) if constraints.n_rows == 1 else DirectTracker(gains, as_it_is)
 
 
-def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration: Array) -> Array:
+def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration: Array, as_it_is: bool) -> Array:
     """Planar wrench in {b}. Friction is fed forward for the wanted velocity, so that it also breaks away from rest; and
-    what swings, as if it went along. Memories that nobody sees are taken to be as at first."""
+    what swings, as if it went along. Memories that nobody sees are taken to be as at first. `as_it_is`: friction and
+    memories are those of the motion, which is where a disturbance beside them was observed."""
+    if as_it_is:
+        state = model.state(motion.pose_sb, motion.velocity)
+        if motion.memory is not None:
+            state[model.memory_slice] = motion.memory
+        return model.planar_wrench(model.required_wrench(state, acceleration, time=reference.time))
     wanted = np.where(np.abs(reference.velocity) > STILL, reference.velocity, motion.velocity)
     state, feedforward = (model.state(motion.pose_sb, velocity) for velocity in (motion.velocity, wanted))
     if motion.memory is not None and len(motion.memory):

@@ -89,3 +89,9 @@ _add(
     typer.Option("--runs", min=2, max=1000, help="Recordings of each experiment."),
     100,
 )
+_add(
+    "disturbances",
+    "Loads, pushes, ramps, sills and floors that no model knows, on MuJoCo, beside other controllers.",
+    typer.Option("--runs", min=1, max=1000, help="Draws of each kind."),
+    100,
+)

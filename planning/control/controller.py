@@ -29,6 +29,7 @@ from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
 from .regrasps import Given, Regrasps
+from .rejection import Rejection
 from .saved import Saved, as_first_guess, read_saved
 from .step import Step
 
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 LOST = ("stale", "no_wrench", "clock_went_back")
 """Healths under which no hand lets go."""
 LONGEST_PERIOD, FARTHEST_DRIFT = 10.0, 10.0
-USUAL, AS_CHOSEN = RegraspTimes(), Choosing()
+USUAL, AS_CHOSEN, REJECTS = RegraspTimes(), Choosing(), Rejection()
 
 
 class Controller:
@@ -56,6 +57,7 @@ class Controller:
         cart_limits: Limits of the hands together, such as `Skid` and `TipOver`, for the cart as now estimated.
         confidence: The probability with which they hold, by the estimate's covariance; None: as it is believed to be.
         caution: What to do less of while the estimate's health is not ok; None: nothing.
+        rejection: How much of `estimate.disturbance` is fed forward, where the estimator tells one; None: nothing.
         drift: m from its path that a cart may coast while its only hand regrasps.
         gains: Of the tracker.
         estimator: What learns; an `estimation.CartFilter` unless given.
@@ -92,6 +94,7 @@ class Controller:
         cart_limits: Sequence[CartLimit] = (),
         confidence: float | None = None,
         caution: Caution | None = None,
+        rejection: Rejection | None = REJECTS,
         drift: float = 0.05,
         gains: Gains | None = None,
         estimator: Estimator | None = None,
@@ -111,10 +114,11 @@ class Controller:
             )
         elif cart_limits or confidence is not None:
             raise UsageError("controller: cart_limits and confidence are the planner's; give them to yours")
-        self._planner, self._caution = planner, caution
+        self._planner, self._caution, self._rejection = planner, caution, rejection
         self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
-        self._tracker = build_tracker(cart.constraints, gains) if tracker is None else tracker
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
+        told = rejection is not None and getattr(self._estimator, "tells_disturbance", False)
+        self._tracker = build_tracker(cart.constraints, gains, told) if tracker is None else tracker
         if isinstance(contacts, str):
             contacts = contact_source(contacts, cart, arms, reference, choosing, regrasp or RegraspTimes())
         self._source: ContactSource = contacts
@@ -143,7 +147,7 @@ class Controller:
         estimate, time = self._estimator.update(measurement), measurement.time
         reference, along, slowed = self._paced(estimate.health, time)
         model = estimate.cart() if self.learns else self.cart
-        wanted = self._tracker.wrench_b(reference, estimate.motion, model)
+        wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(estimate)
         chosen = self._source.contacts(ContactQuery(along, wanted, estimate, self._held))
         told = self._for_planner(estimate)
         if self._regrasps is None:
@@ -202,6 +206,12 @@ class Controller:
         self._pace = pace.after(elapsed, wanted, self._caution.change)
         slowed = "" if wanted == 1.0 else f"slows to {100 * wanted:.0f} % of its speed: health {health}"
         return self._pace.reference(self.reference, time), self._pace.along, slowed
+
+    def _against(self, estimate: Estimate) -> Array:
+        """Planar wrench (3,) against what pushes beside all that is known."""
+        if self._rejection is None or estimate.disturbance is None or estimate.health in LOST:
+            return np.zeros(3)
+        return self.cart.planar_wrench(self._rejection.fed_forward(estimate.disturbance))
 
     def _for_planner(self, estimate: Estimate) -> Estimate | None:
         """The estimate, where the planner has limits that hold for it."""

@@ -9,7 +9,7 @@ from functools import cached_property
 from cartgrasp.checks import brief, digits
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
-from cartgrasp.motion import Estimate, Reference
+from cartgrasp.motion import Disturbance, Estimate, Reference
 from cartgrasp.roles import Plan
 
 from .hand import Hand, Phase, point_of
@@ -57,11 +57,18 @@ class Step:
         """Of the estimate, in one word."""
         return self.estimate.health
 
+    @property
+    def disturbance(self) -> Disturbance | None:
+        """What pushes the cart beside all that is known; None where nobody looks for it."""
+        return self.estimate.disturbance
+
     @cached_property
     def words(self) -> str:
-        """What each hand does, where, and why."""
+        """What each hand does, where, and why; what pushes beside them, and why the cart is slow."""
         hands = [self._of_hand(name, hand) for name, hand in self.placed.items()]
-        return "; ".join([*hands, *([self.slowed] if self.slowed else [])])
+        pushed = self.disturbance is not None and self.disturbance.acts
+        told = ["something else pushes the cart"] if pushed else []
+        return "; ".join([*hands, *told, *([self.slowed] if self.slowed else [])])
 
     @property
     def placed(self) -> Mapping[str, Hand]:

@@ -26,6 +26,7 @@ WITH_EXAMPLE = [
     "cartgrasp.simulation.ModelPlant",
     "cartgrasp.simulation.Sensors",
     "estimation.CartFilter",
+    "estimation.DisturbedFilter",
     "estimation.FilterNoise",
     "estimation.Prior",
     "estimation.diagnose",

@@ -12,7 +12,7 @@ import cartgrasp as cg
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
-from estimation import CartFilter, FilterNoise
+from estimation import CartFilter, DisturbedFilter, FilterNoise
 from planning import Caution, Choosing, Controller, PathReference, RegraspTimes, chain, pause
 from planning.contact_sources.ways import WAYS
 from planning.references import speed_change, turn
@@ -58,6 +58,7 @@ def spoiled(measured, random):
 def test_whatever_is_sensed(way, seed):
     random = np.random.default_rng([seed, WAYS.index(way)])
     noise = FilterNoise(force=1.0, moment=0.05) if seed < 2 else FilterNoise(force=0.0, moment=0.0)  # either filter
+    kind = DisturbedFilter if seed == 1 else CartFilter
     controller = Controller(
         GUESS,
         arms(),
@@ -66,7 +67,7 @@ def test_whatever_is_sensed(way, seed):
         choosing=Choosing(every=0.7, ahead=2.0),
         regrasp=TIMES,
         caution=Caution() if seed else None,
-        estimator=CartFilter(GUESS, ["left", "right"], noise=noise),
+        estimator=kind(GUESS, ["left", "right"], noise=noise),
     )
     plant, sensors = ModelPlant(TRUTH), Sensors(TRUTH, SensorNoise(force=1.0, moment=0.05), seed)
     before, last = None, 0.0

@@ -1,0 +1,54 @@
+"""Pushes from outside, on any plant: each is a force at a point, held over a control step like those of the arms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..contacts import ContactWrenches
+from ..frames import Array
+from ..motion import Motion
+from ..roles import Plant
+
+
+class Push(NamedTuple):
+    """A force (3,) at a point (3,), both in {b}; N, m."""
+
+    force_b: Array
+    point_b: Array
+
+
+Outside = Callable[[float, Motion], Sequence[Push]]
+"""What pushes at a time, s, on a cart with such a motion."""
+
+
+class PushedPlant:
+    """A plant on which something pushes beside the arms, which they don't feel."""
+
+    def __init__(self, plant: Plant, outside: Outside) -> None:
+        self.plant, self._outside = plant, outside
+
+    @property
+    def time(self) -> float:
+        return self.plant.time
+
+    @property
+    def motion(self) -> Motion:
+        return self.plant.motion
+
+    def acceleration(self, wrenches: ContactWrenches) -> Array:
+        return self.plant.acceleration(self._with_pushes(wrenches))
+
+    def step(self, wrenches: ContactWrenches, duration: float) -> None:
+        self.plant.step(self._with_pushes(wrenches), duration)
+
+    def _with_pushes(self, arms: ContactWrenches) -> ContactWrenches:
+        pushes = self._outside(self.time, self.motion)
+        names = [f"outside {i}" for i in range(len(pushes))]
+        wrenches: Mapping[str, Array] = {
+            name: np.concatenate([push.force_b, np.zeros(3)]) for name, push in zip(names, pushes, strict=True)
+        }
+        points = {name: push.point_b for name, push in zip(names, pushes, strict=True)}
+        return ContactWrenches({**arms.wrenches, **wrenches}, {**arms.contacts, **points}, arms.yaws, arms.away)

@@ -1,0 +1,118 @@
+"""The observed disturbance against closed forms and against a push of known size; and what it keeps from the mass."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import cartgrasp as cg
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.errors import UsageError
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
+from cartgrasp.simulation.closed_loop import Loop, run
+from cartgrasp.simulation.outside import Push, PushedPlant
+from estimation import CartFilter, DisturbedFilter, FilterNoise
+from estimation.online.disturbance.observer import SETTLED, USUAL_PERIOD, DisturbanceObserver
+from planning import Controller, PathReference, chain, pause
+from planning.references import speed_change
+
+DRAG = (ViscousDrag(linear=2.0, angular=0.4),)
+CART = cg.CartModel(cg.Inertia(30.0, (0.3, 0.05), 2.7), effects=DRAG)
+SENSORS = SensorNoise(force=1.0, moment=0.05)
+NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.02, slip=0.0005)
+NOTHING = np.full(3, np.nan)
+HANDS = ["left", "right"]
+
+
+def test_its_answer_to_a_step_and_its_deviation_are_those_of_a_butterworth_filter():
+    """From velocities alone, of a mass on a rail, without noise that is not the velocity's."""
+    rail = cg.CartModel(cg.Inertia(30.0, (0.0, 0.0), 2.0), cg.RollingConstraints(no_rotation=True))
+    noise = FilterNoise(linear_velocity=0.005, disturbance=0.0, slip=0.0)
+    observer, push, response = DisturbanceObserver(rail, noise, 0.2), 1.0, SETTLED / 0.2
+    observed = observer.pushed(observer.start(0.0, np.zeros(3)), np.zeros(1), np.zeros((1, 1)))
+    times = USUAL_PERIOD * np.arange(1, 400)
+    answers = []
+    for time in times:
+        observed = observer.advanced(observed, float(time), np.zeros(0), rail.parameters)
+        since = max(0.0, time - 3.0)
+        observed = observer.seen(observed, NOTHING.copy(), np.array([push / 30.0 * since, 0.0, 0.0]))
+        answers.append(observed.wrench.mean[0])
+    t = response * np.clip(times - 3.0, 0.0, None) / math.sqrt(2.0)
+    foretold = 1.0 - math.sqrt(2.0) * np.exp(-t) * np.sin(t + math.pi / 4)
+    assert np.abs(np.array(answers) - foretold).max() < 0.08  # half a sample period of a slope of 6.6/s, and a bit
+    assert abs(answers[299 + 20] - 1.0) < 0.06
+    assert math.sqrt(observed.wrench.covariance[0, 0]) == pytest.approx(observer.deviation, rel=0.1)
+
+
+@pytest.mark.parametrize("force", [20.0, 60.0])
+def test_a_push_in_mujoco_is_known_to_its_deviation_within_a_fifth_of_a_second(force):
+    from cartgrasp.simulation.mujoco_plant import MujocoPlant
+
+    plant = MujocoPlant(CART, velocity=[0.5, 0.0])
+    sensors, learner = Sensors(CART, SENSORS, 3), DisturbedFilter(CART, ["hand"], noise=NOISE)
+    point, found = np.array([-0.25, 0.0, 0.4]), []
+    for _ in range(150):
+        found.append(learner.update(sensors.motion(plant.time, plant.motion)).disturbance)
+        arms = cg.ContactWrenches({"hand": np.zeros(6)}, {"hand": point})
+        learner.update(sensors.wrenches(plant.time, arms))
+        pushed = force if plant.time >= 1.0 else 0.0
+        plant.step(cg.ContactWrenches({"hand": np.array([pushed, 0, 0, 0, 0, 0])}, {"hand": point}), 0.01)
+    assert not any(one.acts for one in found[20:100])
+    told = found[120]
+    assert told.acts
+    assert abs(told.wrench[0] - force) < 3 * told.std[0] < 6.0
+    assert abs(told.wrench[1]) < 1.0
+    assert f"± {told.std[0]:.0f} N, " in told.words
+
+
+@pytest.fixture(scope="module")
+def runs():
+    """Pushed by 40 N for half a second, twice, with either filter."""
+    path = PathReference(
+        chain(*(speed_change(v) for v in (0.5, -0.25, 0.25, -0.25, 0.25)), pause(3.0), speed_change(-0.5))
+    )
+    arms = [cg.Arm(n, [(-0.25, y, 1.0)], force_limit=(90.0,) * 3) for n, y in zip(HANDS, (0.2, -0.2), strict=True)]
+    guess = CART.with_inertia(cg.Inertia(25.0, (0.3, 0.0), 2.2))
+
+    def outside(time, motion):
+        pushes = 3.6 <= time < 4.1 or 5.0 <= time < 5.5
+        return [Push(np.array([40.0, 0, 0]), np.array([0.0, 0.2, 0.4]))] if pushes else []
+
+    def of(kind):
+        learner = kind(guess, HANDS, noise=NOISE)
+        controller = Controller(guess, arms, path, estimator=learner, regrasp=None)
+        return run(Loop(controller, PushedPlant(ModelPlant(CART), outside), Sensors(CART, SENSORS, 1)))
+
+    return of(CartFilter), of(DisturbedFilter)
+
+
+def test_pushes_are_rejected_and_kept_from_the_mass(runs):
+    without, ours = runs
+    late = ours.time > 3.5
+    off = [np.abs(record.parameters["mass"].value[late] / 30.0 - 1.0).max() for record in runs]
+    assert off[1] < 0.02 < 0.2 < off[0]
+    errors = [np.hypot(*(r.pose - r.reference_pose)[late, :2].T).max() for r in runs]
+    assert errors[1] < 0.3 * errors[0]
+    assert any("something else pushes the cart" in words for time, words in ours.words if 3.6 < time < 3.8)
+    assert not any("something else" in words for _, words in without.words)
+
+
+def test_nothing_odd_gets_in():
+    """NaN, jumps, times that go back, gaps."""
+    learner = DisturbedFilter(CART, HANDS, noise=NOISE)
+    assert learner.update(cg.Measurement(0.0, pose=NOTHING)).disturbance is None
+    for time, pose in (
+        (0.1, [0, 0, 0]),
+        (0.11, [np.nan, 1e300, 0.1]),
+        (0.05, [0, 0, 0]),
+        (5.0, [9, 9, 1]),
+        (5.01, None),
+    ):
+        told = learner.update(cg.Measurement(time, pose=pose, velocity=[0.0, np.nan, np.inf]))
+        assert np.isfinite(told.disturbance.wrench).all()
+        assert np.isfinite(told.motion.pose_sb).all()
+    assert "response 0.2 s" in repr(learner)
+    with pytest.raises(UsageError, match="filter: response"):
+        DisturbedFilter(CART, response=0.0)
