@@ -167,7 +167,7 @@ class ParameterLearner:
     # --- rows ------------------------------------------------------------------------------------------------
 
     def _take_row(self) -> None:
-        """Works out the block that has been over for long enough, if there is one, once the motion was seen after it."""
+        """Works out the block that has been over for long enough, if there is one and motion was seen after it."""
         k, end = self.tracker.over()
         if not k:
             return
