@@ -17,9 +17,7 @@ ASSUMPTIONS = (
     *_of(
         "weak_form.balances",
         {
-            "STILL_SPEED": "a cart that goes slower may be held by anything",
             "STILL_DEVIATIONS": "of the smooth speed: a cart that seems to go slower may stand",
-            "LEVER": "half of a usual track, which makes moments of forces",
         },
     ),
     *_of(

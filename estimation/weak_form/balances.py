@@ -27,19 +27,16 @@ from cartgrasp.model import CartModel, InverseDynamics
 from cartgrasp.wheels import WheelSet
 
 from ..noise import FilterNoise
+from ..standstill import LEVER, STILL_SPEED
 from .integrals import CHUNK, Integrals
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
 from .wrenches import Densities, GridWrenches
 
-STILL_SPEED = 0.02
-"""m/s: below it a cart may stand, and brakes, chocks and friction hold any force."""
 POSE_STEP = 1e-4
 """m, rad: of differences by where {b} is in the frame that is tracked."""
 STILL_DEVIATIONS = 2.0
 """Of the smooth speed."""
-LEVER = 0.35
-"""m: half of a usual track."""
 RIM = 0.1
 """m around a region of the floor: beyond, its soft edge is not felt."""
 

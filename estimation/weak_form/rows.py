@@ -16,7 +16,8 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .balances import LEVER, Balances
+from ..standstill import LEVER
+from .balances import Balances
 from .integrals import SUPPORT, THIN
 from .sensor_noise import MAD_TO_STD
 from .standing import FRICTION, G, standing, turning_back

@@ -7,7 +7,8 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .balances import LEVER, Balances
+from ..standstill import LEVER
+from .balances import Balances
 from .motion import KNOT_STEPS
 
 G = 9.81

@@ -12,7 +12,8 @@ from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.integrate import runge_kutta_4
 
-from ...weak_form.balances import STILL_SPEED, Balances
+from ...standstill import STILL_SPEED
+from ...weak_form.balances import Balances
 
 HORIZONS = (0.5, 1.0, 2.0)
 """s."""

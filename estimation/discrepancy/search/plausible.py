@@ -10,7 +10,7 @@ from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.wheels import WheelSet
 
-from ...weak_form.balances import LEVER
+from ...standstill import LEVER
 from ...weak_form.motion import Motion
 from .candidates import amplitudes_of
 from .laws import seen_values

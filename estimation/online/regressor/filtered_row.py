@@ -26,6 +26,7 @@ from cartgrasp.model import CartModel
 
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
+from ...standstill import LEVER, STILL_SPEED
 from ..kernels import filtered_row as kernels
 from ..kernels import row_parts
 from ..kernels.filtered_row import FilteredRow, Found, LeftOut, Smoothed, Weights
@@ -47,9 +48,12 @@ class Block:
     wrenches: Array
 
 
-def stands_still(moved: Smoothed) -> bool:
-    """Whether nothing is seen to move, all the block long."""
-    return bool((moved.velocity**2 < STILL**2 * np.diagonal(moved.covariance, axis1=1, axis2=2)).all())
+def stands_still(moved: Smoothed, cart: CartModel) -> bool:
+    """Whether the cart may, all the block long: it creeps at most, or nothing is seen to move."""
+    twist = moved.velocity @ cart.basis_b.T
+    creeps = np.hypot(twist[:, 0], twist[:, 1]) + LEVER * np.abs(twist[:, 2]) < STILL_SPEED
+    is_unseen = moved.velocity**2 < STILL**2 * np.diagonal(moved.covariance, axis1=1, axis2=2)
+    return bool(creeps.all() or is_unseen.all())
 
 
 def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:

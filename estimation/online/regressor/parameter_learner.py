@@ -198,7 +198,7 @@ class ParameterLearner:
             moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
         is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
-        if is_whole and not is_slow and not stands_still(moved):
+        if is_whole and not is_slow and not stands_still(moved, self.cart):
             self._learn(Block(weighing, moved, wrenches))
         else:
             self._unlink()
