@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 Tell = Callable[[str], None]
 ADVICE = (
-    "compiling kernels, once on this machine, which takes up to a minute; `cartgrasp warm-up` does it ahead, as does "
+    "compiling kernels, once on this machine, which takes a minute or two; `cartgrasp warm-up` does it ahead, as does "
     "warm_up() of planners and filters"
 )
 

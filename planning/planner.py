@@ -159,7 +159,7 @@ class WrenchPlanner:
 
     def warm_up(self) -> None:
         """Does now what would cost at the first call: workspaces, the fallback solver's import, and compiled kernels,
-        without which planning takes ten times as long: loaded in half a second, compiled in half a minute."""
+        without which planning takes ten times as long: loaded in half a second, compiled in a minute or two."""
         self._is_warm = True
         self._begin_terms()
         self.plan((0.0, 0.0, 0.0))

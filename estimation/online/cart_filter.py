@@ -93,7 +93,7 @@ class CartFilter(OnlineEstimator[DelayedWrenches | Core]):
         least_speed: float = 0.0,
     ) -> None:
         number("filter: least_speed", least_speed, 0.0, LARGEST_NUMBER, "give m/s")
-        made_of, self._arms = given(cart, arms, noise, prior, yaws), arms
+        made_of = given(cart, arms, noise, prior, yaws)
         core = core_of(made_of, least_speed)
         super().__init__(made_of, DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
 
@@ -102,13 +102,13 @@ class CartFilter(OnlineEstimator[DelayedWrenches | Core]):
         or compiled, in a minute, the very first time on a machine. What this one has learned stays."""
         import scipy.optimize  # noqa: F401  for estimates that are no body
 
-        other = type(self)(self.cart, self._arms, noise=self.noise, prior=self.prior)
+        other = type(self)(self.cart, self.arms, noise=self.noise, prior=self.prior)
         if self.cart.is_compiled:
             self.cart.dynamics.warm_up()
         if self.cart.wheels:
             self.cart.wheel_set.loads(self.cart.inertia.phi)
         with suppress(CartgraspError):  # what is believed may be far from the push that is made up
-            for sample in made_up_push(self.cart, self._arms or ("arm",)):
+            for sample in made_up_push(self.cart, self.arms or ("arm",)):
                 other.update(sample)
 
     @property

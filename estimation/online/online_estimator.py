@@ -26,7 +26,7 @@ class OnlineEstimator(ABC, Generic[C]):
     """Whether wrenches of a `time_delay` are brought back to when they were felt."""
 
     def __init__(self, made_of: Given, core: C) -> None:
-        self.cart, _, self.noise, self.prior, _ = made_of
+        self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorWatch(*made_of)
         self._samples = LateSamples(core)
 

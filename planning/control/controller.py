@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import brief, check_kind, number, positive
+from cartgrasp.checks import brief, check_kind, check_known, number, positive, shown
 from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 LOST = ("stale", "no_wrench", "clock_went_back")
 """Healths under which no hand lets go."""
-LONGEST_PERIOD, FARTHEST_DRIFT = 10.0, 10.0
+LONGEST_PERIOD, FARTHEST_DRIFT = 0.5, 10.0
 USUAL, AS_CHOSEN, REJECTS = RegraspTimes(), Choosing(), Rejection()
 
 
@@ -105,6 +105,8 @@ class Controller:
     ) -> None:
         positive("controller: period", period, LONGEST_PERIOD, "give s")
         number("controller: drift", drift, 0.0, FARTHEST_DRIFT, "give m")
+        if not callable(getattr(reference, "at", None)):
+            raise UsageError(f"controller: reference: {shown(reference)} is no path; write PathReference(chain(…))")
         check_kind("controller: choosing", choosing, Choosing, "write Choosing(every=3.0)")
         self.cart, self.reference, self.period, self.learns = cart, reference, float(period), bool(learn)
         self._arms = tuple(arms)
@@ -117,6 +119,8 @@ class Controller:
         self._planner, self._caution, self._rejection = planner, caution, rejection
         self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
+        self._names = frozenset(arm.name for arm in self._arms)
+        _check_learns_from(self._estimator, self._names)
         told = rejection is not None and getattr(self._estimator, "tells_disturbance", False)
         self._tracker = build_tracker(cart.constraints, gains, told) if tracker is None else tracker
         if isinstance(contacts, str):
@@ -144,7 +148,7 @@ class Controller:
 
     def step(self, measurement: Measurement) -> Step:
         """One tick: takes in what was sensed, and says what the arms are to do."""
-        estimate, time = self._estimator.update(measurement), measurement.time
+        estimate, time = self.observe(measurement), measurement.time
         reference, along, slowed = self._paced(estimate.health, time)
         model = estimate.cart() if self.learns else self.cart
         wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(estimate)
@@ -163,7 +167,15 @@ class Controller:
 
     def observe(self, measurement: Measurement) -> Estimate:
         """Takes in what was sensed between two ticks, such as the wrenches that the arms then gave."""
+        if not self._names.issuperset(measurement.wrenches):
+            check_known("measurement: wrenches", measurement.wrenches, self._names)
         return self._estimator.update(measurement)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the last step was at the end of the reference, which a cautious controller reaches later."""
+        along = self._time if self._caution is None else self._pace.along
+        return along >= self.reference.duration
 
     # --- saved and restored -------------------------------------------------------------------------------
 
@@ -228,6 +240,16 @@ class Controller:
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate)
+
+
+def _check_learns_from(estimator: Estimator, names: frozenset[str]) -> None:
+    """Its arms, where it says which these are, are those that push."""
+    heard = getattr(estimator, "arms", None)
+    if heard is not None and set(heard) != names:
+        raise UsageError(
+            f"controller: estimator: it adds up the wrenches of {', '.join(sorted(heard))}, and the arms are "
+            f"{', '.join(sorted(names))}; name them alike"
+        )
 
 
 def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[str, Array]:

@@ -19,9 +19,9 @@ from .hand import Hand, Phase, point_of
 class Step:
     """What the arms do from `time` (s) on, and by what.
 
-    `given` are their wrenches, with where the hands are; `plan` is the plan of the hands that hold wholly, where one is
-    on its way. `why` says why the contacts were chosen, `kept` by arm why a hand stays that was to go, and `slowed` why
-    the cart goes slower than its reference.
+    `given` are their wrenches, with where the hands are; `reference` is where the cart is to be by now, later than its
+    path says where `slowed` says why. `plan` is the plan of the hands that hold wholly, where one is on its way. `why`
+    says why the contacts were chosen, `kept` by arm why a hand stays that was to go.
     """
 
     time: float
@@ -64,10 +64,11 @@ class Step:
 
     @cached_property
     def words(self) -> str:
-        """What each hand does, where, and why; what pushes beside them, and why the cart is slow."""
+        """What each hand does, where, and why; what is not as it should be: the plan, what pushes, a cart that is slow."""
         hands = [self._of_hand(name, hand) for name, hand in self.placed.items()]
         pushed = self.disturbance is not None and self.disturbance.acts
-        told = ["something else pushes the cart"] if pushed else []
+        told = [] if self.plan.status == "optimal" else [f"the plan is {self.plan.status}"]
+        told += ["something else pushes the cart"] if pushed else []
         return "; ".join([*hands, *told, *([self.slowed] if self.slowed else [])])
 
     @property

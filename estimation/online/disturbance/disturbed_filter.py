@@ -83,7 +83,8 @@ class DisturbedFilter:
         response: float = 0.2,
     ) -> None:
         _, names, self.noise, self.prior, by_arm = given(cart, arms, noise, prior, yaws)
-        self.cart, self.response = cart, positive("filter: response", response, SLOWEST, "give s")
+        self.cart, self.arms = cart, names
+        self.response = positive("filter: response", response, SLOWEST, "give s")
         self._observer = DisturbanceObserver(cart, self.noise, self.response)
         unseen = max(self.noise.disturbance, self._observer.deviation * math.sqrt(self.response))
         self._learner = CartFilter(

@@ -210,7 +210,23 @@ def test_what_it_is_made_of_is_checked():
         Controller(GUESS, held, PATH, contacts="teaching")
     with pytest.raises(UsageError, match="controller: period"):
         Controller(GUESS, held, PATH, period=0.0)
+    with pytest.raises(UsageError, match=r"controller: period: 10 is not a number .*give s"):
+        Controller(GUESS, held, PATH, period=10)
+    with pytest.raises(UsageError, match=r"controller: reference: .* is no path; write PathReference\(chain\(…\)\)"):
+        Controller(GUESS, held, chain(pause(1.0)))
+    with pytest.raises(UsageError, match="left_arm, right_arm, and the arms are left, right; name them alike"):
+        Controller(GUESS, held, PATH, estimator=learner(("left_arm", "right_arm")))
+    with pytest.raises(UsageError, match="measurement: wrenches: there is no 'rigth'; did you mean right"):
+        controller.observe(cg.Measurement(0.0, wrenches={"left": np.zeros(6), "rigth": np.zeros(6)}))
     with pytest.raises(UsageError, match=r"controller: regrasp: .* is no RegraspTimes"):
         Controller(GUESS, held, PATH, regrasp=0.5)
     with pytest.raises(UsageError, match=r"controller: planner: .* or give regrasp=None"):
         Controller(GUESS, held, PATH, planner=object())
+
+
+def test_words_say_what_a_plan_lacks_and_when_the_path_is_over():
+    controller = Controller(GUESS, arms(force=1.0), PathReference(chain(straight(0.3, 0.5))), period=0.05)
+    assert not controller.is_done
+    told = drive(controller, controller.reference.duration + 0.1)
+    assert "the plan is relaxed" in told[5][0].words
+    assert controller.is_done
