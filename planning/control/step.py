@@ -64,7 +64,7 @@ class Step:
 
     @cached_property
     def words(self) -> str:
-        """What each hand does, where, and why; what is not as it should be: the plan, what pushes, a cart that is slow."""
+        """What each hand does, where, and why; whether the plan is not optimal, what else pushes, and what is slow."""
         hands = [self._of_hand(name, hand) for name, hand in self.placed.items()]
         pushed = self.disturbance is not None and self.disturbance.acts
         told = [] if self.plan.status == "optimal" else [f"the plan is {self.plan.status}"]
