@@ -146,7 +146,8 @@ class DisturbedFilter:
             if sensed is not None:
                 observed = self._observer.pushed(observed, sensed.value, sensed.covariance)
         self._observed = observed
-        self._conclude(observed, told, memory)
+        if self._disturbance is None or np.isfinite(pose).any() or np.isfinite(velocity).any():
+            self._conclude(observed, told, memory)
 
     def _conclude(self, observed: Observed, told: Estimate, memory: Array) -> None:
         """Whether the disturbance acts. It does for sure where no usual load would look like it, and goes on to until a

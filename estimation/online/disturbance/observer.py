@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -132,12 +133,12 @@ class DisturbanceObserver:
 
     # --- a step -----------------------------------------------------------------------------------------------
 
-    @property
+    @cached_property
     def _usual(self) -> Array:
         """Variances (k,) of what may set in."""
         return np.asarray((USUAL_PUSH * self.noise.wrench_scale(self.cart)) ** 2)
 
-    @property
+    @cached_property
     def _inertias(self) -> Array:
         """(k,), kg and kg m²."""
         whole = np.diag(self.cart.inertia.phi[[0, 0, 3]])
@@ -148,13 +149,13 @@ class DisturbanceObserver:
         share = theta[0] / self.cart.inertia.mass
         return np.asarray((share * self._inertias * (SETTLED / self.response) ** 2 * self._heard * step) ** 2)
 
-    @property
+    @cached_property
     def _heard(self) -> Array:
         """Standard deviations (k,) of measured velocities."""
         variances = np.diagonal(self._to_free @ self.noise.velocity_covariance @ self._to_free.T)
         return np.maximum(np.sqrt(variances), LEAST_VELOCITY_NOISE)
 
-    @property
+    @cached_property
     def _to_free(self) -> Array:
         return np.asarray(np.linalg.pinv(self.cart.basis_b))
 
