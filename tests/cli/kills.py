@@ -84,6 +84,7 @@ TRIALS = [
     study("robust", "--seeds 1", "run_seeds"),
     study("effort", "--seeds 1", "run_seeds"),
     study("safety", "--seeds 1", "run_seeds"),
+    study("disturbances", "--runs 1", "run_cases"),
     study("estimators", "--seeds 2", "run_trials"),
     study("consistency", "--runs 2", "run_seeds"),
     study("hardware", "--runs 2", "run_experiments"),
