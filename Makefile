@@ -3,7 +3,7 @@
 BIN := .venv/bin
 READY := .venv/.set-up
 READY_FOR_BENCH := .venv/.set-up-bench
-# pip by the side of a line every five seconds: a mute minute looks like one that hangs.
+# pip is mute for a minute, which looks like one that hangs: a line every five seconds says how far it is.
 PIP_INSTALL := .ci/with-progress $(BIN)/pip install -qq --disable-pip-version-check
 PACKAGES := cartgrasp estimation planning
 

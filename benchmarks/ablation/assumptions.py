@@ -66,7 +66,7 @@ ASSUMPTIONS = (
         "weak_form.steps",
         {
             "WHOLE": "of a step, how far a change is from whole ones",
-            "MOSTLY": "share of changes that are whole steps",
+            "MOST_CHANGES": "share of changes that are whole steps",
             "COUNTED": "steps that are counted at most",
         },
     ),

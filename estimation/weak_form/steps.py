@@ -13,7 +13,7 @@ from cartgrasp.logs import RunLog
 
 from ..log_noise.resolution import TINY, resolution
 
-WHOLE, MOSTLY, COUNTED = 0.1, 0.95, 5.0
+WHOLE, MOST_CHANGES, COUNTED = 0.1, 0.95, 5.0
 """Of a step: how far a change is from a whole number of them; share of changes that are no farther; how many steps
 a change is at most to be asked, since a step that is told roughly adds up."""
 
@@ -47,4 +47,4 @@ def _in_steps(changes: Array, step: float) -> bool:
     """Whether changes (n,) are whole numbers of steps."""
     counts = np.abs(changes) / step
     few = counts[counts < COUNTED]
-    return bool(len(few) and np.mean(np.abs(few - np.rint(few)) < WHOLE) > MOSTLY)
+    return bool(len(few) and np.mean(np.abs(few - np.rint(few)) < WHOLE) > MOST_CHANGES)

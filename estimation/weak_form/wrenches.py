@@ -78,7 +78,7 @@ class GridWrenches:
         recorded, seen = np.zeros_like(self.recorded), self.held.copy()
         for i, arm in enumerate(log.arms.values()):
             known = np.isfinite(arm.wrench).all(axis=1)
-            recorded[i], near = _means(
+            recorded[i], near = _on_grid(
                 log.time[known] - lateness, arm.wrench[known], self.motion.time, self.motion.step
             )
             seen &= near
@@ -157,7 +157,7 @@ def _covariance(reduced: Array, densities: Densities) -> Array:
     return np.asarray(found + (least[:, None] + others)[:, None] * np.eye(found.shape[1]))
 
 
-def _means(time: Array, values: Array, grid: Array, step: float) -> tuple[Array, np.ndarray]:
+def _on_grid(time: Array, values: Array, grid: Array, step: float) -> tuple[Array, np.ndarray]:
     """Values (n, k) at points of a grid, without what is faster than its `step`; and where samples are near (n,)."""
     if len(time) < 2:
         return np.zeros((len(grid), values.shape[1])), np.zeros(len(grid), dtype=bool)

@@ -36,7 +36,7 @@ def upheld(
     laws = final.laws
     if not (laws or added(final)):
         return final, ()
-    best = min(rollout_error(file_rollouts(nominal)), rollout_error(held_out_rollouts(nominal)))
+    best = _known_error(nominal)
     floor, error = rollout_error(floor_rollouts(final)), rollout_error(held_out_rollouts(final))
     for law in laws:
         if error <= floor:
@@ -69,10 +69,15 @@ def _most(final: Model, best: float) -> float:
 def closes_most(less: Model, more: Model) -> bool:
     """Whether a model closes most of what another leaves, if that is beyond noise, on stretches that it did not see."""
     floor = rollout_error(floor_rollouts(more))
-    best = min(rollout_error(file_rollouts(less)), rollout_error(held_out_rollouts(less)))
+    best = _known_error(less)
     if best <= BEYOND_NOISE * floor:
         return False
     return rollout_error(held_out_rollouts(more)) ** 2 - floor**2 < (1.0 - MOSTLY) * (best**2 - floor**2)
+
+
+def _known_error(model: Model) -> float:
+    """Of the cart as it is believed, or of the model where that foretells better."""
+    return min(rollout_error(file_rollouts(model)), rollout_error(held_out_rollouts(model)))
 
 
 def rollout_error(rolled: Rollouts) -> float:

@@ -31,7 +31,7 @@ SETTLED = 2.93
 """Of w t: from there on the answer to a step is within 5 % of it."""
 USUAL_PUSH = 40.0
 """N: a standard deviation of what may set in at once; moments by the noise's lever."""
-GATE = 20.5
+SURPRISING = 20.5
 """Of the normalised square of pose and velocity: five numbers of white noise are beyond it once in a thousand times."""
 LEAST_VELOCITY_NOISE = 5e-4
 MAX_STEP, USUAL_PERIOD = 0.02, 0.01
@@ -108,13 +108,13 @@ class DisturbanceObserver:
         residual, rows, noise = residual[known], rows[known], noise[np.ix_(known, known)]
         belief = observed.belief
         square = float(innovation(belief, residual, rows, noise).nis)
-        surprised = observed.surprised + 1 if square > GATE else 0
+        surprised = observed.surprised + 1 if square > SURPRISING else 0
         if surprised > 1:
             belief = self._opened(belief, observed.k)
             square = float(innovation(belief, residual, rows, noise).nis)
-            belief = belief if square <= GATE else observed.belief
-        if square > GATE:
-            noise = noise * square / GATE
+            belief = belief if square <= SURPRISING else observed.belief
+        if square > SURPRISING:
+            noise = noise * square / SURPRISING
         found = updated(belief, innovation(belief, residual, rows, noise), rows, noise)
         return replace(observed, belief=found, surprised=surprised)
 

@@ -171,7 +171,6 @@ class ParameterLearner:
         k, end = self.tracker.over()
         if not k:
             return
-        self._seen_until = max(self._seen_until, self.tracker.seen_until)
         if self.tracker.time[end - 1] <= self._seen_until:
             self._take_block(k, end)
         elif self.time - self._seen_until > LONG_GAP:
@@ -184,6 +183,7 @@ class ParameterLearner:
         was due. Returns how many moments are left."""
         self.tracker.followed(moments)
         self.time, self._has_wrench = self.tracker.last_time, True
+        self._seen_until = max(self._seen_until, self.tracker.seen_until)
         self._watch.go_on(before)
         self._take_row()
         return len(self.tracker.time)
