@@ -15,8 +15,9 @@ from .jit import Indices, row_compiled, row_entry
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
-Surprised = tuple[float, Array, Array]
-"""A row's normalised square, and what it says of a change: information's product (k - 1,) and information."""
+Surprised = tuple[float, Array, Array, Array, Array]
+"""A row's normalised square, and what it says of a change: information's product (k - 1,) and information; what was not
+foretold, and its covariance."""
 Limits = tuple[float, float, float]
 """The share kept of what is known, and the squares by component beyond which a row pulls less, and is none."""
 LEAST_SHARE = 1e-9
@@ -68,11 +69,11 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
     news, spread = value - _times(before, mean), _congruence(before, covariance) + own
     square = _square(news, spread)
     if not square < absurd * n:
-        return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)))
+        return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), news, spread)
     scale = max(1.0, square / (gate * n))
     taught = slopes[:, : k - 1].copy()
     asked = _turned(_solved(scale * spread, taught))
-    surprised = square, _times(asked, news), _product(asked, taught)
+    surprised = square, _times(asked, news), _product(asked, taught), news, spread
     whole, more = _linked((information, pull), linking)
     _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))

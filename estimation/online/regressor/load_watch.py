@@ -1,4 +1,4 @@
-"""Whether the load has changed: two tests over the last rows.
+"""Whether the load may have changed: two tests over the last rows, which begin a trial (`push_or_load.py`).
 
 A chi-squared test sees whatever fits badly, at once. A load that is put on pulls many rows the same way, each by
 little: for every moment of the last seconds, the evidence that the parameters changed then by a load is
@@ -16,16 +16,19 @@ from ...health import Health
 from ..kernels import belief as kernels
 from ..resets import Resets
 from ..whiteness import Whiteness
+from .push_or_load import PushOrLoad
 from .regression_belief import GATE, Surprise
 
 ROWS = 10
 """Of a block of the test: a second of rows."""
-FALSE_ALARM, FALSE_LOAD = 1e-7, 1e-6
+FALSE_ALARM, FALSE_LOAD = 1e-3, 1e-2
 """Of the one test, each row; of the other, for each moment."""
 STARTS = 60
 """Rows over which a change is looked for."""
 SETTLING_ROWS = 20
 SMOOTHING = 0.1
+FITTING = 5
+"""Rows in a row after which a model that did not fit does again."""
 
 
 class LoadWatch:
@@ -43,29 +46,56 @@ class LoadWatch:
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
+        self._unfit: int | None = None  # how many rows have fitted since what did not end
+        self._is_told = False  # a load, though not yet for good
         self._white = Whiteness()
         self.ratio, self.health = 0.0, Health.OK
 
     def note(self, time: float, surprise: Surprise, root: Array) -> bool:
-        """Whether the parameters should be opened now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
+        """Whether a load has to be thought of now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
         changes."""
-        square = surprise.square
-        self._resets = self._resets.at(time)
+        self.follow(time, surprise)
         self._since = _followed(self._since, (surprise.information, surprise.pull))
         self._seen += 1
-        self.ratio = square / (GATE * self._n)
-        self._outliers += SMOOTHING * (float(square > GATE * self._n) - self._outliers)
-        self._squares = (*self._squares, min(square, GATE * self._n))[-ROWS:]
-        may = self._seen >= SETTLING_ROWS and self._resets.are_allowed
-        is_change = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
+        self._squares = (*self._squares, min(surprise.square, GATE * self._n))[-ROWS:]
+        may = self._seen >= SETTLING_ROWS and self._resets.are_allowed and self._fits
+        is_suspected = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
+        if is_suspected:
+            self._white = self._white.interrupted()
+            self._squares = ()
+            self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
+        return is_suspected
+
+    def settle(self, time: float, trial: PushOrLoad) -> None:
+        """How far a load that was thought of is told. Of a push that does not end nothing more is thought until rows
+        fit again."""
+        self._is_told = trial.is_told and not trial.is_over
+        if trial.is_over:
+            self._unfit = 0 if trial.is_endless else None
+            self._resets = self._resets.one_more(time) if trial.is_load else self._resets
+        self._say()
+
+    def follow(self, time: float, surprise: Surprise) -> None:
+        """Health after a row."""
+        self._resets = self._resets.at(time)
+        self.ratio = surprise.square / (GATE * self._n)
+        self._outliers += SMOOTHING * (float(self.ratio > 1.0) - self._outliers)
         if self.ratio <= 1.0:
             self._white = self._white.and_then(time, surprise.pull, surprise.information)
-        if is_change:
-            self._white = self._white.interrupted()
-            self._resets, self._squares = self._resets.one_more(time), ()
-            self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
-        self.health = self._resets.health_beside(self._outliers, self._white)
-        return is_change
+        if self._unfit is not None:
+            fitting = self._unfit + 1 if self.ratio <= 1.0 else 0
+            self._unfit = fitting if fitting < FITTING else None
+        self._say()
+
+    @property
+    def _fits(self) -> bool:
+        return self._unfit is None
+
+    def _say(self) -> None:
+        said = self._resets.health_beside(self._outliers, self._white)
+        if self._is_told and said in (Health.OUTLIERS, Health.OK):
+            said = Health.LOAD_CHANGED
+        self.health = said if self._fits else Health.INCONSISTENT
 
     def _evidence(self, root: Array) -> float:
         """Of the most likely moment."""
@@ -75,7 +105,7 @@ class LoadWatch:
         """Nothing new up to a time."""
         if self._resets.times:
             self._resets = self._resets.at(time)
-            self.health = self._resets.health_beside(self._outliers, self._white)
+            self._say()
 
 
 def _followed(since: tuple[Array, Array], more: tuple[Array, Array]) -> tuple[Array, Array]:

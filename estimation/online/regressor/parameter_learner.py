@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Self
 
 import numpy as np
 
+from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
@@ -29,12 +31,14 @@ from ...physical_set import PhysicalSet
 from ...prior import Prior
 from ..kernels.filtered_row import FilteredRow, weights
 from ..kernels.recorded_moment import DUE, FELT
+from ..disturbance.observer import USUAL_PUSH
 from ..load_change import load_covariance, root_of
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..wrench_sensing import Moving, WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
-from .load_watch import LoadWatch
+from .load_watch import ROWS, LoadWatch
 from .motion_tracker import MotionTracker
+from .push_or_load import PushOrLoad, Taken
 from .regression_belief import RegressionBelief
 from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
 
@@ -69,8 +73,12 @@ class ParameterLearner:
         self.reporter = ParameterReport(cart, self.prior)
         self._report: Mapping[str, ParameterEstimate] | None = None
         self._again: SecondLook | None = None
+        self._trial: PushOrLoad | None = None
+        self._taken: tuple[Taken, ...] = ()  # the last rows
+        self._push = np.diag(USUAL_PUSH * noise.wrench_scale(cart)) ** 2
         self._memory: Array | None = None
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
+        self.theta = cart.parameters
         self._seen, self._started, self._has_wrench = Seen(), False, False
         self.worked = False  # whether the last sample brought a row, which takes long
         self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
@@ -208,22 +216,40 @@ class ParameterLearner:
     def _unlink(self) -> None:
         """The next block does not begin where the last one ended."""
         self._belief.unlink()
+        self._taken = ()
+        if self._trial is not None:
+            self._settle(self._trial.unlinked(), self.time)
         if self._again is not None:
             self._again = self._again.and_then(None)
 
     def _learn(self, block: Block) -> None:
         row = self._worked_out(block)
-        if self._again is None and blur(row) > BLURRED:
+        if self._again is None and self._trial is None and blur(row) > BLURRED:
             self._again = SecondLook(self._belief.copy())
         if self._again is not None:
             self._again = self._again.and_then(block)
-        surprise = self._belief.absorb(row, self.theta)
-        root = float(self.theta[0]) * self._root
-        if self._watch.note(float(block.moved.time[-1]), surprise, root):
-            self._belief.open(root @ root.T)
-            self._again = None
+        time = float(block.moved.time[-1])
+        if self._trial is None:
+            self._take_in(row, time)
+        else:
+            trial = self._trial.and_then(row, self.theta)
+            self._watch.follow(time, trial.surprise)
+            self._settle(trial, time)
         self._conclude()
         self._look_again()
+
+    def _take_in(self, row: FilteredRow, time: float) -> None:
+        before, root = self._belief.copy(), float(self.theta[0]) * self._root
+        surprise = self._belief.absorb(row, self.theta)
+        self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
+        if self._watch.note(time, surprise, root):
+            self._settle(PushOrLoad.since(self._taken, root @ root.T, self._push), time)
+            self._taken, self._again = (), None
+
+    def _settle(self, trial: PushOrLoad, time: float) -> None:
+        """What is believed while a push and a load both are, and whether that is decided."""
+        self._trial, self._belief = None if trial.is_over else trial, trial.belief
+        self._watch.settle(time, trial)
 
     def _worked_out(self, block: Block) -> FilteredRow:
         """The row around what is believed now."""
@@ -258,7 +284,9 @@ class ParameterLearner:
         taken, and the belief stays as it is."""
         theta, self.covariance, self._spread = self._belief.concluded(self.cart.parameters)
         if len(self._free) and not self._limits.holds(theta):
-            theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
+            with suppress(DataError):  # where what is believed is beyond numbers, what was stays
+                self.theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
+            theta = self.theta
         self.theta, self._report = theta, None
         self._mass = self.cart.inverse(*self._at_rest, theta).by_acceleration
         self._believe()

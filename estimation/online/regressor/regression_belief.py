@@ -7,6 +7,7 @@ neighbours' common noise is counted once.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -31,11 +32,21 @@ ABSURD = 1e6
 
 class Surprise(NamedTuple):
     """Of a row: its normalised square, and what it says of a change of the free parameters (f,) since before it, as
-    information (f, f) and its product with the change."""
+    information (f, f) and its product with the change; what was not foretold (n,), and the covariance (n, n) of that."""
 
     square: float
     pull: Array
     information: Array
+    news: Array
+    spread: Array
+
+    def log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
+        """But for a constant, with something (n,) and its covariance (n, n) beside; of what is beyond the gate, with
+        the noise widened to it."""
+        news, spread, n = self.news - mean, self.spread + more, len(self.news)
+        square = float(news @ np.linalg.solve(spread, news))
+        scale = max(1.0, square / (GATE * n))
+        return -0.5 * (square / scale + n * math.log(scale) + float(np.linalg.slogdet(spread)[1]))
 
 
 class RegressionBelief:
@@ -59,7 +70,7 @@ class RegressionBelief:
     @property
     def parameters(self) -> Gaussian:
         """The free ones."""
-        whole = self._solved
+        whole = self.solved
         m = self._k - 1
         return Gaussian(whole.mean[:m], whole.covariance[:m, :m])
 
@@ -70,10 +81,11 @@ class RegressionBelief:
 
     @property
     def lateness(self) -> float:
-        return float(self._solved.mean[self._k - 1])
+        return float(self.solved.mean[self._k - 1])
 
     @property
-    def _solved(self) -> Gaussian:
+    def solved(self) -> Gaussian:
+        """Of the free parameters, the lateness and the link, if there is one."""
         information, pull = self._known
         covariance = _inverse(information)
         return Gaussian(covariance @ pull, covariance)
@@ -97,12 +109,28 @@ class RegressionBelief:
 
     def open(self, added: Array) -> None:
         """Adds to the covariance of the free parameters, (f, f)."""
-        now = self._solved
+        now = self.solved
         m = self._k - 1
         covariance = now.covariance.copy()
         covariance[:m, :m] += added
+        self.believe(now.mean, covariance)
+
+    def believe(self, mean: Array, covariance: Array) -> None:
+        """Instead of what was."""
         information = _inverse(covariance)
-        self._known = information, information @ now.mean
+        self._known = information, information @ mean
+
+
+def mixture(one: RegressionBelief, other: RegressionBelief, share: float) -> RegressionBelief:
+    """Mean and covariance of two beliefs, of which the other has a share; without a link."""
+    found, last = one.copy(), other.copy()
+    found.unlink()
+    last.unlink()
+    p, q = found.solved, last.solved
+    off = q.mean - p.mean
+    spread = share * (1.0 - share) * np.outer(off, off)
+    found.believe(p.mean + share * off, (1.0 - share) * p.covariance + share * q.covariance + spread)
+    return found
 
 
 def _inverse(matrix: Array) -> Array:

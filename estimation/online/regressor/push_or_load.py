@@ -1,0 +1,135 @@
+"""Whether what surprises is a push or a load: both are believed until rows tell.
+
+A load changes the parameters from some moment on, a push nothing but the rows in which it acts. So from the first row
+that surprised there are two beliefs, one that is opened to a load and takes in all rows, and one that leaves out rows
+which a push would make more likely. Each row's likelihood under either moves the odds (Bayes), and what is told
+meanwhile is their mixture, whose deviation holds both.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from ..kernels.filtered_row import FilteredRow
+from .regression_belief import RegressionBelief, Surprise, mixture
+
+DECIDED = math.log(1000.0)
+"""Of the odds, beyond which one of the two is left."""
+LEAST, LONGEST = 15, 60
+"""Blocks before which no load is told for sure, since a push may last so long; and rows after which what is still not
+told apart is one belief, as wide as both."""
+OVER = 5
+"""Rows in a row without a push after which it is over."""
+STEADY = 0.25
+"""Of a push's usual size, by how much it changes from row to row."""
+
+
+class Taken(NamedTuple):
+    """A row worked out around parameters (p,), and what was believed before it."""
+
+    before: RegressionBelief
+    row: FilteredRow
+    at: Array
+
+
+class Pushed(NamedTuple):
+    """What is believed if nothing but a push is there, of a force (n,) in the last row in which
+    one acted, `rows` ago."""
+
+    belief: RegressionBelief
+    force: Array
+    rows: int = 1
+
+    def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[Pushed, float, Surprise]:
+        """With a row, and its log-likelihood. Of one in which a push is likelier nothing is learned."""
+        belief, gain = self.belief.copy(), 1.0 - row.fade
+        surprise = belief.absorb(row, at)
+        mean, covariance = (self.force, STEADY**2 * usual) if self.rows == 0 else (np.zeros(len(usual)), usual)
+        without, beside = surprise.log_likelihood(), surprise.log_likelihood(gain * mean, gain**2 * covariance)
+        if without >= beside:
+            return Pushed(belief, self.force, self.rows + 1), without, surprise
+        belief = self.belief.copy()
+        belief.unlink()
+        return Pushed(belief, surprise.news / gain, 0), beside, surprise
+
+
+@dataclass(frozen=True)
+class PushOrLoad:
+    """Both beliefs, the logarithm of the odds of a load, how many rows there were, and blocks that brought none, and the
+    surprise of the last row under the likelier belief. `usual` (n, n) is the covariance of usual pushes."""
+
+    pushed: Pushed
+    loaded: RegressionBelief
+    usual: Array
+    odds: float = 0.0
+    rows: int = 0
+    without: int = 0
+    surprise: Surprise | None = None
+
+    @classmethod
+    def since(cls, taken: Sequence[Taken], load: Array, usual: Array) -> PushOrLoad:
+        """From the first of the last rows in which a push is likely on, for a load of covariance (f, f)."""
+        first = taken[0]
+        pushed, found = Pushed(first.before.copy(), np.zeros(len(usual))), None
+        for one in taken:
+            was, (pushed, *_) = pushed, pushed.and_then(one.row, one.at, usual)
+            if found is None and (pushed.rows == 0 or one is taken[-1]):
+                loaded = was.belief.copy()
+                loaded.open(load)
+                found = cls(was, loaded, usual)
+            if found is not None:
+                found = found.and_then(one.row, one.at)
+        return found
+
+    def and_then(self, row: FilteredRow, at: Array) -> PushOrLoad:
+        """With one row more."""
+        loaded = self.loaded.copy()
+        by_load = loaded.absorb(row, at)
+        pushed, of_push, by_push = self.pushed.and_then(row, at, self.usual)
+        odds = self.odds + by_load.log_likelihood() - of_push
+        said = by_load if odds > 0.0 else by_push
+        return replace(self, pushed=pushed, loaded=loaded, odds=odds, rows=self.rows + 1, surprise=said)
+
+    def unlinked(self) -> PushOrLoad:
+        """With a block that brought no row."""
+        pushed, loaded = self.pushed.belief.copy(), self.loaded.copy()
+        pushed.unlink()
+        loaded.unlink()
+        return replace(self, pushed=self.pushed._replace(belief=pushed), loaded=loaded, without=self.without + 1)
+
+    @property
+    def is_over(self) -> bool:
+        told = self.rows + self.without >= LEAST if self.is_load else self.pushed.rows >= OVER
+        return (told and abs(self.odds) > DECIDED) or self.rows >= LONGEST
+
+    @property
+    def is_load(self) -> bool:
+        """As far as can be told."""
+        return self.odds > 0.0
+
+    @property
+    def is_told(self) -> bool:
+        """Whether a load is, if only as long as nothing else comes."""
+        return self.odds > DECIDED
+
+    @property
+    def is_endless(self) -> bool:
+        """What pushes for so long is no push, but the model's error."""
+        return self.rows >= LONGEST and self.odds < -DECIDED and self.pushed.rows < OVER
+
+    @property
+    def belief(self) -> RegressionBelief:
+        """What is left of the two, or both as one."""
+        if self.odds > DECIDED:
+            return self.loaded
+        if self.odds < -DECIDED:
+            return self.pushed.belief
+        share = 1.0 / (1.0 + math.exp(-self.odds))
+        return mixture(self.pushed.belief, self.loaded, share)
