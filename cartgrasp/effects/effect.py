@@ -37,8 +37,9 @@ USUAL_SPREAD = 0.5
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
-    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly. A search for an
-    effect that nobody has named begins at the values of `grid`, or at `absent`."""
+    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly. What `is_by_mass`
+    acts as its product with the mass. A search for an effect that nobody has named begins at the values of `grid`, or
+    at `absent`."""
 
     name: str
     unit: str
@@ -47,6 +48,7 @@ class Parameter:
     upper: float = np.inf
     absent: float = 0.0
     estimated: bool = True
+    is_by_mass: bool = False
     grid: tuple[float, ...] = ()
 
 

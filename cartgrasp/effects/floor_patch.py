@@ -36,7 +36,7 @@ class FloorPatch(CompiledForce):
         Parameter("x_max", "m", typical=1.0, estimated=False),
         Parameter("y_min", "m", typical=1.0, estimated=False),
         Parameter("y_max", "m", typical=1.0, estimated=False),
-        Parameter("coefficient", "-", typical=0.03, lower=0.0, upper=1.0),
+        Parameter("coefficient", "-", typical=0.03, lower=0.0, upper=1.0, is_by_mass=True),
     )
     gate: ClassVar[Gate] = Gate.INSIDE
     signature: ClassVar[str] = "drag that comes and goes at places of the floor, whatever the direction"

@@ -27,8 +27,8 @@ class FloorSlope(CompiledForce):
 
     name: ClassVar[str] = "floor_slope"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("grade_x", "-", typical=0.01, lower=-1.0, upper=1.0),
-        Parameter("grade_y", "-", typical=0.01, lower=-1.0, upper=1.0),
+        Parameter("grade_x", "-", typical=0.01, lower=-1.0, upper=1.0, is_by_mass=True),
+        Parameter("grade_y", "-", typical=0.01, lower=-1.0, upper=1.0, is_by_mass=True),
     )
     signature: ClassVar[str] = "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
 

@@ -24,5 +24,7 @@ class RollingResistance(CompiledForce):
     coefficient: float = 0.0
 
     name: ClassVar[str] = "rolling_resistance"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "-", typical=0.02, lower=0.0, upper=1.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("coefficient", "-", typical=0.02, lower=0.0, upper=1.0, is_by_mass=True),
+    )
     signature: ClassVar[str] = "a step of the forward force where the cart changes direction, flat in speed"

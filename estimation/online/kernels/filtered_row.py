@@ -87,11 +87,12 @@ class Found(NamedTuple):
 
 class LeftOut(NamedTuple):
     """The density (f, f) of disturbances; which parameters effects with a memory have, and the share of what these do
-    that goes wrong."""
+    that goes wrong; and those in whose products with the mass, the first parameter, a row is linear."""
 
     disturbance: Array
     remembering: Indices
     share: float
+    scaled: Indices
 
 
 Given = tuple[Array, Array, Array, Array]
@@ -264,7 +265,9 @@ def _row(
     add_measured(weighing.held, wrenches, theta, (residual, slopes, noise))
     pull = np.zeros(p + 1)
     pull[:p] = feigned_by(rise, by_acceleration, mass, noise)
-    left_on_average, curvature = curvature_of(by[still + f + 2 :], spread, weighing.linear.sum())
+    left_on_average, curvature = curvature_of(
+        by[still + f + 2 :], spread, (left_out.scaled, theta[0]), weighing.linear.sum()
+    )
     residual -= left_on_average
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
     return FilteredRow(residual, slopes, -RATE * mass, weighing.fade, noise, before, after, pull, shared, curvature)

@@ -10,7 +10,7 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import N_PHI
 
 from .correction import eliminate
-from .jit import row_compiled, row_entry
+from .jit import Indices, row_compiled, row_entry
 
 SPACING = 0.1
 """s from row to row."""
@@ -143,9 +143,10 @@ def add_measured(held: Array, wrenches: Array, theta: Array, found: tuple[Array,
 
 
 @row_compiled
-def curvature_of(by: Array, spread: Array, gain: float) -> tuple[Array, Array]:
+def curvature_of(by: Array, spread: Array, scaled: tuple[Indices, float], gain: float) -> tuple[Array, Array]:
     """Mean (f,) and covariance (f, f) of what a row that is linear in the parameters leaves out, from partials
-    (1 + q, f, p) around them and at each column of `spread` (p, q) from them."""
+    (1 + q, f, p) around them and at each column of `spread` (p, q) from them; linear in the products of some with the
+    first, which is so large."""
     f, p = by.shape[1:]
     q = spread.shape[1]
     twist, mean, noise = np.zeros((q, f, q)), np.zeros(f), np.zeros((f, f))
@@ -156,6 +157,10 @@ def curvature_of(by: Array, spread: Array, gain: float) -> tuple[Array, Array]:
                 if change != 0.0:
                     for j in range(q):
                         twist[i, a, j] += change * spread[k, j]
+            for k in scaled[0]:
+                by_product = by[0, a, k] / scaled[1]
+                for j in range(q):
+                    twist[i, a, j] -= by_product * (spread[0, i] * spread[k, j] + spread[k, i] * spread[0, j])
     for a in range(f):
         for i in range(q):
             mean[a] += gain / 2.0 * twist[i, a, i]

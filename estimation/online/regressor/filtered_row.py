@@ -93,10 +93,10 @@ def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: Lef
     return kernels.row(block.weights, rise, found, moved, given, left_out)
 
 
-def left_out(cart: CartModel, noise: FilterNoise) -> LeftOut:
-    """What a model leaves out."""
+def left_out(cart: CartModel, noise: FilterNoise, scaled: Indices) -> LeftOut:
+    """What a model leaves out, and a row that is linear in the products of the `scaled` parameters with the mass."""
     root = cart.basis_b.T * [noise.disturbance, noise.disturbance, noise.lever * noise.disturbance]
-    return LeftOut(root @ root.T, _remembering(cart), REMEMBERED_SHARE)
+    return LeftOut(root @ root.T, _remembering(cart), REMEMBERED_SHARE, scaled)
 
 
 def _remembering(cart: CartModel) -> Indices:

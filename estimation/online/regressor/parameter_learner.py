@@ -1,9 +1,9 @@
 """The parameters, learned by recursive least squares with both sides through `rate / (s + rate)` (physics 11).
 
 Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
-block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`), what the first could not say at
-once a little later (`second_look.py`). Force noise stands on one side of a row only, and what is noise in the other is
-taken off, so that neither biases the mass.
+block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`). Force noise stands on one side
+of a row only, and what is noise in the other is taken off, so that neither biases the mass. What surprises is a push or
+a load (`push_or_load.py`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from typing import Self
 
@@ -29,18 +28,18 @@ from ...noise import FilterNoise
 from ...parameter_report import ParameterReport, WhenAsked, as_taught
 from ...physical_set import PhysicalSet
 from ...prior import Prior
+from ..disturbance.observer import USUAL_PUSH
 from ..kernels.filtered_row import FilteredRow, weights
 from ..kernels.recorded_moment import DUE, FELT
-from ..disturbance.observer import USUAL_PUSH
 from ..load_change import load_covariance, root_of
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..wrench_sensing import Moving, WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .load_watch import ROWS, LoadWatch
+from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
 from .push_or_load import PushOrLoad, Taken
 from .regression_belief import RegressionBelief
-from .second_look import AT_ONCE, BLURRED, MOST_WAITING, SecondLook, blur
 
 LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
@@ -61,18 +60,18 @@ class ParameterLearner:
         self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
         self._free = self.prior.free(cart)
         pairs = np.ix_(self._free, self._free)
-        self._root = root_of(load_covariance(cart, self.prior, 1.0)[pairs])  # of a load's covariance, by mass
+        self._root = root_of(load_covariance(cart, self.prior, 1.0))  # of a load's covariance, by mass
+        self._products = MassProducts.of(cart, self._free)
         first = Gaussian(cart.parameters[self._free], self.prior.covariance(cart)[pairs])
         self._first_variances = np.diagonal(first.covariance)
-        self._belief = RegressionBelief(self._free, first, cart.constraints.n_free)
+        self._belief = RegressionBelief(self._free, first, cart.constraints.n_free, cart.parameters, self._products)
         self.tracker = MotionTracker(cart, self.noise)
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
-        self._left_out = left_out(cart, noise)
+        self._left_out = left_out(cart, noise, self._products.scaled)
         self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, self.prior)
         self._report: Mapping[str, ParameterEstimate] | None = None
-        self._again: SecondLook | None = None
         self._trial: PushOrLoad | None = None
         self._taken: tuple[Taken, ...] = ()  # the last rows
         self._push = np.diag(USUAL_PUSH * noise.wrench_scale(cart)) ** 2
@@ -143,8 +142,6 @@ class ParameterLearner:
     def copy(self) -> Self:
         other = shallow(self)
         other.tracker, other._belief = self.tracker.copy(), self._belief.copy()
-        if self._again is not None:
-            other._again = replace(self._again, belief=self._again.belief.copy())
         other._watch, other._sensing = shallow(self._watch), self._sensing.copy()
         return other
 
@@ -219,15 +216,10 @@ class ParameterLearner:
         self._taken = ()
         if self._trial is not None:
             self._settle(self._trial.unlinked(), self.time)
-        if self._again is not None:
-            self._again = self._again.and_then(None)
 
     def _learn(self, block: Block) -> None:
-        row = self._worked_out(block)
-        if self._again is None and self._trial is None and blur(row) > BLURRED:
-            self._again = SecondLook(self._belief.copy())
-        if self._again is not None:
-            self._again = self._again.and_then(block)
+        known = Gaussian(self.theta, self.covariance)
+        row = filtered_row(self.cart, known, self._spread, block, self._left_out)
         time = float(block.moved.time[-1])
         if self._trial is None:
             self._take_in(row, time)
@@ -236,53 +228,25 @@ class ParameterLearner:
             self._watch.follow(time, trial.surprise)
             self._settle(trial, time)
         self._conclude()
-        self._look_again()
 
     def _take_in(self, row: FilteredRow, time: float) -> None:
-        before, root = self._belief.copy(), float(self.theta[0]) * self._root
+        before = self._belief.copy()
+        root = self._products.changes(float(self.theta[0]) * self._root, self.theta)[self._free]
         surprise = self._belief.absorb(row, self.theta)
-        self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
+        self._taken = (*self._taken, Taken(before, row, self.theta, surprise))[-ROWS:]
         if self._watch.note(time, surprise, root):
             self._settle(PushOrLoad.since(self._taken, root @ root.T, self._push), time)
-            self._taken, self._again = (), None
+            self._taken = ()
 
     def _settle(self, trial: PushOrLoad, time: float) -> None:
         """What is believed while a push and a load both are, and whether that is decided."""
         self._trial, self._belief = None if trial.is_over else trial, trial.belief
         self._watch.settle(time, trial)
 
-    def _worked_out(self, block: Block) -> FilteredRow:
-        """The row around what is believed now."""
-        return filtered_row(self.cart, Gaussian(self.theta, self.covariance), self._spread, block, self._left_out)
-
-    def _look_again(self) -> None:
-        """At the next blocks, once the first of them is no longer blurred."""
-        again = self._again
-        if again is None:
-            return
-        if not again.due:
-            first = again.left[0]
-            due = first is None or len(again.left) >= MOST_WAITING or blur(self._worked_out(first)) <= BLURRED
-            again = replace(again, due=due)
-        if again.due:
-            for block in again.left[:AT_ONCE]:
-                self._take_again(again.belief, block)
-            again = replace(again, left=again.left[AT_ONCE:])
-        self._again = again
-        if again.is_over:
-            self._belief, self._again = again.belief, None
-            self._conclude()
-
-    def _take_again(self, belief: RegressionBelief, block: Block | None) -> None:
-        if block is None:
-            belief.unlink()
-            return
-        belief.absorb(self._worked_out(block), self.theta)
-
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
         taken, and the belief stays as it is."""
-        theta, self.covariance, self._spread = self._belief.concluded(self.cart.parameters)
+        theta, self.covariance, self._spread = self._belief.concluded()
         if len(self._free) and not self._limits.holds(theta):
             with suppress(DataError):  # where what is believed is beyond numbers, what was stays
                 self.theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)

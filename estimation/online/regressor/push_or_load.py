@@ -25,6 +25,8 @@ DECIDED = math.log(1000.0)
 LEAST, LONGEST = 15, 60
 """Blocks before which no load is told for sure, since a push may last so long; and rows after which what is still not
 told apart is one belief, as wide as both."""
+SETTING_IN = 2
+"""Rows that tell nothing of a load, since it may be put on within them: a row is of means over 0.1 s."""
 OVER = 5
 """Rows in a row without a push after which it is over."""
 STEADY = 0.25
@@ -32,16 +34,16 @@ STEADY = 0.25
 
 
 class Taken(NamedTuple):
-    """A row worked out around parameters (p,), and what was believed before it."""
+    """A row worked out around parameters (p,), what was believed before it, and how it surprised."""
 
     before: RegressionBelief
     row: FilteredRow
     at: Array
+    surprise: Surprise
 
 
 class Pushed(NamedTuple):
-    """What is believed if nothing but a push is there, of a force (n,) in the last row in which
-    one acted, `rows` ago."""
+    """What is believed of a push: of a force (n,) in the last row in which it acted, `rows` ago."""
 
     belief: RegressionBelief
     force: Array
@@ -62,40 +64,44 @@ class Pushed(NamedTuple):
 
 @dataclass(frozen=True)
 class PushOrLoad:
-    """Both beliefs, the logarithm of the odds of a load, how many rows there were, and blocks that brought none, and the
-    surprise of the last row under the likelier belief. `usual` (n, n) is the covariance of usual pushes."""
+    """Both beliefs, the surprise of the last row under the likelier of them, the logarithm of the odds of a load, how
+    many rows there were, and blocks that brought none. `usual` (n, n) is the covariance of usual pushes."""
 
     pushed: Pushed
     loaded: RegressionBelief
     usual: Array
+    surprise: Surprise
     odds: float = 0.0
     rows: int = 0
     without: int = 0
-    surprise: Surprise | None = None
 
     @classmethod
     def since(cls, taken: Sequence[Taken], load: Array, usual: Array) -> PushOrLoad:
         """From the first of the last rows in which a push is likely on, for a load of covariance (f, f)."""
-        first = taken[0]
-        pushed, found = Pushed(first.before.copy(), np.zeros(len(usual))), None
-        for one in taken:
-            was, (pushed, *_) = pushed, pushed.and_then(one.row, one.at, usual)
-            if found is None and (pushed.rows == 0 or one is taken[-1]):
-                loaded = was.belief.copy()
-                loaded.open(load)
-                found = cls(was, loaded, usual)
-            if found is not None:
-                found = found.and_then(one.row, one.at)
+        pushed, left = Pushed(taken[0].before.copy(), np.zeros(len(usual))), list(taken)
+        while len(left) > 1:
+            following, *_ = pushed.and_then(left[0].row, left[0].at, usual)
+            if following.rows == 0:
+                break
+            pushed, left = following, left[1:]
+        loaded = pushed.belief.copy()
+        loaded.open(load)
+        found = cls(pushed, loaded, usual, left[0].surprise)
+        for one in left:
+            found = found.and_then(one.row, one.at)
         return found
 
     def and_then(self, row: FilteredRow, at: Array) -> PushOrLoad:
         """With one row more."""
-        loaded = self.loaded.copy()
-        by_load = loaded.absorb(row, at)
         pushed, of_push, by_push = self.pushed.and_then(row, at, self.usual)
+        loaded, rows = self.loaded.copy(), self.rows + 1
+        if rows <= SETTING_IN:
+            loaded.unlink()
+            return replace(self, pushed=pushed, loaded=loaded, rows=rows, surprise=by_push)
+        by_load = loaded.absorb(row, at)
         odds = self.odds + by_load.log_likelihood() - of_push
         said = by_load if odds > 0.0 else by_push
-        return replace(self, pushed=pushed, loaded=loaded, odds=odds, rows=self.rows + 1, surprise=said)
+        return replace(self, pushed=pushed, loaded=loaded, odds=odds, rows=rows, surprise=said)
 
     def unlinked(self) -> PushOrLoad:
         """With a block that brought no row."""

@@ -19,6 +19,8 @@ from cartgrasp.shallow import shallow
 from ...gaussian import Gaussian
 from ..kernels import belief as kernels
 from ..kernels.filtered_row import FilteredRow
+from ..kernels.jit import Indices
+from .mass_products import MassProducts, Told
 
 LATENESS, LATENESS_STD = -0.25, 0.3
 """Of a sample period, beyond a wrench that is held to the next: that has 0, a mere sample -0.5."""
@@ -32,7 +34,7 @@ ABSURD = 1e6
 
 class Surprise(NamedTuple):
     """Of a row: its normalised square, and what it says of a change of the free parameters (f,) since before it, as
-    information (f, f) and its product with the change; what was not foretold (n,), and the covariance (n, n) of that."""
+    information (f, f) and its product with the change; its news (n,), which were not foretold, and their covariance."""
 
     square: float
     pull: Array
@@ -50,12 +52,14 @@ class Surprise(NamedTuple):
 
 
 class RegressionBelief:
-    """Parameters are `free` (indices) of p, `first` (f,) with their covariance; a row has n components."""
+    """Parameters are `free` (indices) of p, `first` (f,) with their covariance, and the others as `given` (p,); a row
+    has n components. What is believed are the products."""
 
-    def __init__(self, free: np.ndarray, first: Gaussian, n: int) -> None:
-        self._free, self._n, self._k = free, n, len(free) + 1
+    def __init__(self, free: Indices, first: Gaussian, n: int, given: Array, products: MassProducts) -> None:
+        self._free, self._n, self._k, self._products, self._given = free, n, len(free) + 1, products, given
         information = np.zeros((self._k, self._k))
         try:
+            first = products.belief(first, free, given)
             information[:-1, :-1] = np.linalg.inv(first.covariance)
             information[-1, -1] = LATENESS_STD**-2
             _inverse(information)
@@ -70,14 +74,12 @@ class RegressionBelief:
     @property
     def parameters(self) -> Gaussian:
         """The free ones."""
-        whole = self.solved
-        m = self._k - 1
-        return Gaussian(whole.mean[:m], whole.covariance[:m, :m])
+        told = self.concluded()
+        return Gaussian(told.theta[self._free], told.covariance[np.ix_(self._free, self._free)])
 
-    def concluded(self, theta: Array) -> tuple[Array, Array, Array]:
-        """Parameters (p,), of which those that are not free are given; their covariance (p, p), and a root of it
-        (p, f)."""
-        return kernels.concluded(self._known, theta, self._free)
+    def concluded(self) -> Told:
+        """The parameters, of which those that are not free are given."""
+        return self._products.told(Told(*kernels.concluded(self._known, self._given, self._free)))
 
     @property
     def lateness(self) -> float:
@@ -92,6 +94,7 @@ class RegressionBelief:
 
     def absorb(self, row: FilteredRow, at: Array) -> Surprise:
         """Takes in a row around parameters (p,)."""
+        row, at = self._products.of_row(row, at), self._products.products(at)
         self._known, surprised = kernels.absorbed(self._known, row, at, self._free, (KEPT, GATE, ABSURD))
         surprise = Surprise(*surprised)
         if not surprise.square < ABSURD * self._n:
@@ -108,7 +111,7 @@ class RegressionBelief:
             self._known = (left + left.T) / 2, pull[:k] - across.T @ gained[:, k]
 
     def open(self, added: Array) -> None:
-        """Adds to the covariance of the free parameters, (f, f)."""
+        """Adds to the covariance of the free products, (f, f)."""
         now = self.solved
         m = self._k - 1
         covariance = now.covariance.copy()

@@ -56,9 +56,9 @@ def test_a_swing_is_noise_of_its_own_size(monkeypatch):
     block = Block(weights(time, 5), moved, wrench_rows(time[:-1], np.zeros((20, 2)), CART.parameters))
     known = Gaussian(CART.parameters, np.zeros((len(CART.parameters),) * 2))
     spread = np.zeros((len(CART.parameters), 0))
-    noise = filtered_row(CART, known, spread, block, rows.left_out(CART, FilterNoise())).noise
+    noise = filtered_row(CART, known, spread, block, rows.left_out(CART, FilterNoise(), np.zeros(0, np.int64))).noise
     monkeypatch.setattr(rows, "REMEMBERED_SHARE", 0.0)
-    without = filtered_row(CART, known, spread, block, rows.left_out(CART, FilterNoise())).noise
+    without = filtered_row(CART, known, spread, block, rows.left_out(CART, FilterNoise(), np.zeros(0, np.int64))).noise
     drag = 2 * TORQUE / TRAIL * -np.expm1(-RATE * 0.16)
     assert (noise - without)[0, 0] == pytest.approx(drag**2, rel=1e-3)
 

@@ -21,12 +21,14 @@ from estimation.online.load_change import root_of
 from estimation.online.regressor import regression_belief
 from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
 from estimation.online.regressor.load_watch import LoadWatch
+from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief, Surprise
 from estimation.whole_log.replay import replay
 
 from ..runs import integrate, push, simulate, simulate_two_hands, wrench_rows
 from ..whole_log.test_identification import at_rest
 
+NONE = np.zeros(0, np.int64)
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
 DRAGS = (ViscousDrag(linear=2.0, angular=1.0), RollingResistance(coefficient=0.015))
 
@@ -115,7 +117,7 @@ def test_a_row_of_the_truth_has_no_residual():
     def row(theta):
         rows = wrench_rows(time[:-1], wrenches[block][:-1], theta)
         known, spread = Gaussian(theta, np.zeros((6, 6))), np.zeros((6, 0))
-        return filtered_row(cart, known, spread, Block(weighing, moved, rows), left_out(cart, FilterNoise()))
+        return filtered_row(cart, known, spread, Block(weighing, moved, rows), left_out(cart, FilterNoise(), NONE))
 
     found = row(cart.parameters)
     size = weighing.held @ wrenches[block][:-1]
@@ -138,8 +140,8 @@ def test_what_is_not_linear_is_noise_and_bias_while_little_is_known():
     spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
     spread[4, 0] = -0.004
     known, block = Gaussian(cart.parameters, spread @ spread.T), Block(weights(time, 1), moved, rows)
-    row = filtered_row(cart, known, spread, block, left_out(cart, FilterNoise()))
-    straight = filtered_row(cart, known, np.zeros((5, 0)), block, left_out(cart, FilterNoise()))
+    row = filtered_row(cart, known, spread, block, left_out(cart, FilterNoise(), NONE))
+    straight = filtered_row(cart, known, np.zeros((5, 0)), block, left_out(cart, FilterNoise(), NONE))
     drawn = random.standard_normal((20000, 5)) @ spread.T
     rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
     at = cart.inverse(rows[0], rows[1], cart.parameters)
@@ -176,7 +178,9 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
 
 
 def belief():
-    return RegressionBelief(np.array([0]), Gaussian(np.array([4.0]), np.array([[4.0]])), 1)
+    return RegressionBelief(
+        np.array([0]), Gaussian(np.array([4.0]), np.array([[4.0]])), 1, np.zeros(1), MassProducts(NONE, 0.0)
+    )
 
 
 def test_rows_add_up_to_generalised_least_squares(monkeypatch):
@@ -220,7 +224,9 @@ def test_noise_alone_teaches_next_to_nothing(force_is_quiet):
 
 def test_only_what_is_excited_is_forgotten():
     """Two masses, of which rows ask one: it is never surer than its memory allows, the other stays as sure."""
-    found = RegressionBelief(np.arange(2), Gaussian(np.array([4.0, 4.0]), 4.0 * np.eye(2)), 1)
+    found = RegressionBelief(
+        np.arange(2), Gaussian(np.array([4.0, 4.0]), 4.0 * np.eye(2)), 1, np.zeros(2), MassProducts(NONE, 0.0)
+    )
     one = next(drawn_rows(1, np.random.default_rng(4)))
     for asked, times in ((1, 50), (0, 4000)):
         slopes = np.zeros((1, 3))

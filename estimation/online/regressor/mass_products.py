@@ -1,0 +1,96 @@
+"""Coordinates in which what acts in proportion to the mass is linear.
+
+A rolling resistance c, or a slope, pushes by `c m g`: while neither factor is known well, what a row that is linear in
+m and c leaves out is the same in every row, and each row would count it as noise of its own. In the product `c m` a row
+is linear, so that belief is held in products; what is told are the factors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
+
+from ...gaussian import Gaussian
+from ...physical_set import LEAST_MASS_SHARE
+from ..kernels.filtered_row import FilteredRow
+from ..kernels.jit import Indices
+
+MASS = 0
+"""Its place among the parameters."""
+
+
+class Told(NamedTuple):
+    """Parameters (p,), their covariance (p, p), and a root of it (p, f)."""
+
+    theta: Array
+    covariance: Array
+    root: Array
+
+
+@dataclass(frozen=True, eq=False)
+class MassProducts:
+    """Those of the parameters at `scaled` with the mass, which is taken to be `least` at least (kg)."""
+
+    scaled: Indices
+    least: float
+
+    @classmethod
+    def of(cls, cart: CartModel, free: Indices) -> MassProducts:
+        """Where the mass is given, there is nothing to be told apart."""
+        of_effects = [parameter for effect in cart.effects for parameter in effect.parameters]
+        by_mass = {N_PHI + i for i, parameter in enumerate(of_effects) if parameter.is_by_mass}
+        scaled = np.array(sorted(by_mass & set(free.tolist())) if MASS in free else [], dtype=np.int64)
+        return cls(scaled, LEAST_MASS_SHARE * cart.inertia.mass)
+
+    def products(self, theta: Array) -> Array:
+        """Instead of the factors, (p,)."""
+        found = theta.copy()
+        found[self.scaled] *= max(theta[MASS], self.least)
+        return found
+
+    def factors(self, products: Array) -> Array:
+        """Instead of the products, (p,)."""
+        found = products.copy()
+        found[self.scaled] /= max(products[MASS], self.least)
+        return found
+
+    def jacobian(self, theta: Array) -> Array:
+        """Of the factors by the products, (p, p), at factors (p,)."""
+        found, scaled, mass = np.eye(len(theta)), self.scaled, max(theta[MASS], self.least)
+        found[scaled, scaled] = 1.0 / mass
+        found[scaled, MASS] = -theta[scaled] / mass
+        return found
+
+    def changes(self, by_factors: Array, theta: Array) -> Array:
+        """Of the products, for changes of the factors (p, ...)."""
+        return np.asarray(np.linalg.solve(self.jacobian(theta), by_factors))
+
+    def of_row(self, row: FilteredRow, theta: Array) -> FilteredRow:
+        """By the products."""
+        if not len(self.scaled):
+            return row
+        n = len(theta)
+        found, by = np.eye(n + 1), self.jacobian(theta)
+        found[:n, :n] = by
+        return row._replace(slopes=row.slopes @ found, feigned=found.T @ row.feigned)
+
+    def told(self, believed: Told) -> Told:
+        """Of the factors."""
+        if not len(self.scaled):
+            return believed
+        theta = self.factors(believed.theta)
+        by = self.jacobian(theta)
+        return Told(theta, by @ believed.covariance @ by.T, by @ believed.root)
+
+    def belief(self, factors: Gaussian, free: Indices, theta: Array) -> Gaussian:
+        """Of the free products (f,), from what is believed of the free factors; the others are `theta` (p,)."""
+        whole, places = theta.copy(), np.ix_(free, free)
+        whole[free] = factors.mean
+        by = np.linalg.inv(self.jacobian(whole)[places])
+        return Gaussian(self.products(whole)[free], by @ factors.covariance @ by.T)

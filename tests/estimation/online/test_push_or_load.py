@@ -1,0 +1,153 @@
+"""What surprises is a push or a load: odds against likelihoods written out, and pushes and loads in runs."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import PayloadChange, ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
+from cartgrasp.simulation.outside import Push, PushedPlant
+from cartgrasp.simulation.plant import ModelPlant
+from cartgrasp.simulation.sensors import Sensors
+from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, filter_noise, shared
+from estimation import CartFilter
+from estimation.gaussian import Gaussian
+from estimation.online.kernels.filtered_row import FilteredRow
+from estimation.online.regressor.mass_products import MassProducts
+from estimation.online.regressor.push_or_load import LEAST, LONGEST, OVER, SETTING_IN, STEADY, PushOrLoad, Taken
+from estimation.online.regressor.regression_belief import RegressionBelief, mixture
+from planning.references import PathReference
+from planning.tracking import build_tracker
+
+FADE, NOISE, USUAL, LOAD = 0.8, 0.09, np.array([[1600.0]]), np.array([[36.0]])
+MASS, KNOWN = 20.0, 0.25
+
+
+def belief(mean=MASS, variance=KNOWN):
+    first = Gaussian(np.array([mean]), np.array([[variance]]))
+    return RegressionBelief(np.array([0]), first, 1, np.zeros(1), MassProducts(np.zeros(0, np.int64), 0.0))
+
+
+def row(rise, force):
+    """Of a mass alone, with exact motion, around nought."""
+    exact = np.array([[1e-12]])
+    return FilteredRow(
+        residual=np.array([force]),
+        slopes=np.array([[rise, 0.0]]),
+        ends=np.zeros((1, 1)),
+        fade=FADE,
+        noise=np.array([[NOISE]]),
+        before=exact,
+        after=exact,
+        feigned=np.zeros(2),
+        shared=np.zeros((1, 1)),
+        curvature=np.zeros((1, 1)),
+    )
+
+
+def trial(rows):
+    """Begun with the first row."""
+    before, at = belief(), np.zeros(1)
+    surprise = before.copy().absorb(rows[0], at)
+    found = PushOrLoad.since([Taken(before, rows[0], at, surprise)], LOAD, USUAL)
+    for one in rows[1:]:
+        found = found.and_then(one, at)
+    return found
+
+
+def log_density(value, mean, variance):
+    return float(multivariate_normal(mean, variance).logpdf(value))
+
+
+def test_odds_are_a_ratio_of_likelihoods():
+    """Of three rows after those in which it sets in: of a load, jointly normal; of a push, steady over two more rows
+    and gone in the third."""
+    rises, forces, gain = np.array([0.6, 0.5, 0.4]), np.array([14.0, 12.0, 8.4]), 1.0 - FADE
+    setting_in = [row(0.5, 12.0)] * SETTING_IN
+    found = trial([*setting_in, *(row(*one) for one in zip(rises, forces, strict=True))])
+    loaded = NOISE * np.eye(3) + (KNOWN + LOAD[0, 0]) * np.outer(rises, rises)
+    of_load = log_density(forces, MASS * rises, loaded)
+    spread, news, steady = KNOWN * rises**2 + NOISE, 2.0, (gain * STEADY) ** 2 * USUAL[0, 0]
+    pushed = [log_density(forces[i], MASS * rises[i] + news, spread[i] + steady) for i in (0, 1)]
+    third = log_density(forces[2], MASS * rises[2], spread[2])
+    assert found.odds == pytest.approx(of_load - sum(pushed) - third, abs=1e-3)
+    assert found.pushed.rows == 1
+    left = Gaussian(np.array([MASS]), np.array([[KNOWN]]))
+    gained = 1 / (1 / KNOWN + rises[2] ** 2 / NOISE)
+    mean = gained * (left.mean[0] / KNOWN + rises[2] * forces[2] / NOISE)
+    assert found.pushed.belief.parameters.mean[0] == pytest.approx(mean, rel=1e-4)  # a little is forgotten
+    assert found.pushed.belief.parameters.covariance[0, 0] == pytest.approx(gained, rel=1e-3)
+
+
+def test_a_load_goes_on_and_a_push_ends():
+    random = np.random.default_rng(0)
+    rises = random.uniform(0.3, 0.8, LONGEST)
+    noise = math.sqrt(NOISE) * random.standard_normal(LONGEST)
+    load = trial([row(r, 26.0 * r + e) for r, e in zip(rises[:LEAST], noise, strict=False)])
+    assert load.is_told
+    assert load.is_over
+    assert load.belief.parameters.mean[0] == pytest.approx(26.0, abs=3 * load.belief.parameters.covariance[0, 0] ** 0.5)
+    pushes = [-3.0, -3.2, -2.8, *np.zeros(OVER)]
+    push = trial([row(r, MASS * r + p + e) for r, p, e in zip(rises, pushes, noise, strict=False)])
+    assert push.is_over
+    assert not push.is_load
+    assert abs(push.belief.parameters.mean[0] - MASS) < 3 * push.belief.parameters.covariance[0, 0] ** 0.5 < 1.0
+    wild = 8.0 * random.standard_normal(LONGEST)
+    endless = trial([row(r, MASS * r + p) for r, p in zip(rises, wild, strict=True)])
+    assert endless.is_over
+    assert endless.is_endless
+    early = trial([row(r, 26.0 * r + e) for r, e in zip(rises[: LEAST - 1], noise, strict=False)])
+    assert not early.is_over  # a push may last so long
+    assert early.unlinked().is_over  # at rest nothing more is learned
+
+
+def test_what_is_not_told_apart_is_as_wide_as_both():
+    random, share = np.random.default_rng(1), 0.3
+    one, other = belief(20.0, 0.25), belief(26.0, 1.0)
+    drawn = np.where(
+        random.random(200_000) < share, random.normal(26.0, 1.0, 200_000), random.normal(20.0, 0.5, 200_000)
+    )
+    found = mixture(one, other, share).parameters
+    assert found.mean[0] == pytest.approx(drawn.mean(), abs=0.02)
+    assert found.covariance[0, 0] == pytest.approx(drawn.var(), rel=0.01)
+
+
+def driven(outside, load=0.0, seed=0):
+    """The last estimate of the mass, and every health from 4 s on: of 24 kg, on curves, pushed or loaded at 4 s."""
+    effects = (ViscousDrag(3.0, 1.2), *((PayloadChange(4.0, load, 0.2, 0.1),) if load else ()))
+    truth = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), RollingConstraints(), effects)
+    guess = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), RollingConstraints(), (ViscousDrag(2.0, 1.0),))
+    plant = PushedPlant(ModelPlant(truth), outside)
+    sensors, reference = Sensors(truth, SENSORS["usual"], seed), PathReference(PATHS["curves"], truth.rolling)
+    tracker, health = build_tracker(truth.constraints), []
+    cart_filter = CartFilter(guess, list(HANDS), noise=filter_noise(SENSORS["usual"]))
+    for _ in range(1000):
+        now, motion = plant.time, plant.motion
+        given = shared(tracker.wrench_b(reference.at(now), motion, truth))
+        seen, felt = sensors.motion(now, motion), sensors.wrenches(now, given)
+        told = cart_filter.update(Measurement(now, seen.pose, seen.velocity, felt.wrenches, felt.contacts))
+        health += [told.health] if now > 4.0 else []
+        plant.step(given, PERIOD)
+    return told.parameters["mass"], health
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, math.pi])
+@pytest.mark.parametrize("force", [15.0, 50.0])
+def test_a_push_teaches_no_mass(force, angle):
+    push = Push(force * np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([0.3, 0.1, 0.4]))
+    mass, health = driven(lambda time, _: [push] if 4.0 <= time < 4.4 else [])
+    assert abs(mass.value - 24.0) < 3 * mass.std < 2.5
+    assert health[-1] == "ok"
+    assert "load_changed" not in health
+
+
+def test_a_load_does():
+    mass, health = driven(lambda *_: [], load=8.0)
+    assert abs(mass.value - 32.0) < 3 * mass.std < 3.5
+    assert "load_changed" in health
+    assert health[-1] == "ok"
