@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..health import Health
 from .kernels.sensor_health import OUTLYING_SHARE
@@ -18,20 +18,21 @@ show again: else a model that never fits would be called sound for a moment."""
 
 @dataclass(frozen=True)
 class Resets:
-    """Those that are remembered, and the time `now` (s) where there are any."""
+    """Those that are remembered, and the time `now` (s) where there are any; with that of the last load."""
 
     times: tuple[float, ...] = ()
     now: float = -math.inf
+    load: float = -math.inf
 
     def at(self, time: float) -> Resets:
         """Later, with nothing new."""
         if not self.times:
             return self
-        return Resets(tuple(t for t in self.times if time - t < MEMORY + HOLD_OFF), time)
+        return replace(self, times=tuple(t for t in self.times if time - t < MEMORY + HOLD_OFF), now=time)
 
-    def one_more(self, time: float) -> Resets:
-        """Now."""
-        return Resets((*self.times, time), time)
+    def one_more(self, time: float, *, is_load: bool = True) -> Resets:
+        """Now; or a push, which says as much against a model, and changes no load."""
+        return Resets((*self.times, time), time, time if is_load else self.load)
 
     @property
     def are_allowed(self) -> bool:
@@ -48,7 +49,7 @@ class Resets:
     def health(self) -> Health:
         if len(self.times) >= MOST_RESETS:
             return Health.INCONSISTENT
-        return Health.LOAD_CHANGED if self._is_recent else Health.OK
+        return Health.LOAD_CHANGED if self.now - self.load < HOLD_OFF else Health.OK
 
     @property
     def _is_recent(self) -> bool:

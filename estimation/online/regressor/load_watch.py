@@ -27,6 +27,9 @@ STARTS = 60
 """Rows over which a change is looked for."""
 SETTLING_ROWS = 20
 SMOOTHING = 0.1
+LASTING, PUSHED_SHARE = 200, 0.15
+"""Rows over which is counted how many a push is said to have been in, and the share of them beyond which there is none,
+but a model that does not fit."""
 FITTING = 5
 """Rows in a row after which a model that did not fit does again."""
 
@@ -46,8 +49,9 @@ class LoadWatch:
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
+        self._pushed = 0.0  # share of the last rows
         self._unfit: int | None = None  # how many rows have fitted since what did not end
-        self._is_told = False  # a load, though not yet for good
+        self._is_tried = False  # whether a load or a push is told, though not yet for good
         self._white = Whiteness()
         self.ratio, self.health = 0.0, Health.OK
 
@@ -69,16 +73,18 @@ class LoadWatch:
     def settle(self, time: float, trial: PushOrLoad) -> None:
         """How far a load that was thought of is told. Of a push that does not end nothing more is thought until rows
         fit again."""
-        self._is_told = trial.is_told and not trial.is_over
+        self._is_tried = trial.is_told and not trial.is_over
         if trial.is_over:
             self._unfit = 0 if trial.is_endless else None
-            self._resets = self._resets.one_more(time) if trial.is_load else self._resets
+        if trial.is_over and (trial.is_load or trial.has_push):
+            self._resets = self._resets.one_more(time, is_load=trial.is_load)
         self._say()
 
-    def follow(self, time: float, surprise: Surprise) -> None:
-        """Health after a row."""
+    def follow(self, time: float, surprise: Surprise, *, is_pushed: bool = False) -> None:
+        """Health after a row; whether a push is said to be in it."""
         self._resets = self._resets.at(time)
         self.ratio = surprise.square / (GATE * self._n)
+        self._pushed += (float(is_pushed) - self._pushed) / LASTING
         self._outliers += SMOOTHING * (float(self.ratio > 1.0) - self._outliers)
         if self.ratio <= 1.0:
             self._white = self._white.and_then(time, surprise.pull, surprise.information)
@@ -89,11 +95,11 @@ class LoadWatch:
 
     @property
     def _fits(self) -> bool:
-        return self._unfit is None
+        return self._unfit is None and self._pushed < PUSHED_SHARE
 
     def _say(self) -> None:
         said = self._resets.health_beside(self._outliers, self._white)
-        if self._is_told and said in (Health.OUTLIERS, Health.OK):
+        if self._is_tried and said in (Health.OUTLIERS, Health.OK):
             said = Health.LOAD_CHANGED
         self.health = said if self._fits else Health.INCONSISTENT
 

@@ -225,7 +225,7 @@ class ParameterLearner:
             self._take_in(row, time)
         else:
             trial = self._trial.and_then(row, self.theta)
-            self._watch.follow(time, trial.surprise)
+            self._watch.follow(time, trial.surprise, is_pushed=trial.is_pushed)
             self._settle(trial, time)
         self._conclude()
 

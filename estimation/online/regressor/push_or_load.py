@@ -43,11 +43,13 @@ class Taken(NamedTuple):
 
 
 class Pushed(NamedTuple):
-    """What is believed of a push: of a force (n,) in the last row in which it acted, `rows` ago."""
+    """What is believed if there is nothing but a push: of a force (n,) in the last row in which it acted, `rows` ago;
+    and by how much it is likelier than nothing in all of them (a logarithm)."""
 
     belief: RegressionBelief
     force: Array
     rows: int = 1
+    evidence: float = 0.0
 
     def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[Pushed, float, Surprise]:
         """With a row, and its log-likelihood. Of one in which a push is likelier nothing is learned."""
@@ -56,10 +58,11 @@ class Pushed(NamedTuple):
         mean, covariance = (self.force, STEADY**2 * usual) if self.rows == 0 else (np.zeros(len(usual)), usual)
         without, beside = surprise.log_likelihood(), surprise.log_likelihood(gain * mean, gain**2 * covariance)
         if without >= beside:
-            return Pushed(belief, self.force, self.rows + 1), without, surprise
+            return self._replace(belief=belief, rows=self.rows + 1), without, surprise
         belief = self.belief.copy()
         belief.unlink()
-        return Pushed(belief, surprise.news / gain, 0), beside, surprise
+        gained = self.evidence + beside - without
+        return Pushed(belief, surprise.news / gain, 0, gained), beside, surprise
 
 
 @dataclass(frozen=True)
@@ -112,7 +115,8 @@ class PushOrLoad:
 
     @property
     def is_over(self) -> bool:
-        told = self.rows + self.without >= LEAST if self.is_load else self.pushed.rows >= OVER
+        is_quiet = self.pushed.rows >= OVER or self.without >= LEAST
+        told = self.rows + self.without >= LEAST if self.is_load else is_quiet
         return (told and abs(self.odds) > DECIDED) or self.rows >= LONGEST
 
     @property
@@ -121,21 +125,32 @@ class PushOrLoad:
         return self.odds > 0.0
 
     @property
+    def is_pushed(self) -> bool:
+        """In the last row."""
+        return self.pushed.rows == 0
+
+    @property
+    def has_push(self) -> bool:
+        """Surely."""
+        return self.pushed.evidence > DECIDED
+
+    @property
     def is_told(self) -> bool:
-        """Whether a load is, if only as long as nothing else comes."""
-        return self.odds > DECIDED
+        """Whether a load is, or a push that is not long gone, if only as long as nothing else comes."""
+        return self.odds > DECIDED or (self.has_push and self.without < LEAST)
 
     @property
     def is_endless(self) -> bool:
-        """What pushes for so long is no push, but the model's error."""
+        """What pushes for so long is no push, but the model's error: neither belief is right."""
         return self.rows >= LONGEST and self.odds < -DECIDED and self.pushed.rows < OVER
 
     @property
     def belief(self) -> RegressionBelief:
         """What is left of the two, or both as one."""
+        if self.is_endless:
+            return mixture(self.pushed.belief, self.loaded, 0.5)
         if self.odds > DECIDED:
             return self.loaded
         if self.odds < -DECIDED:
             return self.pushed.belief
-        share = 1.0 / (1.0 + math.exp(-self.odds))
-        return mixture(self.pushed.belief, self.loaded, share)
+        return mixture(self.pushed.belief, self.loaded, 1.0 / (1.0 + math.exp(-self.odds)))

@@ -143,7 +143,7 @@ def test_a_push_teaches_no_mass(force, angle):
     mass, health = driven(lambda time, _: [push] if 4.0 <= time < 4.4 else [])
     assert abs(mass.value - 24.0) < 3 * mass.std < 2.5
     assert health[-1] == "ok"
-    assert "load_changed" not in health
+    assert 0.1 < PERIOD * health.count("load_changed") < 2.0
 
 
 def test_a_load_does():
