@@ -203,19 +203,20 @@ class ParameterLearner:
             moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
         is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
-        if is_whole and not is_slow and not stands_still(moved, self.cart):
+        is_still = stands_still(moved, self.cart)
+        if is_whole and not is_slow and not is_still:
             self._learn(Block(weighing, moved, wrenches))
         else:
-            self._unlink()
+            self._unlink(is_still=is_whole and is_still)
         self._memory = moved.memory[k]
         tracker.drop(k)
 
-    def _unlink(self) -> None:
-        """The next block does not begin where the last one ended."""
+    def _unlink(self, *, is_still: bool = False) -> None:
+        """The next block does not begin where the last one ended, or stood still."""
         self._belief.unlink()
         self._taken = ()
         if self._trial is not None:
-            self._settle(self._trial.unlinked(), self.time)
+            self._settle(self._trial.unlinked(is_still=is_still), self.time)
 
     def _learn(self, block: Block) -> None:
         known = Gaussian(self.theta, self.covariance)

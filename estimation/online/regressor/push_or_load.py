@@ -67,8 +67,9 @@ class Pushed(NamedTuple):
 
 @dataclass(frozen=True)
 class PushOrLoad:
-    """Both beliefs, the surprise of the last row under the likelier of them, the logarithm of the odds of a load, how
-    many rows there were, and blocks that brought none. `usual` (n, n) is the covariance of usual pushes."""
+    """Both beliefs, the surprise of the last row under the likelier of them, and the logarithm of the odds of a load;
+    how many rows there were, blocks in which the cart stood still, and blocks without a row for whatever reason.
+    `usual` (n, n) is the covariance of usual pushes."""
 
     pushed: Pushed
     loaded: RegressionBelief
@@ -76,6 +77,7 @@ class PushOrLoad:
     surprise: Surprise
     odds: float = 0.0
     rows: int = 0
+    still: int = 0
     without: int = 0
 
     @classmethod
@@ -106,17 +108,23 @@ class PushOrLoad:
         said = by_load if odds > 0.0 else by_push
         return replace(self, pushed=pushed, loaded=loaded, odds=odds, rows=rows, surprise=said)
 
-    def unlinked(self) -> PushOrLoad:
-        """With a block that brought no row."""
+    def unlinked(self, *, is_still: bool) -> PushOrLoad:
+        """With a block that brought no row, since the cart stood still or for another reason."""
         pushed, loaded = self.pushed.belief.copy(), self.loaded.copy()
         pushed.unlink()
         loaded.unlink()
-        return replace(self, pushed=self.pushed._replace(belief=pushed), loaded=loaded, without=self.without + 1)
+        return replace(
+            self,
+            pushed=self.pushed._replace(belief=pushed),
+            loaded=loaded,
+            still=self.still + is_still,
+            without=self.without + 1,
+        )
 
     @property
     def is_over(self) -> bool:
-        is_quiet = self.pushed.rows >= OVER or self.without >= LEAST
-        told = self.rows + self.without >= LEAST if self.is_load else is_quiet
+        is_quiet = self.pushed.rows >= OVER or self.still >= LEAST
+        told = self.rows + self.still >= LEAST if self.is_load else is_quiet
         return (told and abs(self.odds) > DECIDED) or self.rows >= LONGEST
 
     @property

@@ -19,7 +19,15 @@ from estimation import CartFilter
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.filtered_row import FilteredRow
 from estimation.online.regressor.mass_products import MassProducts
-from estimation.online.regressor.push_or_load import LEAST, LONGEST, OVER, SETTING_IN, STEADY, PushOrLoad, Taken
+from estimation.online.regressor.push_or_load import (
+    LEAST,
+    LONGEST,
+    OVER,
+    SETTING_IN,
+    STEADY,
+    PushOrLoad,
+    Taken,
+)
 from estimation.online.regressor.regression_belief import RegressionBelief, mixture
 from planning.references import PathReference
 from planning.tracking import build_tracker
@@ -103,7 +111,8 @@ def test_a_load_goes_on_and_a_push_ends():
     assert endless.is_endless
     early = trial([row(r, 26.0 * r + e) for r, e in zip(rises[: LEAST - 1], noise, strict=False)])
     assert not early.is_over  # a push may last so long
-    assert early.unlinked().is_over  # at rest nothing more is learned
+    assert early.unlinked(is_still=True).is_over  # nothing more is learned
+    assert not early.unlinked(is_still=False).is_over
 
 
 def test_what_is_not_told_apart_is_as_wide_as_both():
