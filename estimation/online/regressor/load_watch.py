@@ -76,8 +76,8 @@ class LoadWatch:
         self._is_tried = trial.is_told and not trial.is_over
         if trial.is_over:
             self._unfit = 0 if trial.is_endless else None
-        if trial.is_over and (trial.is_load or trial.has_push):
-            self._resets = self._resets.one_more(time, is_load=trial.is_load)
+        if trial.is_over and (trial.is_loaded or trial.has_push):
+            self._resets = self._resets.one_more(time, is_load=trial.is_loaded)
         self._say()
 
     def follow(self, time: float, surprise: Surprise, *, is_pushed: bool = False) -> None:

@@ -207,7 +207,7 @@ class ParameterLearner:
         if is_whole and not is_slow and not is_still:
             self._learn(Block(weighing, moved, wrenches))
         else:
-            self._unlink(is_still=is_whole and is_still)
+            self._unlink(is_still=bool(is_whole and is_still))
         self._memory = moved.memory[k]
         tracker.drop(k)
 
@@ -217,6 +217,7 @@ class ParameterLearner:
         self._taken = ()
         if self._trial is not None:
             self._settle(self._trial.unlinked(is_still=is_still), self.time)
+            self._conclude()
 
     def _learn(self, block: Block) -> None:
         known = Gaussian(self.theta, self.covariance)

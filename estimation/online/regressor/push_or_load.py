@@ -124,13 +124,13 @@ class PushOrLoad:
     @property
     def is_over(self) -> bool:
         is_quiet = self.pushed.rows >= OVER or self.still >= LEAST
-        told = self.rows + self.still >= LEAST if self.is_load else is_quiet
+        told = self.rows + self.still >= LEAST if self.odds > 0.0 else is_quiet
         return (told and abs(self.odds) > DECIDED) or self.rows >= LONGEST
 
     @property
-    def is_load(self) -> bool:
-        """As far as can be told."""
-        return self.odds > 0.0
+    def is_loaded(self) -> bool:
+        """Surely."""
+        return self.odds > DECIDED
 
     @property
     def is_pushed(self) -> bool:
@@ -145,7 +145,7 @@ class PushOrLoad:
     @property
     def is_told(self) -> bool:
         """Whether a load is, or a push that is not long gone, if only as long as nothing else comes."""
-        return self.odds > DECIDED or (self.has_push and self.without < LEAST)
+        return self.is_loaded or (self.has_push and self.without < LEAST)
 
     @property
     def is_endless(self) -> bool:
@@ -154,11 +154,11 @@ class PushOrLoad:
 
     @property
     def belief(self) -> RegressionBelief:
-        """What is left of the two, or both as one."""
+        """What is left of the two, or both as one; another each time, which may be changed."""
         if self.is_endless:
             return mixture(self.pushed.belief, self.loaded, 0.5)
-        if self.odds > DECIDED:
-            return self.loaded
+        if self.is_loaded:
+            return self.loaded.copy()
         if self.odds < -DECIDED:
-            return self.pushed.belief
+            return self.pushed.belief.copy()
         return mixture(self.pushed.belief, self.loaded, 1.0 / (1.0 + math.exp(-self.odds)))

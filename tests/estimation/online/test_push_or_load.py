@@ -103,7 +103,7 @@ def test_a_load_goes_on_and_a_push_ends():
     pushes = [-3.0, -3.2, -2.8, *np.zeros(OVER)]
     push = trial([row(r, MASS * r + p + e) for r, p, e in zip(rises, pushes, noise, strict=False)])
     assert push.is_over
-    assert not push.is_load
+    assert not push.is_loaded
     assert abs(push.belief.parameters.mean[0] - MASS) < 3 * push.belief.parameters.covariance[0, 0] ** 0.5 < 1.0
     wild = 8.0 * random.standard_normal(LONGEST)
     endless = trial([row(r, MASS * r + p) for r, p in zip(rises, wild, strict=True)])
