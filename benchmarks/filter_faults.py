@@ -80,15 +80,15 @@ def drawn(seed: int, is_said: bool = False) -> Drawn:
         share = max(1.0 + SAID_SPREAD * float(random.standard_normal()), 0.5)
     body = Inertia(mass, com, 0.09 * mass)
     first = Inertia(share * mass, (0.3, 0.0), 0.09 * share * mass)
-    truth = CartModel(body, RollingConstraints(), (*_drags(*drags), PayloadChange(at, load, 0.2, 0.1)))
+    truth = CartModel(body, RollingConstraints(), (*resistances(*drags), PayloadChange(at, load, 0.2, 0.1)))
     said = FirstGuess((("mass", SAID_SPREAD * share * mass),)) if is_said else FirstGuess()
-    believed = CartModel(first, RollingConstraints(), _drags(*(drags * off)), first_guess=said)
+    believed = CartModel(first, RollingConstraints(), resistances(*(drags * off)), first_guess=said)
     path = list(PATHS)[seed % len(PATHS)]
     log = drive_cart(truth, Job(path, "usual", seed), LASTING).log
     return Drawn(_turned(log, turned), believed, mass + load * (at < log.time[-1]))
 
 
-def _drags(linear: float, angular: float, rolling: float) -> tuple[ViscousDrag, RollingResistance]:
+def resistances(linear: float, angular: float, rolling: float) -> tuple[ViscousDrag, RollingResistance]:
     return ViscousDrag(linear, angular), RollingResistance(rolling)
 
 

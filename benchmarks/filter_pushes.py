@@ -15,19 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
+from cartgrasp.effects import PayloadChange
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Measurement, Motion
-from cartgrasp.simulation.outside import Push, PushedPlant
-from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import Sensors
-from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, filter_noise, shared
+from cartgrasp.motion import Motion
+from cartgrasp.simulation.outside import Push
+from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, Job, drive_cart, filter_noise
 from estimation import CartFilter
-from planning.references import PathReference
-from planning.tracking import build_tracker
+from estimation.whole_log.replay import replay
 
-from .filter_faults import between
+from .filter_faults import between, resistances
 
 NOTHING, PUSH, LOAD = KINDS = "nothing", "push", "load"
 LASTING = 14.0
@@ -63,20 +60,11 @@ def drive(seed: int, kind: str) -> Run:
         return pushes if kind == PUSH and at <= time < at + lasting else []
 
     truth = _cart(mass, com, drags, PayloadChange(at, load, 0.2, 0.1) if kind == LOAD else None)
-    sensing = ("quiet", "usual", "usual")[seed % 3]
-    plant, sensors = PushedPlant(ModelPlant(truth), outside), Sensors(truth, SENSORS[sensing], seed)
-    reference = PathReference(PATHS[list(PATHS)[seed % len(PATHS)]], truth.rolling)
-    tracker = build_tracker(truth.constraints)
-    guess, noise = _cart(share * mass, (0.3, 0.0), believed, None), filter_noise(SENSORS[sensing])
-    cart_filter, found = CartFilter(guess, list(HANDS), noise=noise), []
-    while plant.time < LASTING:
-        now, motion = plant.time, plant.motion
-        given = shared(tracker.wrench_b(reference.at(now), motion, truth))
-        seen, felt = sensors.motion(now, motion), sensors.wrenches(now, given)
-        told = cart_filter.update(Measurement(now, seen.pose, seen.velocity, felt.wrenches, felt.contacts))
-        found.append((now, told.parameters["mass"], told.health == "ok"))
-        plant.step(given, PERIOD)
-    after = [(one, is_ok) for time, one, is_ok in found if time > at]
+    guess = _cart(share * mass, (0.3, 0.0), believed, None)
+    job = Job(list(PATHS)[seed % len(PATHS)], ("quiet", "usual", "usual")[seed % 3], seed)
+    log = drive_cart(truth, job, LASTING, outside).log
+    told = replay(log, CartFilter(guess, list(HANDS), noise=filter_noise(SENSORS[job.sensors]))).estimates
+    after = [(one.parameters["mass"], one.health == "ok") for one in told if one.time > at]
     true = mass + (load if kind == LOAD else 0.0)
     wrong = [
         is_ok and one.identifiable and abs(one.value - true) > max(OFF * true, DEVIATIONS * one.std)
@@ -89,8 +77,7 @@ def drive(seed: int, kind: str) -> Run:
 
 
 def _cart(mass: float, com: tuple[float, float], drags: np.ndarray, load: PayloadChange | None) -> CartModel:
-    linear, angular, rolling = map(float, drags)
-    effects = ViscousDrag(linear, angular), RollingResistance(rolling), *((load,) if load else ())
+    effects = *resistances(*map(float, drags)), *((load,) if load else ())
     return CartModel(Inertia(mass, com, 0.09 * mass), RollingConstraints(), effects)
 
 

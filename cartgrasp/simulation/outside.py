@@ -24,6 +24,11 @@ Outside = Callable[[float, Motion], Sequence[Push]]
 """What pushes at a time, s, on a cart with such a motion."""
 
 
+def nothing_outside(time: float, motion: Motion) -> Sequence[Push]:
+    """No pushes."""
+    return ()
+
+
 class PushedPlant:
     """A plant on which something pushes beside the arms, which they don't feel."""
 

@@ -28,6 +28,7 @@ from ..inertia import Inertia
 from ..logs import RunLog
 from ..model import CartModel
 from ..motion import Measurement, ParameterEstimate
+from ..simulation.outside import Outside, PushedPlant, nothing_outside
 from ..simulation.plant import ModelPlant
 from ..simulation.sensors import SensorNoise, Sensors
 from .parallel import run_all
@@ -110,9 +111,9 @@ def drive(job: Job, duration: float | None = None) -> RunLog:
     return drive_cart(truth(), job, duration).log
 
 
-def drive_cart(cart: CartModel, job: Job, duration: float | None = None) -> Drive:
-    """Any cart along the job's path."""
-    plant, sensors = ModelPlant(cart), Sensors(cart, SENSORS[job.sensors], job.seed)
+def drive_cart(cart: CartModel, job: Job, duration: float | None = None, outside: Outside = nothing_outside) -> Drive:
+    """Any cart along the job's path, whatever else pushes it."""
+    plant, sensors = PushedPlant(ModelPlant(cart), outside), Sensors(cart, SENSORS[job.sensors], job.seed)
     reference, tracker = PathReference(PATHS[job.path], cart.rolling), build_tracker(cart.constraints)
     rows, motions = [], []
     for _ in range(round((duration or reference.duration) / PERIOD)):

@@ -35,8 +35,8 @@ FITTING = 5
 
 
 class LoadWatch:
-    """Sums normalised squares of rows with n components. When they are too large the load is taken to have changed;
-    when that happens too often, it is the model that does not fit."""
+    """Sums normalised squares of rows with n components. When they are too large a trial begins; when loads or pushes
+    come of that too often, it is the model that does not fit."""
 
     def __init__(self, n: int, free: int) -> None:
         from scipy.special import gammainccinv

@@ -67,9 +67,12 @@ class MassProducts:
         found[scaled, MASS] = -theta[scaled] / mass
         return found
 
-    def changes(self, by_factors: Array, theta: Array) -> Array:
-        """Of the products, for changes of the factors (p, ...)."""
-        return np.asarray(np.linalg.solve(self.jacobian(theta), by_factors))
+    def by_factors(self, theta: Array) -> Array:
+        """Of the products by the factors, (p, p): its inverse."""
+        found, scaled = np.eye(len(theta)), self.scaled
+        found[scaled, scaled] = max(theta[MASS], self.least)
+        found[scaled, MASS] = theta[scaled]
+        return found
 
     def of_row(self, row: FilteredRow, theta: Array) -> FilteredRow:
         """By the products."""
@@ -92,5 +95,5 @@ class MassProducts:
         """Of the free products (f,), from what is believed of the free factors; the others are `theta` (p,)."""
         whole, places = theta.copy(), np.ix_(free, free)
         whole[free] = factors.mean
-        by = np.linalg.inv(self.jacobian(whole)[places])
+        by = self.by_factors(whole)[places]
         return Gaussian(self.products(whole)[free], by @ factors.covariance @ by.T)

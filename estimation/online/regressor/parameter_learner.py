@@ -233,9 +233,9 @@ class ParameterLearner:
 
     def _take_in(self, row: FilteredRow, time: float) -> None:
         before = self._belief.copy()
-        root = self._products.changes(float(self.theta[0]) * self._root, self.theta)[self._free]
+        root = (self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free]
         surprise = self._belief.absorb(row, self.theta)
-        self._taken = (*self._taken, Taken(before, row, self.theta, surprise))[-ROWS:]
+        self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
         if self._watch.note(time, surprise, root):
             self._settle(PushOrLoad.since(self._taken, root @ root.T, self._push), time)
             self._taken = ()

@@ -34,12 +34,11 @@ STEADY = 0.25
 
 
 class Taken(NamedTuple):
-    """A row worked out around parameters (p,), what was believed before it, and how it surprised."""
+    """A row worked out around parameters (p,), and what was believed before it."""
 
     before: RegressionBelief
     row: FilteredRow
     at: Array
-    surprise: Surprise
 
 
 class Pushed(NamedTuple):
@@ -84,14 +83,14 @@ class PushOrLoad:
     def since(cls, taken: Sequence[Taken], load: Array, usual: Array) -> PushOrLoad:
         """From the first of the last rows in which a push is likely on, for a load of covariance (f, f)."""
         pushed, left = Pushed(taken[0].before.copy(), np.zeros(len(usual))), list(taken)
-        while len(left) > 1:
-            following, *_ = pushed.and_then(left[0].row, left[0].at, usual)
-            if following.rows == 0:
+        while True:
+            following, _, surprise = pushed.and_then(left[0].row, left[0].at, usual)
+            if following.rows == 0 or len(left) == 1:
                 break
             pushed, left = following, left[1:]
         loaded = pushed.belief.copy()
         loaded.open(load)
-        found = cls(pushed, loaded, usual, left[0].surprise)
+        found = cls(pushed, loaded, usual, surprise)
         for one in left:
             found = found.and_then(one.row, one.at)
         return found

@@ -38,6 +38,7 @@ def test_there_and_back_with_slopes_by_differences():
         step[i] = 1e-5
         slope = (PRODUCTS.factors(at + step) - PRODUCTS.factors(at - step)) / 2e-5
         assert by[:, i] == pytest.approx(slope, abs=1e-8)
+    assert PRODUCTS.by_factors(theta) @ by == pytest.approx(np.eye(len(theta)), abs=1e-12)
     root = np.diag(np.arange(1.0, 1 + len(theta)))
     belief = PRODUCTS.belief(Gaussian(theta, root @ root), FREE, theta)
     told = PRODUCTS.told(Told(belief.mean, belief.covariance, np.linalg.cholesky(belief.covariance)))

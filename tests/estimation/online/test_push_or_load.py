@@ -10,11 +10,8 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import PayloadChange, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Measurement
-from cartgrasp.simulation.outside import Push, PushedPlant
-from cartgrasp.simulation.plant import ModelPlant
-from cartgrasp.simulation.sensors import Sensors
-from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, filter_noise, shared
+from cartgrasp.simulation.outside import Push, nothing_outside
+from cartgrasp.studies.estimators import HANDS, PERIOD, SENSORS, Job, drive_cart, filter_noise
 from estimation import CartFilter
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.filtered_row import FilteredRow
@@ -29,8 +26,7 @@ from estimation.online.regressor.push_or_load import (
     Taken,
 )
 from estimation.online.regressor.regression_belief import RegressionBelief, mixture
-from planning.references import PathReference
-from planning.tracking import build_tracker
+from estimation.whole_log.replay import replay
 
 FADE, NOISE, USUAL, LOAD = 0.8, 0.09, np.array([[1600.0]]), np.array([[36.0]])
 MASS, KNOWN = 20.0, 0.25
@@ -60,9 +56,8 @@ def row(rise, force):
 
 def trial(rows):
     """Begun with the first row."""
-    before, at = belief(), np.zeros(1)
-    surprise = before.copy().absorb(rows[0], at)
-    found = PushOrLoad.since([Taken(before, rows[0], at, surprise)], LOAD, USUAL)
+    at = np.zeros(1)
+    found = PushOrLoad.since([Taken(belief(), rows[0], at)], LOAD, USUAL)
     for one in rows[1:]:
         found = found.and_then(one, at)
     return found
@@ -126,23 +121,14 @@ def test_what_is_not_told_apart_is_as_wide_as_both():
     assert found.covariance[0, 0] == pytest.approx(drawn.var(), rel=0.01)
 
 
-def driven(outside, load=0.0, seed=0):
+def driven(outside=nothing_outside, load=0.0, seed=0):
     """The last estimate of the mass, and every health from 4 s on: of 24 kg, on curves, pushed or loaded at 4 s."""
     effects = (ViscousDrag(3.0, 1.2), *((PayloadChange(4.0, load, 0.2, 0.1),) if load else ()))
     truth = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), RollingConstraints(), effects)
     guess = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), RollingConstraints(), (ViscousDrag(2.0, 1.0),))
-    plant = PushedPlant(ModelPlant(truth), outside)
-    sensors, reference = Sensors(truth, SENSORS["usual"], seed), PathReference(PATHS["curves"], truth.rolling)
-    tracker, health = build_tracker(truth.constraints), []
-    cart_filter = CartFilter(guess, list(HANDS), noise=filter_noise(SENSORS["usual"]))
-    for _ in range(1000):
-        now, motion = plant.time, plant.motion
-        given = shared(tracker.wrench_b(reference.at(now), motion, truth))
-        seen, felt = sensors.motion(now, motion), sensors.wrenches(now, given)
-        told = cart_filter.update(Measurement(now, seen.pose, seen.velocity, felt.wrenches, felt.contacts))
-        health += [told.health] if now > 4.0 else []
-        plant.step(given, PERIOD)
-    return told.parameters["mass"], health
+    log = drive_cart(truth, Job("curves", "usual", seed), 10.0, outside).log
+    told = replay(log, CartFilter(guess, list(HANDS), noise=filter_noise(SENSORS["usual"]))).estimates
+    return told[-1].parameters["mass"], [one.health for one in told if one.time > 4.0]
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, math.pi])
@@ -156,7 +142,7 @@ def test_a_push_teaches_no_mass(force, angle):
 
 
 def test_a_load_does():
-    mass, health = driven(lambda *_: [], load=8.0)
+    mass, health = driven(load=8.0)
     assert abs(mass.value - 32.0) < 3 * mass.std < 3.5
     assert "load_changed" in health
     assert health[-1] == "ok"
