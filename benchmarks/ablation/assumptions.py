@@ -88,6 +88,14 @@ ASSUMPTIONS = (
             "FORM_SHARE": "of a length, what the form of its effect leaves open",
         },
     ),
+    *_of(
+        "discrepancy.search.form_error",
+        {
+            "LATE": "how late an effect comes whose form is wrong by its whole size",
+            "SLOW": "speeds below which forms of drag differ",
+            "FAR": "way after a reversal on which forms of drag differ",
+        },
+    ),
     *_of("discrepancy.search.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
     *_of("discrepancy.findings.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
     *_of(

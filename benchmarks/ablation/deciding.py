@@ -23,6 +23,7 @@ DECIDING = (
         "discrepancy.search.search", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"
     ),
     Constant("discrepancy.search.search", "SHARE", A, 0.0, "least gain as a share of the largest so far"),
+    Constant("discrepancy.search.form_error", "FORM_STD", A, 0.0, "of an effect, by which its form is wrong in a mode"),
     Constant("discrepancy.search.search", "RESIZED", A, 0.0, "least gain of another size of an effect of the file"),
     Constant("discrepancy.search.search", "SURE", A, 0.0, "least gain in standard errors over stretches"),
     Constant(
@@ -40,13 +41,6 @@ DECIDING = (
     Constant("discrepancy.search.plausible", "LEAST_LAW", A, 0.0, "least size of a law"),
     Constant(
         "discrepancy.search.plausible", "TOLD", A, 0.0, "deviations from nought of what makes an effect what it is"
-    ),
-    Constant(
-        "discrepancy.search.drag_floor",
-        "LEAST_SURE",
-        A,
-        inf,
-        "deviations by which a law's drag is never nought",
     ),
     Constant(
         "discrepancy.findings.refusal",

@@ -64,6 +64,7 @@ REASONS: dict[str, dict[str, str]] = {
         "ROUNDS": "effort",
     },
     "discrepancy.search.candidates": {"EVER": "stands for infinity"},
+    "discrepancy.search.form_error": {"MOST_MODES": "memory"},
     "discrepancy.findings.certainty": {
         "TAUGHT": "a flag that the report does not tell",
         "MOST_MOVED": "of a linear step",

@@ -284,6 +284,15 @@ class Balances:
         """How much more (k, c, 1) the motion takes of one cart than of another."""
         return self.integrated(self._on_all((self.expected(other) - self.expected(one))[..., None]))
 
+    def taken(self, cart: CartModel) -> Array:
+        """What a cart takes of all balances along the motion (n, c): of recorded wrenches what its sensors add, and of
+        the speed across what its wheels creep."""
+        planar, own = self.wrenches.planar(cart), self.of_body(cart)
+        found = self._on_all(self.expected(cart) - planar @ cart.basis_b)
+        if self.motion.across is not None:
+            found[:, -1] = self.creep(cart, own._state(cart), planar, self.motion.time)
+        return found
+
     def expected(self, cart: CartModel) -> Array:
         """The reduced wrench (n, f) that a cart's motion takes."""
         own = self.of_body(cart)

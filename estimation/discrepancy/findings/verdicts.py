@@ -23,8 +23,9 @@ def verdict(step: Step, one: Attempt) -> str:
     """Of one of a step's attempts."""
     if one is step.added:
         return ADDED
-    if one.gain < (least := least_gain(one, step.form_error, WORTH)):
-        return f"gains {one.gain:.1f} nats, and {least:.1f} are needed"
+    if one.own_gain < (least := least_gain(one, step.form_error, WORTH)):
+        beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside what the forms of others may leave"
+        return f"gains {one.gain:.1f} nats{beside}, and {least:.1f} are needed"
     if one.gain < SURE * one.error:
         return f"gains less than {SURE:g} standard deviations of its gain: from stretch to stretch it is not sure"
     if odd := _objection(one):

@@ -24,13 +24,20 @@ class Refit:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error."""
+    """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error, and the
+    gain beside what the forms of others may leave (None: there are no others)."""
 
     candidate: Effect | Law | Refit
     gain: float
     tried: int
     model: Model | None = None
     error: float = 0.0
+    beside_forms: float | None = None
+
+    @property
+    def own_gain(self) -> float:
+        """What no other effect's form makes."""
+        return self.gain if self.beside_forms is None else min(self.gain, self.beside_forms)
 
     @property
     def key(self) -> str:

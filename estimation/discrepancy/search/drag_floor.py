@@ -11,10 +11,7 @@ from cartgrasp.wheels import GRAVITY
 
 from .laws import Law, seen_values
 from .model import Model
-from .plausible import is_negligible
-
-LEAST_SURE = 2.0
-"""Standard deviations by which a drag is never nought."""
+from .plausible import TOLD, is_negligible
 
 
 def with_floor_named(model: Model) -> Model:
@@ -31,7 +28,7 @@ def with_floor_named(model: Model) -> Model:
         least = int(np.argmin(drag))
         std = float(np.sqrt(shares[least] @ model.score.covariance[place, place] @ shares[least]))
         weight = GRAVITY * model.cart.inertia.mass
-        if is_negligible(RollingResistance(max(drag[least] - LEAST_SURE * std, 0.0) / weight)):
+        if is_negligible(RollingResistance(max(drag[least] - TOLD * std, 0.0) / weight)):
             continue
         laws = tuple(_beyond(one, shares[least]) if one is law else one for one in model.laws)
         cart = model.cart.with_effect(RollingResistance(float(drag[least]) / weight))

@@ -187,7 +187,7 @@ def _on_all(motions: Sequence[Motion]) -> Iterator[Law]:
     most = _span([np.abs(m.velocity[:, 0]) for m in motions])[1]
     steps = np.append(0.0, (*SETTING_IN, 1.0))
     setting_in = (np.maximum(steps - share, 0.0) / (1.0 - share) for share in SETTING_IN)
-    time, curves = low + (high - low) * FINE, _splines(FINE)
+    time, curves = low + (high - low) * FINE, splines(FINE)
     yield Law.free("the same at all", LearnedForce("drag", "speed"))
     yield _knotted("cubic drag", "drag", "speed", most * FINE, FINE**3)
     yield _knotted("drag that sets in", "drag", "speed", most * steps, *setting_in)
@@ -220,7 +220,7 @@ def _of_world(motions: Sequence[Motion], ahead: float) -> Iterator[Law]:
     field, plane, bowl = _fields(motions)
     field = replace(field, acts_on="world_force", ahead=ahead)
     yield both_ways("wind", wind, FINE[:, None])
-    yield both_ways("wind that turns", wind, _splines(FINE).T)
+    yield both_ways("wind that turns", wind, splines(FINE).T)
     yield both_ways("field", field, plane)
     yield both_ways("curved field", field, bowl)
 
@@ -234,7 +234,7 @@ def _fields(motions: Sequence[Motion]) -> tuple[LearnedForce, Array, Array]:
     return LearnedForce("lateral_force", "place", knots=tuple(x.tolist()), knots_y=tuple(y.tolist())), plane, bowl
 
 
-def _splines(at: Array) -> Array:
+def splines(at: Array) -> Array:
     """Cubic splines (q, n) between 0 and 1."""
     inside = np.linspace(0.0, 1.0, COEFFICIENTS - 2)
     knots = np.concatenate([[0.0] * 3, inside, [1.0] * 3])

@@ -16,6 +16,7 @@ from ...weak_form.score import Score
 from .attempts import Attempt, Refit, Step
 from .candidates import Family, amplitudes_of, families
 from .drag_floor import with_floor_named
+from .form_error import FormError
 from .laws import Law
 from .model import Model
 from .plausible import ESSENTIAL, ODDS, TOLD, is_lawful, is_plausible
@@ -24,9 +25,9 @@ from .screening import LEAST_SIDE, Screen
 
 WORTH = 10.0
 """Of the score: what is added gains so much at least, and what is simpler than what acts for a while may lack."""
-SHARE = 0.12
-"""Of the largest gain so far: what is smaller may be what the form of the first leaves, unless every cart has it
-(`ODDS`)."""
+SHARE = 0.06
+"""Of the largest gain so far: what gains less beside the forms of others (`form_error.py`) may be a form that nobody
+thought of, unless every cart has it (`ODDS`)."""
 CONFUSABLE = float(np.log(100.0))
 """Of the score: by what less a candidate explains about as much."""
 NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
@@ -167,7 +168,8 @@ def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
     enough = max(NEAR * found[0].gain, WORTH / 2)
     names = [one for one in found if not isinstance(one.candidate, Law)][:MOST_REFITTED]
     laws = _simplest([one for one in found if isinstance(one.candidate, Law)])[:MOST_LAWS]
-    near = [extended(model, screen, one) for one in (*names, *laws) if one.gain > enough]
+    forms = FormError(model) if added(model) or model.laws else None
+    near = [extended(model, screen, one, forms) for one in (*names, *laws) if one.gain > enough]
     rest = [one for one in found if one.key not in {n.key for n in near}]
     return sorted(near, key=lambda one: -one.gain) + rest
 
@@ -190,7 +192,8 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
 def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt | None:
     """Of those that are worth it, and more than what the form of others may have left, the simplest that is not surely
     worth less than the best that somebody would call so (Breiman's rule of one standard error)."""
-    known = [one for one in attempts if one.model and one.gain >= least_gain(one, form_error, least) and _may_be(one)]
+    known = [one for one in attempts if one.model and _may_be(one)]
+    known = [one for one in known if one.own_gain >= least_gain(one, form_error, least)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
@@ -283,11 +286,15 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
 
 
 def added_worth(less: Model, model: Model, effect: Effect) -> float:
-    """What an effect of a model is worth, against one without; of what does not act everywhere, beside noise of the
-    colour that is left with it: a push is like anything that drifts."""
-    if effect.gate is Gate.ALWAYS:
-        return worth(less.score, model.score, None)
-    return worth(less.score, model.score, model.colour if effect.gate.ends else 1.0)
+    """What an effect of a model is worth, against one without."""
+    return worth(less.score, model.score, _colour(model, effect))
+
+
+def _colour(model: Model, candidate: Effect | Law) -> float | None:
+    """Of what is left with a candidate that does not act everywhere: a push is like anything that drifts."""
+    if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
+        return None
+    return model.colour if candidate.gate.ends else 1.0
 
 
 def _is_possible(effect: Effect) -> bool:
@@ -298,24 +305,27 @@ def _is_possible(effect: Effect) -> bool:
     return any(p.lower <= value <= p.upper for p, value in own)
 
 
-def extended(model: Model, screen: Screen, one: Attempt) -> Attempt:
-    """With its settings where they are best, and fitted with all else."""
+def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None = None) -> Attempt:
+    """With its settings where they are best, and fitted with all else; beside the forms of a model's effects, too."""
     if isinstance(one.candidate, Refit):
         return one
+    found: Effect | Law
     if isinstance(one.candidate, Law):
-        law = screen.tuned(one.candidate)
-        new = replace(model, laws=(*model.laws, law)).refitted(model.cart)
-        gain = worth(model.score, new.score, None) - float(np.log(one.tried))
-        return Attempt(law, gain, one.tried, new, standard_error(model.score, new.score))
-    best = refined(absent(one.candidate), screen.gain)
-    best_attempt = attempt(model, best, one.tried)
-    effect = best_attempt.candidate
-    assert not isinstance(effect, Law | Refit)
-    new = model.refitted(model.cart.with_effect(effect))
-    gain = added_worth(model, new, effect) - float(np.log(one.tried)) + ODDS.get(effect.name, 0.0)
-    fitted = next(e for e in new.cart.effects if e.key == effect.key)
-    error = standard_error(model.score, new.score) if effect.gate is Gate.ALWAYS else 0.0
-    return Attempt(fitted, gain, one.tried, new, error)
+        found = screen.tuned(one.candidate)
+        new = replace(model, laws=(*model.laws, found)).refitted(model.cart)
+    else:
+        best = refined(absent(one.candidate), screen.gain)
+        effect = attempt(model, best, one.tried).candidate
+        assert not isinstance(effect, Law | Refit)
+        new = model.refitted(model.cart.with_effect(effect))
+        found = next(e for e in new.cart.effects if e.key == effect.key)
+    colour = _colour(new, found)
+    before = ODDS.get(found.name, 0.0) if isinstance(found, Effect) else 0.0
+    before -= float(np.log(one.tried))
+    gain = before + worth(model.score, new.score, colour)
+    error = standard_error(model.score, new.score) if colour is None else 0.0
+    beside = None if forms is None else before + worth(*forms.scores(new, found), colour)
+    return Attempt(found, gain, one.tried, new, error, beside)
 
 
 def absent(effect: Effect) -> Effect:

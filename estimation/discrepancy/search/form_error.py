@@ -1,0 +1,123 @@
+"""What the forms of effects that were found may leave: as much of each as its form may be wrong by, where a motion goes
+through something that the form does not know.
+
+A form that is not quite right leaves a residual in which other names are found. Here the rivals of those names are the
+same effects with another size at another time, speed, turn, heading, place or way since a reversal, at another lever,
+or a little late, as nuisances of declared size (model discrepancy of Kennedy and O'Hagan, 2001). What a candidate
+gains beside them is its own.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
+from cartgrasp.frames import Array
+
+from ...standstill import LEVER
+from ...weak_form.balances import Balances
+from ...weak_form.motion import Motion
+from ...weak_form.score import Score
+from .course import Course
+from .laws import splines
+from .model import Model
+
+FORM_STD = 0.2
+"""Of an effect's size: how far it may be another, by each of the modes."""
+LATE = 0.1
+"""s: how late an effect may come whose form is wrong by its whole size."""
+SLOW, FAR = (0.05, 0.15), (0.05, 0.3, 1.0)
+"""m/s and m since a reversal: scales on which forms set in."""
+MOST_MODES = 40
+"""Of all effects together, the largest: more would only cost memory."""
+
+
+class FormError:
+    """Of a model's effects and laws that its first guess does not have."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        whole, known = model.whole, {effect.key for effect in model.guess.effects}
+        less = [whole.without_effect(effect.key) for effect in whole.effects if effect.key not in known]
+        self._made = [[b.taken(whole) - b.taken(one) for one in less] for b in model.logs]
+
+    def scores(self, model: Model, candidate: Any) -> tuple[Score, Score]:
+        """Of this model and of one with a candidate, both beside what forms may leave."""
+        columns = self._modes
+        if isinstance(candidate, Effect) and candidate.gate is not Gate.ALWAYS:
+            columns = np.concatenate([columns, self._while(candidate)], axis=2)
+        std = np.ones(columns.shape[2])
+        return self.model.with_columns(columns, std), model.with_columns(columns, std)
+
+    def _while(self, candidate: Effect) -> Array:
+        """Whitened columns (k, c, e) of effects as long as a candidate acts."""
+        found = []
+        for balances, made in zip(self.model.logs, self._made, strict=True):
+            acts = _acting(candidate, balances, self.model)
+            found.append(balances.integrated(np.stack([acts[:, None] * one for one in made], axis=2)))
+        return FORM_STD * self.model.whitened(found)
+
+    @cached_property
+    def _modes(self) -> Array:
+        """Whitened columns (k, c, q), each as large as it may be: the strongest of all combinations."""
+        turn = self.model.cart.constraints.n_free - 1
+        found = self.model.whitened(
+            [_modulated(balances, made, turn) for balances, made in zip(self.model.logs, self._made, strict=True)]
+        )
+        flat = (found / self.model.score.scale[:, None]).reshape(-1, found.shape[2])
+        _, along = np.linalg.eigh(flat.T @ flat)
+        return np.asarray(FORM_STD * found @ along[:, -MOST_MODES:])
+
+
+def _modulated(balances: Balances, made: list[Array], turn: int) -> Array:
+    """Of a log (k, c, q): what effects make (n, c) times modes, late, and as a moment about a lever (of the balance
+    `turn`, if that is another than the first)."""
+    modes = modes_of(balances.motion)
+    late = [np.gradient(one, balances.motion.step, axis=0) * LATE for one in made]
+
+    def along(part: slice) -> Array:
+        found = []
+        for one, slope in zip(made, late, strict=True):
+            found += [one[part, :, None] * modes[part, None], slope[part, :, None]]
+            if turn:
+                beside = np.zeros((len(one[part]), one.shape[1], modes.shape[1]))
+                beside[:, turn] = LEVER * one[part, :1] * modes[part]
+                found.append(beside)
+        return np.concatenate(found, axis=2)
+
+    return balances.integrals.by_parts(along)
+
+
+def modes_of(motion: Motion) -> Array:
+    """What an effect's size may change with, along a motion (n, m): each about one where it is largest."""
+    course = Course.along(motion)
+    speed, turning = (np.asarray(one / max(np.abs(one).max(), 1e-3)) for one in (course.speed, course.yaw_rate))
+    place = course.place - course.place.mean(axis=0)
+    x, y = (place / np.maximum(np.abs(place).max(axis=0), 0.1)).T
+    found = [
+        *splines(course.time / max(course.time[-1], motion.step)),
+        np.sign(speed),
+        speed,
+        speed**2,
+        *(np.exp(-np.abs(course.speed) / scale) for scale in SLOW),
+        turning,
+        np.abs(turning),
+        *(np.exp(-course.since_reversal / scale) for scale in FAR),
+        *(x, y, x**2, x * y, y**2),
+        *(wave(k * course.heading) for k in (1, 2) for wave in (np.cos, np.sin)),
+    ]
+    return np.stack(found, axis=1)
+
+
+def _acting(effect: Effect, balances: Balances, model: Model) -> Array:
+    """Whether a gate is open (n,)."""
+    time = balances.motion.time
+    if effect.gate is Gate.INSIDE:
+        return balances.touches(effect.values[:4], model.cart).astype(float)
+    start = effect.values[0]
+    end = np.inf if effect.gate is Gate.FROM else start + effect.values[1]
+    return np.asarray((time > start) & (time < end), dtype=float)
