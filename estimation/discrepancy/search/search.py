@@ -25,7 +25,7 @@ from .screening import LEAST_SIDE, Screen
 
 WORTH = 10.0
 """Of the score: what is added gains so much at least, and what is simpler than what acts for a while may lack."""
-SHARE = 0.06
+SHARE = 0.05
 """Of the largest gain so far: what gains less beside the forms of others (`form_error.py`) may be a form that nobody
 thought of, unless every cart has it (`ODDS`)."""
 CONFUSABLE = float(np.log(100.0))
