@@ -1,9 +1,10 @@
-"""`python -m benchmarks.filter_pushes [--seeds 0:100] [--only nothing|push|load]`: what the online filter makes of
-pushes that no arm gave, and of loads.
+"""`python -m benchmarks.filter_pushes [--seeds 0:100] [--only nothing|push|load|floor]`: what the online filter makes
+of pushes that no arm gave, of loads, and of other floors.
 
 Carts of 10 to 80 kg with drag and rolling resistance, first guesses from half to twice the mass, sensors as told. Once
 in a run, after 3 to 8 s of 14, something of 10 to 60 N pushes for 0.2 to 1 s from anywhere, or a tenth to four tenths
-of the mass are put on (taken off in three of ten); in sound runs nothing happens. A tick is sure and wrong where the
+of the mass are put on (taken off in three of ten), or the floor is rougher for 1 to 8 s (coefficients 0.01 to 0.05
+more); in sound runs nothing happens. A tick is sure and wrong where the
 mass is said to be identifiable under a health of `ok`, and is off by more than 3 % and four deviations.
 """
 
@@ -21,12 +22,13 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.outside import Push
 from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, Job, drive_cart, filter_noise
+from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.whole_log.replay import replay
 
 from .filter_faults import between, resistances
 
-NOTHING, PUSH, LOAD = KINDS = "nothing", "push", "load"
+NOTHING, PUSH, LOAD, FLOOR = KINDS = "nothing", "push", "load", "floor"
 LASTING = 14.0
 OFF, DEVIATIONS, SETTLED = 0.03, 4.0, 0.05
 
@@ -55,8 +57,12 @@ def drive(seed: int, kind: str) -> Run:
     angle = float(random.uniform(-np.pi, np.pi)) if random.random() < 0.5 else float(random.choice([0.0, np.pi]))
     point = np.array([random.uniform(-0.3, 0.6), random.uniform(-0.3, 0.3), 0.5])
     pushes = [Push(force * np.array([np.cos(angle), np.sin(angle), 0.0]), point)]
+    rough, stretch = between(random, 0.01, 0.05) * GRAVITY * mass, between(random, 1.0, 8.0)
 
     def outside(time: float, motion: Motion) -> list[Push]:
+        if kind == FLOOR and at <= time < at + stretch:
+            drag = -rough * np.tanh(motion.velocity[0] / 0.01)
+            return [Push(np.array([drag, 0.0, 0.0]), np.array([*com, 0.0]))]
         return pushes if kind == PUSH and at <= time < at + lasting else []
 
     truth = _cart(mass, com, drags, PayloadChange(at, load, 0.2, 0.1) if kind == LOAD else None)

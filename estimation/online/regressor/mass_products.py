@@ -35,10 +35,12 @@ class Told(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MassProducts:
-    """Those of the parameters at `scaled` with the mass, which is taken to be `least` at least (kg)."""
+    """Those of the parameters at `scaled` with the mass, which is taken to be `least` at least (kg); `usual` are the
+    factors' usual sizes."""
 
     scaled: Indices
     least: float
+    usual: Array
 
     @classmethod
     def of(cls, cart: CartModel, free: Indices) -> MassProducts:
@@ -46,7 +48,8 @@ class MassProducts:
         of_effects = [parameter for effect in cart.effects for parameter in effect.parameters]
         by_mass = {N_PHI + i for i, parameter in enumerate(of_effects) if parameter.is_by_mass}
         scaled = np.array(sorted(by_mass & set(free.tolist())) if MASS in free else [], dtype=np.int64)
-        return cls(scaled, LEAST_MASS_SHARE * cart.inertia.mass)
+        usual = np.array([of_effects[i - N_PHI].typical for i in scaled.tolist()])
+        return cls(scaled, LEAST_MASS_SHARE * cart.inertia.mass, usual)
 
     def products(self, theta: Array) -> Array:
         """Instead of the factors, (p,)."""
@@ -58,6 +61,12 @@ class MassProducts:
         """Instead of the products, (p,)."""
         found = products.copy()
         found[self.scaled] /= max(products[MASS], self.least)
+        return found
+
+    def floor(self, theta: Array) -> Array:
+        """Covariance (p, p) of the products, of what another floor changes."""
+        found = np.zeros((len(theta), len(theta)))
+        found[self.scaled, self.scaled] = (self.usual * max(theta[MASS], self.least)) ** 2
         return found
 
     def jacobian(self, theta: Array) -> Array:

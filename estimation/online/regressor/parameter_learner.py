@@ -237,7 +237,8 @@ class ParameterLearner:
         surprise = self._belief.absorb(row, self.theta)
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
         if self._watch.note(time, surprise, root):
-            self._settle(PushOrLoad.since(self._taken, root @ root.T, self._push), time)
+            floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
+            self._settle(PushOrLoad.since(self._taken, root @ root.T, floor, self._push), time)
             self._taken = ()
 
     def _settle(self, trial: PushOrLoad, time: float) -> None:

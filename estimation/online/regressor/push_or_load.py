@@ -1,9 +1,9 @@
-"""Whether what surprises is a push or a load: both are believed until rows tell.
+"""Whether what surprises is a push, a load or another floor: all are believed until rows tell.
 
-A load changes the parameters from some moment on, a push nothing but the rows in which it acts. So from the first row
-that surprised there are two beliefs, one that is opened to a load and takes in all rows, and one that leaves out rows
-which a push would make more likely. Each row's likelihood under either moves the odds (Bayes), and what is told
-meanwhile is their mixture, whose deviation holds both.
+A load changes the body from some moment on, another floor what goes with the weight (resistance, slope), a push nothing
+but the rows in which it acts. So from the first row that surprised there are several beliefs: one that leaves out rows
+which a push would make more likely, and one for each change, opened to it, that takes in all rows. Each row's
+likelihood under them moves their odds (Bayes). What is told meanwhile has no load, and is as unsure as all of them are.
 """
 
 from __future__ import annotations
@@ -64,72 +64,110 @@ class Pushed(NamedTuple):
         return Pushed(belief, surprise.news / gain, 0, gained), beside, surprise
 
 
+class Changed(NamedTuple):
+    """What is believed if the load, or the floor, is another; and the logarithm of its odds against a push."""
+
+    belief: RegressionBelief
+    is_load: bool
+    odds: float = 0.0
+
+    def and_then(self, row: FilteredRow, at: Array, of_push: float) -> tuple[Changed, Surprise]:
+        """With a row, of which a push makes a log-likelihood."""
+        belief = self.belief.copy()
+        surprise = belief.absorb(row, at)
+        return self._replace(belief=belief, odds=self.odds + surprise.log_likelihood() - of_push), surprise
+
+    def unlinked(self) -> Changed:
+        """With a row that tells nothing of it."""
+        belief = self.belief.copy()
+        belief.unlink()
+        return self._replace(belief=belief)
+
+
 @dataclass(frozen=True)
 class PushOrLoad:
-    """Both beliefs, the surprise of the last row under the likelier of them, and the logarithm of the odds of a load;
-    how many rows there were, blocks in which the cart stood still, and blocks without a row for whatever reason.
-    `usual` (n, n) is the covariance of usual pushes."""
+    """All beliefs, and the surprise of the last row under the likeliest; how many rows there were, blocks in which the
+    cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual pushes."""
 
     pushed: Pushed
-    loaded: RegressionBelief
+    changed: tuple[Changed, ...]
     usual: Array
     surprise: Surprise
-    odds: float = 0.0
     rows: int = 0
     still: int = 0
     without: int = 0
 
     @classmethod
-    def since(cls, taken: Sequence[Taken], load: Array, usual: Array) -> PushOrLoad:
-        """From the first of the last rows in which a push is likely on, for a load of covariance (f, f)."""
+    def since(cls, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> PushOrLoad:
+        """From the first of the last rows in which a push is likely on, for loads and floors of covariances (f, f); of
+        floors none where nothing goes with the weight."""
         pushed, left = Pushed(taken[0].before.copy(), np.zeros(len(usual))), list(taken)
         while True:
             following, _, surprise = pushed.and_then(left[0].row, left[0].at, usual)
             if following.rows == 0 or len(left) == 1:
                 break
             pushed, left = following, left[1:]
-        loaded = pushed.belief.copy()
-        loaded.open(load)
-        found = cls(pushed, loaded, usual, surprise)
+        changed = []
+        for added, is_load in ((load, True), (floor, False)):
+            if added.any():
+                changed.append(Changed(pushed.belief.copy(), is_load))
+                changed[-1].belief.open(added)
+        found = cls(pushed, tuple(changed), usual, surprise)
         for one in left:
             found = found.and_then(one.row, one.at)
         return found
 
     def and_then(self, row: FilteredRow, at: Array) -> PushOrLoad:
         """With one row more."""
-        pushed, of_push, by_push = self.pushed.and_then(row, at, self.usual)
-        loaded, rows = self.loaded.copy(), self.rows + 1
-        if rows <= SETTING_IN:
-            loaded.unlink()
-            return replace(self, pushed=pushed, loaded=loaded, rows=rows, surprise=by_push)
-        by_load = loaded.absorb(row, at)
-        odds = self.odds + by_load.log_likelihood() - of_push
-        said = by_load if odds > 0.0 else by_push
-        return replace(self, pushed=pushed, loaded=loaded, odds=odds, rows=rows, surprise=said)
+        pushed, of_push, surprise = self.pushed.and_then(row, at, self.usual)
+        if self.rows < SETTING_IN:
+            changed = tuple(one.unlinked() for one in self.changed)
+            return replace(self, pushed=pushed, changed=changed, rows=self.rows + 1, surprise=surprise)
+        both = [one.and_then(row, at, of_push) for one in self.changed]
+        best = max(both, key=lambda pair: pair[0].odds)
+        said = best[1] if best[0].odds > 0.0 else surprise
+        return replace(self, pushed=pushed, changed=tuple(c for c, _ in both), rows=self.rows + 1, surprise=said)
 
     def unlinked(self, *, is_still: bool) -> PushOrLoad:
         """With a block that brought no row, since the cart stood still or for another reason."""
-        pushed, loaded = self.pushed.belief.copy(), self.loaded.copy()
+        pushed = self.pushed.belief.copy()
         pushed.unlink()
-        loaded.unlink()
         return replace(
             self,
             pushed=self.pushed._replace(belief=pushed),
-            loaded=loaded,
+            changed=tuple(one.unlinked() for one in self.changed),
             still=self.still + is_still,
             without=self.without + 1,
         )
 
     @property
+    def _shares(self) -> Array:
+        """Probabilities (1 + c,) of a push and of the changes."""
+        odds = np.array([0.0, *(one.odds for one in self.changed)])
+        shares = np.exp(odds - odds.max())
+        return np.asarray(shares / shares.sum())
+
+    @property
+    def _sure(self) -> int | None:
+        """Which of them is left: 0 for a push; None while rows have not told."""
+        best = int(np.argmax(self._shares))
+        odds = [0.0, *(one.odds for one in self.changed)]
+        others = np.logaddexp.reduce([own for i, own in enumerate(odds) if i != best])
+        return best if odds[best] - others > DECIDED else None
+
+    @property
     def is_over(self) -> bool:
-        is_quiet = self.pushed.rows >= OVER or self.still >= LEAST
-        told = self.rows + self.still >= LEAST if self.odds > 0.0 else is_quiet
-        return (told and abs(self.odds) > DECIDED) or self.rows >= LONGEST
+        sure = self._sure
+        if sure is None:
+            return self.rows >= LONGEST
+        if sure == 0:
+            return self.pushed.rows >= OVER or self.still >= LEAST or self.rows >= LONGEST
+        return not self.changed[sure - 1].is_load or self.rows + self.still >= LEAST
 
     @property
     def is_loaded(self) -> bool:
         """Surely."""
-        return self.odds > DECIDED
+        return bool(self._sure) and self.changed[(self._sure or 0) - 1].is_load
 
     @property
     def is_pushed(self) -> bool:
@@ -148,16 +186,19 @@ class PushOrLoad:
 
     @property
     def is_endless(self) -> bool:
-        """What pushes for so long is no push, but the model's error: neither belief is right."""
-        return self.rows >= LONGEST and self.odds < -DECIDED and self.pushed.rows < OVER
+        """What pushes for so long is no push, but the model's error: no belief is right."""
+        return self.rows >= LONGEST and self._sure == 0 and self.pushed.rows < OVER
 
     @property
     def belief(self) -> RegressionBelief:
-        """What is left of the two, or both as one; another each time, which may be changed."""
+        """The one that is left, or all as one; another each time, which may be changed."""
+        beliefs = [self.pushed.belief, *(one.belief for one in self.changed)]
         if self.is_endless:
-            return mixture(self.pushed.belief, self.loaded, 0.5)
-        if self.is_loaded:
-            return self.loaded.copy()
-        if self.odds < -DECIDED:
-            return self.pushed.belief.copy()
-        return mixture(self.pushed.belief, self.loaded, 1.0 / (1.0 + math.exp(-self.odds)))
+            return mixture(beliefs, np.full(len(beliefs), 1.0 / len(beliefs)), 0)
+        return mixture(beliefs, self._shares, self._told) if self._sure is None else beliefs[self._sure].copy()
+
+    @property
+    def _told(self) -> int:
+        """Which of them is meanwhile: the likeliest without a load."""
+        loads = np.array([False, *(one.is_load for one in self.changed)])
+        return int(np.argmax(np.where(loads, -1.0, self._shares)))

@@ -8,6 +8,7 @@ neighbours' common noise is counted once.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -124,16 +125,18 @@ class RegressionBelief:
         self._known = information, information @ mean
 
 
-def mixture(one: RegressionBelief, other: RegressionBelief, share: float) -> RegressionBelief:
-    """Mean and covariance of two beliefs, of which the other has a share; without a link."""
-    found, last = one.copy(), other.copy()
-    found.unlink()
-    last.unlink()
-    p, q = found.solved, last.solved
-    off = q.mean - p.mean
-    spread = share * (1.0 - share) * np.outer(off, off)
-    found.believe(p.mean + share * off, (1.0 - share) * p.covariance + share * q.covariance + spread)
-    return found
+def mixture(beliefs: Sequence[RegressionBelief], shares: Array, told: int) -> RegressionBelief:
+    """Of several, with shares: the mean of the one that is `told`, and the spread of all about it; without a link."""
+    found = [one.copy() for one in beliefs]
+    for one in found:
+        one.unlink()
+    each = [one.solved for one in found]
+    mean = each[told].mean
+    spread = np.zeros_like(each[0].covariance)
+    for share, own in zip(shares.tolist(), each, strict=True):
+        spread += share * (own.covariance + np.outer(own.mean - mean, own.mean - mean))
+    found[0].believe(mean, spread)
+    return found[0]
 
 
 def _inverse(matrix: Array) -> Array:

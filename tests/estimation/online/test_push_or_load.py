@@ -1,4 +1,4 @@
-"""What surprises is a push or a load: odds against likelihoods written out, and pushes and loads in runs."""
+"""What surprises is a push, a load or another floor: odds against likelihoods written out, and all three in runs."""
 
 import math
 
@@ -7,11 +7,12 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import PayloadChange, ViscousDrag
+from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.outside import Push, nothing_outside
 from cartgrasp.studies.estimators import HANDS, PERIOD, SENSORS, Job, drive_cart, filter_noise
+from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.filtered_row import FilteredRow
@@ -34,7 +35,7 @@ MASS, KNOWN = 20.0, 0.25
 
 def belief(mean=MASS, variance=KNOWN):
     first = Gaussian(np.array([mean]), np.array([[variance]]))
-    return RegressionBelief(np.array([0]), first, 1, np.zeros(1), MassProducts(np.zeros(0, np.int64), 0.0))
+    return RegressionBelief(np.array([0]), first, 1, np.zeros(1), MassProducts(np.zeros(0, np.int64), 0.0, np.zeros(0)))
 
 
 def row(rise, force):
@@ -57,7 +58,7 @@ def row(rise, force):
 def trial(rows):
     """Begun with the first row."""
     at = np.zeros(1)
-    found = PushOrLoad.since([Taken(belief(), rows[0], at)], LOAD, USUAL)
+    found = PushOrLoad.since([Taken(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
     for one in rows[1:]:
         found = found.and_then(one, at)
     return found
@@ -78,7 +79,8 @@ def test_odds_are_a_ratio_of_likelihoods():
     spread, news, steady = KNOWN * rises**2 + NOISE, 2.0, (gain * STEADY) ** 2 * USUAL[0, 0]
     pushed = [log_density(forces[i], MASS * rises[i] + news, spread[i] + steady) for i in (0, 1)]
     third = log_density(forces[2], MASS * rises[2], spread[2])
-    assert found.odds == pytest.approx(of_load - sum(pushed) - third, abs=1e-3)
+    (changed,) = found.changed
+    assert changed.odds == pytest.approx(of_load - sum(pushed) - third, abs=1e-3)
     assert found.pushed.rows == 1
     left = Gaussian(np.array([MASS]), np.array([[KNOWN]]))
     gained = 1 / (1 / KNOWN + rises[2] ** 2 / NOISE)
@@ -110,39 +112,74 @@ def test_a_load_goes_on_and_a_push_ends():
     assert not early.unlinked(is_still=False).is_over
 
 
-def test_what_is_not_told_apart_is_as_wide_as_both():
+@pytest.mark.parametrize("told", [0, 1])
+def test_what_is_not_told_apart_is_as_wide_as_both(told):
+    """One of them is told, with the mean square distance of both from it."""
     random, share = np.random.default_rng(1), 0.3
     one, other = belief(20.0, 0.25), belief(26.0, 1.0)
     drawn = np.where(
         random.random(200_000) < share, random.normal(26.0, 1.0, 200_000), random.normal(20.0, 0.5, 200_000)
     )
-    found = mixture(one, other, share).parameters
-    assert found.mean[0] == pytest.approx(drawn.mean(), abs=0.02)
-    assert found.covariance[0, 0] == pytest.approx(drawn.var(), rel=0.01)
+    found, mean = mixture([one, other], np.array([1.0 - share, share]), told).parameters, (20.0, 26.0)[told]
+    assert found.mean[0] == pytest.approx(mean, rel=1e-9)
+    assert found.covariance[0, 0] == pytest.approx(np.mean((drawn - mean) ** 2), rel=0.01)
 
 
-def driven(outside=nothing_outside, load=0.0, seed=0):
-    """The last estimate of the mass, and every health from 4 s on: of 24 kg, on curves, pushed or loaded at 4 s."""
-    effects = (ViscousDrag(3.0, 1.2), *((PayloadChange(4.0, load, 0.2, 0.1),) if load else ()))
-    truth = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), RollingConstraints(), effects)
-    guess = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), RollingConstraints(), (ViscousDrag(2.0, 1.0),))
-    log = drive_cart(truth, Job("curves", "usual", seed), 10.0, outside).log
+def test_no_load_is_told_before_it_is_sure():
+    """However likely it is by then."""
+    rises = np.full(LEAST - 1, 0.5)
+    found = trial([row(r, 26.0 * r) for r in rises])
+    (load,) = found.changed
+    assert load.odds > 3.0
+    assert not found.is_loaded or not found.is_over
+    undecided = trial([row(0.1, 2.02)] * (SETTING_IN + 2))
+    assert undecided.belief.parameters.mean[0] == pytest.approx(undecided.pushed.belief.parameters.mean[0])
+    assert undecided.belief.parameters.covariance[0, 0] > undecided.pushed.belief.parameters.covariance[0, 0]
+
+
+def driven(outside=nothing_outside, load=0.0, seed=0, effects=(), duration=10.0):
+    """The estimates from 4 s on: of 24 kg, on curves, pushed or loaded at 4 s."""
+    loads = (PayloadChange(4.0, load, 0.2, 0.1),) if load else ()
+    truth = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), RollingConstraints(), (ViscousDrag(3.0, 1.2), *effects, *loads))
+    guess = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), RollingConstraints(), (ViscousDrag(2.0, 1.0), *effects))
+    log = drive_cart(truth, Job("curves", "usual", seed), duration, outside).log
     told = replay(log, CartFilter(guess, list(HANDS), noise=filter_noise(SENSORS["usual"]))).estimates
-    return told[-1].parameters["mass"], [one.health for one in told if one.time > 4.0]
+    return [one for one in told if one.time > 4.0]
+
+
+def mass_and_health(told):
+    return told[-1].parameters["mass"], [one.health for one in told]
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, math.pi])
 @pytest.mark.parametrize("force", [15.0, 50.0])
 def test_a_push_teaches_no_mass(force, angle):
     push = Push(force * np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([0.3, 0.1, 0.4]))
-    mass, health = driven(lambda time, _: [push] if 4.0 <= time < 4.4 else [])
+    mass, health = mass_and_health(driven(lambda time, _: [push] if 4.0 <= time < 4.4 else []))
     assert abs(mass.value - 24.0) < 3 * mass.std < 2.5
     assert health[-1] == "ok"
     assert 0.1 < PERIOD * health.count("load_changed") < 2.0
 
 
 def test_a_load_does():
-    mass, health = driven(load=8.0)
+    mass, health = mass_and_health(driven(load=8.0))
     assert abs(mass.value - 32.0) < 3 * mass.std < 3.5
     assert "load_changed" in health
+    assert health[-1] == "ok"
+
+
+@pytest.mark.parametrize("more", [0.02, 0.04])
+def test_another_floor_teaches_its_resistance_and_no_mass(more):
+    """From 7 s on, by a force that nobody gave: coefficient times weight, against the way the cart rolls."""
+    weight, resistance = GRAVITY * 24.0, RollingResistance(0.01)
+
+    def rough(time, motion):
+        drag = -more * weight * math.tanh(motion.velocity[0] / 0.01)
+        return [Push(np.array([drag, 0.0, 0.0]), np.array([0.28, 0.06, 0.0]))] if time >= 7.0 else []
+
+    told = driven(rough, effects=(resistance,), duration=14.0)
+    mass, health = mass_and_health(told)
+    coefficient = told[-1].parameters["rolling_resistance.coefficient"]
+    assert abs(mass.value - 24.0) < 3 * mass.std < 4.0
+    assert abs(coefficient.value - 0.01 - more) < 3 * coefficient.std < 0.012
     assert health[-1] == "ok"

@@ -179,7 +179,11 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, at=4.0):
 
 def belief():
     return RegressionBelief(
-        np.array([0]), Gaussian(np.array([4.0]), np.array([[4.0]])), 1, np.zeros(1), MassProducts(NONE, 0.0)
+        np.array([0]),
+        Gaussian(np.array([4.0]), np.array([[4.0]])),
+        1,
+        np.zeros(1),
+        MassProducts(NONE, 0.0, np.zeros(0)),
     )
 
 
@@ -225,7 +229,11 @@ def test_noise_alone_teaches_next_to_nothing(force_is_quiet):
 def test_only_what_is_excited_is_forgotten():
     """Two masses, of which rows ask one: it is never surer than its memory allows, the other stays as sure."""
     found = RegressionBelief(
-        np.arange(2), Gaussian(np.array([4.0, 4.0]), 4.0 * np.eye(2)), 1, np.zeros(2), MassProducts(NONE, 0.0)
+        np.arange(2),
+        Gaussian(np.array([4.0, 4.0]), 4.0 * np.eye(2)),
+        1,
+        np.zeros(2),
+        MassProducts(NONE, 0.0, np.zeros(0)),
     )
     one = next(drawn_rows(1, np.random.default_rng(4)))
     for asked, times in ((1, 50), (0, 4000)):

@@ -26,7 +26,7 @@ DRAG = 6.0
 
 
 def dragged(size, delay=0):
-    """A log of a cart with a dry drag that is `size(time)` times as large, and wrenches that come `delay` samples late."""
+    """A log of a cart with a dry drag that is `size(time)` times as large, and wrenches `delay` samples late."""
     log, truth = simulate(TRUTH, 3, 30.0, noise=(0.0005, 0.005, 1.0))
     ((name, arm),) = log.arms.items()
     wrench = arm.wrench.copy()
