@@ -66,11 +66,11 @@ def drive(arms: list[cg.Arm]) -> tuple[float, float, Plan, set[str]]:
             if not hand.is_away:
                 torques = postures[name].joints_at(hand.point, 0.0).torques(step.wrenches[name])
                 felt = max(felt, float(np.abs(torques).max()))
-        plan = step.plan
-        assert isinstance(plan, Plan)
-        joints.update(plan.limiting_joints)
+        assert isinstance(step.plan, Plan)
+        last = step.plan
+        joints.update(last.limiting_joints)
         robot.step(step.given, controller.period)
-    return felt, off, plan, joints
+    return felt, off, last, joints
 
 
 by_boxes, by_postures = drive(boxes), drive(posed)

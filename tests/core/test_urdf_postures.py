@@ -70,9 +70,7 @@ def test_what_is_remembered_is_bounded(arm, monkeypatch):
 def test_where_no_posture_was_found_it_says_how_near_one_comes(arm, contact):
     postures = UrdfPostures(arm, HAND, UP)
     assert postures.posture((0.0, 0.2, 0.9)).reached
-    with pytest.raises(
-        UsageError, match=r"no posture was found with the hand at .*; the nearest stays .* m and"
-    ):
+    with pytest.raises(UsageError, match=r"no posture was found with the hand at .*; the nearest stays .* m and"):
         postures.joints_at(contact, 0.0)
 
 
