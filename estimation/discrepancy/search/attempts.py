@@ -8,7 +8,7 @@ from cartgrasp.effects import Effect
 
 from .laws import Law
 from .model import Model
-from .plausible import ODDS
+from .plausible import USUAL
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class Attempt:
 
     @property
     def is_usual(self) -> bool:
-        """Whether every cart has it."""
-        return isinstance(self.candidate, Effect) and self.candidate.name in ODDS
+        """Whether every cart has it, or every chain of sensors."""
+        return isinstance(self.candidate, Effect) and self.candidate.name in USUAL
 
     @property
     def numbers(self) -> int:

@@ -27,7 +27,7 @@ WORTH = 10.0
 """Of the score: what is added gains so much at least, and what is simpler than what acts for a while may lack."""
 SHARE = 0.05
 """Of the largest gain so far: what gains less beside the forms of others (`form_error.py`) may be a form that nobody
-thought of, unless every cart has it (`ODDS`)."""
+thought of, unless it is `USUAL`."""
 CONFUSABLE = float(np.log(100.0))
 """Of the score: by what less a candidate explains about as much."""
 NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
@@ -207,7 +207,7 @@ def _closing(attempts: list[Attempt], model: Model, form_error: float, closes: C
 
 
 def least_gain(one: Attempt, form_error: float, least: float) -> float:
-    """What an attempt takes: more than the form of others may have left, unless every cart has it."""
+    """What an attempt takes: more than the form of others may have left, unless it is usual."""
     return least if one.is_usual else max(least, form_error)
 
 
