@@ -88,6 +88,5 @@ def _step(arm: UrdfArm, configuration: Array, error: Array, damping: float) -> A
 
 
 def _error(arm: UrdfArm, target: SpatialPose, configuration: Array) -> Array:
-    pose = arm.tool_pose_b(configuration)
-    turn = rotation_vector(target.rotation @ pose.rotation.T)
-    return np.concatenate([target.position - pose.position, turn])
+    rotation, position = arm.tool_in_b(configuration)
+    return np.concatenate([target.position - position, rotation_vector(target.rotation @ rotation.T)])

@@ -65,10 +65,13 @@ class UrdfArm:
 
     def tool_pose_b(self, configuration: ArrayLike) -> SpatialPose:
         """pose_bt."""
-        pinocchio = _library()
-        pinocchio.framesForwardKinematics(self._model, self._data, self.checked(configuration))
-        pose_rt = self._data.oMf[self._tool]
-        return self.pose_br @ SpatialPose(pose_rt.rotation, pose_rt.translation)
+        return SpatialPose(*self.tool_in_b(configuration))
+
+    def tool_in_b(self, configuration: ArrayLike) -> tuple[Array, Array]:
+        """pose_bt as a rotation (3, 3) and a position (3,), which nobody checks."""
+        _library().framesForwardKinematics(self._model, self._data, self.checked(configuration))
+        pose_rt, rotation_br = self._data.oMf[self._tool], self.pose_br.rotation
+        return rotation_br @ pose_rt.rotation, rotation_br @ pose_rt.translation + self.pose_br.position
 
     def jacobian_a(self, configuration: ArrayLike, yaw: float = 0.0) -> Array:
         """J_a, shape (6, n)."""
