@@ -26,6 +26,7 @@ PACKAGES = (
     "filterpy",
     "mujoco-core",
     "rosbags",
+    "pin",
 )
 
 

@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import lsq_linear
-from scipy.spatial.transform import Rotation
 
 from .frames import Array
 from .spatial_pose import SpatialPose
-from .urdf_arm import UrdfArm
+from .urdf_arm import UrdfArm, rotation_vector
 
 REACHED = 1e-6
 """m and rad: what counts as at the pose."""
@@ -80,12 +79,14 @@ def _step(arm: UrdfArm, configuration: Array, error: Array, damping: float) -> A
     """The next configuration."""
     jacobian = arm.jacobian_a(configuration)  # with no yaw {a} has {b}'s axes
     n = len(configuration)
+    free = configuration + np.linalg.solve(jacobian.T @ jacobian + damping * np.eye(n), jacobian.T @ error)
+    if ((arm.lower <= free) & (free <= arm.upper)).all():
+        return np.asarray(free)
     rows, sides = np.vstack([jacobian, np.sqrt(damping) * np.eye(n)]), np.concatenate([error, np.zeros(n)])
     step = lsq_linear(rows, sides, (arm.lower - configuration, arm.upper - configuration), method="bvls").x
     return np.clip(configuration + step, arm.lower, arm.upper)
 
 
 def _error(arm: UrdfArm, target: SpatialPose, configuration: Array) -> Array:
-    pose = arm.tool_pose_b(configuration)
-    turn = Rotation.from_matrix(target.rotation @ pose.rotation.T).as_rotvec()
-    return np.concatenate([target.position - pose.position, turn])
+    rotation, position = arm.tool_in_b(configuration)
+    return np.concatenate([target.position - position, rotation_vector(target.rotation @ rotation.T)])

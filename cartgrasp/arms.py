@@ -14,8 +14,9 @@ from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
 from .errors import UsageError
 from .frames import Array
 from .friction import Friction
-from .joint_torques import JointTorques
+from .joint_torques import JointTorques, PostureSource
 from .reach import Reach
+from .shallow import shallow
 from .soft_finger import SoftFinger
 
 FORCES, MOMENTS, WRENCH = (f"({', '.join(WRENCH_NAMES[part])})" for part in (slice(3), slice(3, 6), slice(6)))
@@ -38,7 +39,7 @@ class Arm:
         push_only: fx >= 0.
         payload: kg, whose weight it gives at most up or down.
         wrench_rate: Of change, (6,), N/s and N·m/s.
-        joints: What its joints bear at its posture.
+        joints: What its joints bear at its posture, or what says so wherever it holds, such as `UrdfPostures`.
         reach: Where it can hold at all.
 
     Raises:
@@ -64,6 +65,7 @@ class Arm:
     joints: JointTorques | None
     reach: Reach | None
     soft_finger: SoftFinger | None
+    postures: PostureSource | None
 
     def __init__(
         self,
@@ -79,7 +81,7 @@ class Arm:
         push_only: bool = False,
         payload: float = np.inf,
         wrench_rate: Sequence[float] = (np.inf,) * 6,
-        joints: JointTorques | None = None,
+        joints: JointTorques | PostureSource | None = None,
         reach: Reach | None = None,
         soft_finger: SoftFinger | None = None,
     ) -> None:
@@ -92,9 +94,8 @@ class Arm:
         where = f"arm {name}"
         check_kind(f"{where}: friction", friction, (Friction, NoneType), "write friction=Friction(mu=0.6)")
         check_kind(f"{where}: push_only", push_only, (bool, np.bool_), "write True or False")
-        check_kind(
-            f"{where}: joints", joints, (JointTorques, NoneType), "write JointTorques(jacobian, torques, limits)"
-        )
+        cure = "write JointTorques(jacobian, torques, limits)"
+        check_kind(f"{where}: joints", joints, (JointTorques, PostureSource, NoneType), cure)
         check_kind(f"{where}: reach", reach, (Reach, NoneType), "write Reach.box(low, high)")
         cure = "write soft_finger=SoftFinger(mu=0.6, twist_radius=0.015)"
         check_kind(f"{where}: soft_finger", soft_finger, (SoftFinger, NoneType), cure)
@@ -109,14 +110,17 @@ class Arm:
             "push_only": bool(push_only),
             "payload": _limits(f"{where}: payload", (payload,), "(kg)")[0],
             "wrench_rate": _limits(f"{where}: wrench_rate", wrench_rate, WRENCH),
-            "joints": joints,
+            "joints": joints if isinstance(joints, JointTorques) else None,
             "reach": reach,
             "soft_finger": soft_finger,
+            "postures": joints if isinstance(joints, PostureSource) else None,
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
         if not min(self.wrench_rate) > 0:
             raise UsageError(f"{where}: wrench_rate: {list(self.wrench_rate)} has a rate that is not > 0")
+        if self.postures is not None:
+            object.__setattr__(self, "joints", self.at(contacts.first).joints)
 
     def __repr__(self) -> str:
         counts = (len(self.contacts.points), "points"), (len(self.contacts.segments), "segments")
@@ -124,6 +128,22 @@ class Arm:
         limits = f"force_limit={digits(self.force_limit)}, moment_limit={digits(self.moment_limit)}"
         friction = "" if self.friction is None else f"friction={digits(self.friction.mu)}"
         return brief("Arm", repr(self.name), ", ".join(held), f"yaw={digits(self.yaw)}", limits, friction)
+
+    def at(self, contact: ArrayLike) -> Arm:
+        """The arm with what its joints bear with the hand at a contact (3,) in {b}: itself where that is as before, or
+        where it has no `postures`. A `UsageError` says why no posture holds there."""
+        if self.postures is None:
+            return self
+        x, y, z = contact if isinstance(contact, tuple) else np.asarray(contact, dtype=float).tolist()
+        try:
+            joints = self.postures.joints_at((x, y, z), self.yaw)
+        except UsageError as error:
+            raise UsageError(f"arm {self.name}: {error}") from error
+        if joints is self.joints:
+            return self
+        other = shallow(self)
+        object.__setattr__(other, "joints", joints)
+        return other
 
     @property
     def wrench_limit(self) -> Array:

@@ -10,6 +10,7 @@ Joints that don't move the tool are held at zero. This is the only file that kno
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -64,10 +65,13 @@ class UrdfArm:
 
     def tool_pose_b(self, configuration: ArrayLike) -> SpatialPose:
         """pose_bt."""
-        pinocchio = _library()
-        pinocchio.framesForwardKinematics(self._model, self._data, self.checked(configuration))
-        pose_rt = self._data.oMf[self._tool]
-        return self.pose_br @ SpatialPose(pose_rt.rotation, pose_rt.translation)
+        return SpatialPose(*self.tool_in_b(configuration))
+
+    def tool_in_b(self, configuration: ArrayLike) -> tuple[Array, Array]:
+        """pose_bt as a rotation (3, 3) and a position (3,), which nobody checks."""
+        _library().framesForwardKinematics(self._model, self._data, self.checked(configuration))
+        pose_rt, rotation_br = self._data.oMf[self._tool], self.pose_br.rotation
+        return rotation_br @ pose_rt.rotation, rotation_br @ pose_rt.translation + self.pose_br.position
 
     def jacobian_a(self, configuration: ArrayLike, yaw: float = 0.0) -> Array:
         """J_a, shape (6, n)."""
@@ -91,7 +95,9 @@ class UrdfArm:
 
     def joint_torques(self, configuration: ArrayLike, yaw: float = 0.0) -> JointTorques:
         """All that limits the wrench at this posture; `yaw` is that of {a} in {b}."""
-        return JointTorques(self.jacobian_a(configuration, yaw), self.gravity_torque(configuration), self.torque_limit)
+        names = tuple("_".join(re.split(r"[\s:]+", joint)) for joint in self.joints)
+        jacobian, gravity = self.jacobian_a(configuration, yaw), self.gravity_torque(configuration)
+        return JointTorques(jacobian, gravity, self.torque_limit, names)
 
     def checked(self, configuration: ArrayLike) -> Array:
         """The configuration as an array (n,), refused if it is none."""
@@ -123,6 +129,11 @@ def read_urdf_arm(
         if not 0 < high - low <= WIDEST:
             raise UsageError(f"{file}: joint {joint}: no range: lower {low:g}, upper {high:g}")
     return UrdfArm(file, joints, lower, upper, _torque_limit(model, torque_limit, file), model, _link(model, tool))
+
+
+def rotation_vector(rotation: Array) -> Array:
+    """log R (3,) of a rotation (3, 3), rad; in a twentieth of the time that SciPy takes."""
+    return np.array(_library().log3(rotation))
 
 
 def _parsed(file: str) -> Any:

@@ -6,8 +6,9 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
+from cartgrasp.arms import Arm
 from cartgrasp.checks import brief, digits
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
@@ -16,6 +17,9 @@ from cartgrasp.frames import Array
 
 from .allocation.infeasibility import Certificate, Nearest
 from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals
+
+if TYPE_CHECKING:
+    from .polytopes.wrench_polytope import WrenchPolytope
 
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
 
@@ -51,7 +55,7 @@ class Plan:
     what `plan_or_hold` gives instead where there are no wrenches. `switched` are the arms that hold elsewhere than at
     the last plan, told where switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `wheel_forces`
     what the wheels take, when asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves
-    that open.
+    that open. `arms` have the limits that held.
     """
 
     status: str
@@ -68,6 +72,7 @@ class Plan:
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
     explain: Callable[[], Plan] | None = field(default=None, repr=False)
     wheel_forces: Callable[[Array], WheelForces] | None = field(default=None, repr=False)
+    arms: tuple[Arm, ...] = field(default=(), repr=False)
 
     def __repr__(self) -> str:
         if not self.is_usable:
@@ -176,6 +181,20 @@ class Plan:
             return {}
         program, solution = self.proof
         return program.margins(solution.x)
+
+    @cached_property
+    def polytopes(self) -> Mapping[str, WrenchPolytope]:
+        """All that each arm could give, in {a}, by its name."""
+        from .polytopes.wrench_polytope import WrenchPolytope  # with HiGHS, which a tick does without
+
+        return {arm.name: WrenchPolytope.of(arm) for arm in self.arms}
+
+    @property
+    def limiting_joints(self) -> tuple[str, ...]:
+        """Of the `active` limits those of joints: `left: joint A6 torque upper`."""
+        if not any(arm.joints for arm in self.arms):
+            return ()
+        return tuple(name for name in self.active if "torque" in name.rpartition(":")[2].split())
 
     def as_dict(self) -> dict[str, Any]:
         """The JSON of `cartgrasp plan`; `margins` only with wrenches, `wheel_loads` only of a cart that tells its

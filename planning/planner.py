@@ -40,7 +40,7 @@ from .tick.last_plan import LastPlan
 from .tick.next_problem import next_problem
 from .tick.plan_inputs import RefusedError, read_arms, read_wrench
 from .tick.program_at_contacts import ProgramAtContacts
-from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided
+from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided, unproven
 from .tick.remedy import find_remedy, with_remedy
 from .tick.terms import Terms, scaled_into
 
@@ -124,10 +124,8 @@ class WrenchPlanner:
         self.reset()
 
     def __repr__(self) -> str:
-        base = self._terms.base
-        return brief(
-            "WrenchPlanner", self._made[0].name, f"arms {', '.join(base.names)}", type(base.objective).__name__
-        )
+        base, name = self._terms.base, self._made[0].name
+        return brief("WrenchPlanner", name, f"arms {', '.join(base.names)}", type(base.objective).__name__)
 
     @property
     def needs_estimate(self) -> bool:
@@ -190,8 +188,7 @@ class WrenchPlanner:
         if plan.status != INFEASIBLE or plan.certificate is None or plan.nearest is None:
             return plan
         question = Question(self._to_effective.dot(read_wrench(wrench)), self._cost)
-        held = plan.nearest.contacts
-        every = self._terms.candidates
+        held, every = plan.nearest.contacts, self._terms.candidates
         remedy = find_remedy(self._cases, question, None if contacts is None else every, held, every.distance)
         certificate = with_remedy(plan.certificate, remedy, held)
         return replace(plan, certificate=certificate, message=certificate.words)
@@ -221,7 +218,8 @@ class WrenchPlanner:
         self._remember(shrink * self._last.wrenches, self._last.contacts)
         by_arm, points = self._answers.by_arm, self._last.contacts_or(self._terms.first)
         held = ContactWrenches(by_arm(self._last.wrenches), by_arm(points), self._terms.yaws)
-        return Plan.of(vars(plan) | {"held": held, "wheel_forces": self._terms.wheel_forces})
+        told = {"held": held, "wheel_forces": self._terms.wheel_forces, "arms": self._terms.base.arms}
+        return Plan.of(vars(plan) | told)
 
     def _plan(
         self,
@@ -236,7 +234,8 @@ class WrenchPlanner:
         try:
             if arms is not None and self._take_arms(arms):  # first: what is held must obey them as well
                 self._begin_terms()
-                self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
+            if self._terms.has_postures and self._terms.take_postures(contacts):
+                self._begin_terms()
             asked = self._asked = read_wrench(wrench)
             if estimate is not None:
                 self._take_estimate(estimate)
@@ -254,7 +253,9 @@ class WrenchPlanner:
             return too_near(candidates, start)
         points = candidates.single
         if points is None:
-            return self._choose(candidates, asked, start, at_once)
+            plan = self._choose(candidates, asked, start, at_once)
+            again = plan.is_usable and self._terms.has_postures  # with the limits of the postures there
+            return unproven(self._plan(asked, plan.contacts, None, None, at_once)) if again else plan
         target = self._to_effective.dot(asked)
         if at_once and self._compiled is not None and self._compiled.is_infeasible:
             return self._left_open(lambda then: then._planned(points, target, None, start), start)
@@ -314,13 +315,14 @@ class WrenchPlanner:
         self._begin_terms()
 
     def _begin_terms(self) -> None:
-        """Drops what was made for other arms."""
+        """Drops what was made for other arms, and scales what is held into the limits of these."""
         self._program.drop()
         if not self._given.fits:
             self._given, self._last.choice = GivenContacts(self._terms), None
         self._compiled = None if self._compiled is None else self._compiled.renewed()
         if self._compiled is None:
             self._compile()
+        self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
 
     def _compile(self) -> None:
         """Where it is warm, no other solver is asked for, and what is compiled covers the programs."""

@@ -168,7 +168,7 @@ def _words(limits: Mapping[str, float], direction: Array, numbers: tuple[float, 
     parts = []
     for limit, value in limits.items():
         words = limit.rpartition(":")[2].split()  # an arm may be called "force"
-        is_force = FORCE_WORDS.intersection(words)
+        is_force = "torque" not in words and FORCE_WORDS.intersection(words)  # nor may a joint
         number = value if "rate" in words else abs(value)  # about the last wrench, which has a sign
         bound = f" {number:.6g} {'N' if is_force else 'N·m'}" if words[-1] in ("lower", "upper") else ""
         parts.append(limit + bound)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import final
 
 import numpy as np
@@ -11,7 +12,9 @@ from cartgrasp.arms import Arm
 from cartgrasp.frames import Array
 from cartgrasp.roles import ContactChoice, ContactQuery
 
+from ..plan import Plan
 from ..planner import WrenchPlanner
+from ..quadratic_program import OPTIMAL
 
 
 @final
@@ -22,6 +25,9 @@ class LeastEffortContacts:
 
     def __init__(self, planner: WrenchPlanner, arms: Sequence[Arm], dwell: float, least_gain: float = 0.05) -> None:
         self._planner, self._dwell, self._least_gain = planner, dwell, least_gain
+        points = {arm.name: arm.contacts.points for arm in arms}
+        one_by_one = any(arm.postures for arm in arms) and not any(arm.contacts.segments for arm in arms)
+        self._choices = [dict(zip(points, held, strict=True)) for held in product(*points.values())] * one_by_one
         self._held: dict[str, Array] = {arm.name: arm.contacts.first for arm in arms}
         self._wanted = np.zeros(3)
         self._last_time = 0.0
@@ -45,10 +51,17 @@ class LeastEffortContacts:
         return ContactChoice(self._held, "least effort")
 
     def _regrasp(self) -> None:
-        free = self._planner.plan(self._wanted)
+        free = self._freest()
         held = self._planner.plan(self._wanted, contacts=self._held)
-        if free.status != "optimal":
+        if free.status != OPTIMAL:
             return
         least = (1.0 - self._least_gain) * (held.effort if held.effort is not None else np.inf)
         if free.effort is not None and free.effort < least:
             self._held = {name: np.array(point) for name, point in free.contacts.items()}
+
+    def _freest(self) -> Plan:
+        """The plan at the best contacts; where limits change with them, each choice is planned with its own."""
+        if not self._choices:
+            return self._planner.plan(self._wanted)
+        plans = [self._planner.plan_or_hold(self._wanted, contacts=held) for held in self._choices]
+        return min(plans, key=lambda plan: np.inf if plan.status != OPTIMAL or plan.effort is None else plan.effort)

@@ -20,6 +20,7 @@ from cartgrasp.roles import Plan as AnyPlan
 
 from ..plan import RELAXED, Plan
 from ..planner import WrenchPlanner
+from ..tick.terms import why_no_posture
 from .hand import Hand, Phase, Point, RegraspTimes, point_of
 from .letting_go import Ahead, why_cart_cannot_coast, why_others_cannot
 
@@ -40,6 +41,7 @@ class Regrasps:
     def __init__(self, planner: WrenchPlanner, arms: Sequence[Arm], times: RegraspTimes, drift: float) -> None:
         self._planner, self._times, self._drift = planner, times, drift
         names = [arm.name for arm in arms]
+        self._arms = {arm.name: arm for arm in arms}
         self._yaws = {arm.name: arm.yaw for arm in arms}
         self._others = {
             name: planner.for_arms([other for other in names if other != name]) for name in names if len(names) > 1
@@ -140,6 +142,8 @@ class Regrasps:
         return asked is None or asked[0] != target or time >= asked[1] + RETRY - 1e-9
 
     def _why_not(self, name: str, target: Point, ahead: Ahead) -> str:
+        if why := why_no_posture(self._arms[name], target):
+            return why
         distance = math.dist(self.hands[name].point, target)
         if name in self._others:
             return why_others_cannot(self._others[name], self._beside(name), ahead, self._times.lasting(distance))

@@ -68,6 +68,7 @@ class Step:
         hands = [self._of_hand(name, hand) for name, hand in self.placed.items()]
         pushed = self.disturbance is not None and self.disturbance.acts
         told = [] if self.plan.status == "optimal" else [f"the plan is {self.plan.status}"]
+        told += [f"at its limit is {joint}" for joint in getattr(self.plan, "limiting_joints", ())]
         told += ["something else pushes the cart"] if pushed else []
         return "; ".join([*hands, *told, *([self.slowed] if self.slowed else [])])
 

@@ -17,7 +17,7 @@ class JointTorque(Limit):
         return LimitRows(
             rows=joints.jacobian.T,
             limits=joints.torque_limit - joints.gravity_torque,
-            names=tuple(f"joint {i} torque upper" for i in range(joints.n_joints)),
+            names=tuple(f"{label} torque upper" for label in joints.labels),
             low_limits=-joints.torque_limit - joints.gravity_torque,
-            low_names=tuple(f"joint {i} torque lower" for i in range(joints.n_joints)),
+            low_names=tuple(f"{label} torque lower" for label in joints.labels),
         )

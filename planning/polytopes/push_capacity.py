@@ -40,7 +40,7 @@ def push_capacity(cart: CartModel, arms: Sequence[Arm], wrench_b: ArrayLike) -> 
     maps = np.hstack([grasp_map_planar(arm.contacts.first, arm.yaw) for arm in arms])
     polytopes = [WrenchPolytope.of(arm) for arm in arms]
     rows = block_diag(*(polytope.rows for polytope in polytopes))
-    found = maximizer(
+    found, _ = maximizer(
         np.append(np.zeros(maps.shape[1]), 1.0),
         np.hstack([rows, np.zeros((len(rows), 1))]),
         np.concatenate([polytope.limits for polytope in polytopes]),

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import brief
 from cartgrasp.contacts import WRENCH_NAMES
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
@@ -21,15 +22,20 @@ from cartgrasp.frames import Array
 from ..limits import limits_of
 from .linear_program import maximizer
 
+PRICED = 1e-9
+"""Of the largest price (dual value): those below are of limits that touch and don't bind."""
+
 
 class Farthest(NamedTuple):
-    """The wrench (6,) that goes farthest in a direction, and how far, in the direction's unit."""
+    """The wrench (6,) that goes farthest in a direction, how far, in the direction's unit, and by which limits no
+    farther."""
 
     distance: float
     wrench: Array
+    limits: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class WrenchPolytope:
     """`names` (k,) tell the rows (k, 6) apart."""
 
@@ -52,8 +58,23 @@ class WrenchPolytope:
     def support(self, direction: ArrayLike) -> Farthest:
         """max direction · F over the polytope: the other components may be whatever helps. Solved by HiGHS."""
         towards = _checked(direction)
-        wrench = maximizer(towards, self.rows, self.limits, what=_in_words(towards))
-        return Farthest(float(towards @ wrench), wrench)
+        wrench, prices = maximizer(towards, self.rows, self.limits, what=_in_words(towards))
+        binding = prices > PRICED * prices.max()
+        return Farthest(float(towards @ wrench), wrench, tuple(compress(self.names, binding)))
+
+    def __repr__(self) -> str:
+        return brief("WrenchPolytope", *(f"{name} {self._ends(i)}" for i, name in enumerate(WRENCH_NAMES)))
+
+    def _ends(self, component: int) -> str:
+        """How far a component can go each way, and by which limits no farther."""
+        ends = []
+        for sign in (-1.0, 1.0):
+            try:
+                end = self.support(sign * np.eye(6)[component])
+                ends.append(f"{sign * end.distance + 0.0:.4g} ({', '.join(end.limits)})")
+            except UsageError:
+                ends.append(f"{sign * np.inf}")
+        return " to ".join(ends)
 
 
 def _checked(direction: ArrayLike) -> Array:

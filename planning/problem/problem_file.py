@@ -242,7 +242,8 @@ def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -
             why = f"{len(values)} numbers, but there are {n} torque limits: one for each joint is needed"
             raise refuse([*where, "jacobian", row], why)
     try:
-        return JointTorques(*(np.array(part) for part in (entry.jacobian, entry.gravity_torque, entry.torque_limit)))
+        jacobian, gravity, limit = map(np.array, (entry.jacobian, entry.gravity_torque, entry.torque_limit))
+        return JointTorques(jacobian, gravity, limit)
     except UsageError as error:
         raise refuse(where, str(error)) from error
 

@@ -83,6 +83,7 @@ class Answers:
             tell=lambda: Figures(base.effort(wrenches), program.active(solution), solution.residuals, proof),
             prove=lambda: (program, solution),
             wheel_forces=self._terms.wheel_forces,
+            arms=base.arms,
         )
 
     def _relaxed(self, solved: Solved, allocation: Allocation, last: Array, proof: ChoiceProof | None) -> Plan | None:

@@ -156,6 +156,7 @@ class CompiledPlanning:
             "message": "",
             "tell": partial(_told, self._terms.template, answer, found.names, choice),
             "wheel_forces": self._terms.wheel_forces,
+            "arms": self._terms.base.arms,
             "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer),
         }
         return Plan.of(fields)

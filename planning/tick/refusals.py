@@ -11,7 +11,7 @@ from functools import partial
 from ..allocation.infeasibility import Certificate
 from ..contacts.contact_bounds import Candidates
 from ..contacts.contact_choice import Choice
-from ..plan import TIMEOUT, Figures, Plan
+from ..plan import TIMEOUT, ChoiceProof, Figures, Plan
 from ..quadratic_program import INFEASIBLE, NUMERICAL
 
 
@@ -27,6 +27,11 @@ def undecided(choice: Choice, start: float) -> Plan:
         message = f"no feasible contacts among the {choice.solved} programs solved until the search's limit"
         status, message = TIMEOUT, f"{message}; raise search_limit, or offer fewer contacts"
     return replace(refusal(status, message, start), tell=partial(Figures, choice=choice.proof))
+
+
+def unproven(plan: Plan) -> Plan:
+    """At contacts chosen by limits that don't hold there: others may be better."""
+    return replace(plan, tell=lambda: plan.figures._replace(choice=ChoiceProof(-math.inf, math.inf, 1)))
 
 
 def at_nearest(plan: Plan, candidates: Candidates) -> Plan:

@@ -7,10 +7,13 @@ the bounds about the last wrench; new arms cost their rows.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
+from operator import is_
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactSet
@@ -26,7 +29,7 @@ from ..limits.robust import RobustLimits
 from ..objectives import Cost, Objective
 from ..plan import INVALID_INPUT
 from .estimate_inputs import read_cart, read_covariance
-from .plan_inputs import LARGEST_WRENCH, RefusedError
+from .plan_inputs import LARGEST_WRENCH, RefusedError, read_contacts
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -43,6 +46,7 @@ class Terms:
     candidates: Candidates
     rate: WrenchRate | None
     sets: dict[str, ContactSet]
+    has_postures: bool
     yaws: dict[str, float]
 
     def __init__(
@@ -65,6 +69,19 @@ class Terms:
         self._cart_limits = cart_limits
         self._distance, self._period = distance_and_period
         self._use(base.with_cart_rows(cart_limits.rows(self._pushed)))
+
+    def take_postures(self, contacts: Mapping[str, ArrayLike] | None) -> bool:
+        """The limits of the postures at contacts (3,), given by arm, and where an arm has no choice; others stay as
+        they are. True if that changed anything."""
+        held = {} if contacts is None else read_contacts(contacts, self.base.names)
+        if len(held) < len(self.sets):
+            single = (name for name, it in self.sets.items() if len(it.points) == 1 and not it.segments)
+            held = {name: self.sets[name].points[0] for name in single} | held
+        try:
+            now = [arm.at(held[arm.name]) if arm.name in held else arm for arm in self.base.arms]
+        except UsageError as error:
+            raise RefusedError(INVALID_INPUT, str(error)) from error
+        return not all(map(is_, now, self.base.arms)) and self.take_arms({arm.name: arm for arm in now})
 
     def take_arms(self, new: Mapping[str, Arm]) -> bool:
         """Puts these in the place of all arms, by their names; True if that changed anything."""
@@ -157,6 +174,7 @@ class Terms:
             self.sets, self._places = sets, places
         self.template = self.base = base
         self.yaws = {arm.name: arm.yaw for arm in base.arms}
+        self.has_postures = any(arm.postures is not None for arm in base.arms)
         self.rate = WrenchRate.of(base.arms, self._period)
 
 
@@ -185,4 +203,16 @@ def _within_reach(arm: Arm) -> ContactSet:
         ends = [*arm.contacts.points, *(end for s in arm.contacts.segments for end in (s.start, s.stop))]
         least = float(arm.reach.excess(ends).min()) if arm.reach is not None else 0.0
         raise UsageError(f"arm {arm.name}: reach: no candidate contact is within; the nearest is {least:.3g} m beyond")
-    return left
+    why = {point: why_no_posture(arm, point) for point in left.points}
+    if all(why.values()) and not left.segments:
+        raise UsageError(next(iter(why.values())))
+    return replace(left, points=tuple(point for point in left.points if not why[point])) if any(why.values()) else left
+
+
+def why_no_posture(arm: Arm, contact: ArrayLike) -> str:
+    """In words, why the arm can't hold at a contact (3,); empty if it can, or tells no postures."""
+    try:
+        arm.at(contact)
+    except UsageError as error:
+        return str(error)
+    return ""

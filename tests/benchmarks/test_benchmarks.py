@@ -21,6 +21,7 @@ TITLES = (
     "Estimators",
     "Filter step",
     "Plants",
+    "What postures cost",
     "Start-up",
     "What a tick costs",
     "When to regrasp",

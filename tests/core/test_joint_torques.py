@@ -56,3 +56,13 @@ def test_it_keeps_its_own_numbers():
 def test_what_cannot_be_meant_is_refused(jacobian, gravity, limit, words):
     with pytest.raises(UsageError, match=words):
         JointTorques(jacobian, gravity, limit)
+
+
+def test_joints_are_called_by_their_names():
+    named = JointTorques(np.zeros((6, 2)), [0, 0], [1, 1], ("elbow", "joint_a4"))
+    assert named.labels == ("joint elbow", "joint_a4")
+    assert JointTorques(np.zeros((6, 2)), [0, 0], [1, 1]).labels == ("joint 0", "joint 1")
+    with pytest.raises(UsageError, match="names: 2 are needed, 1 given"):
+        JointTorques(np.zeros((6, 2)), [0, 0], [1, 1], ("elbow",))
+    with pytest.raises(UsageError, match="joint elbow needs 30 N·m"):
+        JointTorques(np.zeros((6, 2)), [30, 0], [1, 1], ("elbow", "wrist"))

@@ -17,6 +17,7 @@ from cartgrasp.effects import (
     ViscousDrag,
 )
 from cartgrasp.inertia import Inertia
+from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.sensors import SensorNoise
 from cartgrasp.studies.compiled_loop.loop import compiled_run, covers
@@ -145,6 +146,13 @@ def test_a_run_does_not_depend_on_those_before():
         assert np.array_equal(series.std, again.parameters[name].std)
 
 
+class AnyPosture:
+    """One joint that bears whatever is asked."""
+
+    def joints_at(self, contact, yaw):
+        return JointTorques(np.ones((6, 1)), [0.0], [np.inf])
+
+
 def test_what_is_left_to_the_other_loop():
     given = scenario(0)
     assert covers(given)
@@ -161,5 +169,6 @@ def test_what_is_left_to_the_other_loop():
         {"noise": exact},
         {"guess": casters},
         {"arms": tuple(Arm(arm.name, arm.contacts, wrench_rate=(100.0,) * 6) for arm in given.arms)},
+        {"arms": tuple(Arm(arm.name, arm.contacts, joints=AnyPosture()) for arm in given.arms)},
     ):
         assert not covers(replace(given, **changes)), changes

@@ -51,7 +51,8 @@ def covers(scenario: Scenario) -> bool:
         return False
     plain = all(cart.is_compiled and not cart.slip_compliance and not cart.sensor_effects for cart in (truth, guess))
     steered = guess.constraints.n_rows == 1 and truth.rolling == guess.rolling and scenario.period <= LONGEST_PERIOD
-    still = all(arm.reach is None and not np.isfinite(arm.wrench_rate).any() for arm in scenario.arms)
+    plain_arms = all(arm.reach is None and arm.postures is None for arm in scenario.arms)
+    still = plain_arms and not any(np.isfinite(arm.wrench_rate).any() for arm in scenario.arms)
     if not (plain and steered and still) or guess.memory_names:
         return False
     return takes_rows(guess, scenario.noise) and _allocation(scenario) is not None

@@ -163,6 +163,26 @@ def test_names_tell_what_limits():
     assert not any("joint 1" in name for name in polytope.names)
 
 
+@every_polytope
+@given(postures())
+def test_limits_that_bind_are_enough_to_stop_it(joints: JointTorques):
+    polytope = polytope_of(PUSHING, joints)
+    for direction in directions(4, 6):
+        farthest = polytope.support(direction)
+        binding = [polytope.names.index(name) for name in farthest.limits]
+        alone = WrenchPolytope(polytope.rows[binding], polytope.limits[binding], farthest.limits)
+        assert alone.support(direction).distance == pytest.approx(farthest.distance, rel=1e-6, abs=1e-6)
+
+
+def test_it_tells_how_far_each_component_goes_and_why():
+    joints = JointTorques(np.outer([1, 0, 0, 0, 0, 0], [1.0, 0.5]), [5, 0], [25.0, 40.0], ("elbow", "wrist"))
+    told = repr(polytope_of(PLAIN, joints))
+    assert "fx -30 (joint elbow torque lower) to 20 (joint elbow torque upper)" in told
+    assert "tz -7 (tz lower) to 7 (tz upper)" in told
+    bare = WrenchPolytope.of(Arm("hand", [POINT], force_limit=(9, 8, np.inf)))
+    assert "fz -inf to inf" in repr(bare)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
