@@ -157,8 +157,8 @@ class RunLog:
         """The rows one after another; a part that is missing whole is left out."""
         for i, time in enumerate(self.time):
             velocity = None if self.velocity is None else _present(self.velocity[i])
-            wrenches = {a: log.wrench[i] for a, log in self.arms.items() if np.isfinite(log.wrench[i]).all()}
-            contacts = {a: log.contact[i] for a, log in self.arms.items() if np.isfinite(log.contact[i]).all()}
+            wrenches = {a: log.wrench[i] for a, log in self.arms.items() if not np.isnan(log.wrench[i]).all()}
+            contacts = {a: log.contact[i] for a, log in self.arms.items() if not np.isnan(log.contact[i]).all()}
             yield Measurement(float(time), _present(self.pose[i]), velocity, wrenches, contacts)
 
     @classmethod

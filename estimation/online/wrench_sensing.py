@@ -7,6 +7,7 @@ a derivative of anything measured, and its slopes by the parameters with those o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Self
 
@@ -20,6 +21,9 @@ from cartgrasp.motion import Measurement
 from cartgrasp.shallow import shallow
 
 from .kernels.felt_wrench import MOST_FORCE
+
+UNUSED = slice(2, 5)
+"""Of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what does."""
 
 
 class SensedWrench(NamedTuple):
@@ -72,8 +76,9 @@ class WrenchSensing:
 
     def note_contacts(self, measurement: Measurement) -> None:
         for arm, contact in measurement.contacts.items():
-            numbers, known = np.asarray(contact, dtype=float).tolist(), self._holds.get(arm)
-            if (known is None or known.contact != numbers) and np.isfinite(numbers).all():
+            (x, y, z), known = np.asarray(contact, dtype=float).tolist(), self._holds.get(arm)
+            numbers = [x, y, z if math.isfinite(z) else 0.0]
+            if (known is None or known.contact != numbers) and math.isfinite(x + y):
                 reduced = self.cart.basis_b.T @ grasp_map_planar(numbers, self.yaws.get(arm, 0.0))
                 self._holds[arm], self._grip = Hold(numbers, reduced), None
 
@@ -89,6 +94,8 @@ class WrenchSensing:
             if wrench is None:
                 return self._no_grip
             place[:] = wrench
+            if not all(map(math.isfinite, place[UNUSED])):
+                place[UNUSED] = np.nan_to_num(place[UNUSED], posinf=0.0, neginf=0.0)
         if self.corrects and grip.places:
             if moving is not None and self.feels_motion:
                 self._correct_moving(grip, parameters, moving)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import ContactOffset, ForceMisalignment, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
@@ -236,3 +236,21 @@ def test_a_number_whose_square_overflows_is_no_sample(online, force, part):
             estimate = learner.update(replace(sample, **{part: odd}) if k == 300 else sample)
         found.append(estimate.model_parameters)
     assert np.allclose(*found, rtol=1e-9)
+
+
+@ONLINE
+@pytest.mark.parametrize("odd", [np.nan, np.inf])
+@pytest.mark.parametrize("effects", [(), (ContactOffset(0.0, 0.02), ForceMisalignment(0.05))])
+def test_what_pushes_no_planar_cart_may_be_missing(online, effects, odd):
+    """fz, tx, ty and the contact's height: nothing is learned otherwise, nor said of the wrench."""
+    log, _ = simulate(TRUTH, 3, duration=6.0, noise=(0.0004, 0.005, 1.0))
+    cart, found = CartModel(guess().inertia, effects=(*guess().effects, *effects)), []
+    for value in (0.0, odd):
+        learner = online(cart, noise=replace(NOISE, force=1.0, moment=0.05))
+        for sample in log.measurements():
+            wrenches = {arm: np.array([fx, fy, *[value] * 3, tz]) for arm, (fx, fy, *_, tz) in sample.wrenches.items()}
+            contacts = {arm: np.array([x, y, value]) for arm, (x, y, _) in sample.contacts.items()}
+            estimate = learner.update(replace(sample, wrenches=wrenches, contacts=contacts))
+            assert estimate.health != "no_wrench"
+        found.append(estimate.model_parameters)
+    np.testing.assert_array_equal(*found)
