@@ -12,9 +12,13 @@ from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.tracked_point import TrackedPoint
 
 from ..health import Health
+from ..parameter_report import as_taught
+from ..sensor_check.suspicion import REFUSED, Suspicion
+from .clock_watch import ClockWatch
 from .given import Given, check_measurement
 from .late_samples import LateSamples, Listening
 from .sensor_watch import SensorWatch
+from .wrench_spikes import WrenchSpikes
 
 C = TypeVar("C", bound=Listening)
 
@@ -28,7 +32,7 @@ class OnlineEstimator(ABC, Generic[C]):
     def __init__(self, made_of: Given, core: C) -> None:
         self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorWatch(*made_of)
-        self._samples = LateSamples(core)
+        self._samples, self._clock, self._spikes = LateSamples(core), ClockWatch(), WrenchSpikes(self.noise)
 
     @abstractmethod
     def _told(self) -> Estimate:
@@ -39,7 +43,11 @@ class OnlineEstimator(ABC, Generic[C]):
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         samples, watch = self._samples, self._watch
         try:
-            is_taken = samples.take(self._tracked.at_body(measurement))
+            pushes, sifted = self._spikes.sift(self._tracked.at_body(measurement))
+            self._clock.note(sifted)
+            for push in pushes:
+                samples.take(push)
+            is_taken = samples.take(sifted)
             now = measurement.time + samples.ahead
             if now >= watch.due and not samples.state.worked and watch.go_on(now, samples.last):
                 samples.state.hear(watch.loudness)
@@ -52,8 +60,11 @@ class OnlineEstimator(ABC, Generic[C]):
     @property
     def estimate(self) -> Estimate:
         found, ahead = self._told(), self._samples.ahead
-        if self._watch.suspicions:
-            found = self._watch.qualified(found)
+        if self._clock.is_lost:
+            found = found._replace(health=Health.STALE)
+        told = (*self._clock.suspicions, *self._watch.suspicions, *self._spikes.suspicions)
+        if told:
+            found = qualified(found, told)
         return found._replace(time=found.time - ahead) if ahead else found
 
     @property
@@ -65,3 +76,12 @@ class OnlineEstimator(ABC, Generic[C]):
     def __repr__(self) -> str:
         seen = "no measurement yet" if self._samples.state.time == -math.inf else repr(self.estimate)
         return brief(type(self).__name__, self.cart.name, seen)
+
+
+def qualified(estimate: Estimate, suspicions: tuple[Suspicion, ...]) -> Estimate:
+    """With what is suspected: under a wrong sign or unit nothing was taught, and nothing is `ok`."""
+    health = Health(estimate.health)
+    if any(one.kind in REFUSED for one in suspicions) and health not in (Health.STALE, Health.NO_WRENCH):
+        health = Health.INCONSISTENT
+    parameters = as_taught(estimate.parameters, health)
+    return estimate._replace(health=health, parameters=parameters, suspicions=suspicions)

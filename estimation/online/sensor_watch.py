@@ -11,34 +11,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.motion import Measurement
 from cartgrasp.rigid_body import mass_matrix_b
 
-from ..health import Health
 from ..noise import FilterNoise
-from ..parameter_report import as_taught
 from ..prior import Prior
-from ..sensor_check.evidence import UNEXPLAINED, probabilities
-from ..sensor_check.suspicion import REFUSED, SURE, Suspicion
+from ..sensor_check.evidence import probabilities
+from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
+from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SHARED, Rivals
 from .watched_block import HEADINGS, Block, poses_of, velocities_of, wrapped, wrench_of
 
 SPAN = 0.25
 """s, of a block."""
 MOST = 64
 """Samples of a block that are looked at."""
-KEPT = 1.0 - 1.0 / 40.0
-"""Of the sums at each new block: 10 s of motion are remembered."""
-LEAST_ROWS, SHARED = 7.0, 2.0
-"""Rows of motion before anything is told, and how many of them count as one: neighbours share blocks."""
-EXPLAINED, SOUND = 0.25, 0.05
-"""Share of a motion that the best explanation may leave at most; and that sound sensors may leave without a doubt."""
 KEEPS = 0.5
 """Probability down to which what was told stays so."""
 FASTEST = 40.0
@@ -60,28 +52,6 @@ SELDOM = 0.003
 as heavy as it was guessed to be."""
 NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 16.0, 6.0, 1.5
 """Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
-
-
-class Rivals(NamedTuple):
-    """Sums of squares that explanations leave, sound sensors first; of what is to be explained; and of rows."""
-
-    left: tuple[float, ...]
-    whole: float = 0.0
-    rows: float = 0.0
-
-    def and_then(self, left: Sequence[float], whole: float) -> Rivals:
-        found = tuple([KEPT * old + new for old, new in zip(self.left, left, strict=True)])
-        return Rivals(found, KEPT * self.whole + whole, KEPT * self.rows + 1.0)
-
-    @property
-    def evidence(self) -> list[float]:
-        """Logarithms; all alike where nothing explains it, sound sensors do, or nothing is known yet. The noise is
-        integrated out, as in `sensor_check/evidence.py`."""
-        least = min(self.left)
-        if self.rows < LEAST_ROWS or least > EXPLAINED * self.whole or self.left[0] <= SOUND * self.whole:
-            return [0.0] * len(self.left)
-        rows = self.rows / SHARED
-        return [-0.5 * rows * math.log(left / self.whole + UNEXPLAINED**2) for left in self.left]
 
 
 class SensorWatch:
@@ -119,14 +89,6 @@ class SensorWatch:
             if next(self._work, self) is self:
                 self._work, self.due = None, self._begun + SPAN
         return self.loudness is not before
-
-    def qualified(self, estimate: Estimate) -> Estimate:
-        """With what is suspected: under a wrong sign or unit nothing was taught, and nothing is `ok`."""
-        health = Health(estimate.health)
-        if any(one.kind in REFUSED for one in self.suspicions) and health not in (Health.STALE, Health.NO_WRENCH):
-            health = Health.INCONSISTENT
-        parameters = as_taught(estimate.parameters, health)
-        return estimate._replace(health=health, parameters=parameters, suspicions=self.suspicions)
 
     # --- a block ---------------------------------------------------------------------------------------------
 

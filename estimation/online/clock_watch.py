@@ -1,0 +1,84 @@
+"""Whether time stamps are in seconds: velocities over a time are a way, and poses tell how far it was.
+
+Stamps in milliseconds make samples of seconds apart, from which nothing follows a motion. Where they are so far apart,
+ways by velocities are held against those of poses with each unit of time as a rival.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.motion import Measurement
+
+from ..sensor_check.evidence import probabilities
+from ..sensor_check.suspicion import SURE, Suspicion
+from ..sensor_check.wrench_readings import UNIT_ODDS
+from .first_motion import LOST_AFTER
+from .rivals import Rivals
+from .seen import usable
+
+TIMES = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "ns": 1e-9}
+"""s."""
+STRETCH = 16
+"""Samples of a way, so that it is longer than the noise of its ends."""
+
+
+class ClockWatch:
+    """Takes samples in the order in which they come."""
+
+    def __init__(self) -> None:
+        self.is_lost = False
+        """Whether the last sample came too long after the one before for a motion to be followed."""
+        self._time, self._gap = -math.inf, 0.0
+        self._start_anew()
+
+    def note(self, measurement: Measurement) -> None:
+        gap, time = measurement.time - self._time, measurement.time
+        if not gap > 0.0:
+            return
+        self.is_lost, self._time, self._gap = LOST_AFTER < gap < math.inf, time, gap
+        if self.is_lost:
+            self._go_on(measurement, gap)
+        elif self._rivals.rows or self._place is not None:
+            self._start_anew()
+
+    @property
+    def suspicions(self) -> Iterator[Suspicion]:
+        if not self._rivals.rows:
+            return
+        odds = np.array([1.0, *[UNIT_ODDS] * (len(TIMES) - 1)])
+        _, *units = probabilities(np.array(self._rivals.evidence), odds).tolist()
+        if sum(units) > SURE:
+            unit = list(TIMES)[1 + units.index(max(units))]
+            words = (
+                f"samples come every {self._gap:.3g} s by their stamps, and poses move as in {self._gap:.3g} {unit}: "
+                f"times seem to be in {unit}, not s"
+            )
+            yield Suspicion("unit", "time", sum(units), TIMES[unit], words)
+
+    def _start_anew(self) -> None:
+        self._rivals = Rivals((0.0,) * len(TIMES))
+        self._place: Array | None = None
+        self._velocity, self._way, self._samples = np.zeros(2), np.zeros(2), 0
+
+    def _go_on(self, measurement: Measurement, gap: float) -> None:
+        """By one sample of the way, which is whole or begins a new one."""
+        if measurement.pose is None or measurement.velocity is None:
+            return
+        place, velocity = usable(measurement.pose)[:2], usable(measurement.velocity)[:2]
+        if not np.isfinite([place, velocity]).all():
+            self._place = None
+            return
+        if self._place is None:
+            self._place, self._way, self._samples = place, np.zeros(2), 0
+        else:
+            self._way, self._samples = self._way + 0.5 * gap * (self._velocity + velocity), self._samples + 1
+        self._velocity = velocity
+        if self._samples == STRETCH:
+            went = place - self._place
+            left = [float(np.sum((went - unit * self._way) ** 2)) for unit in TIMES.values()]
+            self._rivals, self._place = self._rivals.and_then(left, float(went @ went)), None

@@ -1,0 +1,49 @@
+"""Stamps in other units than seconds are told where velocities are there; samples too far apart are never `ok`."""
+
+from dataclasses import replace
+
+import pytest
+
+from estimation.health import Health
+from estimation.online.clock_watch import TIMES
+from estimation.whole_log.replay import replay
+
+from .test_sensor_watch import GUESS, KINDS, run
+
+ONLINE = pytest.mark.parametrize("which", KINDS)
+
+
+def told(log, which):
+    kind, noise = KINDS[which]
+    return replay(log, kind(GUESS, ["hand"], noise=noise)).estimates
+
+
+@ONLINE
+@pytest.mark.parametrize("unit", ["ms", "μs", "ns"])
+def test_units_of_time_are_told(which, unit):
+    found = told(replace(run(), time=run().time / TIMES[unit]), which)
+    at_five = found[500]
+    assert [(one.kind, one.where, one.factor) for one in at_five.suspicions] == [("unit", "time", TIMES[unit])]
+    assert {one.health for one in found[1:]} == {Health.STALE}
+
+
+@ONLINE
+def test_without_velocities_nothing_is_ok(which):
+    found = told(replace(run(), time=1000 * run().time, velocity=None), which)
+    assert {one.health for one in found[1:]} == {Health.STALE}
+    assert not any(one.suspicions for one in found)
+
+
+@ONLINE
+def test_samples_that_really_are_far_apart_are_only_stale(which):
+    """Every 1.5 s."""
+    from ..runs import simulate
+    from .test_sensor_watch import PLANT
+
+    log = simulate(PLANT, 3, duration=120.0, noise=(0.0004, 0.005, 0.3))[0]
+    rows = slice(None, None, 150)
+    arms = {name: type(arm)(arm.contact[rows], arm.wrench[rows]) for name, arm in log.arms.items()}
+    sparse = replace(log, time=log.time[rows], pose=log.pose[rows], velocity=log.velocity[rows], arms=arms)
+    found = told(sparse, which)
+    assert not any(one.suspicions for one in found)
+    assert {one.health for one in found[1:]} == {Health.STALE}
