@@ -94,7 +94,7 @@ class WrenchSensing:
             if wrench is None:
                 return self._no_grip
             place[:] = wrench
-            if not all(map(math.isfinite, place[UNUSED])):
+            if not math.isfinite(place[2] + place[3] + place[4]):
                 place[UNUSED] = np.nan_to_num(place[UNUSED], posinf=0.0, neginf=0.0)
         if self.corrects and grip.places:
             if moving is not None and self.feels_motion:

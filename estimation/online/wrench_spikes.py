@@ -29,6 +29,7 @@ SMOOTHING = 0.02
 FADING = 0.999
 """Of the largest wrench of late, at each sample: a controller may push as hard again, for one sample."""
 REST = 0.0, 0.0, 0.0
+NONE: list[Measurement] = []
 TOLD = 10.0
 """s for which a spike is told."""
 EXACT = 1e-9
@@ -55,8 +56,16 @@ class WrenchSpikes:
         if not measurement.wrenches or not measurement.time > self._time:
             return [], measurement
         since, self._time = measurement.time - self._time, measurement.time
-        new = {arm: _pushing(wrench) for arm, wrench in measurement.wrenches.items()}
-        leaps, held = self._leaping(self._last, new), self._held
+        new, steps, leaps, held = Pushes(), dict[str, float](), False, self._held
+        for arm, wrench in measurement.wrenches.items():
+            push = new[arm] = _pushing(wrench)
+            old = self._last.get(arm)
+            if old is not None:
+                step = steps[arm] = self._step(old, push)
+                leaps = leaps or (step > FAR and self._is_far(arm, step))
+        if not (leaps or held):
+            self._go_on(new, steps)
+            return NONE, measurement
         goes_on = held and (self._stays(held[-1][1], new) or (leaps and len(held) >= LASTS))
         is_push = bool(goes_on) or since > HELD
         if leaps and not is_push:
@@ -66,13 +75,8 @@ class WrenchSpikes:
             self._held = []
             if not is_push:
                 self._note(held)
-        for arm, push in new.items():
-            if math.isfinite(push[0] + push[1] + push[2]):
-                usual = self._usual.get(arm, 0.0)
-                self._usual[arm] = usual + SMOOTHING * (self._step(self._last.get(arm, push), push) - usual)
-                self._largest[arm] = max(FADING * self._largest.get(arm, 0.0), self._step(REST, push))
-                self._last[arm] = push
-        return [one for one, _ in held] if is_push else [], measurement
+        self._go_on(new, steps)
+        return [one for one, _ in held] if is_push else NONE, measurement
 
     @property
     def suspicions(self) -> Iterator[Suspicion]:
@@ -82,16 +86,28 @@ class WrenchSpikes:
                 words = f"{printable(arm)}: its wrench leapt by {size:.3g} N at t = {time:g} s and back: left out"
                 yield Suspicion("jumps", arm, 0.99, size, words, put_right=True)
 
+    def _go_on(self, new: Pushes, steps: dict[str, float]) -> None:
+        """From arms' new wrenches, so far from the last ones."""
+        for arm, push in new.items():
+            size = self._step(REST, push)
+            if math.isfinite(push[0] + push[1] + push[2]):
+                usual = self._usual.get(arm, 0.0)
+                self._usual[arm] = usual + SMOOTHING * (steps.get(arm, 0.0) - usual)
+                self._largest[arm] = max(FADING * self._largest.get(arm, 0.0), size)
+                self._last[arm] = push
+
+    def _is_far(self, arm: str, step: float) -> bool:
+        return step > max(FAR * self._usual.get(arm, 0.0), FAR, self._largest.get(arm, 0.0))
+
     def _step(self, old: tuple[float, float, float], new: tuple[float, float, float]) -> float:
         """The larger of force and moment, in deviations of the noise."""
-        force = max(abs(new[0] - old[0]), abs(new[1] - old[1]))
-        return max(force * self._per_force, abs(new[2] - old[2]) * self._per_moment)
+        x, y = abs(new[0] - old[0]), abs(new[1] - old[1])
+        force, moment = (x if x > y else y) * self._per_force, abs(new[2] - old[2]) * self._per_moment
+        return force if force > moment else moment
 
     def _leaping(self, old: Pushes, new: Pushes) -> list[str]:
         """The arms whose wrenches are far from others."""
-        usual, largest = self._usual, self._largest
-        far = {arm: max(FAR * usual.get(arm, 0.0), FAR, largest.get(arm, 0.0)) for arm in new}
-        return [arm for arm in new if arm in old and self._step(old[arm], new[arm]) > far[arm]]
+        return [arm for arm in new if arm in old and self._is_far(arm, self._step(old[arm], new[arm]))]
 
     def _stays(self, held: Pushes, new: Pushes) -> bool:
         """Whether arms that leapt are about where they leapt to, and nearer to it than to where they were."""
