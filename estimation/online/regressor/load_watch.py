@@ -1,4 +1,4 @@
-"""Whether the load may have changed: two tests over the last rows, which begin a trial (`push_or_load.py`).
+"""Whether the load may have changed: two tests over the last rows, which begin a trial (`trial.py`).
 
 A chi-squared test sees whatever fits badly, at once. A load that is put on pulls many rows the same way, each by
 little: for every moment of the last seconds, the evidence that the parameters changed then by a load is
@@ -16,8 +16,8 @@ from ...health import Health
 from ..kernels import belief as kernels
 from ..resets import Resets
 from ..whiteness import Whiteness
-from .push_or_load import PushOrLoad
 from .regression_belief import GATE, Surprise
+from .trial import Trial
 
 ROWS = 10
 """Of a block of the test: a second of rows."""
@@ -70,7 +70,7 @@ class LoadWatch:
             self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
         return is_suspected
 
-    def settle(self, time: float, trial: PushOrLoad) -> None:
+    def settle(self, time: float, trial: Trial) -> None:
         """How far a load that was thought of is told. Of a push that does not end nothing more is thought until rows
         fit again."""
         self._is_tried = trial.is_told and not trial.is_over

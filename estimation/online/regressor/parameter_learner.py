@@ -3,7 +3,7 @@
 Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
 block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`). Force noise stands on one side
 of a row only, and what is noise in the other is taken off, so that neither biases the mass. What surprises is a push or
-a load (`push_or_load.py`).
+a load (`trial.py`).
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
-from .push_or_load import PushOrLoad, Taken
 from .regression_belief import RegressionBelief
+from .trial import Taken, Trial
 
 LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
@@ -72,7 +72,7 @@ class ParameterLearner:
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, self.prior)
         self._report: Mapping[str, ParameterEstimate] | None = None
-        self._trial: PushOrLoad | None = None
+        self._trial: Trial | None = None
         self._taken: tuple[Taken, ...] = ()  # the last rows
         self._push = np.diag(USUAL_PUSH * noise.wrench_scale(cart)) ** 2
         self._memory: Array | None = None
@@ -238,10 +238,10 @@ class ParameterLearner:
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
         if self._watch.note(time, surprise, root):
             floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
-            self._settle(PushOrLoad.since(self._taken, root @ root.T, floor, self._push), time)
+            self._settle(Trial.since(self._taken, root @ root.T, floor, self._push), time)
             self._taken = ()
 
-    def _settle(self, trial: PushOrLoad, time: float) -> None:
+    def _settle(self, trial: Trial, time: float) -> None:
         """What is believed while a push and a load both are, and whether that is decided."""
         self._trial, self._belief = None if trial.is_over else trial, trial.belief
         self._watch.settle(time, trial)

@@ -17,16 +17,16 @@ from estimation import CartFilter
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.filtered_row import FilteredRow
 from estimation.online.regressor.mass_products import MassProducts
-from estimation.online.regressor.push_or_load import (
+from estimation.online.regressor.regression_belief import RegressionBelief, mixture
+from estimation.online.regressor.trial import (
     LEAST,
     LONGEST,
     OVER,
     SETTING_IN,
     STEADY,
-    PushOrLoad,
     Taken,
+    Trial,
 )
-from estimation.online.regressor.regression_belief import RegressionBelief, mixture
 from estimation.whole_log.replay import replay
 
 FADE, NOISE, USUAL, LOAD = 0.8, 0.09, np.array([[1600.0]]), np.array([[36.0]])
@@ -58,7 +58,7 @@ def row(rise, force):
 def trial(rows):
     """Begun with the first row."""
     at = np.zeros(1)
-    found = PushOrLoad.since([Taken(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
+    found = Trial.since([Taken(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
     for one in rows[1:]:
         found = found.and_then(one, at)
     return found

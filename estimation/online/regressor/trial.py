@@ -85,7 +85,7 @@ class Changed(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PushOrLoad:
+class Trial:
     """All beliefs, and the surprise of the last row under the likeliest; how many rows there were, blocks in which the
     cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual pushes."""
 
@@ -98,7 +98,7 @@ class PushOrLoad:
     without: int = 0
 
     @classmethod
-    def since(cls, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> PushOrLoad:
+    def since(cls, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> Trial:
         """From the first of the last rows in which a push is likely on, for loads and floors of covariances (f, f); of
         floors none where nothing goes with the weight."""
         pushed, left = Pushed(taken[0].before.copy(), np.zeros(len(usual))), list(taken)
@@ -117,7 +117,7 @@ class PushOrLoad:
             found = found.and_then(one.row, one.at)
         return found
 
-    def and_then(self, row: FilteredRow, at: Array) -> PushOrLoad:
+    def and_then(self, row: FilteredRow, at: Array) -> Trial:
         """With one row more."""
         pushed, of_push, surprise = self.pushed.and_then(row, at, self.usual)
         if self.rows < SETTING_IN:
@@ -128,7 +128,7 @@ class PushOrLoad:
         said = best[1] if best[0].odds > 0.0 else surprise
         return replace(self, pushed=pushed, changed=tuple(c for c, _ in both), rows=self.rows + 1, surprise=said)
 
-    def unlinked(self, *, is_still: bool) -> PushOrLoad:
+    def unlinked(self, *, is_still: bool) -> Trial:
         """With a block that brought no row, since the cart stood still or for another reason."""
         pushed = self.pushed.belief.copy()
         pushed.unlink()
