@@ -154,6 +154,7 @@ ASSUMPTIONS = (
     Constant("discrepancy.search.plausible", "MOST[force_scale.gain]", B, inf, "largest gain of a sensor"),
     Constant("discrepancy.search.plausible", "MOST[force_misalignment.angle]", B, inf, "largest angle of a sensor"),
     Constant("discrepancy.search.plausible", "MOST[contact_offset.y]", B, inf, "farthest of a hand from its contact"),
+    Constant("discrepancy.search.plausible", "USUAL", B, (), "what every cart has, or every chain of sensors"),
     Constant("discrepancy.search.plausible", "ESSENTIAL", B, {}, "what makes an effect what its name says"),
     Constant("discrepancy.search.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
     Constant("weak_form.band", "INERTIAL", B, (), "names that nobody gets who does not push"),

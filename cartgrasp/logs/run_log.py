@@ -16,6 +16,8 @@ POSE_COLUMNS = ("x", "y", "theta")
 VELOCITY_COLUMNS = ("vx", "vy", "omega")
 CONTACT_COLUMNS = ("px", "py", "pz")
 WRENCH_COLUMNS = ("fx", "fy", "fz", "tx", "ty", "tz")
+PUSHING = (0, 1, 5)
+"""Of a wrench: what pushes a planar cart."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +159,8 @@ class RunLog:
         """The rows one after another; a part that is missing whole is left out."""
         for i, time in enumerate(self.time):
             velocity = None if self.velocity is None else _present(self.velocity[i])
-            wrenches = {a: log.wrench[i] for a, log in self.arms.items() if not np.isnan(log.wrench[i]).all()}
-            contacts = {a: log.contact[i] for a, log in self.arms.items() if not np.isnan(log.contact[i]).all()}
+            wrenches = {a: log.wrench[i] for a, log in self.arms.items() if np.isfinite(log.wrench[i, PUSHING]).all()}
+            contacts = {a: log.contact[i] for a, log in self.arms.items() if np.isfinite(log.contact[i, :2]).all()}
             yield Measurement(float(time), _present(self.pose[i]), velocity, wrenches, contacts)
 
     @classmethod

@@ -18,7 +18,6 @@ from .clock_watch import ClockWatch
 from .given import Given, check_measurement
 from .late_samples import LateSamples, Listening
 from .sensor_watch import SensorWatch
-from .wrench_spikes import WrenchSpikes
 
 C = TypeVar("C", bound=Listening)
 
@@ -32,7 +31,7 @@ class OnlineEstimator(ABC, Generic[C]):
     def __init__(self, made_of: Given, core: C) -> None:
         self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorWatch(*made_of)
-        self._samples, self._clock, self._spikes = LateSamples(core), ClockWatch(), WrenchSpikes(self.noise)
+        self._samples, self._clock = LateSamples(core), ClockWatch()
 
     @abstractmethod
     def _told(self) -> Estimate:
@@ -43,11 +42,9 @@ class OnlineEstimator(ABC, Generic[C]):
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         samples, watch = self._samples, self._watch
         try:
-            pushes, sifted = self._spikes.sift(self._tracked.at_body(measurement))
-            self._clock.note(sifted)
-            for push in pushes:
-                samples.take(push)
-            is_taken = samples.take(sifted)
+            seen = self._tracked.at_body(measurement)
+            self._clock.note(seen)
+            is_taken = samples.take(seen)
             now = measurement.time + samples.ahead
             if now >= watch.due and not samples.state.worked and watch.go_on(now, samples.last):
                 samples.state.hear(watch.loudness)
@@ -62,7 +59,7 @@ class OnlineEstimator(ABC, Generic[C]):
         found, ahead = self._told(), self._samples.ahead
         if self._clock.is_lost:
             found = found._replace(health=Health.STALE)
-        told = (*self._clock.suspicions, *self._watch.suspicions, *self._spikes.suspicions)
+        told = (*self._clock.suspicions, *self._watch.suspicions)
         if told:
             found = qualified(found, told)
         return found._replace(time=found.time - ahead) if ahead else found

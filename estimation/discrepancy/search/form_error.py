@@ -42,7 +42,9 @@ class FormError:
     def __init__(self, model: Model) -> None:
         self.model = model
         whole, known = model.whole, {effect.key for effect in model.guess.effects}
-        less = [whole.without_effect(effect.key) for effect in whole.effects if effect.key not in known]
+        found = [effect for effect in whole.effects if effect.key not in known]
+        less = [whole.without_effect(effect.key) for effect in found]
+        self._gates = [effect.gate for effect in found]
         self._made = [[b.taken(whole) - b.taken(one) for one in less] for b in model.logs]
 
     def scores(self, model: Model, candidate: Any) -> tuple[Score, Score]:
@@ -66,22 +68,26 @@ class FormError:
         """Whitened columns (k, c, q), each as large as it may be: the strongest of all combinations."""
         turn = self.model.cart.constraints.n_free - 1
         found = self.model.whitened(
-            [_modulated(balances, made, turn) for balances, made in zip(self.model.logs, self._made, strict=True)]
+            [
+                _modulated(balances, made, self._gates, turn)
+                for balances, made in zip(self.model.logs, self._made, strict=True)
+            ]
         )
         flat = (found / self.model.score.scale[:, None]).reshape(-1, found.shape[2])
         _, along = np.linalg.eigh(flat.T @ flat)
         return np.asarray(FORM_STD * found @ along[:, -MOST_MODES:])
 
 
-def _modulated(balances: Balances, made: list[Array], turn: int) -> Array:
+def _modulated(balances: Balances, made: list[Array], gates: list[Gate], turn: int) -> Array:
     """Of a log (k, c, q): what effects make (n, c) times modes, late, and as a moment about a lever (of the balance
     `turn`, if that is another than the first)."""
-    modes = modes_of(balances.motion)
+    by_gate = {gate: modes_of(balances.motion, gate) for gate in set(gates)}
     late = [np.gradient(one, balances.motion.step, axis=0) * LATE for one in made]
 
     def along(part: slice) -> Array:
         found = []
-        for one, slope in zip(made, late, strict=True):
+        for one, slope, gate in zip(made, late, gates, strict=True):
+            modes = by_gate[gate]
             found += [one[part, :, None] * modes[part, None], slope[part, :, None]]
             if turn:
                 beside = np.zeros((len(one[part]), one.shape[1], modes.shape[1]))
@@ -92,22 +98,22 @@ def _modulated(balances: Balances, made: list[Array], turn: int) -> Array:
     return balances.integrals.by_parts(along)
 
 
-def modes_of(motion: Motion) -> Array:
-    """What an effect's size may change with, along a motion (n, m): each about one where it is largest."""
+def modes_of(motion: Motion, gate: Gate = Gate.ALWAYS) -> Array:
+    """What an effect's size may change with, along a motion (n, m): each about one where it is largest. Not with the
+    way it rolls, which makes another effect of a drag; nor with time or place where a gate says when or where."""
     course = Course.along(motion)
-    speed, turning = (np.asarray(one / max(np.abs(one).max(), 1e-3)) for one in (course.speed, course.yaw_rate))
+    speed, turning = (np.asarray(one / max(np.abs(one).max(), 1e-3)) for one in (np.abs(course.speed), course.yaw_rate))
     place = course.place - course.place.mean(axis=0)
     x, y = (place / np.maximum(np.abs(place).max(axis=0), 0.1)).T
     found = [
-        *splines(course.time / max(course.time[-1], motion.step)),
-        np.sign(speed),
+        *(() if gate.passes else splines(course.time / max(course.time[-1], motion.step))),
         speed,
         speed**2,
         *(np.exp(-np.abs(course.speed) / scale) for scale in SLOW),
         turning,
         np.abs(turning),
         *(np.exp(-course.since_reversal / scale) for scale in FAR),
-        *(x, y, x**2, x * y, y**2),
+        *(() if gate is Gate.INSIDE else (x, y, x**2, x * y, y**2)),
         *(wave(k * course.heading) for k in (1, 2) for wave in (np.cos, np.sin)),
     ]
     return np.stack(found, axis=1)

@@ -94,5 +94,5 @@ def test_modes_are_about_one_at_most():
     balances = Balances.of(dragged(np.ones_like), CART)
     modes = modes_of(balances.motion)
     assert np.isfinite(modes).all()
-    assert modes.shape == (len(balances.motion.time), 24)
+    assert modes.shape == (len(balances.motion.time), 23)
     assert np.abs(modes).max() <= 1.0 + 1e-9
