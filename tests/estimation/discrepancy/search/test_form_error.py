@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.effects import ForceBias, RollingResistance, ViscousDrag, WheelMisalignment
+from cartgrasp.effects import DirectionalDrag, ForceBias, RollingResistance, ViscousDrag, WheelMisalignment
 from cartgrasp.effects.external_push import ExternalPush
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.inertia import Inertia
-from cartgrasp.logs import ArmLog
+from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.search.form_error import FormError, modes_of
 from estimation.discrepancy.search.model import Model
@@ -18,6 +18,7 @@ from estimation.discrepancy.search.search import attempt, extended, worth
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate
+from ...weak_form.motions import RAIL, RAIL_DRAG, RAIL_MASS, noisy
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
 CART = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
@@ -37,9 +38,24 @@ def dragged(size, delay=0):
     return replace(log, arms={name: ArmLog(arm.contact, wrench)})
 
 
-def with_drag(log):
+def to_and_fro(backwards):
+    """On a rail, with a dry drag that is so many times as large `backwards`."""
+    time = np.arange(0.0, 30.0, 0.01)
+    slow, fast = 2 * np.pi * 0.13, 2 * np.pi * 0.31
+    x = -0.5 / slow * np.cos(slow * time) - 0.2 / fast * np.cos(fast * time)
+    speed = 0.5 * np.sin(slow * time) + 0.2 * np.sin(fast * time)
+    rate = 0.5 * slow * np.cos(slow * time) + 0.2 * fast * np.cos(fast * time)
+    zero, wrench = np.zeros_like(time), np.zeros((len(time), 6))
+    drag = DRAG * np.tanh(speed / 0.01) * np.where(speed < 0, backwards, 1.0)
+    wrench[:, 0] = RAIL_MASS * rate + RAIL_DRAG * speed + drag
+    poses, velocities = np.column_stack([x, zero, zero]), np.column_stack([speed, zero, zero])
+    log = RunLog(time, poses, velocities, {"arm": ArmLog(np.zeros((len(time), 3)), wrench)}, name="rail")
+    return noisy(log, 4, 1e-4, 1e-3, 0.5)
+
+
+def with_drag(log, cart=CART):
     """A model that knows the drag, but not what else it may be."""
-    model = Model.started([Balances.of(log, CART)], CART)
+    model = Model.started([Balances.of(log, cart)], cart)
     model = model.refitted(model.cart.with_effect(RollingResistance(0.02))).settled()
     return replace(model, compares=True).rewhitened()
 
@@ -80,6 +96,13 @@ def test_wrenches_that_come_late_are_no_form_of_a_drag():
     late = tried(model, TimeDelay(0.03))
     assert late.gain > 30.0
     assert late.beside_forms > 0.8 * late.gain
+
+
+def test_a_drag_that_is_another_backwards_has_a_name():
+    model = with_drag(to_and_fro(0.4), RAIL)
+    one_way = tried(model, DirectionalDrag(1.0, 0.0))
+    assert one_way.gain > 30.0
+    assert one_way.beside_forms > 0.7 * one_way.gain
 
 
 def test_beside_a_form_that_is_right_nothing_is_gained():
