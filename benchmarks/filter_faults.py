@@ -3,8 +3,8 @@ sensors that are not as told, and whether its deviations hold.
 
 `faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
 a third to three times the mass, driven along straight and curved paths from any heading. Each log goes through the
-filter as it is and with a fault in it. A fault is told where a suspicion of its kind and place stands, beside a health
-that is not `ok` where it could not be put right; on a sound log any suspicion is an alarm.
+filter as it is and with a fault in it. A fault is told where health is not `ok` and a suspicion of its kind and place
+stands beside it; on a sound log any suspicion is an alarm.
 
 `noise`: velocities 0.3 to 3 times as noisy as declared. `demo`: errors of the demo's runs over their deviations.
 """
@@ -159,7 +159,7 @@ def told(run: Drawn, fault: Fault | None) -> Told:
     named = [
         time - begun
         for time, one in zip(times, found, strict=True)
-        if any(s.kind in kinds and (s.put_right or one.health != "ok") for s in suspicions(one))
+        if one.health != "ok" and kinds & {s.kind for s in suspicions(one)}
     ]
     others = {str(s.kind) + " of " + s.where for one in found for s in suspicions(one) if s.kind not in kinds}
     mass = found[-1].parameters["mass"]
@@ -202,10 +202,8 @@ def faults(seeds: Sequence[int]) -> list[str]:
         others = sum(bool(one.others) for one in found)
         wrong = sum(one.is_sure and abs(one.deviations) > 5 for one in found)
         which = sorted({other for one in found for other in one.others})
-        cells = [
-            name,
-            *(("", "", "") if fault is None or not fault.kinds else (soon, later, len(found) - soon - later)),
-        ]
+        is_sound = fault is None or not fault.kinds
+        cells = [name, *(("", "", "") if is_sound else (soon, later, len(found) - soon - later))]
         cells += [f"{others}{': ' + ', '.join(which) if which else ''}"]
         cells += [f"{np.mean([one.unsound for one in found]):.2f}", wrong]
         lines.append(f"| {' | '.join(map(str, cells))} |")

@@ -4,8 +4,8 @@ of pushes that no arm gave, of loads, and of other floors.
 Carts of 10 to 80 kg with drag and rolling resistance, first guesses from half to twice the mass, sensors as told. Once
 in a run, after 3 to 8 s of 14, something of 10 to 60 N pushes for 0.2 to 1 s from anywhere, or a tenth to four tenths
 of the mass are put on (taken off in three of ten), or the floor is rougher for 1 to 8 s (coefficients 0.01 to 0.05
-more); in sound runs nothing happens. A tick is sure and wrong where the
-mass is said to be identifiable under a health of `ok`, and is off by more than 3 % and four deviations.
+more); in sound runs nothing happens. A tick is sure and wrong where the mass is said to be identifiable under a health
+of `ok`, and is off by more than 3 % and four deviations.
 """
 
 from __future__ import annotations

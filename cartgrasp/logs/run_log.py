@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..checks import brief, check_kind, digits, rows
+from ..contacts import PLANAR_ROWS
 from ..errors import DataError, UsageError
 from ..frames import Array
 from ..motion import Measurement
@@ -16,8 +17,6 @@ POSE_COLUMNS = ("x", "y", "theta")
 VELOCITY_COLUMNS = ("vx", "vy", "omega")
 CONTACT_COLUMNS = ("px", "py", "pz")
 WRENCH_COLUMNS = ("fx", "fy", "fz", "tx", "ty", "tz")
-PUSHING = (0, 1, 5)
-"""Of a wrench: what pushes a planar cart."""
 
 
 @dataclass(frozen=True)
@@ -159,8 +158,9 @@ class RunLog:
         """The rows one after another; a part that is missing whole is left out."""
         for i, time in enumerate(self.time):
             velocity = None if self.velocity is None else _present(self.velocity[i])
-            wrenches = {a: log.wrench[i] for a, log in self.arms.items() if np.isfinite(log.wrench[i, PUSHING]).all()}
-            contacts = {a: log.contact[i] for a, log in self.arms.items() if np.isfinite(log.contact[i, :2]).all()}
+            held = [(arm, log.wrench[i], log.contact[i]) for arm, log in self.arms.items()]
+            wrenches = {arm: wrench for arm, wrench, _ in held if np.isfinite(wrench[[*PLANAR_ROWS]]).all()}
+            contacts = {arm: contact for arm, _, contact in held if np.isfinite(contact[:2]).all()}
             yield Measurement(float(time), _present(self.pose[i]), velocity, wrenches, contacts)
 
     @classmethod

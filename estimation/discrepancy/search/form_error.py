@@ -10,7 +10,6 @@ gains beside them is its own.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from ...weak_form.balances import Balances
 from ...weak_form.motion import Motion
 from ...weak_form.score import Score
 from .course import Course
-from .laws import splines
+from .laws import Law, splines
 from .model import Model
 
 FORM_STD = 0.2
@@ -45,15 +44,20 @@ class FormError:
         found = [effect for effect in whole.effects if effect.key not in known]
         less = [whole.without_effect(effect.key) for effect in found]
         self._gates = [effect.gate for effect in found]
-        self._made = [[b.taken(whole) - b.taken(one) for one in less] for b in model.logs]
+        taken = [balances.taken(whole) for balances in model.logs]
+        self._made = [[own - b.taken(one) for one in less] for own, b in zip(taken, model.logs, strict=True)]
 
-    def scores(self, model: Model, candidate: Any) -> tuple[Score, Score]:
+    def scores(self, model: Model, candidate: Effect | Law) -> tuple[Score, Score]:
         """Of this model and of one with a candidate, both beside what forms may leave."""
-        columns = self._modes
-        if isinstance(candidate, Effect) and candidate.gate is not Gate.ALWAYS:
-            columns = np.concatenate([columns, self._while(candidate)], axis=2)
-        std = np.ones(columns.shape[2])
-        return self.model.with_columns(columns, std), model.with_columns(columns, std)
+        if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
+            return self.alone, _beside(model, self._modes)
+        columns = np.concatenate([self._modes, self._while(candidate)], axis=2)
+        return _beside(self.model, columns), _beside(model, columns)
+
+    @cached_property
+    def alone(self) -> Score:
+        """Of this model beside what forms may leave."""
+        return _beside(self.model, self._modes)
 
     def _while(self, candidate: Effect) -> Array:
         """Whitened columns (k, c, e) of effects as long as a candidate acts."""
@@ -76,6 +80,11 @@ class FormError:
         flat = (found / self.model.score.scale[:, None]).reshape(-1, found.shape[2])
         _, along = np.linalg.eigh(flat.T @ flat)
         return np.asarray(FORM_STD * found @ along[:, -MOST_MODES:])
+
+
+def _beside(model: Model, columns: Array) -> Score:
+    """With whitened columns (k, c, q) more, each as large as it may be."""
+    return model.with_columns(columns, np.ones(columns.shape[2]))
 
 
 def _modulated(balances: Balances, made: list[Array], gates: list[Gate], turn: int) -> Array:

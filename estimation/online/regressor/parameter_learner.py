@@ -2,8 +2,8 @@
 
 Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
 block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`). Force noise stands on one side
-of a row only, and what is noise in the other is taken off, so that neither biases the mass. What surprises is a push or
-a load (`trial.py`).
+of a row only, and what is noise in the other is taken off, so that neither biases the mass. What surprises is a push,
+a load or another floor (`trial.py`).
 """
 
 from __future__ import annotations

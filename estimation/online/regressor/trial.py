@@ -21,12 +21,12 @@ from ..kernels.filtered_row import FilteredRow
 from .regression_belief import RegressionBelief, Surprise, mixture
 
 DECIDED = math.log(1000.0)
-"""Of the odds, beyond which one of the two is left."""
+"""Of the odds, beyond which one of them is left."""
 LEAST, LONGEST = 15, 60
 """Blocks before which no load is told for sure, since a push may last so long; and rows after which what is still not
 told apart is one belief, as wide as both."""
 SETTING_IN = 2
-"""Rows that tell nothing of a load, since it may be put on within them: a row is of means over 0.1 s."""
+"""Rows that tell nothing of a change, since it may set in within them: a row is of means over 0.1 s."""
 OVER = 5
 """Rows in a row without a push after which it is over."""
 STEADY = 0.25
@@ -141,19 +141,22 @@ class Trial:
         )
 
     @property
+    def _odds(self) -> Array:
+        """Logarithms (1 + c,) of a push and of the changes, against a push."""
+        return np.array([0.0, *(one.odds for one in self.changed)])
+
+    @property
     def _shares(self) -> Array:
-        """Probabilities (1 + c,) of a push and of the changes."""
-        odds = np.array([0.0, *(one.odds for one in self.changed)])
-        shares = np.exp(odds - odds.max())
-        return np.asarray(shares / shares.sum())
+        """Their probabilities (1 + c,)."""
+        odds = self._odds
+        return np.asarray(np.exp(odds - np.logaddexp.reduce(odds)))
 
     @property
     def _sure(self) -> int | None:
         """Which of them is left: 0 for a push; None while rows have not told."""
-        best = int(np.argmax(self._shares))
-        odds = [0.0, *(one.odds for one in self.changed)]
-        others = np.logaddexp.reduce([own for i, own in enumerate(odds) if i != best])
-        return best if odds[best] - others > DECIDED else None
+        odds = self._odds
+        best = int(np.argmax(odds))
+        return best if odds[best] - np.logaddexp.reduce(np.delete(odds, best)) > DECIDED else None
 
     @property
     def is_over(self) -> bool:
@@ -167,7 +170,8 @@ class Trial:
     @property
     def is_loaded(self) -> bool:
         """Surely."""
-        return bool(self._sure) and self.changed[(self._sure or 0) - 1].is_load
+        sure = self._sure
+        return bool(sure and self.changed[sure - 1].is_load)
 
     @property
     def is_pushed(self) -> bool:
