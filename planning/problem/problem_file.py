@@ -8,38 +8,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from ruamel.yaml.comments import CommentedMap
 
 from cartgrasp.arms import Arm
 from cartgrasp.cart_file import cart_from_document, load_cart
-from cartgrasp.contacts import ContactSet, Segment
+from cartgrasp.contacts import ContactSet
 from cartgrasp.errors import FileError, UsageError
-from cartgrasp.friction import EXACT, Friction
-from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
-from cartgrasp.reach import Reach
-from cartgrasp.soft_finger import SoftFinger
 from cartgrasp.yaml_file import file_error, read_yaml, validate
 
 from ..limits import CartLimit, InternalForce, Pushed, SideForce, Skid, TipOver
 from ..objectives import Objective
 from ..plan import Plan
 from ..planner import WrenchPlanner
+from .problem_arms import arms_of
 from .problem_estimate import estimate_of
 from .problem_objective import Refuse, objective_of
-from .problem_schema import (
-    ArmEntry,
-    CartLimitsEntry,
-    FrictionEntry,
-    JointsEntry,
-    ProblemEntry,
-    ReachEntry,
-    SoftFingerEntry,
-)
-
-NO_LIMIT = (float("inf"),) * 3
+from .problem_schema import ArmEntry, CartLimitsEntry, ProblemEntry
 
 
 @dataclass(frozen=True)
@@ -91,7 +77,7 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
     def refuse(location: list[str | int], why: str) -> FileError:
         return file_error(document, name, location, why)
 
-    arms = arms_of(entry.arms, ["arms"], refuse)
+    arms = arms_of(entry.arms, ["arms"], Path(path).parent, refuse)
     fx, fy, tau = entry.wrench
     cart = _cart(entry.cart, document, Path(path), refuse)
     return Problem(
@@ -110,16 +96,6 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         estimate=estimate_of(entry, cart, refuse),
         solver=_solver(entry.solver, refuse),
     )
-
-
-def arms_of(entries: Sequence[ArmEntry], where: list[str | int], refuse: Refuse) -> list[Arm]:
-    """The arms of a list that stands at a place of a document."""
-    arms: list[Arm] = []
-    for i, entry in enumerate(entries):
-        if entry.name in [other.name for other in arms]:
-            raise refuse([*where, i, "name"], f"{entry.name} stands twice; names must differ")
-        arms.append(_arm(entry, [*where, i], refuse))
-    return arms
 
 
 def _cart(entry: Any, document: CommentedMap, path: Path, refuse: Refuse) -> CartModel:
@@ -154,46 +130,6 @@ def _cart_limits(entry: CartLimitsEntry, cart: CartModel, arms: Sequence[Arm], r
     return tuple(found)
 
 
-def _arm(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> Arm:
-    if not entry.contacts and entry.segment is None:
-        raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
-    held = _contacts(entry, where, refuse)
-    friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
-    soft_finger = _soft_finger(entry.soft_finger, [*where, "soft_finger"], refuse)
-    joints = _joints(entry.joints, [*where, "joints"], refuse)
-    reach = _reach(entry.reach, held, [*where, "reach"], refuse)
-    rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
-    try:
-        return Arm(
-            entry.name,
-            held,
-            yaw=entry.yaw,
-            force_limit=entry.limits.force or NO_LIMIT,
-            moment_limit=entry.limits.moment or NO_LIMIT,
-            friction=friction,
-            weights=entry.weights,
-            push_only=entry.push_only,
-            payload=float("inf") if entry.payload is None else entry.payload,
-            wrench_rate=rate or NO_LIMIT * 2,
-            joints=joints,
-            reach=reach,
-            soft_finger=soft_finger,
-        )
-    except UsageError as error:
-        raise refuse([*where, "name"], str(error)) from error
-
-
-def _contacts(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> ContactSet:
-    points = tuple((x, y, z) for x, y, z in entry.contacts)
-    try:
-        if entry.segment is None:
-            return ContactSet(points)
-        (x, y, z), (x2, y2, z2) = entry.segment
-        return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
-    except UsageError as error:
-        raise refuse([*where, "contacts" if points else "segment"], str(error)) from error
-
-
 def _solver(name: str | None, refuse: Refuse) -> str | None:
     if name is None:
         return None
@@ -215,46 +151,3 @@ def _held(entries: Sequence[ArmEntry], refuse: Refuse) -> dict[str, Sequence[flo
             except UsageError as error:
                 raise refuse(["arms", i, "held"], str(error)) from error
     return held
-
-
-def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refuse) -> Friction | None:
-    if entry is None:
-        return None
-    sides = entry.sides
-    if sides != EXACT and not (isinstance(sides, int) and not isinstance(sides, bool) and 3 <= sides <= 256):
-        raise refuse(where, f"{sides!r} is neither a whole number of 3 to 256 nor `exact`")
-    return Friction(entry.mu, sides)
-
-
-def _soft_finger(entry: SoftFingerEntry | None, where: list[str | int], refuse: Refuse) -> SoftFinger | None:
-    try:
-        return None if entry is None else SoftFinger(**dict(entry))
-    except UsageError as error:
-        raise refuse(where, str(error)) from error
-
-
-def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -> JointTorques | None:
-    if entry is None:
-        return None
-    n = len(entry.torque_limit)
-    for row, values in enumerate(entry.jacobian):
-        if len(values) != n:
-            why = f"{len(values)} numbers, but there are {n} torque limits: one for each joint is needed"
-            raise refuse([*where, "jacobian", row], why)
-    try:
-        jacobian, gravity, limit = map(np.array, (entry.jacobian, entry.gravity_torque, entry.torque_limit))
-        return JointTorques(jacobian, gravity, limit)
-    except UsageError as error:
-        raise refuse(where, str(error)) from error
-
-
-def _reach(entry: ReachEntry | None, held: ContactSet, where: list[str | int], refuse: Refuse) -> Reach | None:
-    if entry is None:
-        return None
-    try:
-        reach = Reach.box(entry.low, entry.high)
-    except UsageError as error:
-        raise refuse(where, str(error)) from error
-    if reach.clip(held) is None:
-        raise refuse(where, "no candidate contact is within it")
-    return reach

@@ -68,6 +68,26 @@ class JointsEntry(StrictModel):
     torque_limit: list[NotNegative]
 
 
+class LinkMassEntry(StrictModel):
+    link: str
+    mass: NotNegative
+    centre: Triple
+
+
+class UrdfEntry(StrictModel):
+    """`base` is where the root stands in {b}; roll, pitch and yaw turn it there, and the tool."""
+
+    file: str
+    tool: str
+    base: Triple
+    base_turned: Triple = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    hand_turned: Triple = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    start: list[float] | None = None
+    torque_limit: list[Positive] | None = None
+    added_masses: list[LinkMassEntry] = Field(default_factory=list)
+    feels_gravity: bool = True
+
+
 class ReachEntry(StrictModel):
     low: Triple
     high: Triple
@@ -99,6 +119,7 @@ class ArmEntry(StrictModel):
     payload: LimitValue | None = None
     rate: RateEntry | None = None
     joints: JointsEntry | None = None
+    urdf: UrdfEntry | None = None
     reach: ReachEntry | None = None
     held: Triple | None = None
 

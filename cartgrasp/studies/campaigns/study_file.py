@@ -13,7 +13,7 @@ from ruamel.yaml.comments import CommentedMap
 from estimation import FilterNoise, Prior
 from planning import Choosing, RegraspTimes
 from planning.contact_sources.ways import LEAST_EFFORT, PERIODIC
-from planning.problem.problem_file import arms_of
+from planning.problem.problem_arms import arms_of
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains
 
@@ -86,16 +86,25 @@ def _told(cart: CartModel) -> Any:
     return plain(parse_yaml(cart.source, cart.name))
 
 
+def _told_arm(told: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """With what a URDF's file says in the place of its name; hashes of studies without one don't know the key."""
+    urdf = told.pop("urdf")
+    if urdf is not None:
+        told["urdf"] = {**urdf, "file": (folder / urdf["file"]).read_text(encoding="utf-8")}
+    return told
+
+
 def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> ClosedLoopStudy:
     truth = carts.at("closed_loop", "cart")
     guess = truth if loop.guess is None else carts.at("closed_loop", "guess")
     if guess.constraints != truth.constraints:
         raise carts.refuse(["closed_loop", "guess"], "its constraints differ from the cart's; they must be the same")
     told = loop.model_dump(mode="json", exclude={"cart", "guess", *(NEWER if loop.contacts is None else ())})
+    told["arms"] = [_told_arm(arm, carts.path.parent) for arm in told["arms"]]
     drawn = {name: one.model_dump(exclude_none=True) for name, one in entry.drawn.items()}
     return ClosedLoopStudy(
         name=entry.name,
-        scenario=_scenario(loop, truth, guess, carts.refuse),
+        scenario=_scenario(loop, truth, guess, carts),
         drawn=tuple(_drawn(name, one, truth, carts.refuse) for name, one in entry.drawn.items()),
         seed=entry.seed,
         runs=entry.runs,
@@ -103,13 +112,14 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
     )
 
 
-def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, refuse: Refuse) -> Scenario:
+def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, carts: _Carts) -> Scenario:
+    refuse, folder = carts.refuse, carts.path.parent
     sensors = SensorNoise(**loop.sensors.model_dump())
     told = {name: getattr(sensors, name) for name in SHARED} | loop.filter.model_dump(exclude_none=True)
     noise = FilterNoise(**told)
     known, stretches = _known(loop, guess, refuse), _stretches(loop, guess, refuse)
     _check_steps(loop, total_duration(stretches), refuse)
-    arms = arms_of(loop.arms, ["closed_loop", "arms"], refuse)
+    arms = arms_of(loop.arms, ["closed_loop", "arms"], folder, refuse)
     scenario = Scenario(
         truth=truth,
         guess=guess,

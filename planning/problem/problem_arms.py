@@ -1,0 +1,139 @@
+"""`arms` of `PROBLEM.yaml` and `study.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.contacts import ContactSet, Segment
+from cartgrasp.errors import CartgraspError, UsageError
+from cartgrasp.friction import EXACT, Friction
+from cartgrasp.joint_torques import JointTorques, PostureSource
+from cartgrasp.reach import Reach
+from cartgrasp.soft_finger import SoftFinger
+
+from .problem_objective import Refuse
+from .problem_schema import ArmEntry, FrictionEntry, JointsEntry, ReachEntry, SoftFingerEntry, UrdfEntry
+
+NO_LIMIT = (float("inf"),) * 3
+
+
+def arms_of(entries: Sequence[ArmEntry], where: list[str | int], folder: Path, refuse: Refuse) -> list[Arm]:
+    """The arms of a list that stands at a place of a document, which is in a folder."""
+    arms: list[Arm] = []
+    for i, entry in enumerate(entries):
+        if entry.name in [other.name for other in arms]:
+            raise refuse([*where, i, "name"], f"{entry.name} stands twice; names must differ")
+        arms.append(_arm(entry, [*where, i], folder, refuse))
+    return arms
+
+
+def _arm(entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse) -> Arm:
+    if not entry.contacts and entry.segment is None:
+        raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
+    held = _contacts(entry, where, refuse)
+    friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
+    soft_finger = _soft_finger(entry.soft_finger, [*where, "soft_finger"], refuse)
+    joints = _bearing(entry, where, folder, refuse)
+    reach = _reach(entry.reach, held, [*where, "reach"], refuse)
+    rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
+    try:
+        return Arm(
+            entry.name,
+            held,
+            yaw=entry.yaw,
+            force_limit=entry.limits.force or NO_LIMIT,
+            moment_limit=entry.limits.moment or NO_LIMIT,
+            friction=friction,
+            weights=entry.weights,
+            push_only=entry.push_only,
+            payload=float("inf") if entry.payload is None else entry.payload,
+            wrench_rate=rate or NO_LIMIT * 2,
+            joints=joints,
+            reach=reach,
+            soft_finger=soft_finger,
+        )
+    except UsageError as error:
+        raise refuse([*where, "name"], str(error)) from error
+
+
+def _contacts(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> ContactSet:
+    points = tuple((x, y, z) for x, y, z in entry.contacts)
+    try:
+        if entry.segment is None:
+            return ContactSet(points)
+        (x, y, z), (x2, y2, z2) = entry.segment
+        return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
+    except UsageError as error:
+        raise refuse([*where, "contacts" if points else "segment"], str(error)) from error
+
+
+def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refuse) -> Friction | None:
+    if entry is None:
+        return None
+    sides = entry.sides
+    if sides != EXACT and not (isinstance(sides, int) and not isinstance(sides, bool) and 3 <= sides <= 256):
+        raise refuse(where, f"{sides!r} is neither a whole number of 3 to 256 nor `exact`")
+    return Friction(entry.mu, sides)
+
+
+def _soft_finger(entry: SoftFingerEntry | None, where: list[str | int], refuse: Refuse) -> SoftFinger | None:
+    try:
+        return None if entry is None else SoftFinger(**dict(entry))
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
+
+
+def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -> JointTorques | None:
+    if entry is None:
+        return None
+    n = len(entry.torque_limit)
+    for row, values in enumerate(entry.jacobian):
+        if len(values) != n:
+            why = f"{len(values)} numbers, but there are {n} torque limits: one for each joint is needed"
+            raise refuse([*where, "jacobian", row], why)
+    try:
+        jacobian, gravity, limit = map(np.array, (entry.jacobian, entry.gravity_torque, entry.torque_limit))
+        return JointTorques(jacobian, gravity, limit)
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
+
+
+def _bearing(
+    entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse
+) -> JointTorques | PostureSource | None:
+    if entry.urdf is None:
+        return _joints(entry.joints, [*where, "joints"], refuse)
+    if entry.joints is not None:
+        raise refuse([*where, "urdf"], "stands beside `joints`; write one of them")
+    try:
+        return _postures(entry.urdf, folder)
+    except CartgraspError as error:
+        raise refuse([*where, "urdf"], str(error)) from error
+
+
+def _postures(entry: UrdfEntry, folder: Path) -> PostureSource:
+    from cartgrasp.spatial_pose import SpatialPose
+    from cartgrasp.urdf_arm import LEVEL, LinkMass, read_urdf_arm  # Pinocchio
+    from cartgrasp.urdf_postures import UrdfPostures
+
+    masses = [LinkMass(one.link, one.mass, (one.centre[0], one.centre[1], one.centre[2])) for one in entry.added_masses]
+    arm = read_urdf_arm(folder / entry.file, entry.tool, torque_limit=entry.torque_limit, added_masses=masses)
+    gravity = LEVEL if entry.feels_gravity else (0.0, 0.0, 0.0)
+    arm = arm.placed(SpatialPose.of(entry.base, *entry.base_turned), gravity)
+    return UrdfPostures(arm, entry.hand_turned, entry.start)
+
+
+def _reach(entry: ReachEntry | None, held: ContactSet, where: list[str | int], refuse: Refuse) -> Reach | None:
+    if entry is None:
+        return None
+    try:
+        reach = Reach.box(entry.low, entry.high)
+    except UsageError as error:
+        raise refuse(where, str(error)) from error
+    if reach.clip(held) is None:
+        raise refuse(where, "no candidate contact is within it")
+    return reach
