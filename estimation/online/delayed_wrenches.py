@@ -52,7 +52,7 @@ class DelayedWrenches:
     """Around a core, whose wrenches all come as late as those of the cart's slowest sensor."""
 
     def __init__(self, core: Core, cart: CartModel) -> None:
-        self._core, self._cart, self._delay = core, cart, longest_delay(cart)
+        self.core, self._cart, self._delay = core, cart, longest_delay(cart)
         self._held: tuple[Measurement, ...] = ()
         self._recorded: tuple[Measurement, ...] = ()
         self._now: Core | None = None
@@ -60,10 +60,10 @@ class DelayedWrenches:
 
     @property
     def worked(self) -> bool:
-        return self._core.worked
+        return self.core.worked
 
     def take(self, measurement: Measurement) -> None:
-        core, self._now, self.time = self._core, None, measurement.time
+        core, self._now, self.time = self.core, None, measurement.time
         felt = self.time - self._delay
         self._held = (*self._held, replace(measurement, wrenches={}))
         while self._held and (self._held[0].time <= felt + SAME or core.time == -math.inf):
@@ -75,16 +75,16 @@ class DelayedWrenches:
                 core.take(Measurement(max(felt, core.time), wrenches=self._felt_together(measurement)))
 
     def hear(self, loudness: Array) -> None:
-        self._core.hear(loudness)
+        self.core.hear(loudness)
 
     def copy(self) -> Self:
         other = shallow(self)
-        other._core = self._core.copy()
+        other.core = self.core.copy()
         return other
 
     def estimate(self) -> Estimate:
         now = self._ahead.estimate()
-        return self._core.estimate()._replace(time=self.time, motion=now.motion, health=now.health)
+        return self.core.estimate()._replace(time=self.time, motion=now.motion, health=now.health)
 
     @property
     def belief(self) -> Gaussian:
@@ -101,7 +101,7 @@ class DelayedWrenches:
     @property
     def _ahead(self) -> Core:
         if self._now is None:
-            self._now = self._core.ahead(self._held)
+            self._now = self.core.ahead(self._held)
         return self._now
 
     def _felt_together(self, last: Measurement) -> dict[str, Array]:

@@ -73,6 +73,7 @@ class ParameterLearner:
         self.reporter = ParameterReport(cart, self.prior)
         self._report: Mapping[str, ParameterEstimate] | None = None
         self._trial: Trial | None = None
+        self.tried = self.loaded = -math.inf  # when a trial was over last, and when one ended with another load
         self._taken: tuple[Taken, ...] = ()  # the last rows
         self._push = np.diag(USUAL_PUSH * noise.wrench_scale(cart)) ** 2
         self._memory: Array | None = None
@@ -244,6 +245,8 @@ class ParameterLearner:
     def _settle(self, trial: Trial, time: float) -> None:
         """What is believed while a push and a load both are, and whether that is decided."""
         self._trial, self._belief = None if trial.is_over else trial, trial.belief
+        if trial.is_over:
+            self.tried, self.loaded = time, time if trial.is_loaded else self.loaded
         self._watch.settle(time, trial)
 
     def _conclude(self) -> None:

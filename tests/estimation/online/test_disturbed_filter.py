@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cartgrasp as cg
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import PayloadChange, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.simulation.closed_loop import Loop, run
@@ -98,6 +98,38 @@ def test_pushes_are_rejected_and_kept_from_the_mass(runs):
     assert errors[1] < 0.3 * errors[0]
     assert any("something else pushes the cart" in words for time, words in ours.words if 3.6 < time < 3.8)
     assert not any("something else" in words for _, words in without.words)
+
+
+def test_a_load_that_is_put_on_is_no_disturbance_for_long():
+    """12 kg at 4 s, in the middle of to and fro: within 4 s the mass is that of both."""
+    both = CART.with_effect(PayloadChange(4.0, 12.0, 0.4, 0.05))
+    again = [*speed_change(-0.25), *speed_change(0.25)]
+    path = PathReference(chain(speed_change(0.5), *[again] * 10, speed_change(-0.5)))
+    arms = [cg.Arm(n, [(-0.25, y, 1.0)], force_limit=(90.0,) * 3) for n, y in zip(HANDS, (0.2, -0.2), strict=True)]
+    guess = CART.with_inertia(cg.Inertia(25.0, (0.3, 0.0), 2.2))
+    learner = DisturbedFilter(guess, HANDS, noise=NOISE)
+    controller = Controller(guess, arms, path, estimator=learner, regrasp=None)
+    record = run(Loop(controller, ModelPlant(both), Sensors(both, SENSORS, 1)))
+    mass = record.parameters["mass"].value
+    assert np.abs(mass[record.time > 8.0] / 42.0 - 1.0).max() < 0.02
+    assert np.abs(mass[(record.time > 3.0) & (record.time < 4.0)] / 30.0 - 1.0).max() < 0.02
+
+
+def test_samples_that_come_late_tell_what_they_would_have_told():
+    def drive(order):
+        learner, told = DisturbedFilter(CART, HANDS, noise=NOISE), None
+        for i in order:
+            t = 0.01 * i
+            pose = [0.5 * t * t, 0.0, 0.0]
+            told = learner.update(
+                cg.Measurement(t, pose, [t, 0.0, 0.0], {"left": [35.0, 0, 0, 0, 0, 0]}, {"left": [-0.25, 0, 1]})
+            )
+        return told
+
+    whole = list(range(100))
+    one, other = drive(whole), drive([*whole[:60], *whole[70:80], *whole[60:70], *whole[80:]])
+    np.testing.assert_allclose(other.disturbance.wrench, one.disturbance.wrench, rtol=1e-9)
+    np.testing.assert_allclose(other.model_parameters, one.model_parameters, rtol=1e-9)
 
 
 def test_nothing_odd_gets_in():

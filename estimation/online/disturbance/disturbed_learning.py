@@ -1,0 +1,217 @@
+"""Learning beside an observer of what no model explains, which keeps that from the parameters.
+
+What pushes beside the arms is taken for friction, or for another load, by whatever learns from the arms alone. So
+samples reach what learns a little late, and without their wrenches where meanwhile something was seen to push: of such
+a time the total wrench is not known, and nothing is learned from it. That is so where the disturbance is no noise, and
+neither what is not known of the parameters nor a usual load that was put on would look like it, by how the arms and the
+cart agree to accelerate. What goes on for too long is the model's error, and is learned from. What is too weak to be
+seen, the observer's own deviation for as long as its answer takes, is noise to what learns.
+
+A load that was put on is not over with what shows of it. So from the first sample whose wrench is kept back another
+learns from all that there is, until its trial (`regressor/trial.py`) is over. If it finds a load, it was right.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Self
+
+import numpy as np
+
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Disturbance, Estimate, Measurement
+from cartgrasp.shallow import shallow
+
+from ...gaussian import Gaussian
+from ...health import Health, SensorHealth
+from ..delayed_wrenches import DelayedWrenches, longest_delay
+from ..driven_motion import DrivenMotion
+from ..given import Given
+from ..learning_filter import LearningFilter
+from ..load_change import load_covariance
+from ..regressor.parameter_learner import ParameterLearner
+from ..seen import usable
+from ..wrench_sensing import Moving, WrenchSensing
+from .observer import DisturbanceObserver, Observed
+
+ANY_SPEED = 1e-9
+"""m/s: a least speed makes the filter a regression, which can leave samples out, however exact wrenches are."""
+ACTS, STAYS = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
+"""By dimension, of the normalised square: chi-squared with one, two and three components is beyond the first once in a
+thousand times, and beyond the second, below which a disturbance is over, once in twenty."""
+PATIENCE = 10.0
+"""s after which what pushes is the model's error, and what is no load by then is none."""
+
+
+class DisturbedLearning:
+    """Samples come in order. `response` (s) is that of the observer."""
+
+    def __init__(self, made_of: Given, response: float) -> None:
+        cart, arms, noise, prior, yaws = made_of
+        self.cart, self.prior, self.response = cart, prior, response
+        self._observer = DisturbanceObserver(cart, noise, response)
+        unseen = max(noise.disturbance, self._observer.deviation * math.sqrt(response))
+        louder = replace(noise, disturbance=unseen)
+        learner = ParameterLearner(cart, arms, louder, prior, yaws, ANY_SPEED)
+        core = LearningFilter(learner, DrivenMotion(cart, louder, prior.free(cart)))
+        self._careful = DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
+        self._open: LearningFilter | DelayedWrenches | None = None  # learns from what is kept back, too
+        self._opened = self._kept_back = -math.inf  # s
+        self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
+        self._rigid = replace(cart, effects=())
+        self._waiting: tuple[Measurement, ...] = ()
+        self._known: Estimate | None = None
+        self._observed: Observed | None = None
+        self._disturbance: Disturbance | None = None
+        self._is_sure = False
+        self._since = self._until = -math.inf  # when the disturbance set in that acts now, and when one acted last
+        self.time = -math.inf
+
+    @property
+    def worked(self) -> bool:
+        return self._careful.worked
+
+    def take(self, measurement: Measurement) -> None:
+        """Observes to the measurement's time, and lets what learns have what is old enough."""
+        self.time = measurement.time
+        self._waiting = (*self._waiting, measurement)
+        until = math.inf if self._known is None else measurement.time - self.response
+        while self._waiting and self._waiting[0].time <= until:
+            self._learn(self._waiting[0])
+            self._waiting = self._waiting[1:]
+        self._known = self._careful.estimate()
+        self._observe(measurement, self._known)
+
+    def hear(self, loudness: Array) -> None:
+        for one in (self._careful, self._open):
+            if one is not None:
+                one.hear(loudness)
+
+    def copy(self) -> Self:
+        other = shallow(self)
+        other._careful, other._sensing = self._careful.copy(), self._sensing.copy()
+        other._open = None if self._open is None else self._open.copy()
+        return other
+
+    def estimate(self) -> Estimate:
+        told, observed, disturbance = self._known, self._observed, self._disturbance
+        if told is None:
+            raise UsageError("filter: no measurement has come yet")
+        if observed is None or disturbance is None:
+            return told
+        is_kept_back = told.health == Health.NO_WRENCH and disturbance.acts
+        return told._replace(
+            time=observed.time,
+            motion=observed.motion(told.motion.memory),
+            health=Health.OUTLIERS if is_kept_back else told.health,
+            disturbance=disturbance,
+        )
+
+    @property
+    def belief(self) -> Gaussian:
+        """Mean and covariance of pose, nu and effect memory, as of what learns."""
+        return self._careful.belief
+
+    @property
+    def sensors(self) -> Mapping[str, SensorHealth]:
+        return self._careful.sensors
+
+    # --- learning ---------------------------------------------------------------------------------------------
+
+    def _learn(self, sample: Measurement) -> None:
+        is_patient = self._until - self._since < PATIENCE
+        if is_patient and sample.time <= self._until and sample.wrenches:
+            if self._open is None:
+                self._open, self._opened = self._careful.copy(), sample.time
+            self._kept_back = sample.time
+            kept_back = {arm: np.full(6, np.nan) for arm in sample.wrenches}
+            self._careful.take(replace(sample, wrenches=kept_back))
+        else:
+            self._careful.take(sample)
+        if self._open is not None:
+            self._try(self._open, sample)
+
+    def _try(self, other: LearningFilter | DelayedWrenches, sample: Measurement) -> None:
+        """What learns from all samples, until it is known whether there is another load."""
+        other.take(sample)
+        learner = _learner(other)
+        if learner.loaded > self._opened:
+            self._careful, self._open, self._until = other, None, -math.inf
+        elif learner.tried > self._opened or sample.time - self._kept_back > PATIENCE:
+            self._open = None
+
+    # --- observing --------------------------------------------------------------------------------------------
+
+    def _observe(self, measurement: Measurement, told: Estimate) -> None:
+        pose, velocity = (
+            np.full(3, np.nan) if part is None else usable(part) for part in (measurement.pose, measurement.velocity)
+        )
+        observed, theta = self._observed, told.model_parameters
+        if observed is None:
+            if not np.isfinite(pose).all():
+                return
+            observed = self._observer.start(measurement.time, pose)
+        memory = told.motion.memory if told.motion.memory is not None else np.zeros(0)
+        observed = self._observer.advanced(observed, measurement.time, memory, theta)
+        observed = self._observer.seen(observed, pose, velocity)
+        self._sensing.note_contacts(measurement)
+        if measurement.wrenches:
+            sensed = self._sensing.sense(measurement, theta, Moving(observed.state(memory), measurement.time))
+            if sensed is not None:
+                observed = self._observer.pushed(observed, sensed.value, sensed.covariance)
+        self._observed = observed
+        if self._disturbance is None or np.isfinite(pose).any() or np.isfinite(velocity).any():
+            self._conclude(observed, told, memory)
+
+    def _conclude(self, observed: Observed, told: Estimate, memory: Array) -> None:
+        """Whether the disturbance acts. It does for sure where no usual load would look like it, and goes on to until a
+        load that rolls on could; else where no load would by its inertia."""
+        found, time, k = observed.wrench, observed.time, observed.k
+        rolls, agreed = np.zeros(k), self._agreed(observed, told, memory)
+
+        def square(rate: Array, cart: CartModel) -> float:
+            spread = found.covariance + self._by_load(observed, told, memory, rate, cart)
+            return float(found.mean @ np.linalg.solve(spread, found.mean))
+
+        was = self._disturbance is not None and self._disturbance.acts
+        begins, stays = ACTS[k - 1], STAYS[k - 1]
+        self._is_sure = square(rolls, self.cart) > stays if self._is_sure else square(agreed, self.cart) > begins
+        acts = self._is_sure or square(agreed, self._rigid) > (stays if was else begins)
+        if acts:
+            self._since, self._until = (self._since if was else time), time
+        self._disturbance = Disturbance(found.mean, found.covariance, acts)
+
+    def _agreed(self, observed: Observed, told: Estimate, memory: Array) -> Array:
+        """The part of nu' (k,) that wrenches alone would make, and that is there: a load does not turn it round."""
+        lift = self.cart.planar_wrench(np.eye(observed.k)).T
+        alone, whole = (
+            self.cart.state_rate(observed.state(memory), lift @ wrench, told.model_parameters, observed.time)[
+                self.cart.velocity_slice
+            ]
+            for wrench in (observed.given, observed.given + observed.wrench.mean)
+        )
+        return np.where(alone * whole > 0, np.sign(alone) * np.minimum(np.abs(alone), np.abs(whole)), 0.0)
+
+    def _by_load(self, observed: Observed, told: Estimate, memory: Array, rate: Array, cart: CartModel) -> Array:
+        """Covariance (k, k) of what parameters that are not known, and a usual load on `cart`, would make of a motion
+        with nu' = `rate`."""
+        theta, time, state = told.model_parameters, observed.time, observed.state(memory)
+        n = 3 + observed.k
+        own = (state, theta) if cart is self.cart else (state[:n], theta[:N_PHI])
+        by_load = cart.inverse(own[0], rate, own[1], time).by_parameters
+        found = by_load @ load_covariance(cart, self.prior, float(theta[0])) @ by_load.T
+        if told.covariance is not None:
+            by_parameters = self.cart.inverse(state, rate, theta, time).by_parameters
+            found = found + by_parameters @ told.covariance @ by_parameters.T
+        return np.asarray(found)
+
+
+def _learner(filtering: LearningFilter | DelayedWrenches) -> ParameterLearner:
+    core = filtering.core if isinstance(filtering, DelayedWrenches) else filtering
+    assert isinstance(core, LearningFilter)
+    return core.learner
