@@ -19,11 +19,15 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.shallow import shallow
+from cartgrasp.wheels import GRAVITY
 
 from .kernels.felt_wrench import MOST_FORCE
 
 UNUSED = slice(2, 5)
 """Of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what does."""
+
+MOST_JUMP = 0.3
+"""Of the cart's weight, N and N·m."""
 
 
 class SensedWrench(NamedTuple):
@@ -65,6 +69,8 @@ class WrenchSensing:
         self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
+        self._accepted, self._doubted = list[float](), list[float]()  # wrenches (6 n,): the last, and one that jumped
+        self._farthest = MOST_JUMP * GRAVITY * cart.inertia.mass
         self._no_grip = Grip(np.zeros((cart.constraints.n_free, cart.constraints.n_free)), np.zeros(0), {})
         self.corrects, self.feels_motion = bool(cart.sensor_effects), cart.feels_motion
         self.by_parameters = np.zeros((cart.constraints.n_free, len(cart.parameters)))
@@ -84,8 +90,8 @@ class WrenchSensing:
 
     def gripped(self, recorded: Mapping[str, Array], parameters: Array, moving: Moving | None = None) -> Grip:
         """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. Of no arms where
-        an arm's wrench or contact is missing: the total is then not known. `moving` is the cart where sensors feel it
-        (None: at rest)."""
+        an arm's wrench or contact is missing, or jumps beyond belief: the total is then not known. `moving` is the cart
+        where sensors feel it (None: at rest)."""
         if self._takes_all:
             self._note_arms(recorded)
         grip = self._grip = self._grip or self._gripped()
@@ -96,12 +102,25 @@ class WrenchSensing:
             place[:] = wrench
             if not math.isfinite(place[2] + place[3] + place[4]):
                 place[UNUSED] = np.nan_to_num(place[UNUSED], posinf=0.0, neginf=0.0)
+        if self._has_jumped(grip.wrenches.tolist()):
+            return self._no_grip
         if self.corrects and grip.places:
             if moving is not None and self.feels_motion:
                 self._correct_moving(grip, parameters, moving)
             else:
                 self._correct(grip, parameters)
         return grip
+
+    def _has_jumped(self, recorded: list[float]) -> bool:
+        """Further than a hand goes from one sample to the next. What the next sample confirms is no spike."""
+        before, self._accepted = self._accepted, recorded
+        if len(before) != len(recorded) or not (jump := math.dist(recorded, before)) > self._farthest:
+            return False
+        doubted, self._doubted = self._doubted, recorded
+        if len(doubted) == len(recorded) and math.dist(recorded, doubted) < 0.5 * jump:
+            return False
+        self._accepted = before
+        return True
 
     def sense(self, measurement: Measurement, parameters: Array, moving: Moving | None = None) -> SensedWrench | None:
         """What all arms do together; None where that is not known."""

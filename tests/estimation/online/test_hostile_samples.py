@@ -15,7 +15,7 @@ from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator
 from estimation.online.late_samples import REACH, LateSamples
 
-from ..runs import simulate, simulate_two_hands
+from ..runs import integrate, record, simulate, simulate_two_hands
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
 NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 0.0, 0.0, disturbance=0.02, slip=0.00005)
@@ -236,6 +236,37 @@ def test_a_number_whose_square_overflows_is_no_sample(online, force, part):
             estimate = learner.update(replace(sample, **{part: odd}) if k == 300 else sample)
         found.append(estimate.model_parameters)
     assert np.allclose(*found, rtol=1e-9)
+
+
+@ONLINE
+@pytest.mark.parametrize("force", [0.05, 1.0])
+@pytest.mark.parametrize("spike", [150.0, -1e3, 1e6])
+def test_a_wrench_that_jumps_and_comes_back_is_no_sample(online, force, spike):
+    """What is learned is what is learned where that sample is missing."""
+    log, _ = simulate(TRUTH, 3, duration=8.0)
+    noise, found = replace(NOISE, force=force, moment=force / 20), []
+    for odd in (spike, np.nan):
+        learner = online(guess(), noise=noise, prior=KNOWN)
+        for k, sample in enumerate(log.measurements()):
+            if k == 300:
+                wrenches = {arm: wrench + np.array([odd, 0, 0, 0, 0, 0]) for arm, wrench in sample.wrenches.items()}
+                sample = replace(sample, wrenches=wrenches)
+            estimate = learner.update(sample)
+        found.append(estimate.model_parameters)
+    np.testing.assert_allclose(*found, rtol=1e-9)
+
+
+@ONLINE
+def test_a_wrench_that_jumps_and_stays_is_believed(online):
+    """From 60 N one way to 60 N the other at once, 0.6 of the cart's weight."""
+    truth, wrenches = integrate(TRUTH, lambda time, _: (60.0 * (-1) ** int(2 * time + 0.5), 0.0), 8.0)
+    wrench = np.pad(wrenches[:, :1], ((0, 0), (0, 5)))
+    log = record(truth, {"hand": (np.array([0.0, 0.0, 1.0]), wrench)}, (0.0004, 0.005, 1.0), 3)
+    learner = online(guess(), ["hand"], noise=replace(NOISE, force=1.0, moment=0.05), prior=KNOWN)
+    for sample in log.measurements():
+        estimate = learner.update(sample)
+    assert estimate.parameters["mass"].value == pytest.approx(24.0, rel=0.02)
+    assert estimate.health == "ok"
 
 
 @ONLINE
