@@ -19,7 +19,6 @@ from .errors import UsageError
 from .frames import Array, adjoint, body_to_world
 
 LARGEST_POSITION = FARTHEST
-PLANAR_ROWS = (0, 1, 5)
 WRENCH_NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 

@@ -27,9 +27,8 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
-from .contacts import PLANAR_ROWS
 from .errors import UsageError
-from .frames import Array
+from .frames import PLANAR, Array
 from .rigid_body import bias_b, mass_matrix_b
 from .wheels import GRAVITY
 
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
     from .model import CartModel
     from .motion import Motion
 
-PLANAR = np.eye(6)[list(PLANAR_ROWS)]
+TO_PLANAR = np.eye(6)[[*PLANAR]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +68,7 @@ class FloorReaction:
         inertial, turned = mass @ mobility, by_mass @ mobility
         push, bias = acting.wrench_b - bias_b(velocity_b, phi)[0], bias_b(velocity_b, by_phi)[0]
         kept = np.eye(3) - inertial
-        rate = (kept @ turned)[:, :2] @ PLANAR
+        rate = (kept @ turned)[:, :2] @ TO_PLANAR
         offset = (turned @ push + bias) @ kept.T + effects @ inertial.T
         weight = GRAVITY * by_phi[:, :3]
         weight[:, 1:] -= height * offset[:, :2]
@@ -114,7 +113,7 @@ def straight_force(cart: CartModel, motion: Motion | None = None) -> tuple[Array
     nothing across the wheels: its slope (3,) by the wrench, and what there is without any."""
     row, slope = cart.floor_rows(_state(cart, motion))[-1], np.zeros(3)
     slope[:2] = cart.rolling.across_b
-    return slope + PLANAR @ row[:6], float(row[6])
+    return slope + TO_PLANAR @ row[:6], float(row[6])
 
 
 def tells_loads(cart: CartModel) -> bool:

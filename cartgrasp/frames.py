@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+PLANAR = (0, 1, 5)
+"""Places of (fx, fy, tau), or (vx, vy, omega), among the six of a spatial wrench or twist."""
 
 
 def wrap_angle(angle: ArrayLike) -> Array:

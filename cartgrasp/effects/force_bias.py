@@ -7,11 +7,9 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ..frames import Array
+from ..frames import PLANAR, Array
 from .effect import Contribution, Parameter, SensorEffect
 from .hand_motion import AT_REST, HandMotion
-
-PLANAR_AXES = (0, 1, 5)
 
 
 @final
@@ -36,11 +34,11 @@ class ForceBias(SensorEffect):
 
     def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
         by_parameters = np.zeros((6, 3))
-        by_parameters[PLANAR_AXES, (0, 1, 2)] = -1.0
+        by_parameters[PLANAR, (0, 1, 2)] = -1.0
         value = wrench_a - self._offset(parameters)
         return Contribution(value, by_parameters=np.broadcast_to(by_parameters, (*value.shape, 3)))
 
     def _offset(self, parameters: Array) -> Array:
         offset = np.zeros((*parameters.shape[:-1], 6))
-        offset[..., PLANAR_AXES] = parameters
+        offset[..., PLANAR] = parameters
         return offset

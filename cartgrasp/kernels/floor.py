@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cartgrasp.frames import Array
+from cartgrasp.frames import PLANAR, Array
 
 from . import rigid_body
 from .dynamics import Point, hold, lifted, mass_matrix, situation, solve, sum_effects
@@ -11,7 +11,6 @@ from .wheel_loads import fill_map
 from .workspace import Workspace
 
 STILL = (0.0, 0.0, 0.0)
-PLANAR = (0, 1, 5)
 
 
 @compiled

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..checks import brief, check_kind, digits, rows
-from ..contacts import PLANAR_ROWS
 from ..errors import DataError, UsageError
-from ..frames import Array
+from ..frames import PLANAR, Array
 from ..motion import Measurement
 
 POSE_COLUMNS = ("x", "y", "theta")
@@ -159,7 +158,7 @@ class RunLog:
         for i, time in enumerate(self.time):
             velocity = None if self.velocity is None else _present(self.velocity[i])
             held = [(arm, log.wrench[i], log.contact[i]) for arm, log in self.arms.items()]
-            wrenches = {arm: wrench for arm, wrench, _ in held if np.isfinite(wrench[[*PLANAR_ROWS]]).all()}
+            wrenches = {arm: wrench for arm, wrench, _ in held if np.isfinite(wrench[[*PLANAR]]).all()}
             contacts = {arm: contact for arm, _, contact in held if np.isfinite(contact[:2]).all()}
             yield Measurement(float(time), _present(self.pose[i]), velocity, wrenches, contacts)
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from ..checks import LARGEST_NUMBER, check_kind, pose, positive
 from ..contacts import ContactWrenches, grasp_map_spatial
 from ..errors import PlantError
-from ..frames import Array, rotation_planar, wrap_angle
+from ..frames import PLANAR, Array, rotation_planar, wrap_angle
 from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
@@ -36,7 +36,6 @@ CHUNK = 10
 INSTANT = 1e-9
 """s: times closer than this are one."""
 SETTLE_TIME = 0.2
-PLANAR = [0, 1, 5]
 """Of a spatial wrench."""
 
 
@@ -180,7 +179,7 @@ class MujocoPlant:
     def _push_from_outside(self) -> None:
         """Over the next physics step."""
         self._data.ctrl[:] = self._pushed
-        self._data.ctrl[PLANAR] += self._outer.wrench_b(self._whole_motion, self._time)
+        self._data.ctrl[[*PLANAR]] += self._outer.wrench_b(self._whole_motion, self._time)
 
     def _look_after(self, passed: float) -> None:
         """Follows the yaw over full turns; refuses a cart that tips, lifts a wheel or isn't finite."""
@@ -233,7 +232,7 @@ class MujocoPlant:
         if not self._cart.wheels:
             rates[0] = u
             return
-        rates[[0, 1, 5]] = u, w, r
+        rates[[*PLANAR]] = u, w, r
         for i, wheel in self._cart.numbered(FIXED):
             rates[self._model.joint(f"roll{i}").dofadr[0]] = (u - wheel.y * r) / RADIUS
         for (i, wheel), heading in zip(self._casters, headings, strict=True):

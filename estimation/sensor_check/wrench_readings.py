@@ -8,7 +8,7 @@ from itertools import permutations, product
 
 import numpy as np
 
-from cartgrasp.frames import Array
+from cartgrasp.frames import PLANAR, Array
 
 COMMON_ODDS, RARE_ODDS = 0.005, 0.0003
 """Against sound axes: of each of some twenty ways in which recorded z stays vertical (one log in ten in all), and of
@@ -63,11 +63,11 @@ def mountings() -> tuple[Mounting, ...]:
 def _of(force: Array, moment: Array) -> Mounting:
     taken = np.zeros((3, len(COMPONENTS)))
     taken[:2, :3], taken[2, 3:6] = force[:2], moment[2]
-    wrong = [i for i, own in enumerate((0, 1, 5)) if taken[i, own] != 1]
+    wrong = [i for i, own in enumerate(PLANAR) if taken[i, own] != 1]
     told = [f"{('fx', 'fy', 'tz')[i]} is what is recorded as {_signed(taken[i])}" for i in wrong]
     if not wrong and np.array_equal(force, np.eye(3)):
         return Mounting(taken, "", 1.0, "")
-    straight = all(taken[i, own] != 0 for i, own in enumerate((0, 1, 5)))
+    straight = all(taken[i, own] != 0 for i, own in enumerate(PLANAR))
     kind = "sign" if straight else "axes"
     odds = COMMON_ODDS if abs(force[2, 2]) == 1 else RARE_ODDS
     return Mounting(taken, kind, odds, " and ".join(told) or "only fz, tx or ty differ")

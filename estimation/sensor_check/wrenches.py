@@ -17,7 +17,7 @@ import numpy as np
 
 from cartgrasp.effects import CasterRealignment, Effect, ViscousDrag, WheelDragImbalance
 from cartgrasp.errors import printable
-from cartgrasp.frames import Array
+from cartgrasp.frames import PLANAR, Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import CASTER
@@ -210,7 +210,7 @@ def _signals(balances: Balances, cart: CartModel) -> Array:
     spoken = wrenches.recorded * np.array([_speaks(balances.log, name) for name in wrenches.arms])[:, None]
     fx, fy = spoken[..., 0], spoken[..., 1]
     recorded = np.concatenate([spoken, np.stack([c * fx + s * fy, c * fy - s * fx], axis=-1)], axis=-1)
-    reduced = (cart.basis_b.T @ wrenches.grasps)[..., [0, 1, 5]]
+    reduced = (cart.basis_b.T @ wrenches.grasps)[..., [*PLANAR]]
     return balances.integrated(np.einsum("anfi,anj->nfaij", reduced, recorded))
 
 

@@ -13,7 +13,7 @@ from scipy import sparse
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
-from cartgrasp.frames import Array
+from cartgrasp.frames import PLANAR, Array
 from planning.allocation.allocation import contact_array
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.limits import CartLimit
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
 MOST_ITERATIONS = 4000
-PLANAR = [0, 1, 5]  # (fx, fy, tau) in a spatial wrench
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +82,7 @@ class EmbeddedProblem:
     def of_sum(self) -> Array:
         """What contact rows take of the hands' sum about {b}'s origin, (k, 6)."""
         effective = np.zeros((self.template.basis_b.shape[1], 6))
-        effective[:, PLANAR] = self.template.basis_b.T
+        effective[:, [*PLANAR]] = self.template.basis_b.T
         return np.vstack([self.template.cart_rows.of_sum, effective])
 
     @property

@@ -16,7 +16,7 @@ import numpy as np
 from ruamel.yaml import YAML
 
 from ...errors import DataError
-from ...frames import body_to_world
+from ...frames import PLANAR, body_to_world
 from ...writing import write_atomically
 from ..run_log import RunLog
 from .mcap_file import McapFile
@@ -86,7 +86,7 @@ def _twists(log: RunLog) -> np.ndarray:
     if log.velocity is not None:
         in_cart = np.einsum("nji,nj->ni", body_to_world(log.pose[:, 2]), log.velocity)
         twist[:] = 0.0
-        twist[:, [0, 1, 5]] = in_cart
+        twist[:, [*PLANAR]] = in_cart
     return twist
 
 
