@@ -32,9 +32,9 @@ from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
 from .warming import made_up_push
 
-EXACT, EXACT_BESIDE_MEMORIES = 1.0, 20.0
+EXACT, EXACT_BESIDE_MEMORIES = 1.0, 10.0
 """1/√s: noise of a wrench sample (N) over the disturbance (N·√s) up to which wrenches count as exact. At 100 Hz the
-density of their noise is then a tenth of it, or twice as much."""
+density of their noise is then a tenth of it, or as much."""
 
 
 def core_of(made_of: Given, least_speed: float = 0.0) -> AugmentedFilter | LearningFilter:
