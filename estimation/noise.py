@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.effects import CasterRealignment
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 SIDE_PUSH = 20.0
 """N m/√s: 40 N aside for a second at 0.5 m/s."""
+CASTER_SHARE = 0.1
+"""MuJoCo's casters push by some per cent otherwise than the model's, and the first guess of a torque may be half."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,18 @@ class FilterNoise:
     def sideways(self, cart: CartModel) -> float:
         """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""
         return math.hypot(self.slip, SIDE_PUSH * cart.slip_compliance)
+
+    def beside_casters(self, cart: CartModel) -> FilterNoise:
+        """With a disturbance beside: a tenth of the force with which casters, as far as the cart's effects know them,
+        resist to be swung round, where they stand."""
+        pivots, known = cart.wheel_set.pivots, [e for e in cart.effects if isinstance(e, CasterRealignment)]
+        aside = sum(effect.swivel_torque / (effect.trail or trail) for effect in known for trail in pivots[:, 2])
+        share, far = CASTER_SHARE * aside, math.sqrt(float(np.mean(np.sum(pivots[:, :2] ** 2, axis=1))))
+        if not share > 0.0:
+            return self
+        disturbance = math.hypot(self.disturbance, share)
+        lever = math.hypot(self.lever * self.disturbance, far * share) / disturbance
+        return replace(self, disturbance=disturbance, lever=lever)
 
     def wrench_scale(self, cart: CartModel) -> Array:
         """Of each part of the reduced wrench, for a force of 1 N: moments have the lever."""

@@ -26,8 +26,6 @@ WHEELS = (
     Wheel(CASTER, 0.72, -0.2, trail=0.045),
 )
 SENSORS = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
-NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.25, lever=0.72, slip=0.0005)
-"""What the model leaves out of the casters, a twentieth of the 2.7 N that one pushes aside, acts where they stand."""
 FIRM = Gains(along=3.0, across=15.0, heading=6.0, velocity=8.0)
 
 
@@ -58,6 +56,9 @@ def first_guess(with_effects: bool = True) -> CartModel:
         effects += (RollingResistance(coefficient=0.02), CasterRealignment(swivel_torque=0.06))
     inertia = Inertia(20.0, (0.3, 0.0), 2.0)
     return CartModel(inertia, RollingConstraints(), effects, WHEELS, com_height=0.45, name="first guess")
+
+
+NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.1, slip=0.0005).beside_casters(first_guess())
 
 
 def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:

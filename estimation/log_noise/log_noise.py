@@ -1,18 +1,14 @@
 """Noise floors read off a log: what is left of a channel when everything smooth is taken out.
 
 Third differences annihilate a quadratic, and turn white noise of variance s² into 20 s²; their median size is robust
-to jumps. What the log's motion can't show, the disturbance, is taken as a share of the forces at work: of those that
-push the cart, and of those with which casters push aside, where they stand.
+to jumps. What the log's motion can't show, the disturbance, is taken as a share of the forces at work.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects import CasterRealignment
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
@@ -23,7 +19,7 @@ from ..noise import FilterNoise
 from .velocity_colour import loudness
 
 LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.001
-DISTURBANCE_SHARE, CASTER_SHARE = 0.01, 0.1
+DISTURBANCE_SHARE = 0.01
 NOISE_OF_DIFFERENCES = 20**0.5
 MAD_TO_STD = 1.4826
 FEWEST = 8
@@ -52,8 +48,6 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
     wrenches = [arm.wrench for arm in log.arms.values()]
     force = max([LEAST_FORCE, *(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1))])
     moment = max([LEAST_MOMENT, *(noise_floor(w[:, 5], usual.moment) for w in wrenches)])
-    forces, casters, at = max(DISTURBANCE_SHARE * _force_size(log, cart), 0.01), *_casters(cart)
-    disturbance = math.hypot(forces, casters)
     return FilterNoise(
         position=position,
         heading=heading,
@@ -61,9 +55,8 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         yaw_rate=yaw,
         force=force,
         moment=moment,
-        disturbance=disturbance,
-        lever=math.hypot(usual.lever * forces, at * casters) / disturbance,
-    )
+        disturbance=max(DISTURBANCE_SHARE * _force_size(log, cart), 0.01),
+    ).beside_casters(cart)
 
 
 def noise_floor(channel: Array, usual: float = 0.0) -> float:
@@ -92,15 +85,6 @@ def _force_size(log: RunLog, cart: CartModel) -> float:
     for arm in log.arms.values():
         total += np.einsum("ni,ni->n", grasp_map_planar(arm.contact)[:, 0], arm.wrench)
     return float(np.sqrt(np.nanmean(total**2))) if np.isfinite(total).any() else 0.0
-
-
-def _casters(cart: CartModel) -> tuple[float, float]:
-    """Of the force, N, with which casters that the cart's effects know resist to be swung round, the share that no
-    model explains; and how far from {b}'s origin they stand, m."""
-    pivots = cart.wheel_set.pivots
-    known = [effect for effect in cart.effects if isinstance(effect, CasterRealignment)]
-    aside = sum(effect.swivel_torque / (effect.trail or trail) for effect in known for trail in pivots[:, 2])
-    return CASTER_SHARE * aside, math.sqrt(float(np.mean(np.sum(pivots[:, :2] ** 2, axis=1))))
 
 
 def _filled(angles: Array) -> Array:
