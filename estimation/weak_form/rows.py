@@ -33,7 +33,7 @@ ON_CASTERS = 0.5
 """Of a cart's weight."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
 """m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
-POISED_BY = 3.0
+POISED_BY = 3.0, 1.0, 0.3, 0.1, 0.03
 """Standard deviations of the yaw rate by which poised casters may be off."""
 BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
@@ -203,17 +203,18 @@ def edge_error(balances: Balances, cart: CartModel) -> Array:
 
 def _poised_error(balances: Balances, cart: CartModel) -> Array:
     """Half of what effects give more or less (n, f) if memories follow a motion that turns a little more or less, by
-    its standard deviation: casters that a reversal left poised swing round nobody knows when."""
+    its standard deviation: casters that a reversal left poised swing round nobody knows which way, nor when. The less
+    they are off their turning point the later they do, so what is less than the deviation counts, too."""
     found, own = np.zeros((len(balances.motion.time), cart.constraints.n_free)), balances.of_body(cart)
     if not cart.memory_names or cart.constraints.n_free < 2:
         return found
     motion, turned = own.motion, np.zeros(cart.constraints.n_free)
-    turned[-1] = POISED_BY * motion.rate_std[2]
-    ends = []
-    for velocity in (motion.velocity - turned, motion.velocity + turned):
-        memory = cart.memory_along(motion.pose, velocity, motion.time)
-        ends.append(_effects_at(balances, cart, np.hstack([motion.pose, motion.velocity, memory])))
-    return np.asarray(np.abs(ends[1] - ends[0]) / 2)
+    turned[-1] = motion.rate_std[2]
+    given = []
+    for deviations in (0.0, *POISED_BY, *(-one for one in POISED_BY)):
+        memory = cart.memory_along(motion.pose, motion.velocity + deviations * turned, motion.time)
+        given.append(_effects_at(balances, cart, np.hstack([motion.pose, motion.velocity, memory])))
+    return np.asarray(np.ptp(given, axis=0) / 2)
 
 
 def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:
