@@ -33,7 +33,7 @@ ON_CASTERS = 0.5
 """Of a cart's weight."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
 """m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
-POISED_BY = 3.0, 1.0, 0.3, 0.1, 0.03
+POISED_BY = 10.0, 3.0, 1.0, 0.3, 0.1, 0.03
 """Standard deviations of the yaw rate by which poised casters may be off."""
 BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
