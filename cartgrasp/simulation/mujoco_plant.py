@@ -36,7 +36,6 @@ CHUNK = 10
 INSTANT = 1e-9
 """s: times closer than this are one."""
 SETTLE_TIME = 0.2
-"""Of a spatial wrench."""
 
 
 class MujocoPlant:

@@ -99,12 +99,13 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
     guess = truth if loop.guess is None else carts.at("closed_loop", "guess")
     if guess.constraints != truth.constraints:
         raise carts.refuse(["closed_loop", "guess"], "its constraints differ from the cart's; they must be the same")
+    scenario = _scenario(loop, truth, guess, carts)
     told = loop.model_dump(mode="json", exclude={"cart", "guess", *(NEWER if loop.contacts is None else ())})
     told["arms"] = [_told_arm(arm, carts.path.parent) for arm in told["arms"]]
     drawn = {name: one.model_dump(exclude_none=True) for name, one in entry.drawn.items()}
     return ClosedLoopStudy(
         name=entry.name,
-        scenario=_scenario(loop, truth, guess, carts),
+        scenario=scenario,
         drawn=tuple(_drawn(name, one, truth, carts.refuse) for name, one in entry.drawn.items()),
         seed=entry.seed,
         runs=entry.runs,

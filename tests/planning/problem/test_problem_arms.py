@@ -99,6 +99,9 @@ def test_a_study_runs_with_the_posture_and_tells_what_the_file_says(tmp_path, ro
     assert told["urdf"]["file"] == robot.read_text()
     record = study.scenario.run()
     assert set(record.statuses) == {"optimal"}
+    path.write_text(STUDY.replace("arm.urdf", "none.urdf"))
+    with pytest.raises(FileError, match=r"arms.0.urdf: .*none.urdf: can't be read"):
+        read_study(path)
     path.write_text(STUDY.replace(URDF, ""))
     (told,) = read_study(path).told["closed_loop"]["arms"]
     assert "urdf" not in told
