@@ -68,11 +68,11 @@ class FilterNoise:
     def beside_casters(self, cart: CartModel) -> FilterNoise:
         """With a disturbance beside: a tenth of the force with which casters, as far as the cart's effects know them,
         resist to be swung round, where they stand."""
-        pivots, known = cart.wheel_set.pivots, [e for e in cart.effects if isinstance(e, CasterRealignment)]
-        aside = sum(effect.swivel_torque / (effect.trail or trail) for effect in known for trail in pivots[:, 2])
-        share, far = CASTER_SHARE * aside, math.sqrt(float(np.mean(np.sum(pivots[:, :2] ** 2, axis=1))))
+        wheels, known = cart.wheel_set, [effect for effect in cart.effects if isinstance(effect, CasterRealignment)]
+        share = CASTER_SHARE * sum(effect.side_force(wheels) for effect in known)
         if not share > 0.0:
             return self
+        far = math.sqrt(float(np.mean(np.sum(wheels.pivots[:, :2] ** 2, axis=1))))
         disturbance = math.hypot(self.disturbance, share)
         lever = math.hypot(self.lever * self.disturbance, far * share) / disturbance
         return replace(self, disturbance=disturbance, lever=lever)

@@ -48,6 +48,10 @@ class CasterRealignment(CompiledForce):
     stuck_for: ClassVar[float] = 4.0
     signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
 
+    def side_force(self, wheels: WheelSet) -> float:
+        """N, with which the casters together resist to be swung round."""
+        return sum(self.swivel_torque / (self.trail or trail) for trail in wheels.pivots[:, 2].tolist())
+
     def grids(self, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
         """Nobody looks for casters that are listed."""
         return ((),) * len(self.parameters) if wheels.is_caster.any() else super().grids(wheels)

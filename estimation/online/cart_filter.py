@@ -24,7 +24,7 @@ from ..health import SensorHealth
 from ..noise import FilterNoise
 from ..prior import Prior
 from .augmented.augmented_filter import AugmentedFilter
-from .delayed_wrenches import Core, DelayedWrenches, longest_delay
+from .delayed_wrenches import Core, DelayedWrenches, delayed
 from .driven_motion import DrivenMotion
 from .given import Given, given
 from .learning_filter import LearningFilter
@@ -94,8 +94,7 @@ class CartFilter(OnlineEstimator[DelayedWrenches | Core]):
     ) -> None:
         number("filter: least_speed", least_speed, 0.0, LARGEST_NUMBER, "give m/s")
         made_of = given(cart, arms, noise, prior, yaws)
-        core = core_of(made_of, least_speed)
-        super().__init__(made_of, DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core)
+        super().__init__(made_of, delayed(core_of(made_of, least_speed), cart))
 
     def warm_up(self) -> None:
         """Does now, with a filter like this one, what would cost at the first updates: kernels are loaded in a second,

@@ -48,6 +48,11 @@ def longest_delay(cart: CartModel) -> float:
     return max((cart.lateness(effect.label) for effect, _ in cart.sensor_effects), default=0.0)
 
 
+def delayed(core: Core, cart: CartModel) -> DelayedWrenches | Core:
+    """With wrenches where they were felt, where the cart says that they come late."""
+    return DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
+
+
 class DelayedWrenches:
     """Around a core, whose wrenches all come as late as those of the cart's slowest sensor."""
 

@@ -14,23 +14,20 @@ learns from all that there is, until its trial (`regressor/trial.py`) is over. I
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Self
 
 import numpy as np
 
-from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Disturbance, Estimate, Measurement
 from cartgrasp.shallow import shallow
 
-from ...gaussian import Gaussian
-from ...health import Health, SensorHealth
-from ..delayed_wrenches import DelayedWrenches, longest_delay
-from ..driven_motion import DrivenMotion
+from ...health import Health
+from ..cart_filter import core_of
+from ..delayed_wrenches import Core, DelayedWrenches, delayed
 from ..given import Given
 from ..learning_filter import LearningFilter
 from ..load_change import load_covariance
@@ -56,11 +53,9 @@ class DisturbedLearning:
         self.cart, self.prior, self.response = cart, prior, response
         self._observer = DisturbanceObserver(cart, noise, response)
         unseen = max(noise.disturbance, self._observer.deviation * math.sqrt(response))
-        louder = replace(noise, disturbance=unseen)
-        learner = ParameterLearner(cart, arms, louder, prior, yaws, ANY_SPEED)
-        core = LearningFilter(learner, DrivenMotion(cart, louder, prior.free(cart)))
-        self._careful = DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
-        self._open: LearningFilter | DelayedWrenches | None = None  # learns from what is kept back, too
+        louder = cart, arms, replace(noise, disturbance=unseen), prior, yaws
+        self._careful = delayed(core_of(louder, ANY_SPEED), cart)
+        self._open: DelayedWrenches | Core | None = None  # learns from what is kept back, too
         self._opened = self._kept_back = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._rigid = replace(cart, effects=())
@@ -100,8 +95,7 @@ class DisturbedLearning:
 
     def estimate(self) -> Estimate:
         told, observed, disturbance = self._known, self._observed, self._disturbance
-        if told is None:
-            raise UsageError("filter: no measurement has come yet")
+        assert told is not None  # a sample has come
         if observed is None or disturbance is None:
             return told
         is_kept_back = told.health == Health.NO_WRENCH and disturbance.acts
@@ -111,15 +105,6 @@ class DisturbedLearning:
             health=Health.OUTLIERS if is_kept_back else told.health,
             disturbance=disturbance,
         )
-
-    @property
-    def belief(self) -> Gaussian:
-        """Mean and covariance of pose, nu and effect memory, as of what learns."""
-        return self._careful.belief
-
-    @property
-    def sensors(self) -> Mapping[str, SensorHealth]:
-        return self._careful.sensors
 
     # --- learning ---------------------------------------------------------------------------------------------
 
@@ -136,7 +121,7 @@ class DisturbedLearning:
         if self._open is not None:
             self._try(self._open, sample)
 
-    def _try(self, other: LearningFilter | DelayedWrenches, sample: Measurement) -> None:
+    def _try(self, other: DelayedWrenches | Core, sample: Measurement) -> None:
         """What learns from all samples, until it is known whether there is another load."""
         other.take(sample)
         learner = _learner(other)
@@ -211,7 +196,7 @@ class DisturbedLearning:
         return np.asarray(found)
 
 
-def _learner(filtering: LearningFilter | DelayedWrenches) -> ParameterLearner:
+def _learner(filtering: DelayedWrenches | Core) -> ParameterLearner:
     core = filtering.core if isinstance(filtering, DelayedWrenches) else filtering
     assert isinstance(core, LearningFilter)
     return core.learner
