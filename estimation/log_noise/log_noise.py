@@ -16,6 +16,8 @@ from cartgrasp.logs.body_poses import at_body
 from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
+from .disagreement import velocity_noise
+from .resolution import resolution
 from .velocity_colour import loudness
 
 LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.001
@@ -23,6 +25,8 @@ DISTURBANCE_SHARE = 0.01
 NOISE_OF_DIFFERENCES = 20**0.5
 MAD_TO_STD = 1.4826
 FEWEST = 8
+ROUNDING = 12**-0.5
+"""Standard deviation of what is lost by rounding to steps of 1."""
 
 
 def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
@@ -36,15 +40,22 @@ def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
 
 def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
     usual = FilterNoise()
-    position = max(*(noise_floor(log.pose[:, i], usual.position) for i in (0, 1)), LEAST_POSITION)
-    heading = max(noise_floor(np.unwrap(_filled(log.pose[:, 2])), usual.heading), LEAST_POSITION)
+    pose = log.pose.copy()
+    known = np.isfinite(pose[:, 2])
+    pose[known, 2] = np.unwrap(pose[known, 2])
+    position = max(*(white_noise(pose[:, i], usual.position) for i in (0, 1)), LEAST_POSITION)
+    heading = max(white_noise(pose[:, 2], usual.heading), LEAST_POSITION)
     linear = yaw = LEAST_VELOCITY
     if log.velocity is not None:
-        along = (noise_floor(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
+        along = (white_noise(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
         linear = max(*along, LEAST_VELOCITY)
-        yaw = max(noise_floor(log.velocity[:, 2], usual.yaw_rate), LEAST_VELOCITY)
+        yaw = max(white_noise(log.velocity[:, 2], usual.yaw_rate), LEAST_VELOCITY)
         remembers = _loudness(log, cart)
-        linear, yaw = remembers * linear, remembers * yaw
+        x, y, yaw = (
+            velocity_noise(log.time, pose[:, i], log.velocity[:, i], (of_pose, remembers * own))
+            for i, of_pose, own in ((0, position, linear), (1, position, linear), (2, heading, yaw))
+        )
+        linear = max(x, y)
     wrenches = [arm.wrench for arm in log.arms.values()]
     force = max([LEAST_FORCE, *(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1))])
     moment = max([LEAST_MOMENT, *(noise_floor(w[:, 5], usual.moment) for w in wrenches)])
@@ -56,7 +67,7 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         force=force,
         moment=moment,
         disturbance=max(DISTURBANCE_SHARE * _force_size(log, cart), 0.01),
-    ).beside_casters(cart)
+    )
 
 
 def noise_floor(channel: Array, usual: float = 0.0) -> float:
@@ -66,6 +77,11 @@ def noise_floor(channel: Array, usual: float = 0.0) -> float:
     if len(present) < FEWEST:
         return usual
     return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / NOISE_OF_DIFFERENCES)
+
+
+def white_noise(channel: Array, usual: float = 0.0) -> float:
+    """Of a channel that does not jump, as a motion: of one that comes in steps, at least that of rounding."""
+    return max(noise_floor(channel, usual), resolution(channel) * ROUNDING)
 
 
 def _loudness(log: RunLog, cart: CartModel) -> float:
@@ -85,7 +101,3 @@ def _force_size(log: RunLog, cart: CartModel) -> float:
     for arm in log.arms.values():
         total += np.einsum("ni,ni->n", grasp_map_planar(arm.contact)[:, 0], arm.wrench)
     return float(np.sqrt(np.nanmean(total**2))) if np.isfinite(total).any() else 0.0
-
-
-def _filled(angles: Array) -> Array:
-    return angles[np.isfinite(angles)]

@@ -17,7 +17,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from ..weak_form.sensor_noise import white_noise
+from ..log_noise.log_noise import white_noise
 from .evidence import independent_rows
 from .windows import FEWEST, Sums, Track, Windows
 

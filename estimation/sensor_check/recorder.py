@@ -6,7 +6,6 @@ noise, neighbours are mostly equal.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +15,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 
-from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
+from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, ROUNDING, noise_floor
 from .stale import local_change, repeats_fast
 from .suspicion import Suspicion
 
@@ -29,8 +28,6 @@ WHOLE = 0.7
 half (in 99 of 100) where 20 of them are anything. Digits that are cut off leave remainders of an eighth of a step."""
 NEAR = 20.5
 """Steps: of wider gaps the remainder depends on the step's last digit."""
-ROUNDING = 1 / math.sqrt(12)
-"""Standard deviation of rounding, in steps."""
 SLOW = 0.2
 """s between rows: carts are started and stopped within half a second, which three samples at least show."""
 

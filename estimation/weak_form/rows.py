@@ -16,10 +16,10 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
+from ..log_noise.log_noise import MAD_TO_STD
 from ..standstill import LEVER
 from .balances import Balances
 from .integrals import SUPPORT, THIN
-from .sensor_noise import MAD_TO_STD
 from .standing import FRICTION, G, standing, turning_back
 from .whitening import Whitening
 from .wrenches import Densities

@@ -9,15 +9,11 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from ..log_noise.resolution import resolution
+from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, white_noise
 from ..noise import FilterNoise
 
-NOISE_OF_DIFFERENCES, MAD_TO_STD = 20**0.5, 1.4826
-"""Third differences of white noise have 20 times its variance; the median of a normal deviate's size."""
 AVERAGED = (0.0, 0.02, 0.05)
 """s: blocks over which samples are averaged; over longer ones, motion shows."""
-LEAST_POSITION, LEAST_VELOCITY = 2e-6, 1e-4
-"""m (rad), m/s (rad/s): of the best motion capture."""
 
 
 @dataclass(frozen=True)
@@ -49,15 +45,6 @@ class MotionNoise:
             return cls(pose, None)
         rate = np.maximum([noise.linear_velocity, noise.linear_velocity, noise.yaw_rate], LEAST_VELOCITY)
         return cls(pose, rate)
-
-
-def white_noise(channel: Array) -> float:
-    """Standard deviation of what neither goes on nor bends; of values in steps, at least that of rounding."""
-    present = channel[np.isfinite(channel)]
-    if len(present) < 8:
-        return 0.0
-    from_differences = MAD_TO_STD * float(np.median(np.abs(np.diff(present, 3)))) / NOISE_OF_DIFFERENCES
-    return max(from_differences, resolution(present) / 12**0.5)
 
 
 def noise_density(time: Array, channel: Array) -> float:

@@ -124,8 +124,9 @@ def identify(
     if not parts:
         return _as_believed(logs, given, prior, silent)
     try:
-        found = _fitted(logs, cart, prior, parts, silent)
-    except np.linalg.LinAlgError as error:
+        with np.errstate(over="raise", invalid="raise"):
+            found = _fitted(logs, cart, prior, parts, silent)
+    except (np.linalg.LinAlgError, FloatingPointError) as error:
         raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units") from error
     if not np.isfinite(found.model_parameters).all() or not np.isfinite(found.covariance).all():
         raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units")

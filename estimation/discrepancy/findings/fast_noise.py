@@ -12,9 +12,9 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
+from ...log_noise.log_noise import MAD_TO_STD
 from ...weak_form.balances import Balances
 from ...weak_form.rows import motion_noise, wrench_noise
-from ...weak_form.sensor_noise import MAD_TO_STD
 
 ROW_STEP = 0.1
 """s, of the finest rows."""

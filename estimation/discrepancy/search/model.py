@@ -14,13 +14,13 @@ from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
+from ...log_noise.log_noise import MAD_TO_STD
 from ...prior import Prior, report_names
 from ...weak_form.balances import Balances
 from ...weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
 from ...weak_form.motion import Motion
 from ...weak_form.rows import Errors, excess_noise
 from ...weak_form.score import Folds, Score, scored
-from ...weak_form.sensor_noise import MAD_TO_STD
 from ...weak_form.whitening import Whitening
 from .candidates import amplitudes_of
 from .laws import Law, labelled
