@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 
@@ -23,14 +22,12 @@ from .report import Result, timed_table
 PERIOD = 0.01
 LENGTH = 200  # measurements; then a new filter begins
 BURST = 5
-EXACT = replace(NOISE, force=0.01, moment=0.001)
 POINT = np.array([-0.25, 0.1, 1.0])
 OURS = "CartFilter, two effects"
 EKF, PARTED, UKF = (f"filterpy {kind}, algebra alone" for kind in ("EKF", "EKF, three updates", "UKF"))
 NOTE = """Each measurement holds pose, velocity and one arm's wrench, of a loaded shopping cart that is pushed round
-curves. States are pose, nu and memory with the parameters that are learned. `CartFilter` is an augmented EKF where
-wrenches are exact, and where casters' headings are states; else the parameters come from a regression, of which a row
-is worked out in one step of ten or so: that is in p99, not in the median.
+curves. States are pose, nu and memory with the parameters that are learned. Parameters come from a regression, of
+which a row is worked out in one step of ten or so: that is in p99, not in the median.
 
 filterpy's filters get as many states as `CartFilter, two effects` has, a fixed transition and no model, so their rows
 are the price of their algebra alone. Three updates, with pose, velocity and wrench, do the same job: each sensor has
@@ -45,7 +42,6 @@ def run(rounds: int) -> Result:
         "CartFilter, viscous_drag alone": _with_only(first_guess(), ViscousDrag),
     }
     makers = {name: partial(CartFilter, cart, noise=NOISE) for name, cart in carts.items()}
-    makers["CartFilter, two effects, exact wrenches"] = partial(CartFilter, carts[OURS], noise=EXACT)
     states = {name: _size(make()) for name, make in makers.items()}
     competitors = {name: _stepping(make, log) for name, make in makers.items()}
     competitors["PaperFilter"] = _stepping(

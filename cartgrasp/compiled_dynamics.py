@@ -50,24 +50,24 @@ class CompiledDynamics:
     def warm_up(self) -> None:
         """Loads the kernels, or compiles them. They are the same for all carts."""
         point = np.zeros(self.n_state), 0.0, np.ones(self.n_parameters)
-        self.rate(point, (np.zeros(3), np.ones(self.n_free)))
+        self.rate(point, np.zeros(3))
         self.inverse(point, np.zeros(self.n_free))
         self.sums(point)
         self.floor(point, np.ones(1))
         self.memories((point[0][None], np.zeros(1), point[2][None]))
 
-    def rates(self, point: Point, push: Push, foreign: Array | None = None) -> tuple[Array, ...]:
+    def rates(self, point: Point, wrench_b: Array, foreign: Array | None = None) -> tuple[Array, ...]:
         """Rate (..., n) and its partials by state, wrench and parameters."""
         n, p = self.n_state, self.n_parameters
-        found = self._ask(entries.rates, self._given(point, self._pushed(push, STAY), foreign), n * (1 + n + 3 + p))
+        found = self._ask(entries.rates, self._given(point, _pushed(wrench_b, STAY), foreign), n * (1 + n + 3 + p))
         return split(found, ((n,), (n, n), (n, 3), (n, p)))
 
-    def rate(self, point: Point, push: Push, foreign: Array | None = None) -> Array:
-        return self._ask(entries.rates, self._given(point, self._pushed(push, STAY), foreign), self.n_state)
+    def rate(self, point: Point, wrench_b: Array, foreign: Array | None = None) -> Array:
+        return self._ask(entries.rates, self._given(point, _pushed(wrench_b, STAY), foreign), self.n_state)
 
-    def advanced(self, point: Point, push: Push, step: Any, n_steps: Any) -> Array:
-        """The state (..., n) after classical fourth-order steps (...) under a push that is held."""
-        given = self._given(point, self._pushed(push, np.stack([step, n_steps], axis=-1)))
+    def advanced(self, point: Point, wrench_b: Array, step: Any, n_steps: Any) -> Array:
+        """The state (..., n) after classical fourth-order steps (...) under a wrench that is held."""
+        given = self._given(point, _pushed(wrench_b, np.stack([step, n_steps], axis=-1)))
         self._ask(entries.rates, given, 0)
         return given[..., : self.n_state]
 
@@ -115,15 +115,6 @@ class CompiledDynamics:
         columns = found[..., first : first + 3 * n].reshape(*found.shape[:-1], n, 3)
         return np.swapaxes(columns, -1, -2)
 
-    def _pushed(self, push: Push, steps: Array) -> tuple[Array, Array, Array]:
-        wrench_b, trust = push
-        if wrench_b.shape[-1] != 3 or trust.shape[-1] != self.n_free:
-            raise UsageError(
-                f"model: wrench has {wrench_b.shape[-1]} numbers and trust {trust.shape[-1]}, but this cart's have 3 "
-                f"and {self.n_free}"
-            )
-        return wrench_b, trust, steps
-
     def _effects(self, point: Point, foreign: Array | None = None) -> tuple[Array, int]:
         given = self._given(point, foreign=foreign)
         found = np.empty((*given.shape[:-1], self.n_sums + self.n_memory + 3 * self.most_stictions))
@@ -158,8 +149,13 @@ class CompiledDynamics:
 
 Point = tuple[Array, Any, Array]
 """State (..., n), time (...), parameters (..., p)."""
-Push = tuple[Array, Array]
-"""Wrench (..., 3) in {b}, and the trust (..., f) of `CartModel.rate`."""
+
+
+def _pushed(wrench_b: Array, steps: Array) -> tuple[Array, Array]:
+    """A wrench (..., 3) in {b}, with steps."""
+    if wrench_b.shape[-1] != 3:
+        raise UsageError(f"model: wrench has {wrench_b.shape[-1]} numbers, but needs 3")
+    return wrench_b, steps
 
 
 def split(found: Array, shapes: Sequence[tuple[int, ...]]) -> tuple[Array, ...]:

@@ -11,7 +11,6 @@ They are in the body frame, where S is constant. Every function broadcasts over 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, final
@@ -121,18 +120,14 @@ class CartModel(CartStructure):
         wrench_b: Array,
         parameters: Array | None = None,
         time: Any = 0.0,
-        trust: Array | None = None,
     ) -> StateRate:
-        """Forward dynamics with analytic partials. Where `trust` (..., n_free) of 0 to 1 is given, the accelerations
-        in the partials by phi are scaled by it: an estimator learns only from those that a wrench above its noise made.
-        """
-        point = self._point(state, parameters, time)
-        push = np.asarray(wrench_b), self._full_trust if trust is None else trust
+        """Forward dynamics with analytic partials."""
+        point, push = self._point(state, parameters, time), np.asarray(wrench_b)
         rates = self.dynamics.rates(point, push, self._foreign(point))
         if self.slip_compliance:
             from .creep import creeping
 
-            rates = creeping(self, point, push[0], rates)
+            rates = creeping(self, point, push, rates)
         return StateRate(*rates)
 
     def stiffness(self, state: Array, wrench_b: Array, time: Any = 0.0) -> float:
@@ -145,7 +140,7 @@ class CartModel(CartStructure):
         if self.slip_compliance:
             return self.rate(state, wrench_b, parameters, time).value
         point = self._point(state, parameters, time)
-        return self.dynamics.rate(point, (np.asarray(wrench_b), self._full_trust), self._foreign(point))
+        return self.dynamics.rate(point, np.asarray(wrench_b), self._foreign(point))
 
     def inverse(
         self, state: Array, acceleration: Array, parameters: Array | None = None, time: Any = 0.0
@@ -177,7 +172,7 @@ class CartModel(CartStructure):
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones, each
-        times the root of how long it keeps its value (N√s, N·m√s): as white noise, roots of its density."""
+        as the root of the density (N√s, N·m√s) of white noise that does as much."""
         if self.is_compiled:
             return self.dynamics.stiction((state, time, parameters))
         situation, memory = self._situation(state, parameters, time), state[..., self.memory_slice]
@@ -185,18 +180,8 @@ class CartModel(CartStructure):
         for effect, own, remembered in self.force_effects:
             columns = effect.stiction(situation, memory[..., remembered], parameters[..., own])
             if columns is not None:
-                found.append(math.sqrt(effect.stuck_for) * columns)
+                found.append(effect.stuck_root * columns)
         return np.concatenate(found, axis=-1)
-
-    @cached_property
-    def stiction_roots(self) -> Array:
-        """The root of how long each column (k,) of `stiction` keeps its value, √s."""
-        state, roots = self.state(), list[float]()
-        situation, memory = self._situation(state, self.parameters, 0.0), state[self.memory_slice]
-        for effect, own, remembered in self.force_effects:
-            columns = effect.stiction(situation, memory[remembered], self.parameters[own])
-            roots += [math.sqrt(effect.stuck_for)] * (0 if columns is None else columns.shape[-1])
-        return np.array(roots)
 
     def settled_memory(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Where the effects' memories (..., k) come to rest when the motion goes on as it is."""
@@ -291,7 +276,7 @@ class CartModel(CartStructure):
 
         forces = [(e, s, own) for e, s, own in self.force_effects if isinstance(e, CompiledForce)]
         changes = [(e, s) for e, s in self.inertia_effects if isinstance(e, CompiledInertia)]
-        packed = [PackedEffect(e.name, s, own, e.constants, math.sqrt(e.stuck_for)) for e, s, own in forces]
+        packed = [PackedEffect(e.name, s, own, e.constants, e.stuck_root) for e, s, own in forces]
         packed += [PackedEffect(e.name, s, slice(0, 0)) for e, s in changes]
         sizes = len(self.memory_names), len(self.parameters)
         return CompiledDynamics(packed, self.wheel_set, self.basis_b, sizes, SMOOTHING_SPEED)
@@ -308,10 +293,6 @@ class CartModel(CartStructure):
     @cached_property
     def _foreign_changes(self) -> tuple[tuple[InertiaEffect, slice], ...]:
         return tuple(found for found in self.inertia_effects if not isinstance(found[0], CompiledInertia))
-
-    @SharedProperty
-    def _full_trust(self) -> Array:
-        return np.ones(self.constraints.n_free)
 
     def _point(self, state: Array, parameters: Array | None, time: Any) -> Point:
         return state, time, self.parameters if parameters is None else parameters

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from cartgrasp.checks import LARGEST_FLOAT, number
-from cartgrasp.effects import CasterRealignment
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 SIDE_PUSH = 20.0
 """N m/√s: 40 N aside for a second at 0.5 m/s."""
-CASTER_SHARE = 0.1
-"""MuJoCo's casters push by some per cent otherwise than the model's, and the first guess of a torque may be half."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +31,8 @@ class FilterNoise:
         slip: How far wheels creep sideways and turn, m/√s and rad/√s.
         swivel: The same of casters' headings, rad/√s; of other memories in proportion to how far they may be off at
             first.
-        parameter_drift: Share of each prior's standard deviation by which a parameter drifts, 1/√s.
+        parameter_drift: Share of each prior's standard deviation by which a parameter drifts in the paper's filter,
+            1/√s; the others forget what is older than minutes.
 
     Raises:
         UsageError: One is negative or not finite.
@@ -64,18 +62,6 @@ class FilterNoise:
     def sideways(self, cart: CartModel) -> float:
         """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""
         return math.hypot(self.slip, SIDE_PUSH * cart.slip_compliance)
-
-    def beside_casters(self, cart: CartModel) -> FilterNoise:
-        """With a disturbance beside: a tenth of the force with which casters, as far as the cart's effects know them,
-        resist to be swung round, where they stand."""
-        wheels, known = cart.wheel_set, [effect for effect in cart.effects if isinstance(effect, CasterRealignment)]
-        share = CASTER_SHARE * sum(effect.side_force(wheels) for effect in known)
-        if not share > 0.0:
-            return self
-        far = math.sqrt(float(np.mean(np.sum(wheels.pivots[:, :2] ** 2, axis=1))))
-        disturbance = math.hypot(self.disturbance, share)
-        lever = math.hypot(self.lever * self.disturbance, far * share) / disturbance
-        return replace(self, disturbance=disturbance, lever=lever)
 
     def wrench_scale(self, cart: CartModel) -> Array:
         """Of each part of the reduced wrench, for a force of 1 N: moments have the lever."""

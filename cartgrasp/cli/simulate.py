@@ -85,7 +85,7 @@ def build_scenario(choice: Choice) -> Scenario:
         moment=moment,
         disturbance=0.1,
         slip=0.0005 if choice.plant == MUJOCO_PLANT else 0.0002,
-    ).beside_casters(guess)
+    )
     return Scenario(
         truth=truth,
         guess=guess,

@@ -27,6 +27,8 @@ SMOOTHING_RATE = 0.2
 """rad/s: below it swivel friction fades to zero."""
 USUAL_X = 0.8
 """m."""
+FORM = 0.05
+"""MuJoCo's casters, whose wheels creep and whose friction is smooth in another way, resist by that much less."""
 
 
 @final
@@ -41,16 +43,12 @@ class CasterRealignment(CompiledForce):
 
     name: ClassVar[str] = "caster_realignment"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0),
+        Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0, form=FORM),
         Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False, grid=(DEFAULT_TRAIL,)),
         Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(USUAL_X,)),
     )
     stuck_for: ClassVar[float] = 4.0
     signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
-
-    def side_force(self, wheels: WheelSet) -> float:
-        """N, with which the casters together resist to be swung round."""
-        return sum(self.swivel_torque / (self.trail or trail) for trail in wheels.pivots[:, 2].tolist())
 
     def grids(self, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
         """Nobody looks for casters that are listed."""

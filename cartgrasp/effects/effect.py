@@ -39,7 +39,8 @@ class Parameter:
     """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
     uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly. What `is_by_mass`
     acts as its product with the mass. A search for an effect that nobody has named begins at the values of `grid`, or
-    at `absent`."""
+    at `absent`. `form` is the share of its value by which it is off where the true law is a little otherwise: no data
+    tell it better."""
 
     name: str
     unit: str
@@ -50,6 +51,7 @@ class Parameter:
     estimated: bool = True
     is_by_mass: bool = False
     grid: tuple[float, ...] = ()
+    form: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -233,7 +235,13 @@ class ForceEffect(Effect):
         return 0.0
 
     stuck_for: ClassVar[float] = 0.1
-    """s: how long a force of `stiction` keeps its value."""
+    """s: how long a force of `stiction` keeps its value, which may be any up to the whole."""
+
+    @property
+    def stuck_root(self) -> float:
+        """√s: the root of its density as noise, for a force of 1 to either side: the square of what is as likely
+        everywhere within it is a third, in the mean."""
+        return math.sqrt(self.stuck_for / 3.0)
 
     def stiction(self, situation: Situation, memory: Array, parameters: Array) -> Array | None:
         """Wrenches (..., 3, k), in {b}, that may act beside `wrench_b` near standstill, where a Coulomb force

@@ -145,7 +145,7 @@ def rate_alone(m: Workspace, point: Point, push: Array, room: Array) -> None:
 @compiled
 def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
     """Rate of the state (n,), its partials by state (n, n), wrench (n, 3) and parameters (n, p), one after the other
-    into `room`, with f² numbers to spare. `push` (3 + f,): a wrench in {b}, and the trust of `CartModel.rate`."""
+    into `room`, with f² numbers to spare. `push` (3,): a wrench in {b}."""
     n, p, n_free = len(point.state), len(point.parameters), m.basis.shape[1]
     first, last = n + n * n, n + n * n + 3 * n
     value, by_state, by_wrench = room[:n], room[n:first].reshape((n, n)), room[first:last].reshape((n, 3))
@@ -173,8 +173,7 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
     solve(mass, by_wrench[3:free])
     x = y = turn = 0.0
     for a in range(n_free):
-        seen = push[3 + a] * rest[a]
-        x, y, turn = x + m.basis[0, a] * seen, y + m.basis[1, a] * seen, turn + m.basis[2, a] * seen
+        x, y, turn = x + m.basis[0, a] * rest[a], y + m.basis[1, a] * rest[a], turn + m.basis[2, a] * rest[a]
     still = rigid_body.regressor((0.0, 0.0, 0.0), (x, y, turn))
     for a in range(n_free):
         for i in range(3):

@@ -32,16 +32,15 @@ MEMORY_STEP = 0.01
 
 @entry
 def rates(floats: Array, ints: Ints, given: Array, found: Array) -> None:
-    """Given `push` (3 + f,), a step and a number of steps too. Takes so many classical fourth-order steps, which move
+    """Given `push` (3,), a step and a number of steps too. Takes so many classical fourth-order steps, which move
     the given state and time; then finds what `forward` does, or the first numbers of it."""
     m, room = unpack(floats, ints)
     n, p = _sizes(ints)
-    n_push = 3 + m.basis.shape[1]
     moved, total = room[len(room) - n :], room[len(room) - 2 * n : len(room) - n]
     for i in range(len(given)):
-        point, rest = _point(given[i], n, p, n_push + 2)
-        state, begin, step = point.state, point.time, rest[n_push]
-        n_stages = 4 * round(rest[n_push + 1])
+        point, rest = _point(given[i], n, p, 5)
+        state, begin, step = point.state, point.time, rest[3]
+        n_stages = 4 * round(rest[4])
         for k in range(n_stages + 1):
             stage, inside = k % 4, 0.0 if k % 4 == 0 else step if k % 4 == 3 else step / 2.0
             for j in range(n):
@@ -50,9 +49,9 @@ def rates(floats: Array, ints: Ints, given: Array, found: Array) -> None:
             here = Point(moved, time, point.parameters, point.foreign)
             if k == n_stages:
                 if found.shape[1] > 0:
-                    forward(m, here, rest[:n_push], room)
+                    forward(m, here, rest[:3], room)
                 break
-            rate_alone(m, here, rest[:n_push], room)
+            rate_alone(m, here, rest[:3], room)
             for j in range(n):
                 weight = step / 6.0 if stage % 3 == 0 else step / 3.0
                 total[j] = (total[j] if stage > 0 else state[j]) + weight * room[j]

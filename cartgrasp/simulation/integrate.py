@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from ..bounce import bounced, walls_of
 from ..frames import Array
 from ..model import CartModel
@@ -26,8 +24,7 @@ def _free(cart: CartModel, state: Array, wrench_b: Array, time: float, steps: tu
     """Where nothing stands in the way."""
     step, n_steps = steps
     if cart.is_compiled and not cart.slip_compliance:
-        push = wrench_b, np.ones(cart.constraints.n_free)
-        return cart.dynamics.advanced((state, time, cart.parameters), push, step, n_steps)
+        return cart.dynamics.advanced((state, time, cart.parameters), wrench_b, step, n_steps)
     for i in range(n_steps):
         state = runge_kutta_4(lambda t, y: cart.state_rate(y, wrench_b, time=t), time + i * step, state, step)
     return state

@@ -58,7 +58,7 @@ def first_guess(with_effects: bool = True) -> CartModel:
     return CartModel(inertia, RollingConstraints(), effects, WHEELS, com_height=0.45, name="first guess")
 
 
-NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.1, slip=0.0005).beside_casters(first_guess())
+NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.1, slip=0.0005)
 
 
 def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:

@@ -1,10 +1,4 @@
-"""The online filter, by what is the more exact: the wrenches, or the motion.
-
-Where the noise of wrenches is below what the model leaves out, they drive an augmented EKF: nothing learns more from
-poor poses. Else a regression on the motion learns the parameters (`learning_filter.py`): noisy wrenches would bias the
-EKF. Memories of effects (casters' headings) the EKF estimates with the rest, and the regression only follows from the
-motion, so with these noise has to be far above what is left out before it costs more than it tells.
-"""
+"""The online filter: `learning_filter.py` behind the interface that all online estimators share."""
 
 from __future__ import annotations
 
@@ -23,8 +17,7 @@ from ..gaussian import Gaussian
 from ..health import SensorHealth
 from ..noise import FilterNoise
 from ..prior import Prior
-from .augmented.augmented_filter import AugmentedFilter
-from .delayed_wrenches import Core, DelayedWrenches, delayed
+from .delayed_wrenches import DelayedWrenches, delayed
 from .driven_motion import DrivenMotion
 from .given import Given, given
 from .learning_filter import LearningFilter
@@ -32,28 +25,16 @@ from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
 from .warming import made_up_push
 
-EXACT, EXACT_BESIDE_MEMORIES = 1.0, 10.0
-"""1/√s: noise of a wrench sample (N) over the disturbance (N·√s) up to which wrenches count as exact. At 100 Hz the
-density of their noise is then a tenth of it, or as much."""
 
-
-def core_of(made_of: Given, least_speed: float = 0.0) -> AugmentedFilter | LearningFilter:
+def core_of(made_of: Given, least_speed: float = 0.0) -> LearningFilter:
     """The filter behind a `CartFilter`, which takes samples in order."""
     cart, _, noise, prior, _ = made_of
     with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-        if least_speed == 0.0 and not takes_rows(cart, noise):
-            return AugmentedFilter(*made_of)
         return LearningFilter(ParameterLearner(*made_of, least_speed), DrivenMotion(cart, noise, prior.free(cart)))
 
 
-def takes_rows(cart: CartModel, noise: FilterNoise) -> bool:
-    """Whether a regression learns more than an EKF."""
-    exact = EXACT_BESIDE_MEMORIES if cart.memory_names else EXACT
-    return bool(noise.force > exact * noise.disturbance)
-
-
 @final
-class CartFilter(OnlineEstimator[DelayedWrenches | Core]):
+class CartFilter(OnlineEstimator[DelayedWrenches | LearningFilter]):
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.

@@ -7,9 +7,9 @@ said of the motion now is what the filter believes once it has seen what is held
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Protocol, Self
+from typing import Self
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -18,29 +18,10 @@ from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..health import SensorHealth
-from .late_samples import Listening
+from .learning_filter import LearningFilter
 
 SAME = 1e-9
 """s."""
-
-
-class Core(Listening, Protocol):
-    """A filter of samples that come in order."""
-
-    def ahead(self, samples: Sequence[Measurement]) -> Self:
-        """A copy that has seen later motion, of which it need not learn."""
-        ...
-
-    def estimate(self) -> Estimate: ...
-
-    @property
-    def belief(self) -> Gaussian: ...
-
-    @property
-    def nis(self) -> Mapping[str, tuple[float, int]]: ...
-
-    @property
-    def sensors(self) -> Mapping[str, SensorHealth]: ...
 
 
 def longest_delay(cart: CartModel) -> float:
@@ -48,7 +29,7 @@ def longest_delay(cart: CartModel) -> float:
     return max((cart.lateness(effect.label) for effect, _ in cart.sensor_effects), default=0.0)
 
 
-def delayed(core: Core, cart: CartModel) -> DelayedWrenches | Core:
+def delayed(core: LearningFilter, cart: CartModel) -> DelayedWrenches | LearningFilter:
     """With wrenches where they were felt, where the cart says that they come late."""
     return DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
 
@@ -56,11 +37,11 @@ def delayed(core: Core, cart: CartModel) -> DelayedWrenches | Core:
 class DelayedWrenches:
     """Around a core, whose wrenches all come as late as those of the cart's slowest sensor."""
 
-    def __init__(self, core: Core, cart: CartModel) -> None:
+    def __init__(self, core: LearningFilter, cart: CartModel) -> None:
         self.core, self._cart, self._delay = core, cart, longest_delay(cart)
         self._held: tuple[Measurement, ...] = ()
         self._recorded: tuple[Measurement, ...] = ()
-        self._now: Core | None = None
+        self._now: LearningFilter | None = None
         self.time = core.time
 
     @property
@@ -104,7 +85,7 @@ class DelayedWrenches:
         return self._ahead.sensors
 
     @property
-    def _ahead(self) -> Core:
+    def _ahead(self) -> LearningFilter:
         if self._now is None:
             self._now = self.core.ahead(self._held)
         return self._now

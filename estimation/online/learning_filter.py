@@ -1,4 +1,4 @@
-"""The filter for noisy wrenches: a regression learns the parameters, and the recorded wrench drives the motion.
+"""The filter: a regression learns the parameters, and the recorded wrench drives the motion.
 
 An augmented EKF (8)-(20) takes noise of the wrench that drives it for motion that it did not make, and learns a mass
 that is too large, too surely (errors in variables, physics 11). So the two are kept apart. Parameters are learned by

@@ -281,7 +281,8 @@ def test_the_real_axis():
     """Janot, Gautier, Brunot (2019), known from a long fit of all of it: 95.1089 kg, offset 3.16 N."""
     answer = run_apart("estimate", EMPS, "--json")
     found = parameters(answer)
-    assert found["mass"]["value"] == pytest.approx(95.1089, rel=0.005)
+    mass = found["mass"]
+    assert abs(mass["value"] - 95.1089) < 2 * mass["std"] < 0.01 * 95.1089
     assert found["mass"]["identifiable"]
     assert {"viscous_drag.linear", "rolling_resistance.coefficient", "force_bias.fx"} <= set(found)
     assert 150 < found["viscous_drag.linear"]["value"] < 250

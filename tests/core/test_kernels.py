@@ -135,7 +135,6 @@ def test_another_packages_kernel_may_call_it():
         (lambda: CART.rate(np.zeros(5), np.zeros(3)), r"state has 5 numbers .* have 9 and \d+"),
         (lambda: CART.rate(CART.state(), np.zeros(3), np.zeros(4)), r"parameters 4, but"),
         (lambda: CART.rate(CART.state(), np.zeros(2)), "wrench has 2 numbers"),
-        (lambda: CART.rate(CART.state(), np.zeros(3), trust=np.ones(3)), "trust 3, but this cart's have 3 and 2"),
         (lambda: CART.required_wrench(CART.state(), np.zeros(3)), "acceleration has 3 numbers"),
         (lambda: EFFECTS[3].wrench_b(AT_REST, np.zeros(3), EFFECTS[3].values), r"\(3, 3\) numbers, but \(2, 3\)"),
         (lambda: EFFECTS[4].phi_change(0.0, np.zeros(3)), "payload_change: 3 parameters, but 4 are needed"),

@@ -139,15 +139,6 @@ def test_partials_with_accelerations(constraints, mass, data):
         assert_partials(partials, moved, at)
 
 
-def test_only_accelerations_that_are_trusted_teach_what_swings():
-    model = cart(LoadSlosh(SLOSH))
-    state, push, which = model.state(velocity=[0.4, 0.2]), np.array([10.0, 0.0, 3.0]), 4
-    columns = [model.rate(state, push, trust=np.full(2, t)).by_parameters[3:5, which] for t in (0.0, 0.25, 1.0)]
-    np.testing.assert_array_equal(columns[0], np.zeros(2))
-    np.testing.assert_allclose(columns[1], 0.25 * columns[2], rtol=1e-12)
-    assert columns[2][0] > 0.01
-
-
 @given(
     mass=numbers(0, 1000),
     share=numbers(0, 1),

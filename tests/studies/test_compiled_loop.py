@@ -157,7 +157,6 @@ def test_what_is_left_to_the_other_loop():
     given = scenario(0)
     assert covers(given)
     biased = replace(given.truth, effects=(*given.truth.effects, ForceBias(fx=1.0)))
-    exact = FilterNoise(force=0.0, moment=0.0)
     casters = replace(given.guess, effects=WITH_CASTERS)
     for changes in (
         {"estimation": FIRST_GUESS},
@@ -166,7 +165,6 @@ def test_what_is_left_to_the_other_loop():
         *({"contacts": way} for way in ("least-effort", "teach", "schedule")),
         {"contacts": "periodic", "regrasp": RegraspTimes()},
         {"truth": biased},
-        {"noise": exact},
         {"guess": casters},
         {"arms": tuple(Arm(arm.name, arm.contacts, wrench_rate=(100.0,) * 6) for arm in given.arms)},
         {"arms": tuple(Arm(arm.name, arm.contacts, joints=AnyPosture()) for arm in given.arms)},

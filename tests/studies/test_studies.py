@@ -56,20 +56,23 @@ def test_the_same_seed_gives_the_same_run():
     assert not np.array_equal(job.run().log.table, replace(job, seed=8).run().log.table)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_demo_on_mujoco_learns_the_load_and_keeps_to_the_path(seed):
-    """Casters and rolling resistance in the physics and in the model, push and pull included."""
-    record = demo_scenario(True, seed=seed).run()
-    figures = RunFigures.of(record)
-    mass = record.parameters["mass"].value
-    assert abs(mass[1000] / 29.7 - 1) < 0.05
-    assert abs(mass[3000] / 29.7 - 1) < 0.01
-    assert figures.error_after_5 < 0.03
-    com = [record.parameters[n].value[-1] - t for n, t in (("com_x", 0.36), ("com_y", 0.05))]
-    assert np.hypot(*com) < 0.02
-    assert figures.regrasps > 0
-    assert figures.optimal == figures.plans
-    assert record.velocity[:, 0].min() < -0.3 < 0.3 < record.velocity[:, 0].max()
+def test_demo_on_mujoco_learns_the_load_and_keeps_to_the_path():
+    """Casters and rolling resistance in the physics and in the model, push and pull included; masses in the rms of two
+    runs."""
+    off = []
+    for seed in (0, 1):
+        record = demo_scenario(True, seed=seed).run()
+        figures = RunFigures.of(record)
+        mass = record.parameters["mass"]
+        off.append(np.array(mass.value)[[1000, 3000]] / 29.7 - 1)
+        assert abs(mass.value[3000] - 29.7) < 2.5 * mass.std[3000] < 0.03 * 29.7
+        assert figures.error_after_5 < 0.03
+        com = [record.parameters[n].value[-1] - t for n, t in (("com_x", 0.36), ("com_y", 0.05))]
+        assert np.hypot(*com) < 0.02
+        assert figures.regrasps > 0
+        assert figures.optimal == figures.plans
+        assert record.velocity[:, 0].min() < -0.3 < 0.3 < record.velocity[:, 0].max()
+    assert (np.sqrt(np.mean(np.square(off), axis=0)) < [0.05, 0.01]).all()
 
 
 @pytest.mark.prove

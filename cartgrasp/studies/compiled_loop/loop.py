@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from estimation.health import said
-from estimation.online.cart_filter import core_of, takes_rows
+from estimation.online.cart_filter import core_of
 from estimation.online.kernels.filtered_row import BLOCK, LAG, WIDTH
 from estimation.online.kernels.sensor_health import said_of
 from estimation.online.learning_filter import LearningFilter
@@ -55,7 +55,7 @@ def covers(scenario: Scenario) -> bool:
     still = plain_arms and not any(np.isfinite(arm.wrench_rate).any() for arm in scenario.arms)
     if not (plain and steered and still) or guess.memory_names:
         return False
-    return takes_rows(guess, scenario.noise) and _allocation(scenario) is not None
+    return _allocation(scenario) is not None
 
 
 def compiled_run(scenario: Scenario) -> RunRecord:
@@ -63,7 +63,7 @@ def compiled_run(scenario: Scenario) -> RunRecord:
     return with_truth(_Run(scenario).record(), scenario.truth)
 
 
-def _core(scenario: Scenario) -> object:
+def _core(scenario: Scenario) -> LearningFilter:
     names, yaws = [arm.name for arm in scenario.arms], {arm.name: arm.yaw for arm in scenario.arms}
     return core_of((scenario.guess, names, scenario.noise, scenario.prior, yaws))
 
@@ -87,7 +87,6 @@ class _Run:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, truth = scenario, scenario.truth
         core, allocation = _core(scenario), _allocation(scenario)
-        assert isinstance(core, LearningFilter)
         assert allocation is not None
         self.core, self.names = core, [arm.name for arm in scenario.arms]
         self.course = course_of(scenario)
@@ -162,7 +161,7 @@ class _Run:
         n, p = 3 + f, len(s.guess.parameters)
         dynamics = s.guess.dynamics
         widest = max(f * (1 + n + f + p), dynamics.n_sums + 3 * dynamics.most_stictions)
-        given = np.concatenate([np.zeros(N + 1), P, np.zeros(3 + f + 2)])[None]
+        given = np.concatenate([np.zeros(N + 1), P, np.zeros(3 + 2)])[None]
         return Held(
             state=state,
             theta=self.core.learner.theta.copy(),

@@ -125,14 +125,13 @@ def _push(course: Course, blocks: Blocks, held: Held, k: int, limits: Limits) ->
     """The plant's period, in steps that are short and stable enough."""
     period, longest, stable = limits
     given, found, n = held.given, held.found, len(held.state)
-    at = given.shape[1] - 5 - course.basis.shape[1]
+    at = given.shape[1] - 5
     copy(held.state, given[0, :n])
     given[0, n] = course.time[k]
     for i in range(3):
         given[0, at + i] = 0.0
         for j in range(len(held.wrenches)):
             given[0, at + i] += course.grasp[course.place[k], i, j] * held.wrenches[j]
-    given[0, at + 3 :] = 1.0
     given[0, -2], given[0, -1] = period, 0.0
     entries.rates(blocks.plant, blocks.plant_ints, given, found)
     count = max(1, math.ceil(period / longest - 1e-9))

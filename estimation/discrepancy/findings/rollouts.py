@@ -85,7 +85,7 @@ def rolled_out(
     ends = (_steps(balances) if after is None else after).tolist()
     found = np.full((len(first), len(ends), 3), np.nan)
     seen = np.append(0, np.cumsum(~balances.wrenches.seen))
-    step, ones = _stable_step(balances, cart), np.ones((len(first), cart.constraints.n_free))
+    step = _stable_step(balances, cart)
     parameters = np.broadcast_to(cart.parameters, (len(first), len(cart.parameters)))
     count = np.full(len(first), np.ceil(motion.step / step - 1e-9))
     for k in range(ends[-1]):
@@ -94,7 +94,7 @@ def rolled_out(
         push = (planar[at] + planar[np.minimum(at + 1, len(planar) - 1)]) / 2
         creep = _creep(cart, point, side[at]) * motion.step if cart.slip_compliance else 0.0
         if cart.is_compiled:
-            state = cart.dynamics.advanced(point, (push, ones), motion.step / count, count)
+            state = cart.dynamics.advanced(point, push, motion.step / count, count)
         else:  # effects from outside have no kernel
             state = runge_kutta_4(partial(_rate, cart, push), motion.time[at], state, motion.step)
         state[:, :2] += creep
@@ -148,7 +148,7 @@ def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) ->
     """What creeping wheels add to the velocity of the pose (r, 2)."""
     state, time, _ = point
     full = cart.state_rate(state, wrench, time=time)[:, :2]
-    held = cart.dynamics.rate(point, (wrench, np.ones((len(state), cart.constraints.n_free))))[:, :2]
+    held = cart.dynamics.rate(point, wrench)[:, :2]
     return np.asarray(full - held)
 
 

@@ -14,7 +14,7 @@ from ...prior import Prior
 from ..cart_filter import CartFilter
 from ..given import given
 from ..online_estimator import OnlineEstimator
-from .disturbed_learning import ANY_SPEED, DisturbedLearning
+from .disturbed_learning import DisturbedLearning
 
 SLOWEST = 10.0
 
@@ -65,7 +65,7 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
         return brief(type(self).__name__, self.cart.name, f"response {self.response:g} s")
 
     def warm_up(self) -> None:
-        CartFilter(self.cart, self.arms, noise=self.noise, prior=self.prior, least_speed=ANY_SPEED).warm_up()
+        CartFilter(self.cart, self.arms, noise=self.noise, prior=self.prior).warm_up()
 
     def _told(self) -> Estimate:
         return self._core.estimate()

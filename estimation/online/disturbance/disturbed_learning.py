@@ -27,17 +27,14 @@ from cartgrasp.shallow import shallow
 
 from ...health import Health
 from ..cart_filter import core_of
-from ..delayed_wrenches import Core, DelayedWrenches, delayed
+from ..delayed_wrenches import DelayedWrenches, delayed
 from ..given import Given
 from ..learning_filter import LearningFilter
 from ..load_change import load_covariance
-from ..regressor.parameter_learner import ParameterLearner
 from ..seen import usable
 from ..wrench_sensing import Moving, WrenchSensing
 from .observer import DisturbanceObserver, Observed
 
-ANY_SPEED = 1e-9
-"""m/s: a least speed makes the filter a regression, which can leave samples out, however exact wrenches are."""
 ACTS, STAYS = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
 """By dimension, of the normalised square: chi-squared with one, two and three components is beyond the first once in a
 thousand times, and beyond the second, below which a disturbance is over, once in twenty."""
@@ -54,8 +51,8 @@ class DisturbedLearning:
         self._observer = DisturbanceObserver(cart, noise, response)
         unseen = max(noise.disturbance, self._observer.deviation * math.sqrt(response))
         louder = cart, arms, replace(noise, disturbance=unseen), prior, yaws
-        self._careful = delayed(core_of(louder, ANY_SPEED), cart)
-        self._open: DelayedWrenches | Core | None = None  # learns from what is kept back, too
+        self._careful = delayed(core_of(louder), cart)
+        self._open: DelayedWrenches | LearningFilter | None = None  # learns from what is kept back, too
         self._opened = self._kept_back = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._rigid = replace(cart, effects=())
@@ -121,10 +118,10 @@ class DisturbedLearning:
         if self._open is not None:
             self._try(self._open, sample)
 
-    def _try(self, other: DelayedWrenches | Core, sample: Measurement) -> None:
+    def _try(self, other: DelayedWrenches | LearningFilter, sample: Measurement) -> None:
         """What learns from all samples, until it is known whether there is another load."""
         other.take(sample)
-        learner = _learner(other)
+        learner = (other.core if isinstance(other, DelayedWrenches) else other).learner
         if learner.loaded > self._opened:
             self._careful, self._open, self._until = other, None, -math.inf
         elif learner.tried > self._opened or sample.time - self._kept_back > PATIENCE:
@@ -155,9 +152,14 @@ class DisturbedLearning:
 
     def _conclude(self, observed: Observed, told: Estimate, memory: Array) -> None:
         """Whether the disturbance acts. It does for sure where no usual load would look like it, and goes on to until a
-        load that rolls on could; else where no load would by its inertia."""
+        load that rolls on could; else where no load would by its inertia. A load does not turn nu' round: it explains
+        the part that wrenches alone would make, and that is there."""
         found, time, k = observed.wrench, observed.time, observed.k
-        rolls, agreed = np.zeros(k), self._agreed(observed, told, memory)
+        alone, whole = self._rates(observed, told, memory)
+        rolls, agreed = (
+            np.zeros(k),
+            np.where(alone * whole > 0, np.sign(alone) * np.minimum(np.abs(alone), np.abs(whole)), 0.0),
+        )
 
         def square(rate: Array, cart: CartModel) -> float:
             spread = found.covariance + self._by_load(observed, told, memory, rate, cart)
@@ -169,18 +171,25 @@ class DisturbedLearning:
         acts = self._is_sure or square(agreed, self._rigid) > (stays if was else begins)
         if acts:
             self._since, self._until = (self._since if was else time), time
-        self._disturbance = Disturbance(found.mean, found.covariance, acts)
+        by_parameters = self._by_parameters(observed, told, memory, whole)
+        self._disturbance = Disturbance(found.mean, found.covariance + by_parameters, acts)
 
-    def _agreed(self, observed: Observed, told: Estimate, memory: Array) -> Array:
-        """The part of nu' (k,) that wrenches alone would make, and that is there: a load does not turn it round."""
-        lift = self.cart.planar_wrench(np.eye(observed.k)).T
+    def _rates(self, observed: Observed, told: Estimate, memory: Array) -> tuple[Array, Array]:
+        """What nu' (k,) wrenches alone would make, and what they make with the disturbance."""
+        lift, own = self.cart.planar_wrench(np.eye(observed.k)).T, self.cart.velocity_slice
+        state, theta = observed.state(memory), told.model_parameters
         alone, whole = (
-            self.cart.state_rate(observed.state(memory), lift @ wrench, told.model_parameters, observed.time)[
-                self.cart.velocity_slice
-            ]
+            self.cart.state_rate(state, lift @ wrench, theta, observed.time)[own]
             for wrench in (observed.given, observed.given + observed.wrench.mean)
         )
-        return np.where(alone * whole > 0, np.sign(alone) * np.minimum(np.abs(alone), np.abs(whole)), 0.0)
+        return alone, whole
+
+    def _by_parameters(self, observed: Observed, told: Estimate, memory: Array, rate: Array) -> Array:
+        """Covariance (k, k) of what parameters that are not known would make of a motion with nu' = `rate`."""
+        if told.covariance is None:
+            return np.zeros((observed.k, observed.k))
+        by = self.cart.inverse(observed.state(memory), rate, told.model_parameters, observed.time).by_parameters
+        return np.asarray(by @ told.covariance @ by.T)
 
     def _by_load(self, observed: Observed, told: Estimate, memory: Array, rate: Array, cart: CartModel) -> Array:
         """Covariance (k, k) of what parameters that are not known, and a usual load on `cart`, would make of a motion
@@ -190,13 +199,4 @@ class DisturbedLearning:
         own = (state, theta) if cart is self.cart else (state[:n], theta[:N_PHI])
         by_load = cart.inverse(own[0], rate, own[1], time).by_parameters
         found = by_load @ load_covariance(cart, self.prior, float(theta[0])) @ by_load.T
-        if told.covariance is not None:
-            by_parameters = self.cart.inverse(state, rate, theta, time).by_parameters
-            found = found + by_parameters @ told.covariance @ by_parameters.T
-        return np.asarray(found)
-
-
-def _learner(filtering: DelayedWrenches | Core) -> ParameterLearner:
-    core = filtering.core if isinstance(filtering, DelayedWrenches) else filtering
-    assert isinstance(core, LearningFilter)
-    return core.learner
+        return np.asarray(found + self._by_parameters(observed, told, memory, rate))

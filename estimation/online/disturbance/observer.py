@@ -24,8 +24,8 @@ from cartgrasp.motion import Motion
 
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
-from ..augmented.filtering import exponential_step, innovation, predicted, updated
 from ..first_motion import LOST_AFTER, first_motion
+from .filtering import exponential_step, innovation, predicted, updated
 
 SETTLED = 2.93
 """Of w t: from there on the answer to a step is within 5 % of it."""

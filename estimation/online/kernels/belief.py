@@ -46,10 +46,9 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
     """With a row around parameters (p,), whose link is handed on. Of one that is none only the square is told."""
     kept, gate, absurd = limits
     n, k = len(row.residual), len(free) + 1
-    noise, slopes, value, feigned = row.noise + row.curvature, np.empty((n, k)), row.residual.copy(), np.empty(k)
+    noise, slopes, value = row.noise + row.curvature, np.empty((n, k)), row.residual.copy()
     for j in range(k):
         of = free[j] if j < k - 1 else len(at)
-        feigned[j] = row.feigned[of]
         for a in range(n):
             slopes[a, j] = row.slopes[a, of]
             value[a] += slopes[a, j] * at[of] if j < k - 1 else 0.0
@@ -83,8 +82,6 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
     whole += _product(weighed, wide)
     more += _times(weighed, value)
     left, pulled = _without(whole, more, k, k + 2 * n)
-    for i in range(k):
-        pulled[i] -= feigned[i] / scale
     return (left, pulled), surprised
 
 

@@ -44,8 +44,7 @@ def drive(
     are the cart's workspace."""
     d, (cart, flow) = unpack(block, plan), unpack_cart(floats, ints)
     k = len(d.push)
-    given, room = d.room[: 3 + k], d.room[3 + k :]
-    given[3:] = 1.0
+    given, room = d.room[:3], d.room[3:]
     stuck, room = room[: plan[5]], room[plan[5] :]
     count = math.ceil((end - begin) / MAX_STEP - 1e-6)
     for i in range(count):

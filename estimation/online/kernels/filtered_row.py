@@ -11,20 +11,22 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.dynamics import Point, lifted, situation, stictions, taught
 from cartgrasp.kernels.workspace import copy, unpack
 
-from .correction import put
+from .correction import add_congruence, put
 from .jit import Indices, compiled, row_compiled, row_entry
 from .row_parts import (
     SPACING,
     STANDS_OUT,
-    Rising,
-    add_left_out,
+    STILL,
     add_measured,
+    add_other_memory,
+    add_stuck,
     at_most,
     curvature_of,
-    feigned_by,
+    likeliest,
     noise_of_wrenches,
-    rise_of,
     slowest,
+    standing_out,
+    with_rise,
 )
 from .tracked_motion import smooth
 
@@ -52,8 +54,8 @@ class Weights(NamedTuple):
 
 
 class Smoothed(NamedTuple):
-    """n moments: time (n,), pose (n, 3), nu and nu' (n, f), the covariance of nu (n, f, f), and memory (n, k); with the
-    covariances of sums of nu over the moments (3, f, f), by `Weights.of_motion`."""
+    """n moments: time (n,), pose (n, 3), nu and nu' (n, f), the covariance of nu (n, f, f), and memory (n, k) with its
+    standard deviation; with the covariances of sums of nu over the moments (3, f, f), by `Weights.of_motion`."""
 
     time: Array
     pose: Array
@@ -62,12 +64,14 @@ class Smoothed(NamedTuple):
     covariance: Array
     of_sums: Array
     memory: Array
+    memory_std: Array
 
 
 class Asked(NamedTuple):
     """Where inverse dynamics are asked for: states (m, s), nu' (m, f), parameters (m, p) and times (m,). Each of the n
-    instants at nu' of zero; each with the part of nu that stands out; the last with nu' of zero, of what stands out,
-    and of each unit; the middle one around the parameters and at each column of a spread from them."""
+    instants at nu' of zero; each with the part of nu that stands out; the last with nu' of zero and of each unit; the
+    middle one around the parameters and at each column of a spread from them. And each of the n
+    instants with each number of the memory a standard deviation more, and less."""
 
     state: Array
     acceleration: Array
@@ -86,15 +90,15 @@ class Found(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """The density (f, f) of disturbances; which parameters effects with a memory have, and the share of what these do
-    that goes wrong; and those in whose products with the mass, the first parameter, a row is linear."""
+    """The density (f, f) of disturbances; and the parameters in whose products with the mass, the first one, a row is
+    linear."""
 
     disturbance: Array
-    remembering: Indices
-    share: float
     scaled: Indices
 
 
+Rising = tuple[Array, Array]
+"""B[nu'] (f,), with covariance (f, f)."""
 Given = tuple[Array, Array, Array, Array]
 """Wrenches as `felt_wrench.py` has them, (n - 1, width); parameters (p,), their covariance (p, p), and a root of it
 (p, q)."""
@@ -102,8 +106,8 @@ Given = tuple[Array, Array, Array, Array]
 
 class FilteredRow(NamedTuple):
     """`residual = slopes @ (change of theta | lateness) + ends @ (e_k - fade e_(k-1)) + noise`, with e what is wrong
-    with the mean nu at the ends, of covariance `before` and `after`. `feigned` (p + 1,) is what noise in the slopes
-    adds to the mean of `slopesᵀ W residual`, `shared` (f, f) the part of the noise that each neighbour has, too.
+    with the mean nu at the ends, of covariance `before` and `after`. `shared` (f, f) is the part of the noise that each
+    neighbour has, too.
 
     `curvature` (f, f) is the covariance of what a row that is linear in the parameters leaves out, as far as they are
     known: `tr(T T) / 2` of `zᵀ T z / 2`, with standard normal z; its mean, `tr(T) / 2`, is taken off the residual. Load
@@ -116,7 +120,6 @@ class FilteredRow(NamedTuple):
     noise: Array
     before: Array
     after: Array
-    feigned: Array
     shared: Array
     curvature: Array
 
@@ -154,6 +157,7 @@ def smoothed(rows: Array, weights: Array, known: Array, f: int) -> Smoothed:
         mean[:end, 3 + f :].copy(),
         nu,
         sums[:, :f].copy(),
+        np.zeros((end, 0)),
         np.zeros((end, 0)),
     )
 
@@ -198,13 +202,13 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
     for a in range(f):
         for i in range(n):
             whole[a] += RATE * of_rise[i] * block.velocity[i, a]
-    rise = rise_of(whole, RATE**2 * block.of_sums[2])
     k, q, middle = block.memory.shape[1], spread.shape[1], n // 2
-    m = 2 * n + f + 3 + q
+    others = 2 * n + f + 2 + q
+    m = others + 2 * k * n
     state, acceleration = np.empty((m, 3 + f + k)), np.zeros((m, f))
     parameters, time = np.empty((m, len(theta))), np.empty(m)
     for i in range(m):
-        at = i % n if i < 2 * n else n - 1 if i < 2 * n + f + 2 else middle
+        at = i % n if i < 2 * n else n - 1 if i < 2 * n + f + 1 else middle if i < others else (i - others) % n
         copy(block.pose[at], state[i, :3])
         copy(block.velocity[at], state[i, 3 : 3 + f])
         copy(block.memory[at], state[i, 3 + f :])
@@ -215,14 +219,17 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
                 nu = block.velocity[at, a]
                 square = STANDS_OUT**2 * block.covariance[at, a, a] / max(nu**2, 1e-300)
                 state[i, 3 + a] = max(1.0 - square, 0.0) * nu
-    copy(rise[2], acceleration[2 * n + 1])
     for a in range(f):
-        acceleration[2 * n + 2 + a, a] = 1.0
+        acceleration[2 * n + 1 + a, a] = 1.0
     for j in range(q + 1):
-        copy(block.acceleration[middle], acceleration[2 * n + f + 2 + j])
+        copy(block.acceleration[middle], acceleration[2 * n + f + 1 + j])
         for q in range(len(theta) if j > 0 else 0):
-            parameters[2 * n + f + 2 + j, q] += spread[q, j - 1]
-    return rise, Asked(state, acceleration, parameters, time)
+            parameters[2 * n + f + 1 + j, q] += spread[q, j - 1]
+    for j in range(2 * k):
+        for i in range(n):
+            off = block.memory_std[i, j // 2]
+            state[others + j * n + i, 3 + f + j // 2] += off if j % 2 == 0 else -off
+    return (whole, RATE**2 * block.of_sums[2]), Asked(state, acceleration, parameters, time)
 
 
 @row_entry
@@ -237,14 +244,14 @@ def _row(
 ) -> FilteredRow:
     n, f = block.velocity.shape
     by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
-    wrenches, theta, _, spread = given
+    wrenches, theta, covariance, spread = given
     mass, slopes, by_acceleration = found.by_acceleration[still], np.zeros((f, p + 1)), np.empty((f, f, p))
-    residual, of_memory = np.zeros(f), np.zeros(f)
+    residual, k, others = np.zeros(f), block.memory.shape[1], len(found.wrench) - 2 * n * block.memory.shape[1]
     step = (block.time[n - 1] - block.time[0]) / (n - 1)
     for a in range(f):
         for b in range(f):
             for q in range(p):
-                by_acceleration[a, b, q] = by[still + 2 + a, b, q] - by[still, b, q]
+                by_acceleration[a, b, q] = by[still + 1 + b, a, q] - by[still, a, q]
         for i in range(n):
             residual[a] -= weighing.linear[i] * found.wrench[i, a]
             change = found.wrench[i, a]
@@ -254,23 +261,23 @@ def _row(
         for b in range(f):
             residual[a] -= mass[a, b] * rise[0][b]
         for q in range(p):
-            slopes[a, q] = by[still + 1, a, q] - by[still, a, q]
             for i in range(n):
                 slopes[a, q] += weighing.linear[i] * by[n + i, a, q]
-        for q in left_out.remembering:
-            of_memory[a] += slopes[a, q] * theta[q]
     white = noise_of_wrenches(weighing.held, wrenches, f) + weighing.of_white * left_out.disturbance
     noise = white.copy()
-    add_left_out(weighing.linear, found.stuck, left_out.share * of_memory, noise)
+    add_stuck(weighing.linear, found.stuck, noise)
+    for j in range(2 * k):
+        add_other_memory(weighing.linear, found.wrench, others + j * n, noise)
     add_measured(weighing.held, wrenches, theta, (residual, slopes, noise))
-    pull = np.zeros(p + 1)
-    pull[:p] = feigned_by(rise, by_acceleration, mass, noise)
     left_on_average, curvature = curvature_of(
-        by[still + f + 2 :], spread, (left_out.scaled, theta[0]), weighing.linear.sum()
+        by[still + f + 1 : others], spread, (left_out.scaled, theta[0]), weighing.linear.sum()
     )
     residual -= left_on_average
+    known_to, seen = noise + curvature, standing_out(rise[0], np.diag(rise[1]), STILL)
+    add_congruence(with_rise(slopes, by_acceleration, seen)[:, :p], covariance, known_to, np.empty(p))
+    slopes = with_rise(slopes, by_acceleration, standing_out(*likeliest(rise, mass, known_to, residual), STANDS_OUT))
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
-    return FilteredRow(residual, slopes, -RATE * mass, weighing.fade, noise, before, after, pull, shared, curvature)
+    return FilteredRow(residual, slopes, -RATE * mass, weighing.fade, noise, before, after, shared, curvature)
 
 
 @row_entry
@@ -285,7 +292,7 @@ def worked_out(
     n, m, f, p = len(block.time), len(asked.time), asked.acceleration.shape[1], len(theta)
     wrench, by_acceleration, by_parameters = np.empty((m, f)), np.empty((m, f, f)), np.empty((m, f, p))
     found = Found(wrench, by_acceleration, by_parameters, np.zeros((n, f, n_stuck)))
-    _find(floats, ints, asked, found, n)
+    _find(floats, ints, asked, found, (n, 2 * n + f + 2 + spread.shape[1]))
     slow, columns = asked.state[:n].copy(), np.empty(3 * n_stuck)
     put(slowest(block.velocity, block.covariance), slow[:, 3 : 3 + f])
     _find_stuck((floats, ints), (slow, block.time, at_most(theta, covariance)), found.stuck, columns)
@@ -293,12 +300,12 @@ def worked_out(
 
 
 @compiled
-def _find(floats: Array, ints: Indices, asked: Asked, found: Found, n: int) -> None:
-    """Of the first n the wrench alone."""
+def _find(floats: Array, ints: Indices, asked: Asked, found: Found, taught_at: tuple[int, int]) -> None:
+    """From the one on and up to the other with partials by the parameters, else without."""
     m, _ = unpack(floats, ints)
     for i in range(len(asked.time)):
         point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
-        by_parameters = found.by_parameters[i] if i >= n else found.by_parameters[i, :0]
+        by_parameters = found.by_parameters[i] if taught_at[0] <= i < taught_at[1] else found.by_parameters[i, :0]
         taught(m, point, asked.acceleration[i], (found.wrench[i], found.by_acceleration[i], by_parameters))
 
 

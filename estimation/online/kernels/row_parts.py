@@ -20,12 +20,8 @@ FLOOR_SHARE = 0.002
 """Of the wrench: what a model leaves out."""
 STANDS_OUT = 2.0
 """Standard deviations of B[nu'], and of nu, that teach nothing."""
-NOISE_SHARE = 0.9
-"""Of the variance of B[nu']: what is noise of sensors, and not motion that was smoothed away; down to a half where
-there are poor poses alone."""
-
-Rising = tuple[Array, Array, Array, Array]
-"""B[nu'] (f,), with covariance (f, f); the part of it that stands out of its noise, with derivative (f,)."""
+PERSISTS = 4.0
+"""Rows over which a memory that is off stays so: what it does counts in each as if it were new, so many times."""
 
 
 @row_entry
@@ -60,36 +56,51 @@ def at_most(theta: Array, covariance: Array) -> Array:
 
 
 @row_compiled
-def rise_of(whole: Array, covariance: Array) -> Rising:
-    part, derivative = np.zeros(len(whole)), np.zeros(len(whole))
-    for a in range(len(whole)):
-        square = STANDS_OUT**2 * covariance[a, a] / max(whole[a] ** 2, 1e-300)
-        if square < 1.0:
-            part[a], derivative[a] = (1.0 - square) * whole[a], 1.0 + square
-    return whole, covariance, part, derivative
+def standing_out(value: Array, variance: Array, deviations: float) -> Array:
+    """The part (f,) of numbers that stands out of so many deviations."""
+    found = np.zeros(len(value))
+    for a in range(len(value)):
+        share = 1.0 - deviations**2 * variance[a] / max(value[a] ** 2, 1e-300)
+        found[a] = max(share, 0.0) * value[a]
+    return found
 
 
 @row_compiled
-def feigned_by(rise: Rising, by_acceleration: Array, mass: Array, noise: Array) -> Array:
-    """(p,), from the slopes' partials by B[nu'] (f, f, p), the mass matrix and the rest of a row's noise (f, f)."""
-    _, covariance, _, derivative = rise
-    f, p = by_acceleration.shape[1:]
-    through, beside, pull = np.zeros((f, f)), noise.copy(), np.zeros(p)
+def likeliest(rise: tuple[Array, Array], mass: Array, noise: Array, residual: Array) -> tuple[Array, Array]:
+    """B[nu'] (f,) with covariance (f, f), as the motion and a row of noise (f, f) tell it together, and what is left
+    (f,) of the variance.
+
+    What is wrong with it then is not correlated with the residual, and so does not bias what a row teaches (conditional
+    score; Stefanski and Carroll 1987)."""
+    whole, covariance = rise
+    f = len(whole)
+    gain, spread, found, left = np.zeros((f, f)), noise.copy(), whole.copy(), np.diag(covariance).copy()
     for a in range(f):
         for b in range(f):
             for c in range(f):
-                through[b, a] += derivative[a] * covariance[a, c] * mass[b, c]
+                gain[a, b] += mass[a, c] * covariance[c, b]
     for a in range(f):
         for b in range(f):
             for c in range(f):
-                for d in range(f):
-                    beside[a, b] += mass[a, c] * covariance[c, d] * mass[b, d]
-    eliminate(beside, through)
+                spread[a, b] += gain[a, c] * mass[b, c]
+    moved = gain.copy()
+    eliminate(spread, gain)
     for a in range(f):
         for b in range(f):
-            for q in range(p):
-                pull[q] -= NOISE_SHARE * through[b, a] * by_acceleration[a, b, q]
-    return pull
+            found[a] += gain[b, a] * residual[b]
+            left[a] -= gain[b, a] * moved[b, a]
+    return found, left
+
+
+@row_compiled
+def with_rise(slopes: Array, by_acceleration: Array, rise: Array) -> Array:
+    """Slopes (f, p + 1), and what B[nu'] (f,) adds to them, with their partials by it (f, f, p)."""
+    found = slopes.copy()
+    for a in range(len(rise)):
+        for b in range(len(rise)):
+            for q in range(by_acceleration.shape[2]):
+                found[a, q] += by_acceleration[a, b, q] * rise[b]
+    return found
 
 
 @row_compiled
@@ -107,20 +118,31 @@ def noise_of_wrenches(held: Array, wrenches: Array, f: int) -> Array:
 
 
 @row_compiled
-def add_left_out(linear: Array, stuck: Array, of_memory: Array, noise: Array) -> None:
-    """What a model leaves out of memories, and of Coulomb forces where the cart may stand still, for all that nu tells:
-    they take whatever value holds it."""
+def add_stuck(linear: Array, stuck: Array, noise: Array) -> None:
+    """Coulomb forces where the cart may stand still, for all that nu tells: they take whatever value holds it."""
     n, f, count = stuck.shape
     total = np.empty(f)
-    for c in range(count + 1):
+    for c in range(count):
         total[:] = 0.0
         for a in range(f):
             for i in range(n):
-                total[a] += linear[i] * stuck[i, a, c] if c < count else 0.0
-            total[a] += of_memory[a] if c == count else 0.0
+                total[a] += linear[i] * stuck[i, a, c]
         for a in range(f):
             for b in range(f):
-                noise[a, b] += total[a] * total[b] / (SPACING if c < count else 1.0)
+                noise[a, b] += total[a] * total[b] / SPACING
+
+
+@row_compiled
+def add_other_memory(linear: Array, wrench: Array, first: int, noise: Array) -> None:
+    """Half of what a memory that is a standard deviation off does; the wrenches with it begin at `first`."""
+    n, f = len(linear), wrench.shape[1]
+    total = np.zeros(f)
+    for a in range(f):
+        for i in range(n):
+            total[a] += linear[i] * (wrench[first + i, a] - wrench[i, a])
+    for a in range(f):
+        for b in range(f):
+            noise[a, b] += 0.5 * PERSISTS * total[a] * total[b]
 
 
 @row_compiled

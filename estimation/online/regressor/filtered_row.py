@@ -11,8 +11,7 @@ what is wrong with nu at one moment is fast, while poses tell where it went in t
 that begin a little later and later: nu_k is then a mean, too, and neighbours share some of the wrench's noise.
 
 Noise in B[nu'] is in a row's slopes and in its residual alike (errors in variables, physics 11). So slopes are worked
-out at a part of B[nu'] that stands out of its noise, and what their correlation with the residual pulls on average,
-which Stein's lemma `E[g(x + e) e] = E[g'(x + e)] var e` gives, is told with the row.
+out at what the row and the motion together say of B[nu'] (`row_parts.likeliest`).
 """
 
 from __future__ import annotations
@@ -32,10 +31,6 @@ from ..kernels import row_parts
 from ..kernels.filtered_row import FilteredRow, Found, LeftOut, Smoothed, Weights
 from ..kernels.jit import Indices
 from ..kernels.row_parts import STILL
-
-REMEMBERED_SHARE = 1.0
-"""Of what effects with a memory do in a row: what a model leaves out of it. Half of it goes wrong, where a caster
-swings a little sooner or later, and stays so for some four rows."""
 
 
 @dataclass(frozen=True)
@@ -96,16 +91,4 @@ def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: Lef
 def left_out(cart: CartModel, noise: FilterNoise, scaled: Indices) -> LeftOut:
     """What a model leaves out, and a row that is linear in the products of the `scaled` parameters with the mass."""
     root = cart.basis_b.T * [noise.disturbance, noise.disturbance, noise.lever * noise.disturbance]
-    return LeftOut(root @ root.T, _remembering(cart), REMEMBERED_SHARE, scaled)
-
-
-def _remembering(cart: CartModel) -> Indices:
-    """Which parameters effects with a memory that nobody sees have, and are estimated."""
-    found = [
-        i
-        for effect, own, memory in cart.force_effects
-        if memory.stop > memory.start and not effect.memory_is_seen
-        for i, parameter in zip(range(own.start, own.stop), effect.parameters, strict=True)
-        if parameter.estimated
-    ]
-    return np.array(found, dtype=np.int64)
+    return LeftOut(root @ root.T, scaled)

@@ -27,9 +27,9 @@ STARTS = 60
 """Rows over which a change is looked for."""
 SETTLING_ROWS = 20
 SMOOTHING = 0.1
-LASTING, PUSHED_SHARE = 200, 0.15
-"""Rows over which is counted how many a push is said to have been in, and the share of them beyond which there is none,
-but a model that does not fit."""
+LASTING, ODD_SHARE = 200, 0.15
+"""Rows over which is counted how many a push is said to have been in, or are outliers, and the share of them beyond
+which it is the model that does not fit."""
 FITTING = 5
 """Rows in a row after which a model that did not fit does again."""
 
@@ -49,7 +49,7 @@ class LoadWatch:
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
-        self._pushed = 0.0  # share of the last rows
+        self._odd = 0.0  # share of the last rows
         self._unfit: int | None = None  # how many rows have fitted since what did not end
         self._is_tried = False  # whether a load or a push is told, though not yet for good
         self._white = Whiteness()
@@ -84,7 +84,7 @@ class LoadWatch:
         """Health after a row; whether a push is said to be in it."""
         self._resets = self._resets.at(time)
         self.ratio = surprise.square / (GATE * self._n)
-        self._pushed += (float(is_pushed) - self._pushed) / LASTING
+        self._odd += (float(is_pushed or self.ratio > 1.0) - self._odd) / LASTING
         self._outliers += SMOOTHING * (float(self.ratio > 1.0) - self._outliers)
         if self.ratio <= 1.0:
             self._white = self._white.and_then(time, surprise.pull, surprise.information)
@@ -95,7 +95,7 @@ class LoadWatch:
 
     @property
     def _fits(self) -> bool:
-        return self._unfit is None and self._pushed < PUSHED_SHARE
+        return self._unfit is None and self._odd < ODD_SHARE
 
     def _say(self) -> None:
         said = self._resets.health_beside(self._outliers, self._white)

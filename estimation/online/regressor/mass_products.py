@@ -90,7 +90,7 @@ class MassProducts:
         n = len(theta)
         found, by = np.eye(n + 1), self.jacobian(theta)
         found[:n, :n] = by
-        return row._replace(slopes=row.slopes @ found, feigned=found.T @ row.feigned)
+        return row._replace(slopes=row.slopes @ found)
 
     def told(self, believed: Told) -> Told:
         """Of the factors."""

@@ -35,6 +35,7 @@ from ..load_change import load_covariance, root_of
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..wrench_sensing import Moving, WrenchSensing
 from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
+from .followed_memory import FollowedMemory
 from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
@@ -76,7 +77,7 @@ class ParameterLearner:
         self.tried = self.loaded = -math.inf  # when a trial was over last, and when one ended with another load
         self._taken: tuple[Taken, ...] = ()  # the last rows
         self._push = np.diag(USUAL_PUSH * noise.wrench_scale(cart)) ** 2
-        self._memory: Array | None = None
+        self._memory = FollowedMemory(cart, noise.swivel)
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self.theta = cart.parameters
         self._seen, self._started, self._has_wrench = Seen(), False, False
@@ -117,9 +118,8 @@ class ParameterLearner:
 
     def _moving(self, time: float) -> Moving:
         """The cart as it was seen last, with memories as they were at the beginning of the block."""
-        memory = self._at_rest[0][self.cart.memory_slice] if self._memory is None else self._memory
         motion = self.motion
-        return Moving(np.concatenate([motion.pose_sb, motion.velocity, memory]), time)
+        return Moving(np.concatenate([motion.pose_sb, motion.velocity, self._memory.mean]), time)
 
     @property
     def motion(self) -> Motion:
@@ -162,7 +162,7 @@ class ParameterLearner:
         """Motion starts anew; the parameters stay."""
         pose = self.seen[:3]
         self.tracker.start(time, pose)
-        self._memory = None
+        self._memory = self._memory.lost()
         self._unlink()
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
@@ -181,7 +181,7 @@ class ParameterLearner:
             self._take_block(k, end)
         elif self.time - self._seen_until > LONG_GAP:
             self._unlink()
-            self._memory = None
+            self._memory = self._memory.lost()
             self.tracker.drop(k)
 
     def followed(self, moments: int, before: float) -> int:
@@ -200,8 +200,7 @@ class ParameterLearner:
         weighing = weights(tracker.time[:end], end - k)
         moved, wrenches = tracker.smoothed(weighing.of_motion), tracker.wrenches(end - 1)
         if self.cart.memory_names:
-            along = moved.pose, moved.velocity, moved.time
-            moved = moved._replace(memory=self.cart.memory_along(*along, self.theta, self._memory))
+            moved = self._memory.along(moved, self.theta)
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
         is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
         is_still = stands_still(moved, self.cart)
@@ -209,7 +208,7 @@ class ParameterLearner:
             self._learn(Block(weighing, moved, wrenches))
         else:
             self._unlink(is_still=bool(is_whole and is_still))
-        self._memory = moved.memory[k]
+        self._memory = self._memory.after(moved, k) if self.cart.memory_names else self._memory
         tracker.drop(k)
 
     def _unlink(self, *, is_still: bool = False) -> None:

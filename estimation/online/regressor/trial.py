@@ -124,8 +124,8 @@ class Trial:
             changed = tuple(one.unlinked() for one in self.changed)
             return replace(self, pushed=pushed, changed=changed, rows=self.rows + 1, surprise=surprise)
         both = [one.and_then(row, at, of_push) for one in self.changed]
-        best = max(both, key=lambda pair: pair[0].odds)
-        said = best[1] if best[0].odds > 0.0 else surprise
+        likelier = [pair for pair in both if pair[0].odds > 0.0]
+        said = max(likelier, key=lambda pair: pair[0].odds)[1] if likelier else surprise
         return replace(self, pushed=pushed, changed=tuple(c for c, _ in both), rows=self.rows + 1, surprise=said)
 
     def unlinked(self, *, is_still: bool) -> Trial:

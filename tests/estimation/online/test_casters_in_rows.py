@@ -15,8 +15,9 @@ from cartgrasp.wheels import CASTER, FIXED, Wheel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.filtered_row import RATE, Smoothed, weights
-from estimation.online.regressor import filtered_row as rows
-from estimation.online.regressor.filtered_row import Block, filtered_row
+from estimation.online.kernels.row_parts import PERSISTS
+from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
+from estimation.online.regressor.followed_memory import FARTHEST, FollowedMemory
 
 from ..runs import wrench_rows
 
@@ -47,20 +48,44 @@ def test_casters_that_trail_tell_nothing_of_their_torque():
     assert abs(found.value - TORQUE) < found.std
 
 
-def test_a_swing_is_noise_of_its_own_size(monkeypatch):
-    """Casters held across: the drag (T / b) of each, known to within itself."""
-    time, zero = 0.01 * np.arange(21), np.zeros((21, 2))
+def along_casters(memory, std):
+    """Noise of a row of a cart that rolls straight on, with casters at headings (2,) known to within so much."""
+    time, zero, none = 0.01 * np.arange(21), np.zeros((21, 2)), np.zeros((len(CART.parameters), 0))
     exact = np.tile(1e-14 * np.eye(2), (21, 1, 1))
-    velocity, memory = np.tile([0.4, 0.0], (21, 1)), np.full((21, 2), np.pi / 2)
-    moved = Smoothed(time, np.zeros((21, 3)), velocity, zero, exact, exact[:3], memory)
-    block = Block(weights(time, 5), moved, wrench_rows(time[:-1], np.zeros((20, 2)), CART.parameters))
+    along = np.tile([0.4, 0.0], (21, 1)), zero, exact, exact[:3], np.tile(memory, (21, 1)), np.tile(std, (21, 1))
+    block = Block(
+        weights(time, 5),
+        Smoothed(time, np.zeros((21, 3)), *along),
+        wrench_rows(time[:-1], np.zeros((20, 2)), CART.parameters),
+    )
     known = Gaussian(CART.parameters, np.zeros((len(CART.parameters),) * 2))
-    spread = np.zeros((len(CART.parameters), 0))
-    noise = filtered_row(CART, known, spread, block, rows.left_out(CART, FilterNoise(), np.zeros(0, np.int64))).noise
-    monkeypatch.setattr(rows, "REMEMBERED_SHARE", 0.0)
-    without = filtered_row(CART, known, spread, block, rows.left_out(CART, FilterNoise(), np.zeros(0, np.int64))).noise
-    drag = 2 * TORQUE / TRAIL * -np.expm1(-RATE * 0.16)
-    assert (noise - without)[0, 0] == pytest.approx(drag**2, rel=1e-3)
+    return filtered_row(CART, known, none, block, left_out(CART, FilterNoise(), np.zeros(0, np.int64))).noise
+
+
+def test_what_is_not_known_of_a_swing_is_noise():
+    """Each caster drags by `(T / b) |sin delta|`, and is as likely off to either side."""
+    heading, std = np.array([0.8, 0.8]), np.array([0.3, 0.5])
+    noise = along_casters(heading, std) - along_casters(heading, 0.0 * std)
+    gain = TORQUE / TRAIL * -np.expm1(-RATE * 0.16)
+    off = [gain * (np.sin(heading + side * std) - np.sin(heading)) for side in (1.0, -1.0)]
+    assert noise[0, 0] == pytest.approx(PERSISTS * 0.5 * np.sum(np.square(off)), rel=5e-3)
+
+
+def test_a_caster_forgets_where_it_stood_once_it_has_swung_round():
+    """Within some trails of travel; and it is not surer of that than casters' own noise lets it be."""
+    time = 0.01 * np.arange(301)
+    velocity = np.tile([0.4, 0.0], (301, 1))
+    exact, none = np.tile(1e-14 * np.eye(2), (301, 1, 1)), np.zeros((301, 0))
+    moved = Smoothed(time, np.zeros((301, 3)), velocity, 0.0 * velocity, exact, exact[:3], none, none)
+    followed = FollowedMemory(CART, swivel=0.2)
+    along = followed.along(moved, CART.parameters)
+    spread = FARTHEST * CART.memory_spread
+    assert along.memory_std[0] == pytest.approx(spread)
+    assert (along.memory_std[100] < 1e-3).all()
+    after = followed.after(along, 100).along(moved, CART.parameters)
+    assert after.memory_std[0] == pytest.approx(0.2, rel=1e-3)
+    assert followed.after(along, 100).mean == pytest.approx(along.memory[100])
+    assert followed.after(along, 100).lost() == followed
 
 
 @pytest.mark.parametrize("least_speed", [0.0, LEAST_SPEED])

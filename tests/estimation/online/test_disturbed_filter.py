@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.simulation.closed_loop import Loop, run
 from cartgrasp.simulation.outside import Push, PushedPlant
-from estimation import CartFilter, DisturbedFilter, FilterNoise
+from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
 from estimation.online.disturbance.observer import SETTLED, USUAL_PERIOD, DisturbanceObserver
 from planning import Controller, PathReference, chain, pause
 from planning.references import speed_change
@@ -46,12 +47,12 @@ def test_its_answer_to_a_step_and_its_deviation_are_those_of_a_butterworth_filte
     assert math.sqrt(observed.wrench.covariance[0, 0]) == pytest.approx(observer.deviation, rel=0.1)
 
 
-@pytest.mark.parametrize("force", [20.0, 60.0])
-def test_a_push_in_mujoco_is_known_to_its_deviation_within_a_fifth_of_a_second(force):
+def pushed_in_mujoco(force, prior, guess=CART):
+    """What is told of it while it coasts, and from 1 s on is pushed by a force (N)."""
     from cartgrasp.simulation.mujoco_plant import MujocoPlant
 
     plant = MujocoPlant(CART, velocity=[0.5, 0.0])
-    sensors, learner = Sensors(CART, SENSORS, 3), DisturbedFilter(CART, ["hand"], noise=NOISE)
+    sensors, learner = Sensors(CART, SENSORS, 3), DisturbedFilter(guess, ["hand"], noise=NOISE, prior=prior)
     point, found = np.array([-0.25, 0.0, 0.4]), []
     for _ in range(150):
         found.append(learner.update(sensors.motion(plant.time, plant.motion)).disturbance)
@@ -59,12 +60,27 @@ def test_a_push_in_mujoco_is_known_to_its_deviation_within_a_fifth_of_a_second(f
         learner.update(sensors.wrenches(plant.time, arms))
         pushed = force if plant.time >= 1.0 else 0.0
         plant.step(cg.ContactWrenches({"hand": np.array([pushed, 0, 0, 0, 0, 0])}, {"hand": point}), 0.01)
+    return found
+
+
+@pytest.mark.parametrize("force", [20.0, 60.0])
+def test_a_push_in_mujoco_is_known_to_its_deviation_within_a_fifth_of_a_second(force):
+    found = pushed_in_mujoco(force, Prior(known={"mass", "com_x", "com_y", "inertia", "viscous_drag"}))
     assert not any(one.acts for one in found[20:100])
     told = found[120]
     assert told.acts
     assert abs(told.wrench[0] - force) < 3 * told.std[0] < 6.0
     assert abs(told.wrench[1]) < 1.0
     assert f"± {told.std[0]:.0f} N, " in told.words
+
+
+@pytest.mark.parametrize("mass", [20.0, 30.0, 45.0])
+def test_how_far_a_push_is_known_depends_on_how_far_the_mass_is(mass):
+    cart = replace(CART, inertia=cg.Inertia(mass, (0.3, 0.05), 2.7))
+    told = pushed_in_mujoco(60.0, Prior(), cart)[120]
+    assert told.acts
+    assert abs(told.wrench[0] - 60.0) < 2 * told.std[0]
+    assert told.std[0] == pytest.approx(0.4 * told.wrench[0], rel=0.2)
 
 
 @pytest.fixture(scope="module")

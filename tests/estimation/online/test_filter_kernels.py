@@ -127,7 +127,7 @@ def test_the_mean_moves_as_the_model_does():
         pushed(motion, [30.0, 4.0], np.zeros((2, 2)))
         motion.advance(0.01 * (k + 1))
     expected = CART.dynamics.advanced(
-        (state, 0.0, CART.parameters), (CART.planar_wrench(np.array([30.0, 4.0])), np.ones(2)), 1e-4, 1000
+        (state, 0.0, CART.parameters), CART.planar_wrench(np.array([30.0, 4.0])), 1e-4, 1000
     )
     np.testing.assert_allclose(motion.belief.mean[:5], expected[:5], atol=5e-6)
     assert motion.belief.mean[5] == pytest.approx(expected[5], abs=5e-4), "of second order, with 0.06 of a rate a step"
@@ -187,7 +187,7 @@ def test_wrench_noise_spreads_as_many_runs_do():
     states, theta = np.tile(started(cart=cart).belief.mean, (400, 1)), np.tile(cart.parameters, (400, 1))
     for _ in range(30):
         given = np.array([30.0, 2.0]) + random.standard_normal((400, 2)) @ np.sqrt(noise)
-        push = cart.planar_wrench(given), np.ones((400, 2))
+        push = cart.planar_wrench(given)
         states = cart.dynamics.advanced((states, np.zeros(400), theta), push, 0.01, 1)
     np.testing.assert_allclose(np.diag(motion.belief.covariance) ** 0.5, states.std(axis=0), rtol=0.12)
 

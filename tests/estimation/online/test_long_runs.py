@@ -43,7 +43,7 @@ def walk(n):
         velocity = np.array([u * np.cos(theta), u * np.sin(theta), r]) + 0.005 * random.standard_normal(3)
         spread = 3.0 if random.random() < 0.01 else 0.0005
         yield Measurement(0.01 * k, state[:3] + spread * random.standard_normal(3), velocity, wrenches, contacts)
-        push = cart.planar_wrench(np.array([fx, tau])), np.ones(2)
+        push = cart.planar_wrench(np.array([fx, tau]))
         state = cart.dynamics.advanced((state, 0.0, cart.parameters), push, 0.01, 1)
 
 

@@ -53,7 +53,7 @@ def test_a_row_is_linear_in_them():
     products = MassProducts.of(cart, np.arange(5))
     time, zero, exact = 0.015 * np.arange(11), np.zeros((11, 3)), np.tile(1e-12 * np.eye(2), (11, 1, 1))
     velocity, acceleration = np.tile([0.5, 0.0], (11, 1)), np.tile([0.3, 0.0], (11, 1))
-    moved = Smoothed(time, zero, velocity, acceleration, exact, exact[:3], np.zeros((11, 0)))
+    moved = Smoothed(time, zero, velocity, acceleration, exact, exact[:3], *(np.zeros((2, 11, 0))))
     spread = np.zeros((5, 2))
     spread[[0, 4], [0, 1]] = 8.0, 0.01
 

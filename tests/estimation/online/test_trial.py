@@ -49,7 +49,6 @@ def row(rise, force):
         noise=np.array([[NOISE]]),
         before=exact,
         after=exact,
-        feigned=np.zeros(2),
         shared=np.zeros((1, 1)),
         curvature=np.zeros((1, 1)),
     )
