@@ -41,6 +41,7 @@ ASSUMPTIONS = (
             "SOFT_ONSET": "time in which a load is put on",
             "LEAST_FORM": "share by which forms are wrong at least",
             "POISED_BY": "deviations of the yaw rate by which casters that a reversal left poised may be off",
+            "STAYS_POISED": "for how long casters may stay on their turning point",
             "BELIEVED": "rows near standstill that count as if friction were as wrong there as it may be",
             "LONGEST_MEMORY": "of sensors' noise",
             "LOUDEST": "times the noise from sample to sample: how loud a sensor may be over a row",
@@ -57,8 +58,6 @@ ASSUMPTIONS = (
         "weak_form.sensor_noise",
         {
             "AVERAGED": "blocks over which a sensor's noise remembers",
-            "LEAST_POSITION": "noise of the best motion capture",
-            "LEAST_VELOCITY": "noise of its velocities",
         },
     ),
     *_of("weak_form.splines", {"OUTLYING": "deviations from which on a sample counts for less"}),

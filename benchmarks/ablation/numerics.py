@@ -50,10 +50,6 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_STRETCHES": "effort",
         "LEAST_SCALE": "keeps logs without noise finite",
     },
-    "weak_form.sensor_noise": {
-        "NOISE_OF_DIFFERENCES": "of third differences, by algebra",
-        "MAD_TO_STD": "of the normal distribution",
-    },
     "weak_form.splines": {
         "DEGREE": "of the motion's splines",
         "ORDER": "of their penalty",

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky_banded
+from scipy.ndimage import maximum_filter1d
 
 from cartgrasp.effects import Effect, ViscousDrag
 from cartgrasp.effects.effect import Gate
@@ -33,8 +34,10 @@ ON_CASTERS = 0.5
 """Of a cart's weight."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
 """m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
-POISED_BY = 10.0, 3.0, 1.0, 0.3, 0.1, 0.03
+POISED_BY = 10.0, 3.0, 1.0
 """Standard deviations of the yaw rate by which poised casters may be off."""
+STAYS_POISED = 1.0
+"""s, for which a caster may stay on its turning point when the others swing round: the cart turns under it."""
 BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
 LONGEST_MEMORY = 0.15
@@ -203,8 +206,7 @@ def edge_error(balances: Balances, cart: CartModel) -> Array:
 
 def _poised_error(balances: Balances, cart: CartModel) -> Array:
     """Half of what effects give more or less (n, f) if memories follow a motion that turns a little more or less, by
-    its standard deviation: casters that a reversal left poised swing round nobody knows which way, nor when. The less
-    they are off their turning point the later they do, so what is less than the deviation counts, too."""
+    its standard deviation: casters that a reversal left poised swing round nobody knows which way, nor when."""
     found, own = np.zeros((len(balances.motion.time), cart.constraints.n_free)), balances.of_body(cart)
     if not cart.memory_names or cart.constraints.n_free < 2:
         return found
@@ -214,7 +216,9 @@ def _poised_error(balances: Balances, cart: CartModel) -> Array:
     for deviations in (0.0, *POISED_BY, *(-one for one in POISED_BY)):
         memory = cart.memory_along(motion.pose, motion.velocity + deviations * turned, motion.time)
         given.append(_effects_at(balances, cart, np.hstack([motion.pose, motion.velocity, memory])))
-    return np.asarray(np.ptp(given, axis=0) / 2)
+    error = np.ptp(given, axis=0) / 2
+    later = max(1, round(STAYS_POISED / motion.step))
+    return np.asarray(maximum_filter1d(error, later, axis=0, mode="nearest", origin=(later - 1) // 2))
 
 
 def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:

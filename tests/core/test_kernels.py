@@ -246,7 +246,7 @@ def test_a_foreign_force_has_all_that_ours_have(constraints, data, wrench_b):
     acceleration = rate.value[cart.velocity_slice]
     np.testing.assert_allclose(cart.required_wrench(state, acceleration), wrench_b @ cart.basis_b, atol=1e-8)
     velocity_b = cart.basis_b @ state[cart.velocity_slice]
-    assert cart.stiction(state, cart.parameters)[:, -1].tolist() == [2.0 * math.sqrt(0.1), 0.0, 0.0]
+    assert cart.stiction(state, cart.parameters)[:, -1].tolist() == [2.0 * math.sqrt(0.1 / 3.0), 0.0, 0.0]
     assert cart.settled_memory(state, cart.parameters)[-1] == velocity_b[0]
     alone = CartModel(cart.inertia, constraints, (CasterRealignment(0.3, 0.05),))
     drag = cart.effect_wrench(state) - alone.effect_wrench(state[:-1])

@@ -68,9 +68,9 @@ def test_casters_that_the_cart_does_not_list_are_found_with_their_place(tmp_path
     assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted
 
 
-@pytest.mark.parametrize(("plant", "seed"), [("model", 0), ("model", 3), ("mujoco", 0)])
+@pytest.mark.parametrize(("plant", "seed"), [("model", 3), ("model", 11), ("mujoco", 0)])
 def test_casters_that_a_reversal_left_poised_are_no_push(plant, seed):
-    """A thousandth of a radian decides which way they swing round, and when."""
+    """A thousandth of a radian decides which way they swing round, and when; and how the cart turns under them."""
     found = diagnose(scenario(plant=plant, seed=seed).run().log, first_guess())
     assert found.verdict == "no_discrepancy"
     assert not found.effects
