@@ -20,6 +20,13 @@ def wrap_angle(angle: ArrayLike) -> Array:
     return np.where(wrapped < np.pi, wrapped, -np.pi)  # a hair below -pi is rounded to pi
 
 
+def unwrapped(angles: Array, period: float = 2 * np.pi) -> Array:
+    """Angles (n,) without jumps of a turn, over those that are there: NaN stay."""
+    found, there = np.array(angles, dtype=float), np.isfinite(angles)
+    found[there] = np.unwrap(found[there], period=period)
+    return found
+
+
 def rotation_planar(angle: ArrayLike) -> Array:
     """Planar rotation, shape (..., 2, 2)."""
     angle = np.asarray(angle, dtype=float)

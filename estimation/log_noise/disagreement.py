@@ -13,7 +13,7 @@ FEWEST = 12
 """Spans that tell how far they usually are apart."""
 LARGE, DEVIATIONS = 0.9, 1.645
 """Quantile of normal numbers' sizes, and how many deviations it is: single glitches don't reach it."""
-SURE = 2.0
+AT_ODDS = 2.0
 """Times the variance that noise alone makes, beyond which they disagree."""
 
 
@@ -34,5 +34,5 @@ def velocity_noise(time: Array, place: Array, velocity: Array, white: tuple[floa
         return of_velocity
     spread = float(np.quantile(np.abs(off), LARGE) / DEVIATIONS) ** 2
     foretold = 2.0 * of_place**2 + of_velocity**2 * step * SPAN
-    more = (spread - foretold) / (step * SPAN) if spread > SURE * foretold else 0.0
+    more = (spread - foretold) / (step * SPAN) if spread > AT_ODDS * foretold else 0.0
     return float(np.sqrt(of_velocity**2 + more))

@@ -9,12 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
 
 from .outliers import ROWS, outlying
-from .resolution import resolution
+from .resolution import ROUNDING, resolution
 
 FAR = 20.0
 """Times the noise."""
@@ -24,7 +24,7 @@ MOST = 0.02
 
 def without_glitches(log: RunLog, far: float = FAR) -> RunLog:
     """The log, with glitches as missing samples: what is `far` times the noise from its neighbours."""
-    heading = np.column_stack([log.pose[:, :2], _unwrapped(log.pose[:, 2])])
+    heading = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
     arms = {name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench, FAR)) for name, arm in log.arms.items()}
     velocity = None if log.velocity is None else _without(log.velocity, log.velocity, far)
     return replace(log, pose=_without(log.pose, heading, far), velocity=velocity, arms=arms)
@@ -44,10 +44,4 @@ def _glitches(column: Array, far: float) -> np.ndarray:
     """Where (n,) a value is far from those around it."""
     values = column[np.isfinite(column)]
     noise = float(np.median(np.abs(np.diff(values, 2)))) / 1.65 if len(values) > ROWS else 0.0
-    return outlying(column, far * max(noise, resolution(values) / 12**0.5))
-
-
-def _unwrapped(heading: Array) -> Array:
-    found, known = heading.copy(), np.isfinite(heading)
-    found[known] = np.unwrap(heading[known])
-    return found
+    return outlying(column, far * max(noise, resolution(values) * ROUNDING))

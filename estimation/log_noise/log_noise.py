@@ -10,14 +10,14 @@ import numpy as np
 
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.errors import DataError
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.body_poses import at_body
 from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
 from .disagreement import velocity_noise
-from .resolution import resolution
+from .resolution import ROUNDING, resolution
 from .velocity_colour import loudness
 
 LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.001
@@ -25,8 +25,6 @@ DISTURBANCE_SHARE = 0.01
 NOISE_OF_DIFFERENCES = 20**0.5
 MAD_TO_STD = 1.4826
 FEWEST = 8
-ROUNDING = 12**-0.5
-"""Standard deviation of what is lost by rounding to steps of 1."""
 
 
 def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
@@ -39,12 +37,8 @@ def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
 
 
 def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
-    usual = FilterNoise()
-    pose = log.pose.copy()
-    known = np.isfinite(pose[:, 2])
-    pose[known, 2] = np.unwrap(pose[known, 2])
-    position = max(*(white_noise(pose[:, i], usual.position) for i in (0, 1)), LEAST_POSITION)
-    heading = max(white_noise(pose[:, 2], usual.heading), LEAST_POSITION)
+    usual, places = FilterNoise(), (*log.pose[:, :2].T, unwrapped(log.pose[:, 2]))
+    position, heading = pose_noise(log.pose, (usual.position, usual.heading))
     linear = yaw = LEAST_VELOCITY
     if log.velocity is not None:
         along = (white_noise(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
@@ -52,8 +46,10 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         yaw = max(white_noise(log.velocity[:, 2], usual.yaw_rate), LEAST_VELOCITY)
         remembers = _loudness(log, cart)
         x, y, yaw = (
-            velocity_noise(log.time, pose[:, i], log.velocity[:, i], (of_pose, remembers * own))
-            for i, of_pose, own in ((0, position, linear), (1, position, linear), (2, heading, yaw))
+            velocity_noise(log.time, place, velocity, (of_place, remembers * own))
+            for place, velocity, of_place, own in zip(
+                places, log.velocity.T, (position, position, heading), (linear, linear, yaw), strict=True
+            )
         )
         linear = max(x, y)
     wrenches = [arm.wrench for arm in log.arms.values()]
@@ -82,6 +78,13 @@ def noise_floor(channel: Array, usual: float = 0.0) -> float:
 def white_noise(channel: Array, usual: float = 0.0) -> float:
     """Of a channel that does not jump, as a motion: of one that comes in steps, at least that of rounding."""
     return max(noise_floor(channel, usual), resolution(channel) * ROUNDING)
+
+
+def pose_noise(pose: Array, usual: tuple[float, float] = (0.0, 0.0)) -> tuple[float, float]:
+    """White noise of positions (m) and headings (rad) of poses (n, 3)."""
+    x, y, heading = *pose[:, :2].T, unwrapped(pose[:, 2])
+    position = max(white_noise(x, usual[0]), white_noise(y, usual[0]), LEAST_POSITION)
+    return position, max(white_noise(heading, usual[1]), LEAST_POSITION)
 
 
 def _loudness(log: RunLog, cart: CartModel) -> float:

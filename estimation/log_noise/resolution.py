@@ -16,6 +16,8 @@ USUAL = 0.75
 """Quantile of the steps after a repetition that is called one: a few are parts of one, none is more."""
 FEWEST = 8
 """Repetitions that tell it."""
+ROUNDING = 12**-0.5
+"""Standard deviation of what is lost by rounding, in steps."""
 
 
 def resolution(column: Array) -> float:

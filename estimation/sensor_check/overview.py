@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import RunLog
 
 from ..log_noise.log_noise import noise_floor
@@ -62,7 +62,7 @@ class Overview:
     @classmethod
     def of(cls, log: RunLog, motions: Sequence[Motion]) -> Overview:
         """Of a log, with the motions of its parts."""
-        pose = np.column_stack([log.pose[:, :2], _unwrapped(log.pose[:, 2])])
+        pose = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
         sensors = {"pose": (pose, 2)} | ({} if log.velocity is None else {"velocity": (log.velocity, 2)})
         sensors |= {name: (arm.wrench, 3) for name, arm in log.arms.items()}
         twists = [motion.twists for motion in motions]
@@ -96,9 +96,3 @@ def _size(columns: Array) -> float | None:
 
 def _largest(parts: Sequence[Array]) -> float:
     return max((float(part.max()) for part in parts if len(part)), default=0.0)
-
-
-def _unwrapped(heading: Array) -> Array:
-    found, known = heading.copy(), np.isfinite(heading)
-    found[known] = np.unwrap(heading[known])
-    return found

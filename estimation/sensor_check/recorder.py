@@ -11,11 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from cartgrasp.errors import printable
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 
-from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, ROUNDING, noise_floor
+from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
+from ..log_noise.resolution import ROUNDING
 from .stale import local_change, repeats_fast
 from .suspicion import Suspicion
 
@@ -110,8 +111,7 @@ def frozen(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
 
 def quantised(log: RunLog) -> tuple[Suspicion, ...]:
     """Poses and velocities in coarse steps."""
-    heading = log.pose[:, 2].copy()
-    heading[np.isfinite(heading)] = np.unwrap(heading[np.isfinite(heading)])
+    heading = unwrapped(log.pose[:, 2])
     groups = [("pose", {"x": log.pose[:, 0], "y": log.pose[:, 1]}, "m", LEAST_POSITION)]
     groups.append(("heading", {"theta": heading}, "rad", LEAST_POSITION))
     if log.velocity is not None:

@@ -9,7 +9,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, white_noise
+from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, pose_noise, white_noise
 from ..noise import FilterNoise
 
 AVERAGED = (0.0, 0.02, 0.05)
@@ -26,10 +26,8 @@ class MotionNoise:
 
     @classmethod
     def of(cls, log: RunLog) -> MotionNoise:
-        heading = log.pose[:, 2].copy()
-        heading[np.isfinite(heading)] = np.unwrap(heading[np.isfinite(heading)])
-        position = max(white_noise(log.pose[:, 0]), white_noise(log.pose[:, 1]), LEAST_POSITION)
-        pose = np.array([position, position, max(white_noise(heading), LEAST_POSITION)])
+        position, heading = pose_noise(log.pose)
+        pose = np.array([position, position, heading])
         if log.velocity is None or len(log) < 2 or not np.isfinite(log.velocity).any():
             return cls(pose, None)
         root_step = float(np.median(np.diff(log.time))) ** 0.5

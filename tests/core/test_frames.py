@@ -12,6 +12,7 @@ from cartgrasp.frames import (
     rotation_planar,
     rotation_z,
     skew,
+    unwrapped,
     wrap_angle,
 )
 
@@ -108,3 +109,13 @@ def test_world_and_body_components(angle, planar):
 @given(a=vectors(3, -2, 2), b=vectors(3, -2, 2))
 def test_skew_is_the_cross_product(a, b):
     np.testing.assert_allclose(skew(a) @ b, np.cross(a, b), atol=1e-15)
+
+
+def test_a_heading_without_jumps_is_the_same_heading_and_leaves_out_what_is_missing():
+    turning = np.linspace(0.0, 40.0, 200)
+    told = wrap_angle(turning)
+    told[[3, 50, 51, 199]] = np.nan
+    seen = np.isfinite(told)
+    np.testing.assert_allclose(unwrapped(told)[seen], turning[seen], atol=1e-12)
+    assert np.isnan(unwrapped(told)[~seen]).all()
+    np.testing.assert_allclose(unwrapped(np.degrees(told), 360.0)[seen], np.degrees(turning[seen]), atol=1e-9)

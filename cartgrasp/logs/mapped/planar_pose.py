@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...frames import Array, body_to_world, rotation_planar
+from ...frames import Array, body_to_world, rotation_planar, unwrapped
 from .resampling import stretches
 from .smoothing_spline import FEWEST, spline_at_noise
 
@@ -13,9 +13,7 @@ def planar(numbers: Array) -> Array:
     """x, y, yaw (n, 3) of poses (n, 7); yaw is unwrapped over the samples that are there."""
     x, y, z, w = numbers[:, 3:7].T
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    there = np.isfinite(yaw)
-    yaw[there] = np.unwrap(yaw[there])
-    return np.column_stack([numbers[:, :2], yaw])
+    return np.column_stack([numbers[:, :2], unwrapped(yaw)])
 
 
 def tilt(numbers: Array) -> float:

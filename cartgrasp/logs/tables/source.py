@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import LogError, Place, printable
-from ...frames import Array
+from ...frames import Array, unwrapped
 from ..mapped.clocked import Clocked
 from ..mapped.clocked import Place as Where
 from ..mapped.steps import Steps
@@ -63,8 +63,7 @@ class TableSource:
         names = (*POSE_COLUMNS, *(VELOCITY_COLUMNS if has_velocity else ()))
         clocked = self._clocked(("pose",), pose, [getattr(pose, name) for name in names], names, pose.latency)
         tracked = clocked.numbers[:, :3]
-        there = np.isfinite(tracked[:, 2])
-        tracked[there, 2] = np.unwrap(tracked[there, 2])
+        tracked[:, 2] = unwrapped(tracked[:, 2])
         found["pose",] = Clocked(clocked.time, tracked)
         if has_velocity:
             twist = clocked.numbers[:, 3:]
@@ -146,9 +145,7 @@ def in_si(numbers: Array, name: str, value: ColumnEntry) -> Array:
     dimension = dimension_of(name, value)
     found = numbers * UNITS[dimension][unit_of(value.unit or "", dimension) or ""]
     if value.radius is not None and dimension == "angle":
-        there = np.isfinite(found)
-        found[there] = np.unwrap(found[there])
-        found = found * value.radius
+        found = unwrapped(found) * value.radius
     elif value.radius is not None:
         found = found / value.radius
     found = value.sign * value.factor * found

@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from ....frames import Array
+from ....frames import Array, unwrapped
 
 RATE = 50.0
 """Hz: of the grid, at most."""
@@ -96,13 +96,6 @@ class Heading:
 PERIODS: Mapping[str, float] = {"deg": 360.0, "rad": 2 * np.pi}
 
 
-def turned(column: Array, period: float) -> Array:
-    """Without jumps of a turn."""
-    found, there = column.copy(), np.isfinite(column)
-    found[there] = np.unwrap(found[there], period=period)
-    return found
-
-
 def heading_of(motion: Motion, time: Array, column: Array) -> Heading | None:
     """The reading with which headings go where the cart goes, or always as far beside it; None where several do, or
     none does: on casters, or on a way that hardly turns."""
@@ -110,7 +103,7 @@ def heading_of(motion: Motion, time: Array, column: Array) -> Heading | None:
     travel = np.arctan2(motion.velocity[:, 1], motion.velocity[:, 0])
     straight, beside = [], []
     for unit, sign in product(PERIODS, (1, -1)):
-        angle = sign * motion.on(time, turned(column, PERIODS[unit])) * (2 * np.pi / PERIODS[unit])
+        angle = sign * motion.on(time, unwrapped(column, PERIODS[unit])) * (2 * np.pi / PERIODS[unit])
         seen = moving & np.isfinite(angle)
         if seen.sum() < FEWEST:
             return None

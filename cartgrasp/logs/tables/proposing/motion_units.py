@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ....frames import Array
+from ....frames import Array, unwrapped
 from ..units import UNITS
 from .columns import Column, FileColumns, first_of
-from .evidence import Motion, heading_of, motion_of, scale, turned, velocities
+from .evidence import Motion, heading_of, motion_of, scale, velocities
 from .said import Said
 
 RATES = (2.0, 5000.0)
@@ -190,7 +190,7 @@ class MotionUnits:
             return None
         recorded = self.motion.on(self.time, omega.said * UNITS["rate"][omega.unit])
         for unit, period in (("deg", 360.0), ("rad", 2 * np.pi)):
-            rate = np.gradient(self.motion.smoothed(self.time, turned(column.said, period)), self.motion.time)
+            rate = np.gradient(self.motion.smoothed(self.time, unwrapped(column.said, period)), self.motion.time)
             factor, agreement = scale(recorded, rate)
             if abs(agreement) > 0.9 and near(abs(factor), "angle") == unit:
                 return Said(unit, True, f"as {omega.title} says how fast it turns")
@@ -204,7 +204,7 @@ class MotionUnits:
         size = UNITS["angle"][str(unit)]
         sign = self.heading.sign.value if isinstance(self.heading.sign.value, int) else 1
         offset = self.offset.value if isinstance(self.offset.value, float) else 0.0
-        return np.asarray(sign * size * turned(column.said, 2 * np.pi / size) + offset)
+        return np.asarray(sign * size * unwrapped(column.said, 2 * np.pi / size) + offset)
 
     def _velocity(self) -> tuple[Said, dict[str, Entry]]:
         """Along which axes, and its columns: none where one of the three is missing."""
