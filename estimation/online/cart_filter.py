@@ -17,7 +17,7 @@ from ..gaussian import Gaussian
 from ..health import SensorHealth
 from ..noise import FilterNoise
 from ..prior import Prior
-from .delayed_wrenches import DelayedWrenches, delayed
+from .delayed_wrenches import InTime, delayed
 from .driven_motion import DrivenMotion
 from .given import Given, given
 from .learning_filter import LearningFilter
@@ -34,7 +34,7 @@ def core_of(made_of: Given, least_speed: float = 0.0) -> LearningFilter:
 
 
 @final
-class CartFilter(OnlineEstimator[DelayedWrenches | LearningFilter]):
+class CartFilter(OnlineEstimator[InTime]):
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.

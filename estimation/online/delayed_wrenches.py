@@ -19,6 +19,7 @@ from cartgrasp.shallow import shallow
 from ..gaussian import Gaussian
 from ..health import SensorHealth
 from .learning_filter import LearningFilter
+from .regressor.parameter_learner import ParameterLearner
 
 SAME = 1e-9
 """s."""
@@ -29,7 +30,7 @@ def longest_delay(cart: CartModel) -> float:
     return max((cart.lateness(effect.label) for effect, _ in cart.sensor_effects), default=0.0)
 
 
-def delayed(core: LearningFilter, cart: CartModel) -> DelayedWrenches | LearningFilter:
+def delayed(core: LearningFilter, cart: CartModel) -> InTime:
     """With wrenches where they were felt, where the cart says that they come late."""
     return DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
 
@@ -43,6 +44,10 @@ class DelayedWrenches:
         self._recorded: tuple[Measurement, ...] = ()
         self._now: LearningFilter | None = None
         self.time = core.time
+
+    @property
+    def learner(self) -> ParameterLearner:
+        return self.core.learner
 
     @property
     def worked(self) -> bool:
@@ -99,3 +104,7 @@ class DelayedWrenches:
             if arm in nearest.wrenches:
                 felt[arm] = nearest.wrenches[arm]
         return felt
+
+
+InTime = DelayedWrenches | LearningFilter
+"""A filter whose wrenches are of the time at which they were felt."""

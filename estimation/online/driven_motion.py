@@ -16,7 +16,7 @@ from cartgrasp.shallow import shallow
 from ..gaussian import Gaussian
 from ..health import no_health
 from ..noise import FilterNoise
-from .first_motion import UNKNOWN_FORCE, first_motion
+from .first_motion import first_motion
 from .kernels import driven_motion as kernels
 from .kernels.driven_block import Driven, new_block, parts
 from .kernels.driven_motion import MAX_STEP
@@ -24,6 +24,9 @@ from .kernels.felt_wrench import HELD
 from .kernels.jit import Indices
 from .kernels.sensor_health import noted
 from .seen import NOTHING_FELT, NOTHING_SEEN
+
+UNKNOWN_FORCE = 100.0
+"""N: of a wrench of which nothing is known."""
 
 
 class DrivenMotion:

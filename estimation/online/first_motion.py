@@ -11,8 +11,6 @@ from ..noise import FilterNoise
 
 LOST_AFTER = 1.0
 """s without a sample after which the motion may be any again."""
-UNKNOWN_FORCE = 100.0
-"""N: of a wrench of which nothing is known."""
 
 
 def first_motion(cart: CartModel, noise: FilterNoise, pose: Array) -> tuple[Array, Array]:

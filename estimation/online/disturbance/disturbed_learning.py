@@ -27,9 +27,8 @@ from cartgrasp.shallow import shallow
 
 from ...health import Health
 from ..cart_filter import core_of
-from ..delayed_wrenches import DelayedWrenches, delayed
+from ..delayed_wrenches import InTime, delayed
 from ..given import Given
-from ..learning_filter import LearningFilter
 from ..load_change import load_covariance
 from ..seen import usable
 from ..wrench_sensing import Moving, WrenchSensing
@@ -38,6 +37,8 @@ from .observer import DisturbanceObserver, Observed
 ACTS, STAYS = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
 """By dimension, of the normalised square: chi-squared with one, two and three components is beyond the first once in a
 thousand times, and beyond the second, below which a disturbance is over, once in twenty."""
+ROLLS, AGREED, WHOLE = 0, 1, 2
+"""nu' of a cart that rolls on; what wrenches alone would make and is there; and what there is."""
 PATIENCE = 10.0
 """s after which what pushes is the model's error, and what is no load by then is none."""
 
@@ -52,7 +53,7 @@ class DisturbedLearning:
         unseen = max(noise.disturbance, self._observer.deviation * math.sqrt(response))
         louder = cart, arms, replace(noise, disturbance=unseen), prior, yaws
         self._careful = delayed(core_of(louder), cart)
-        self._open: DelayedWrenches | LearningFilter | None = None  # learns from what is kept back, too
+        self._open: InTime | None = None  # learns from what is kept back, too
         self._opened = self._kept_back = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._rigid = replace(cart, effects=())
@@ -118,10 +119,10 @@ class DisturbedLearning:
         if self._open is not None:
             self._try(self._open, sample)
 
-    def _try(self, other: DelayedWrenches | LearningFilter, sample: Measurement) -> None:
+    def _try(self, other: InTime, sample: Measurement) -> None:
         """What learns from all samples, until it is known whether there is another load."""
         other.take(sample)
-        learner = (other.core if isinstance(other, DelayedWrenches) else other).learner
+        learner = other.learner
         if learner.loaded > self._opened:
             self._careful, self._open, self._until = other, None, -math.inf
         elif learner.tried > self._opened or sample.time - self._kept_back > PATIENCE:
@@ -156,23 +157,21 @@ class DisturbedLearning:
         the part that wrenches alone would make, and that is there."""
         found, time, k = observed.wrench, observed.time, observed.k
         alone, whole = self._rates(observed, told, memory)
-        rolls, agreed = (
-            np.zeros(k),
-            np.where(alone * whole > 0, np.sign(alone) * np.minimum(np.abs(alone), np.abs(whole)), 0.0),
-        )
+        same = np.where(alone * whole > 0, np.sign(alone) * np.minimum(np.abs(alone), np.abs(whole)), 0.0)
+        rates = np.array([np.zeros(k), same, whole])
+        known = found.covariance + self._by_parameters(observed, told, memory, rates)
 
-        def square(rate: Array, cart: CartModel) -> float:
-            spread = found.covariance + self._by_load(observed, told, memory, rate, cart)
+        def square(i: int, cart: CartModel) -> float:
+            spread = known[i] + self._by_load(observed, told, memory, rates[i], cart)
             return float(found.mean @ np.linalg.solve(spread, found.mean))
 
         was = self._disturbance is not None and self._disturbance.acts
         begins, stays = ACTS[k - 1], STAYS[k - 1]
-        self._is_sure = square(rolls, self.cart) > stays if self._is_sure else square(agreed, self.cart) > begins
-        acts = self._is_sure or square(agreed, self._rigid) > (stays if was else begins)
+        self._is_sure = square(ROLLS, self.cart) > stays if self._is_sure else square(AGREED, self.cart) > begins
+        acts = self._is_sure or square(AGREED, self._rigid) > (stays if was else begins)
         if acts:
             self._since, self._until = (self._since if was else time), time
-        by_parameters = self._by_parameters(observed, told, memory, whole)
-        self._disturbance = Disturbance(found.mean, found.covariance + by_parameters, acts)
+        self._disturbance = Disturbance(found.mean, known[WHOLE], acts)
 
     def _rates(self, observed: Observed, told: Estimate, memory: Array) -> tuple[Array, Array]:
         """What nu' (k,) wrenches alone would make, and what they make with the disturbance."""
@@ -184,19 +183,17 @@ class DisturbedLearning:
         )
         return alone, whole
 
-    def _by_parameters(self, observed: Observed, told: Estimate, memory: Array, rate: Array) -> Array:
-        """Covariance (k, k) of what parameters that are not known would make of a motion with nu' = `rate`."""
+    def _by_parameters(self, observed: Observed, told: Estimate, memory: Array, rates: Array) -> Array:
+        """Covariances (n, k, k) of what parameters that are not known would make of motions with nu' = `rates`."""
         if told.covariance is None:
-            return np.zeros((observed.k, observed.k))
-        by = self.cart.inverse(observed.state(memory), rate, told.model_parameters, observed.time).by_parameters
-        return np.asarray(by @ told.covariance @ by.T)
+            return np.zeros((len(rates), observed.k, observed.k))
+        by = self.cart.inverse(observed.state(memory), rates, told.model_parameters, observed.time).by_parameters
+        return np.asarray(by @ told.covariance @ np.swapaxes(by, -1, -2))
 
     def _by_load(self, observed: Observed, told: Estimate, memory: Array, rate: Array, cart: CartModel) -> Array:
-        """Covariance (k, k) of what parameters that are not known, and a usual load on `cart`, would make of a motion
-        with nu' = `rate`."""
+        """Covariance (k, k) of what a usual load on `cart` would make of a motion with nu' = `rate`."""
         theta, time, state = told.model_parameters, observed.time, observed.state(memory)
         n = 3 + observed.k
         own = (state, theta) if cart is self.cart else (state[:n], theta[:N_PHI])
         by_load = cart.inverse(own[0], rate, own[1], time).by_parameters
-        found = by_load @ load_covariance(cart, self.prior, float(theta[0])) @ by_load.T
-        return np.asarray(found + self._by_parameters(observed, told, memory, rate))
+        return np.asarray(by_load @ load_covariance(cart, self.prior, float(theta[0])) @ by_load.T)

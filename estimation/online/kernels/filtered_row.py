@@ -24,6 +24,7 @@ from .row_parts import (
     curvature_of,
     likeliest,
     noise_of_wrenches,
+    part_beyond,
     slowest,
     standing_out,
     with_rise,
@@ -70,8 +71,8 @@ class Smoothed(NamedTuple):
 class Asked(NamedTuple):
     """Where inverse dynamics are asked for: states (m, s), nu' (m, f), parameters (m, p) and times (m,). Each of the n
     instants at nu' of zero; each with the part of nu that stands out; the last with nu' of zero and of each unit; the
-    middle one around the parameters and at each column of a spread from them. And each of the n
-    instants with each number of the memory a standard deviation more, and less."""
+    middle one around the parameters and at each column of a spread from them; and each of the n with each number of
+    the memory a standard deviation more, and less."""
 
     state: Array
     acceleration: Array
@@ -216,9 +217,7 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
         time[i] = block.time[at]
         if n <= i < 2 * n:
             for a in range(f):
-                nu = block.velocity[at, a]
-                square = STANDS_OUT**2 * block.covariance[at, a, a] / max(nu**2, 1e-300)
-                state[i, 3 + a] = max(1.0 - square, 0.0) * nu
+                state[i, 3 + a] = part_beyond(block.velocity[at, a], block.covariance[at, a, a], STANDS_OUT)
     for a in range(f):
         acceleration[2 * n + 1 + a, a] = 1.0
     for j in range(q + 1):
@@ -273,9 +272,9 @@ def _row(
         by[still + f + 1 : others], spread, (left_out.scaled, theta[0]), weighing.linear.sum()
     )
     residual -= left_on_average
-    known_to, seen = noise + curvature, standing_out(rise[0], np.diag(rise[1]), STILL)
-    add_congruence(with_rise(slopes, by_acceleration, seen)[:, :p], covariance, known_to, np.empty(p))
-    slopes = with_rise(slopes, by_acceleration, standing_out(*likeliest(rise, mass, known_to, residual), STANDS_OUT))
+    foretold, seen = noise + curvature, standing_out(rise[0], np.diag(rise[1]), STILL)
+    add_congruence(with_rise(slopes, by_acceleration, seen)[:, :p], covariance, foretold, np.empty(p))
+    slopes = with_rise(slopes, by_acceleration, standing_out(*likeliest(rise, mass, foretold, residual), STANDS_OUT))
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
     return FilteredRow(residual, slopes, -RATE * mass, weighing.fade, noise, before, after, shared, curvature)
 

@@ -9,7 +9,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import N_PHI
 
-from .correction import eliminate
+from .correction import add_congruence, eliminate
 from .jit import Indices, row_compiled, row_entry
 
 SPACING = 0.1
@@ -56,12 +56,17 @@ def at_most(theta: Array, covariance: Array) -> Array:
 
 
 @row_compiled
+def part_beyond(value: float, variance: float, deviations: float) -> float:
+    """Of a number, what stands out of so many deviations."""
+    return max(1.0 - deviations**2 * variance / max(value**2, 1e-300), 0.0) * value
+
+
+@row_compiled
 def standing_out(value: Array, variance: Array, deviations: float) -> Array:
-    """The part (f,) of numbers that stands out of so many deviations."""
-    found = np.zeros(len(value))
+    """The parts (f,) of numbers."""
+    found = np.empty(len(value))
     for a in range(len(value)):
-        share = 1.0 - deviations**2 * variance[a] / max(value[a] ** 2, 1e-300)
-        found[a] = max(share, 0.0) * value[a]
+        found[a] = part_beyond(value[a], variance[a], deviations)
     return found
 
 
@@ -79,10 +84,7 @@ def likeliest(rise: tuple[Array, Array], mass: Array, noise: Array, residual: Ar
         for b in range(f):
             for c in range(f):
                 gain[a, b] += mass[a, c] * covariance[c, b]
-    for a in range(f):
-        for b in range(f):
-            for c in range(f):
-                spread[a, b] += gain[a, c] * mass[b, c]
+    add_congruence(mass, covariance, spread, np.empty(f))
     moved = gain.copy()
     eliminate(spread, gain)
     for a in range(f):
@@ -118,6 +120,14 @@ def noise_of_wrenches(held: Array, wrenches: Array, f: int) -> Array:
 
 
 @row_compiled
+def add_root(root: Array, scale: float, noise: Array) -> None:
+    """Of a noise with one direction (f,)."""
+    for a in range(len(root)):
+        for b in range(len(root)):
+            noise[a, b] += scale * root[a] * root[b]
+
+
+@row_compiled
 def add_stuck(linear: Array, stuck: Array, noise: Array) -> None:
     """Coulomb forces where the cart may stand still, for all that nu tells: they take whatever value holds it."""
     n, f, count = stuck.shape
@@ -127,9 +137,7 @@ def add_stuck(linear: Array, stuck: Array, noise: Array) -> None:
         for a in range(f):
             for i in range(n):
                 total[a] += linear[i] * stuck[i, a, c]
-        for a in range(f):
-            for b in range(f):
-                noise[a, b] += total[a] * total[b] / SPACING
+        add_root(total, 1.0 / SPACING, noise)
 
 
 @row_compiled
@@ -140,9 +148,7 @@ def add_other_memory(linear: Array, wrench: Array, first: int, noise: Array) -> 
     for a in range(f):
         for i in range(n):
             total[a] += linear[i] * (wrench[first + i, a] - wrench[i, a])
-    for a in range(f):
-        for b in range(f):
-            noise[a, b] += 0.5 * PERSISTS * total[a] * total[b]
+    add_root(total, 0.5 * PERSISTS, noise)
 
 
 @row_compiled

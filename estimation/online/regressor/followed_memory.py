@@ -4,6 +4,7 @@ to either side (sigma points; Julier and Uhlmann 1997). A caster that swings rou
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -13,8 +14,8 @@ from cartgrasp.model import CartModel
 
 from ..kernels.filtered_row import Smoothed
 
-FARTHEST = 2.0
-"""Spreads of a memory: how far it is off at first, and at most; 1 rad of a caster."""
+MOST_SPREADS = 2.0
+"""Of a memory: how far it is off at first, and at most; 1 rad of a caster."""
 
 
 @dataclass(frozen=True)
@@ -28,21 +29,25 @@ class FollowedMemory:
 
     def along(self, moved: Smoothed, parameters: Array) -> Smoothed:
         """A motion with its memory, and how far that may be off."""
+        if not self.cart.memory_names:
+            return moved
         motion = moved.pose, moved.velocity, moved.time, parameters
         mean = self.cart.memory_along(*motion, None if self.at is None else self.at[0])
-        std = FARTHEST * self.cart.memory_spread if self.at is None else self.at[1]
+        std = MOST_SPREADS * self.cart.memory_spread if self.at is None else self.at[1]
         std = np.where(self.cart.memory_is_seen, 0.0, std)
         off = [wrap_angle(self.cart.memory_along(*motion, mean[0] + side * std) - mean) for side in (1.0, -1.0)]
         return moved._replace(memory=mean, memory_std=np.sqrt(0.5 * (off[0] ** 2 + off[1] ** 2)))
 
     def after(self, moved: Smoothed, k: int) -> FollowedMemory:
         """At the k-th moment of a motion with its memory."""
+        if not self.cart.memory_names:
+            return self
         spread, step = self.cart.memory_spread, float(moved.time[k] - moved.time[0])
         more = self.swivel**2 * step * (spread / USUAL_SPREAD) ** 2
-        std = np.minimum(np.sqrt(moved.memory_std[k] ** 2 + more), FARTHEST * spread)
+        std = np.minimum(np.sqrt(moved.memory_std[k] ** 2 + more), MOST_SPREADS * spread)
         return FollowedMemory(self.cart, self.swivel, (moved.memory[k], std))
 
-    @property
+    @cached_property
     def mean(self) -> Array:
         """(k,), of a cart at rest where nothing is known."""
         return self.cart.state()[self.cart.memory_slice] if self.at is None else self.at[0]

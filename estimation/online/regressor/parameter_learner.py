@@ -199,8 +199,7 @@ class ParameterLearner:
         tracker = self.tracker
         weighing = weights(tracker.time[:end], end - k)
         moved, wrenches = tracker.smoothed(weighing.of_motion), tracker.wrenches(end - 1)
-        if self.cart.memory_names:
-            moved = self._memory.along(moved, self.theta)
+        moved = self._memory.along(moved, self.theta)
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
         is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
         is_still = stands_still(moved, self.cart)
@@ -208,7 +207,7 @@ class ParameterLearner:
             self._learn(Block(weighing, moved, wrenches))
         else:
             self._unlink(is_still=bool(is_whole and is_still))
-        self._memory = self._memory.after(moved, k) if self.cart.memory_names else self._memory
+        self._memory = self._memory.after(moved, k)
         tracker.drop(k)
 
     def _unlink(self, *, is_still: bool = False) -> None:

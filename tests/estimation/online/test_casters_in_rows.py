@@ -17,7 +17,7 @@ from estimation.gaussian import Gaussian
 from estimation.online.kernels.filtered_row import RATE, Smoothed, weights
 from estimation.online.kernels.row_parts import PERSISTS
 from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
-from estimation.online.regressor.followed_memory import FARTHEST, FollowedMemory
+from estimation.online.regressor.followed_memory import MOST_SPREADS, FollowedMemory
 
 from ..runs import wrench_rows
 
@@ -79,7 +79,7 @@ def test_a_caster_forgets_where_it_stood_once_it_has_swung_round():
     moved = Smoothed(time, np.zeros((301, 3)), velocity, 0.0 * velocity, exact, exact[:3], none, none)
     followed = FollowedMemory(CART, swivel=0.2)
     along = followed.along(moved, CART.parameters)
-    spread = FARTHEST * CART.memory_spread
+    spread = MOST_SPREADS * CART.memory_spread
     assert along.memory_std[0] == pytest.approx(spread)
     assert (along.memory_std[100] < 1e-3).all()
     after = followed.after(along, 100).along(moved, CART.parameters)
