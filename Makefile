@@ -15,12 +15,13 @@ PYTHON := python3 python3.11 python3.12 python3.13
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test prove sealed floors measured lint format docs bench lock clean
+.PHONY: help setup demo test test-quick prove sealed floors measured lint format docs bench lock clean
 
 help:
 	@echo "make setup    make .venv from the lock and install cartgrasp into it, editable"
 	@echo "make demo     run the demonstration; its pages go to out/demo"
 	@echo "make test     run the tests"
+	@echo "make test-quick  of these what takes little, of the library alone: for daily work"
 	@echo "make prove    run the long proofs that make test leaves out"
 	@echo "make sealed   name effects hidden in generated logs, and score what was named (SEEDS=0:4; hours)"
 	@echo "make floors   from which share of its usual size on an effect is named (SEEDS, SHARES; hours)"
@@ -71,6 +72,11 @@ demo: setup
 
 test: setup
 	$(ENV) $(BIN)/python -m pytest -n 2 --dist=worksteal
+
+# Commands, pages, studies and benchmarks have folders of their own.
+OF_THE_LIBRARY := $(addprefix tests/,core effects estimation logs planning simulation test_architecture.py test_mistakes.py test_writing.py)
+test-quick: setup
+	$(ENV) $(BIN)/python -m pytest -n 2 --dist=worksteal -m "not prove and not long" $(OF_THE_LIBRARY)
 
 # pytest's exit status 5 says that no test is marked `prove`.
 prove: setup

@@ -196,6 +196,7 @@ def test_hidden_circles_stay_within_a_package():
         assert len(rooms) == 1, circle
 
 
+@pytest.mark.long
 def test_nothing_runs_code_that_came_as_data():
     assert not unsafe(TREE)
 
@@ -237,6 +238,7 @@ def test_every_name_of_a_package_is_there(name):
         package.lod_cart  # noqa: B018
 
 
+@pytest.mark.long
 def test_the_dependencies_are_what_is_imported():
     """Beside the tests' runner, which the project's users ask for."""
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

@@ -82,7 +82,7 @@ class SplineFit:
         self.basis = basis
         self._designs = [basis.design(one.time, one.derivative) for one in samples]
         self._samples = tuple(samples)
-        self._weights = [np.full(len(one.time), one.std**-2.0) for one in samples]
+        self._weigh([np.full(len(one.time), one.std**-2.0) for one in samples])
         self._roughness = self._penalised()
         self.smooth = self._robust()
         self.unbiased = self._solved(self._scale * LEAST_PENALTY)
@@ -106,15 +106,14 @@ class SplineFit:
         point = self.basis.design(np.array([time]), derivative).toarray()[0]
         return float(np.sqrt(point @ cho_solve_banded((cholesky_banded(matrix), False), point)))
 
-    @property
-    def _normal(self) -> tuple[Array, Array]:
-        matrix = np.zeros((DEGREE + 1, self.basis.count))
-        right = np.zeros(self.basis.count)
-        for design, one, weight in zip(self._designs, self._samples, self._weights, strict=True):
+    def _weigh(self, weights: list[Array]) -> None:
+        """Takes weights of samples, and works out the normal equations: a matrix in banded form, and its right side."""
+        matrix, right = np.zeros((DEGREE + 1, self.basis.count)), np.zeros(self.basis.count)
+        for design, one, weight in zip(self._designs, self._samples, weights, strict=True):
             weighted = diags_array(weight) @ design
             matrix += _banded((design.T @ weighted).tocsr(), DEGREE)
             right += weighted.T @ one.value
-        return matrix, right
+        self._weights, self._normal = weights, (matrix, right)
 
     @property
     def _weight_of_values(self) -> float:
@@ -128,9 +127,11 @@ class SplineFit:
         for _ in range(ROUNDS):
             self._penalty = self._likely_penalty()
             coefficients = self._solved(self._penalty)
-            for i, (design, one) in enumerate(zip(self._designs, self._samples, strict=True)):
+            weights = []
+            for design, one in zip(self._designs, self._samples, strict=True):
                 off = np.abs(one.value - design @ coefficients) / one.std
-                self._weights[i] = one.std**-2.0 / np.maximum(off / OUTLYING, 1.0) ** 2
+                weights.append(one.std**-2.0 / np.maximum(off / OUTLYING, 1.0) ** 2)
+            self._weigh(weights)
         return coefficients
 
     def _solved(self, penalty: float) -> Array:

@@ -5,6 +5,7 @@ import pytest
 from benchmarks.filter_faults import FAULTS, IN_TIME, MASS, NEES, drawn, noise, told
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [2000, 2001])
 def test_faults_are_told_and_sound_logs_are_not_suspected(seed):
     run = drawn(seed)

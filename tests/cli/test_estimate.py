@@ -130,6 +130,7 @@ HOLES = {
 }
 
 
+@pytest.mark.some(6)
 @ONLINE
 @pytest.mark.parametrize("which", HOLES)
 def test_samples_that_are_missing(capsys, tmp_path, weaving, which, method):
@@ -236,6 +237,7 @@ def test_numbers_beyond_reason(capsys, tmp_path, weaving, scale, columns):
             answer.refused(3, tmp_path / "run.csv")
 
 
+@pytest.mark.some(8)
 @pytest.mark.parametrize("value", ["1.0e-300", "1.0e-9", "1.0e+5", "1.0e+9", "1.0e+15", "1.0e+300"])
 @pytest.mark.parametrize("key", ["mass: 18.0", "inertia: 1.5", "linear: 2.0", "angular: 1.0", "0.20"])
 def test_a_cart_beyond_reason(capsys, tmp_path, weaving, key, value):

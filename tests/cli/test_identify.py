@@ -72,6 +72,7 @@ def test_two_logs(capsys, tmp_path, weaving):
     assert [log["name"] for log in answer.json["logs"]] == [str(tmp_path / f"run{i}.csv") for i in range(2)]
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("which", HOLES)
 def test_samples_that_are_missing(capsys, tmp_path, weaving, which):
     found = parameters(identify(capsys, tmp_path, [holes(weaving, *HOLES[which])[::4]]))

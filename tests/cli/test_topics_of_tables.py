@@ -96,6 +96,7 @@ def _numbers(document):
     return [document] if isinstance(document, float) else []
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize(
     ("change", "kind"),
     [

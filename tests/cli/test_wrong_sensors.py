@@ -45,6 +45,7 @@ def asked(capsys, folder, command, name, *more):
     return run(capsys, command, folder / name, "--cart", folder / "cart.yaml", "--json", *more)
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("kind", WRONG)
 def test_the_same_words_as_check(capsys, folder, kind):
     """One line, which names the log and how to accept it; nothing on stdout."""
@@ -58,6 +59,7 @@ def test_the_same_words_as_check(capsys, folder, kind):
         assert answer.err == told.err
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("command", ["estimate", "identify"])
 def test_what_is_accepted_is_learned_from(capsys, folder, command):
     answer = asked(capsys, folder, command, "unit.csv", "--accept", "unit", "--accept", "scale")

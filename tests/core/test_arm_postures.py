@@ -68,6 +68,7 @@ def test_limits_of_joints_are_kept_where_the_pose_lies_beyond_them(tmp_path: Pat
     assert (np.abs(posture.configuration) <= 1).all()
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(arm=arms(), far=vectors(6, -3, 3), start=vectors(7, -3, 3))
 def test_where_it_stops_no_joint_can_help(arm: DrawnArm, far: np.ndarray, start: np.ndarray, tmp_path: Path):

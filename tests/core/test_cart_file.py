@@ -83,6 +83,7 @@ def test_comments_and_order_stay_when_numbers_change(tmp_path):
     assert load_cart(path) == changed
 
 
+@pytest.mark.long
 @given(
     inertia=inertias(),
     constraints=st.sampled_from(list(CONSTRAINTS.values())),
@@ -375,6 +376,7 @@ def test_any_bytes_are_a_file_error(data, tmp_path_factory):
         load_cart(path)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("depth", [60, 400])
 @pytest.mark.parametrize(("opening", "closing"), [("[", "]"), ("{a: ", "}"), ("- ", ""), ("[{a: ", "}]")])
 def test_deep_nesting_is_a_file_error(depth, opening, closing):

@@ -101,6 +101,7 @@ def entry(x):
 """
 
 
+@pytest.mark.long
 def test_another_process_finds_them_again(tmp_path):
     (tmp_path / "kernels.py").write_text(KERNELS)
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}

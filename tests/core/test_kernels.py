@@ -101,6 +101,7 @@ def test_inverse_dynamics_broadcast():
             np.testing.assert_array_equal(getattr(together, name)[i, j], value)
 
 
+@pytest.mark.long
 def test_another_packages_kernel_may_call_it():
     """It counts references, as kernels here do not."""
 
@@ -234,6 +235,7 @@ def test_a_foreign_change_of_inertia_counts_like_our_own():
     )
 
 
+@pytest.mark.long
 @every_cart
 @given(data=st.data(), wrench_b=wrenches())
 def test_a_foreign_force_has_all_that_ours_have(constraints, data, wrench_b):

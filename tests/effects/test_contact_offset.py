@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 
 from cartgrasp.contacts import grasp_map_spatial
@@ -50,6 +51,7 @@ def log_of(duration=18.0):
     return recorded(states, contacts, given, NOISE)
 
 
+@pytest.mark.long
 def test_the_filter_and_identify_put_the_com_where_it_is():
     """Without it, it is as much too far to the left as the hand is to the right."""
     log, known = log_of(), Prior(known=frozenset({"contact_offset"}))
@@ -64,6 +66,7 @@ def test_the_filter_and_identify_put_the_com_where_it_is():
     assert unaware.value > 0.08
 
 
+@pytest.mark.long
 def test_a_known_cart_tells_where_the_hand_is():
     body = CartModel(Inertia(24.0, (0.3, 0.05), 2.0), effects=(ViscousDrag(3.0, 1.0), ContactOffset(x=0.02)))
     prior = Prior(known=frozenset({"mass", "com_x", "com_y", "inertia"}))

@@ -106,6 +106,7 @@ def test_the_force_on_the_wheels_is_that_of_the_floor_reaction():
             np.testing.assert_allclose(getattr(together, name)[i], value, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", [0.8, -0.8])
 def test_a_push_at_the_axle_drifts_by_its_share_of_the_way(speed):
     """A side force at the axle turns nothing: y = F / C times the way, whichever way it rolls; at rest nothing."""
@@ -119,6 +120,7 @@ def test_a_push_at_the_axle_drifts_by_its_share_of_the_way(speed):
     np.testing.assert_allclose(still.motion.pose_sb, 0.0, atol=1e-12)
 
 
+@pytest.mark.long
 def test_a_circle_widens():
     """With its CoM on the axle a cart on a circle pushes outward with F = m u r, and goes out by u F / C a second."""
     mass, u, r, stiffness, duration = 20.0, 1.0, 0.5, 1000.0, 4.0
@@ -150,6 +152,7 @@ def creeping_log(stiffness, seed):
     return replace(log, pose=pose), np.abs(moved).max()
 
 
+@pytest.mark.long
 def test_the_filter_and_a_fit_bear_the_creep():
     log, farthest = creeping_log(600.0, seed=3)
     rigid = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0),))

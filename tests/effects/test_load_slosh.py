@@ -269,6 +269,7 @@ def swung(seed, force_noise, coefficient=0.0):
     return record(motion, {"hand": (CONTACT, wrench)}, (0.0004, 0.005, force_noise), seed)
 
 
+@pytest.mark.long
 def test_a_fit_and_the_filter_tell_what_swings_from_what_does_not():
     log = swung(seed=3, force_noise=1.0)
     guess = CartModel(Inertia(24.0, (0.0, 0.0), 2.0), effects=(ViscousDrag(2.0, 1.0), LoadSlosh(2.0, 0.8, 0.08)))
@@ -282,6 +283,7 @@ def test_a_fit_and_the_filter_tell_what_swings_from_what_does_not():
             assert abs(found[name].value - truth) < 4 * found[name].std
 
 
+@pytest.mark.long
 def test_rolling_resistance_is_of_all_that_is_carried():
     """A fit finds the coefficient with the weight of what swings in it, and the mass of the whole."""
     log = swung(seed=4, force_noise=1.0, coefficient=0.02)

@@ -93,6 +93,7 @@ def test_a_log_of_the_body_stays_itself():
     assert at_body(log, GUESS) is log
 
 
+@pytest.mark.long
 def test_the_filter_brings_what_it_sees_to_the_body():
     """6 cm ahead of the axle it says `outliers`, and that its velocities don't fit; told of it, nothing is wrong."""
     noise = FilterNoise(*(NOISE[0],) * 2, *(NOISE[1],) * 2, *NOISE[2:])
@@ -112,6 +113,8 @@ def test_the_filter_brings_what_it_sees_to_the_body():
     assert brought.parameters == literal.parameters
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize(
     ("point", "yaw"), [((0.06, 0.0), 0.0), ((0.1, -0.2), 0.03), ((-0.5, 0.3), 1.5)], ids=["ahead", "aside", "elsewhere"]
 )

@@ -117,6 +117,7 @@ def late_log():
     return late, replace(log, arms={"hand": ArmLog(hand.contact, cut)})
 
 
+@pytest.mark.long
 def test_identify_and_a_replay_see_the_wrenches_in_time():
     """As if they had never been late; without the effect, much is left unexplained."""
     late, in_time = late_log()
@@ -137,6 +138,7 @@ def test_identify_and_a_replay_see_the_wrenches_in_time():
     assert online.value == pytest.approx(24.0, rel=0.03)
 
 
+@pytest.mark.long
 def test_a_filter_waits_for_late_wrenches():
     """As if they had never been late, up to where they tell."""
     late, in_time = late_log()

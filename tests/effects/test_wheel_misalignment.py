@@ -102,6 +102,7 @@ def test_what_is_refused():
         CartModel(Inertia(24.0, (0.3, 0.1), 2.0), RollingConstraints(0.0, angle=0.1))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("axle", [0.4])
 def test_tracking_knows_where_it_rolls(axle):
     """The true model ends without error and grows none; one that takes the wheels for straight does."""
@@ -126,6 +127,7 @@ def test_tracking_knows_where_it_rolls(axle):
     assert unaware > 10 * own
 
 
+@pytest.mark.long
 def test_fits_on_a_cart_with_turned_wheels():
     """A log of a straight cart, written down in a frame that its wheels are turned against."""
     angle, com = 0.15, np.array([0.3, 0.05])

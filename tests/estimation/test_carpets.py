@@ -48,7 +48,11 @@ def log_over(carpets, seed):
     return record(np.array(states), hands, (0.0005, 0.005, 0.5), seed)
 
 
-@pytest.mark.parametrize("carpets", [(FIRST,), (FIRST, SECOND)], ids=["one", "two"])
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "carpets",
+    [pytest.param((FIRST,), id="one"), pytest.param((FIRST, SECOND), id="two", marks=pytest.mark.prove)],
+)
 def test_as_many_patches_as_carpets(carpets):
     cart = CartModel(Inertia(22.0, (0.3, 0.04), 2.0), effects=(ViscousDrag(linear=4.0, angular=1.0),))
     found = diagnose(log_over(carpets, seed=5), cart)

@@ -37,6 +37,7 @@ def found(sealed):
     return {case: diagnose(cg.read_log(log / "run.csv"), cg.load_cart(log / "cart.yaml")) for case, log in logs.items()}
 
 
+@pytest.mark.long
 def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
     diagnosis = found["floor_slope"]
     assert diagnosis.verdict in ("explained", "partly_explained")
@@ -53,6 +54,7 @@ def test_a_hidden_effect_is_named_added_and_closes_the_gap(found, tmp_path):
     assert again == [effect.name for effect in diagnosis.effects]
 
 
+@pytest.mark.prove
 def test_casters_that_the_cart_does_not_list_are_found_with_their_place(tmp_path):
     """One stands for two, a fifth farther away."""
     log = tmp_path / "logs" / generate(tmp_path, ["caster_realignment"], [41], "rich")[0]
@@ -68,6 +70,8 @@ def test_casters_that_the_cart_does_not_list_are_found_with_their_place(tmp_path
     assert diagnosis.gap.after < 0.5 * diagnosis.gap.refitted
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize(("plant", "seed"), [("model", 3), ("model", 11), ("mujoco", 0)])
 def test_casters_that_a_reversal_left_poised_are_no_push(plant, seed):
     """A thousandth of a radian decides which way they swing round, and when; and how the cart turns under them."""
@@ -100,6 +104,7 @@ def test_parameters_of_the_nominal_model_are_told_apart_from_effects(found):
         assert 0 < mass["std"] < 0.2 * mass["refitted"]
 
 
+@pytest.mark.prove
 def test_what_is_named_reaches_the_true_structure_refitted(found, sealed):
     """From no effect, or from the truth's own values: one gap. What has no name has no refit."""
     folder, names = sealed
@@ -148,6 +153,7 @@ def coulomb_of(diagnosis):
     return value * weight, std * weight
 
 
+@pytest.mark.long
 def test_the_real_axis_lacks_two_frictions(axis):
     """Reference values of the data's authors: M 95.1 ± 0.5 kg, Fc 20.4 N, within a deviation."""
     assert [effect.name for effect in axis.effects] == ["rolling_resistance", "directional_drag"]
@@ -157,6 +163,7 @@ def test_the_real_axis_lacks_two_frictions(axis):
     assert abs(coulomb - 20.4) < std < 0.05 * coulomb
 
 
+@pytest.mark.long
 @pytest.mark.xfail(strict=True, reason="issue 28: the drive's millisecond is no candidate, and costs 2 of 3 mm")
 def test_the_real_axis_is_late_by_a_millisecond(axis):
     found = {late: least_squares_on_the_axis(late) for late in (0, 1, 2)}

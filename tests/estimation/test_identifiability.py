@@ -32,6 +32,7 @@ def learned(curved, cart=None, prior=None):
     return replay(log, CartFilter(cart or guess(), ["hand"], noise=NOISE, prior=prior)).last
 
 
+@pytest.mark.long
 def test_a_straight_push_asks_for_curves_and_curves_teach():
     """d/d(com_x) and d/dJ of the equations vanish where r = 0 and r' = 0 (physics 13)."""
     found = identifiability(learned(curved=False, cart=guess(DRAGS[:1])))
@@ -57,6 +58,7 @@ def test_what_one_contact_can_not_tell_apart_moves_together():
     assert "another point" in together.remedy
 
 
+@pytest.mark.long
 def test_what_is_known_or_can_not_move_is_not_asked_for():
     known = Prior(known=frozenset({"viscous_drag", "rolling_resistance"}))
     assert not any("drag" in name for name in identifiability(learned(False, prior=known), known).left)

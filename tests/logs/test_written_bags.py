@@ -41,6 +41,7 @@ def logs(draw):
     )
 
 
+@pytest.mark.long
 @given(logs())
 def test_a_log_comes_back(tmp_path_factory, log):
     """Times to 1 ns, headings and velocities to round-off, all else to the bit; what is missing stays missing."""

@@ -70,6 +70,7 @@ def fuzz(seed, calls):
     return counts
 
 
+@pytest.mark.long
 def test_fuzzed_calls():
     counts = fuzz(0, 1000)
     assert min(counts[status] for status in ("optimal", "infeasible", "invalid_input", "refused construction")) > 10

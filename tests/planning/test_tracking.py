@@ -42,6 +42,8 @@ def follow(constraints, start, angle, believed=None, gains=None, step=0.005):
     return np.array(errors)
 
 
+@pytest.mark.long
+@pytest.mark.some(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_errors_vanish_with_the_true_model(kind):
     constraints, angle = KINDS[kind]
@@ -51,6 +53,8 @@ def test_errors_vanish_with_the_true_model(kind):
     assert np.abs(errors[-1]).max() < 2e-3
 
 
+@pytest.mark.long
+@pytest.mark.some(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_error_grows_from_none(kind):
     """What is left is the integrator's: its last stage sees the next stretch's acceleration, h da / 6 = 4e-4 m/s."""
@@ -58,6 +62,7 @@ def test_no_error_grows_from_none(kind):
     assert np.abs(follow(constraints, (0, 0, 0), angle)).max() < 4e-4 / Gains().velocity
 
 
+@pytest.mark.long
 def test_steady_error_of_a_wrong_mass_is_the_closed_form():
     """Accelerating at a with mass m believed m_b: m (a + k_v k_x e) = m_b (a + ...): e = (m - m_b) a / (m_b k_x k_v)
     once settled, on a straight line without drag."""

@@ -43,6 +43,7 @@ def scenario(folder, *names, **changes):
     return replace(build_scenario(replace(choice, **changes)), duration=4.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_cart_with_each_is_tracked_when_it_is_known(name, tmp_path):
     record = scenario(tmp_path, name).run()
@@ -62,6 +63,7 @@ def test_a_cart_with_each_is_tracked_when_it_is_known(name, tmp_path):
         np.testing.assert_allclose(np.arctan2(along[:, 1], along[:, 0]) - heading, 0.03, atol=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("plant", ["model", "mujoco"])
 def test_a_robot_with_all_that_is_known_of_it_is_tracked(plant, tmp_path):
     """Poses are of the tracked point, and what its sensors weigh of the tool is there."""

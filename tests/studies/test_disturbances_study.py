@@ -29,6 +29,7 @@ def test_every_way_meets_the_push(way, short):
     assert math.isnan(outcome.mass_error) == (way not in (OURS, PAPER))
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [15, 21])
 def test_ours_learns_a_load(seed):
     """Of which what the wrenches did not explain was kept back for 10 s once, and the mass was off by a third."""

@@ -14,6 +14,7 @@ from cartgrasp.studies.table1_figures_of_merit import merit, paper_claims, row_c
 from planning.references import PathReference
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("test", [2, 8, 9, 11])
 def test_promises_of_a_row_are_kept(test):
     row = ROWS[test - 1]
@@ -24,6 +25,7 @@ def test_promises_of_a_row_are_kept(test):
     assert set(record.statuses) == {"optimal"}
 
 
+@pytest.mark.prove
 def test_the_literal_filter_fails_and_the_guess_alone_is_far_off():
     row = ROWS[4]
     runs = {mode: scenario(row, mode, seed=5).run() for mode in (LEARNING, FIRST_GUESS, PAPER)}

@@ -17,6 +17,8 @@ OF_VELOCITIES = {variant.name: variant.change for variant in VARIANTS if variant
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the measured logs are not part of the project")
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize(
     ("name", "variant"),
     [
@@ -34,6 +36,7 @@ def test_velocities_made_from_poses_change_nothing(name, variant):
     assert 1.12 < told["end_stop"]["position"][0] < 1.18
 
 
+@pytest.mark.long
 def test_flights_that_are_too_short_to_tell_anything_are_left_out():
     """Of a log of 25 Hz, in which the last bounces are a few rows each; the slope gains 6 nats, and closes the gap."""
     change = next(variant.change for variant in VARIANTS if variant.name == "means of four")

@@ -24,6 +24,8 @@ def told_of(name, guess, variant="as it is"):
     return diagnose(change(read_log(DATA / one.path)), cart)
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])
 def test_a_person_who_rolls_a_wheelchair(guess):
     found = told_of("wheelchair", guess)
@@ -38,23 +40,30 @@ def test_a_person_who_rolls_a_wheelchair(guess):
     assert found.gap.refitted == told["1 s"] == pytest.approx(told["along"])
 
 
+@pytest.mark.prove
 def test_coarse_poses_of_a_wheelchair_tell_its_drag():
     assert [effect.name for effect in told_of("wheelchair", 1.0, "x in 5 mm").effects] == ["rolling_resistance"]
 
 
+@pytest.mark.long
 def test_a_person_who_leans_is_no_load_that_swings():
     assert "load_slosh" not in {effect.name for effect in told_of("wheelchair", 1.0, "last 60 %").effects}
 
 
+@pytest.mark.prove
 def test_a_car_in_coarse_steps_carries_no_other_load():
     assert {effect.name for effect in told_of("car", 1.0, "x in 5 mm").effects} <= CAR.allowed
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("variant", ["at 100 Hz", "velocities fitted"])
 def test_three_flights_tell_a_slope_that_closes_the_gap(variant):
     assert "floor_slope" in {effect.name for effect in told_of("sail", 1.0, variant).effects}
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("variant", ["x in 5 mm", "at 50 Hz", "first 60 %"])
 def test_an_axis_with_two_frictions_is_no_patch_of_floor(variant):
     """The stroke is all the floor that there is."""
@@ -64,6 +73,8 @@ def test_an_axis_with_two_frictions_is_no_patch_of_floor(variant):
     assert abs(mass.value - 95.1) < 2 * np.hypot(mass.std, 0.25)
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])
 def test_a_car_whose_wheel_feels_the_force(guess):
     found = told_of("car", guess)

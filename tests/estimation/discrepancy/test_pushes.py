@@ -45,6 +45,8 @@ def certain(force, seed):
     return Certainty(searched_again(model.refitted(model.cart.with_effect(near)).rewhitened()).settled())
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_times_are_known_as_well_as_they_are_said_to_be(seed):
     """Faint ones less well; of strong ones, the form of their rise says how well. Errors in deviations of three pushes
@@ -60,6 +62,8 @@ def test_times_are_known_as_well_as_they_are_said_to_be(seed):
     assert sure.settings["external_push.start"] < vague.settings["external_push.start"]
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_what_rises_and_falls_begins_and_ends_where_it_does(seed):
     """The rectangle that is nearest to half a sine begins 0.12 s later; with the same mean it has the same impulse."""
@@ -71,6 +75,8 @@ def test_what_rises_and_falls_begins_and_ends_where_it_does(seed):
     assert force[0] == pytest.approx(2 / np.pi * 40.0, abs=3 * force[1])
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("began", [0.0, 1.7e9])
 def test_a_push_is_found_whatever_the_clock(began):
     log = pushed(20.0)
@@ -80,6 +86,8 @@ def test_a_push_is_found_whatever_the_clock(began):
     assert found.effects[0].parameters["force"][0] > 5 * found.effects[0].parameters["force"][1]
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("grows", [False, True])
 def test_an_offset_that_grows_is_no_offset(grows):
     """It is nothing at first, and twice its mean in the end."""
@@ -112,16 +120,20 @@ FLAT = pytest.mark.xfail(
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=FLAT)])
 def test_a_load_is_found_when_it_is_put_on(seed):
     assert load_of(seed)["time"] == pytest.approx(ONSET, abs=0.15)
 
 
+@pytest.mark.long
 def test_a_load_is_found_where_it_is_put():
     found = load_of(0)
     assert [found[name] for name in ("mass", "x", "y")] == pytest.approx(LOAD, abs=0.25)
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("samples", [2, 5])
 def test_lateness_is_read_off(samples):
     """Of wrenches that are held over each step, so they act half a step after their row, and are recorded so many
@@ -134,6 +146,7 @@ def test_lateness_is_read_off(samples):
     assert found.parameters["delay"][0] == pytest.approx((samples - 0.25) * 0.01, abs=0.0025)
 
 
+@pytest.mark.prove
 def test_a_push_keeps_its_name_beside_an_angle_of_the_wheels():
     """What acts once is no worse for what stretches that it does not touch say of it."""
     log, cart = sealed("wheel_misalignment+external_push", 6221)

@@ -35,11 +35,14 @@ def log_of(tool=NO_TOOL, offset=(0.0, 0.0, 0.0), then=BEHIND, duration=24.0):
     return recorded(states, contacts, given, NOISE)
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("then", [BEHIND, OTHER_END])
 def test_where_nothing_is_wrong_nothing_is_named(then):
     assert diagnose(log_of(then=then), GUESS).verdict == "no_discrepancy"
 
 
+@pytest.mark.long
 def test_poses_6_cm_ahead_of_the_axle():
     (effect,) = diagnose(tracked(log_of(), np.array([0.06, 0.0]), 0.0), GUESS).effects
     assert effect.name == "pose_offset"
@@ -48,6 +51,7 @@ def test_poses_6_cm_ahead_of_the_axle():
     assert effect.gap_share > 0.9
 
 
+@pytest.mark.prove
 def test_a_hand_6_cm_to_the_right():
     (effect,) = diagnose(log_of(offset=(0.0, -0.06, 0.0), then=BESIDE), GUESS).effects
     assert effect.name == "contact_offset"
@@ -55,6 +59,8 @@ def test_a_hand_6_cm_to_the_right():
     assert abs(value + 0.06) < 3 * std < 0.03
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize(("guess", "then"), [(SURE, BEHIND), (GUESS, OTHER_END)], ids=["known cart", "regrasps"])
 def test_a_tool_on_the_sensor(guess, then):
     (effect,) = diagnose(log_of(TOOL, then=then), guess).effects
@@ -63,6 +69,7 @@ def test_a_tool_on_the_sensor(guess, then):
     assert abs(value - 2.0) < 3 * std < 0.9
 
 
+@pytest.mark.long
 def test_at_one_place_a_tool_is_another_cart():
     found = diagnose(log_of(TOOL), GUESS)
     assert found.verdict == "no_discrepancy"

@@ -20,6 +20,8 @@ def told(log, cart=CART):
     return {effect.name: {k: value for k, (value, _, _) in effect.parameters.items()} for effect in found.effects}
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("angle", [0.03, -0.01])
 def test_wheels_at_an_angle_show_sideways(angle):
     found = told(circles(angle))
@@ -27,6 +29,8 @@ def test_wheels_at_an_angle_show_sideways(angle):
     assert found["wheel_misalignment"]["angle"] == pytest.approx(angle, abs=3e-4)
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("spoiled", [False, True])
 def test_headings_are_taken_as_they_were_recorded(spoiled):
     """Smoothed as if wheels were square, they lean towards where the cart went; but for what is missing, or a slip of
@@ -41,12 +45,15 @@ def test_headings_are_taken_as_they_were_recorded(spoiled):
     assert found["wheel_misalignment"]["angle"] == pytest.approx(0.07, abs=8e-4)
 
 
+@pytest.mark.long
 def test_creeping_wheels_show_sideways():
     found = told(circles(compliance=1 / 600.0), replace(CART, inertia=Inertia(24.0, (0.28, 0.0), 2.2)))
     assert list(found) == ["lateral_slip"]
     assert found["lateral_slip"]["cornering_stiffness"] == pytest.approx(600.0, rel=0.1)
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("angle", [0.0, 0.01, 0.06])
 def test_an_angle_beside_tyres_that_creep(angle):
     """It is told where it explains what they leave, also where it is a trifle beside them."""
@@ -56,5 +63,6 @@ def test_an_angle_beside_tyres_that_creep(angle):
         assert found["wheel_misalignment"]["angle"] == pytest.approx(angle, rel=0.05)
 
 
+@pytest.mark.long
 def test_wheels_that_hold_show_nothing_sideways():
     assert told(circles(seed=3)) == {}

@@ -31,6 +31,8 @@ def unseen(log, *stretches):
     return replace(log, pose=np.where(gone, np.nan, log.pose), velocity=np.where(gone, np.nan, log.velocity))
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("stretches", [[(600, 1000)], [(0, 300), (1700, 2000)], [(200, 300), (500, 620), (900, 1000)]])
 def test_nothing_is_named_for_what_nobody_saw(whole, stretches):
     found = diagnose(unseen(LOG, *stretches), CART)
@@ -41,6 +43,7 @@ def test_nothing_is_named_for_what_nobody_saw(whole, stretches):
     assert found.checks[0].distance < whole.checks[0].distance * (1.1 - lost / len(LOG))
 
 
+@pytest.mark.long
 def test_velocity_alone_is_motion(whole):
     """Without poses for 5 s, twice."""
     blind = replace(LOG, pose=np.where(np.arange(len(LOG))[:, None] // 500 % 2 == 1, np.nan, LOG.pose))
@@ -87,6 +90,8 @@ def agrees(found, whole):
     return not found.effects and abs(mass.value - other.value) < other.std
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("size", [60.0, 1e3, 1e9])
 def test_spikes_of_a_force_are_no_force(whole, size):
     """Of one to three rows, four times, while the hand's own force is steady."""
@@ -97,6 +102,7 @@ def test_spikes_of_a_force_are_no_force(whole, size):
     assert agrees(diagnose(replace(LOG, arms={"hand": ArmLog(arm.contact, wrench)}), CART), whole)
 
 
+@pytest.mark.long
 def test_a_pose_that_jumps_for_a_moment_is_no_motion(whole):
     pose = LOG.pose.copy()
     pose[700:702, 1] += 0.4

@@ -183,6 +183,8 @@ def to_and_fro(random):
     return {"acceleration": speed / half * turning}
 
 
+@pytest.mark.long
+@pytest.mark.some(12)
 @pytest.mark.parametrize(("noise", "step"), [(0.0, 0.0), (5e-4, 0.0), (3e-3, 0.0), (0.0, 0.01)])
 @pytest.mark.parametrize("motion", [smooth_pushes, steps_of_acceleration, waves, jumps, glitches, slow, to_and_fro])
 def test_what_is_not_sudden_or_no_motion_is_no_impact(motion, noise, step):
@@ -256,6 +258,7 @@ def test_a_turning_cart_against_a_wall(heading):
 # --- logs of others ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_rough", [False, True])
 def test_generated_logs_of_pushed_carts_have_none(tmp_path, is_rough):
     generate(tmp_path, ["nothing", "rolling_resistance", "external_push"], [0], "rich", is_rough=is_rough)

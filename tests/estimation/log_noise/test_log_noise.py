@@ -23,6 +23,7 @@ def log():
     return simulate_two_hands(TRUTH, 5, noise=(0.0005, 0.005, 2.0))
 
 
+@pytest.mark.long
 def test_sensors_are_as_noisy_as_they_were_made(log):
     told = noise_of_log(log, PLAIN)
     assert told.position == pytest.approx(0.0005, rel=0.1)

@@ -50,6 +50,7 @@ def test_long_means_scatter_as_those_of_white_noise_so_loud(time, white):
     assert loudness(STEP * np.arange(100_000), noise[:100_000]) == pytest.approx(means / shown, rel=0.15)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(6))
 def test_white_noise_is_as_loud_as_it_looks(seed):
     assert heard(recorded(seed, None)) == pytest.approx(1.0)
@@ -83,6 +84,7 @@ def test_a_cart_on_casters_is_heard_by_its_poses_and_a_short_log_is_taken_as_it_
     assert loudness(log.time[:150], log.velocity[:150, 1]) == 1.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_the_load_is_found_beside_it(seed):
     found = identify([recorded(seed, 0.05)], GUESS).parameters.values()

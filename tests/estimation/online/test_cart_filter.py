@@ -77,6 +77,7 @@ def share_inside(values, dimension, runs):
     return np.mean((values >= low) & (values <= high)), np.mean(values <= high)
 
 
+@pytest.mark.long
 def test_consistent_over_many_runs():
     """Mean NEES of the motion and NIS stay in their 95 % band, and parameters within their own deviations."""
     runs = 8
@@ -87,6 +88,7 @@ def test_consistent_over_many_runs():
     assert np.sqrt((scores**2).mean()) < 1.3
 
 
+@pytest.mark.long
 def test_a_wrong_model_fails_the_same_test():
     """Rolling resistance is in the data and not in the model."""
     _, nis, scores = consistency(WITH_COULOMB, 2)
@@ -145,6 +147,8 @@ def test_a_straight_push_teaches_neither_com_x_nor_inertia(online):
         assert abs(last.parameters[name].value - {"com_x": 0.28, "inertia": 2.2}[name]) < 3 * last.parameters[name].std
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @ONLINE
 def test_noisy_forces_do_not_inflate_the_mass(online):
     """3 N of noise: taken as exact inputs they bias the mass by kilograms (physics 11)."""
@@ -158,6 +162,7 @@ def test_noisy_forces_do_not_inflate_the_mass(online):
     assert abs(np.mean(scores)) < 1.5
 
 
+@pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("seed", [0, 1])
 def test_two_noisy_hands_under_feedback(seed, online):
@@ -170,6 +175,7 @@ def test_two_noisy_hands_under_feedback(seed, online):
     assert abs(found["com_y"].value - 0.06) < 3 * found["com_y"].std
 
 
+@pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("coulomb", [0.02, 0.03])
 def test_from_rest_with_a_friction_underestimated(coulomb, online):
@@ -182,6 +188,7 @@ def test_from_rest_with_a_friction_underestimated(coulomb, online):
     assert found["rolling_resistance.coefficient"].value == pytest.approx(coulomb, rel=0.1)
 
 
+@pytest.mark.long
 def test_the_papers_literal_form_fails_where_the_filter_does_not():
     log, _ = simulate(TRUTH, 5, noise=(0.005, 0.005, 0.0))
     noise = replace(NOISE, position=0.005, heading=0.005)
@@ -196,6 +203,7 @@ def test_the_papers_literal_form_fails_where_the_filter_does_not():
     assert abs(sound.parameters["com_x"].value - 0.28) < 0.02
 
 
+@pytest.mark.long
 @ONLINE
 def test_a_load_put_on_is_noticed_and_learned(online):
     before, _ = simulate(TRUTH, 6, duration=12.0)
@@ -206,6 +214,7 @@ def test_a_load_put_on_is_noticed_and_learned(online):
     assert replay(later, estimator).last.parameters["mass"].value == pytest.approx(32.0, rel=0.05)
 
 
+@pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("seed", range(3))
 def test_survives_what_sensors_do(seed, online):
@@ -319,6 +328,7 @@ def test_a_cart_on_casters_learns_all_four(online):
         assert estimate.parameters[name].identifiable
 
 
+@pytest.mark.long
 @ONLINE
 def test_a_sensor_offset_is_learned_on_the_way(online):
     log, _ = simulate(TRUTH, 9, duration=18.0, noise=(0.0004, 0.005, 0.1))

@@ -88,6 +88,7 @@ def test_a_caster_forgets_where_it_stood_once_it_has_swung_round():
     assert followed.after(along, 100).lost() == followed
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("least_speed", [0.0, LEAST_SPEED])
 def test_swivels_that_are_stuck_in_a_turn_are_no_centre_of_mass(least_speed):
     """MuJoCo's casters keep the torque with which they came to rest, 3 N·m on the cart all through a steady turn. Taken

@@ -18,6 +18,8 @@ def told(log, which):
     return replay(log, kind(GUESS, ["hand"], noise=noise)).estimates
 
 
+@pytest.mark.long
+@pytest.mark.some(4)
 @ONLINE
 @pytest.mark.parametrize("unit", ["ms", "μs", "ns"])
 def test_units_of_time_are_told(which, unit):
@@ -34,6 +36,8 @@ def test_without_velocities_nothing_is_ok(which):
     assert not any(one.suspicions for one in found)
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @ONLINE
 def test_samples_that_really_are_far_apart_are_only_stale(which):
     """Every 1.5 s."""

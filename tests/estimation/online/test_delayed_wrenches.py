@@ -77,6 +77,7 @@ def test_late_and_missing_samples_go_on():
     assert estimate.parameters["mass"].value == pytest.approx(24.0, abs=4 * estimate.parameters["mass"].std)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("delay", "untold"), [(0.055, None), (0.12, 2.0)])
 def test_a_closed_loop_learns_the_mass(delay, untold):
     """Of sensors that are late, and a filter that is told so; one that is not is wrong by kilograms if it is much."""

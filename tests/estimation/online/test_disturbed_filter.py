@@ -104,6 +104,7 @@ def runs():
     return of(CartFilter), of(DisturbedFilter)
 
 
+@pytest.mark.long
 def test_pushes_are_rejected_and_kept_from_the_mass(runs):
     without, ours = runs
     late = ours.time > 3.5
@@ -116,6 +117,7 @@ def test_pushes_are_rejected_and_kept_from_the_mass(runs):
     assert not any("something else" in words for _, words in without.words)
 
 
+@pytest.mark.long
 def test_a_load_that_is_put_on_is_no_disturbance_for_long():
     """12 kg at 4 s, in the middle of to and fro: within 4 s the mass is that of both."""
     both = CART.with_effect(PayloadChange(4.0, 12.0, 0.4, 0.05))

@@ -51,6 +51,7 @@ def test_elimination_solves(root, right):
     np.testing.assert_allclose(matrix @ solved, right, atol=1e-7 * (1 + np.abs(expected).max()))
 
 
+@pytest.mark.long
 @given(seeds, st.integers(1, 3))
 def test_a_correction_is_conditioning_that_leaves_the_parameters(seed, m):
     """The gain that is best for all that is uncertain, and the covariance of whatever gain: both by whole matrices."""
@@ -72,6 +73,7 @@ def test_a_correction_is_conditioning_that_leaves_the_parameters(seed, m):
     np.testing.assert_allclose(got.slopes, keep @ slopes, rtol=1e-6, atol=1e-8)
 
 
+@pytest.mark.long
 @given(seeds, st.sets(st.integers(0, 2), max_size=2))
 def test_numbers_that_are_missing_say_nothing(seed, missing):
     """As if there were no such rows."""

@@ -64,6 +64,7 @@ def test_what_is_said_is_believed():
     assert prior.free.tolist() == [True, True, True, False, True, False, True]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sure", [0.02, 20.0])
 def test_a_fit_lies_between_log_and_first_guess(sure):
     """By how sure each is: one who weighed the cart to 20 g is hardly moved by a log that tells 100 g."""
@@ -75,6 +76,7 @@ def test_a_fit_lies_between_log_and_first_guess(sure):
     assert mass.std < sure
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("known", ["mass", "com_y", "inertia"])
 def test_what_is_known_is_not_moved(known):
     log, _ = simulate(TRUTH, 2, 6.0, noise=(0.0004, 0.005, 1.0))

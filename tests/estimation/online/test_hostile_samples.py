@@ -77,6 +77,7 @@ def test_what_is_refused_leaves_the_reach_as_it_is():
     assert kept.take(Measurement(2.0 - REACH))
 
 
+@pytest.mark.long
 @ONLINE
 def test_out_of_order_is_as_in_order(online):
     """With the walk of the wrench, too, which the EKF learns from noisy samples."""
@@ -110,6 +111,7 @@ def test_sensors_with_rates_of_their_own(online):
     assert abs(mass.value - 24.0) < 3 * mass.std
 
 
+@pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("kept", ["fifth of a second", "at random"])
 def test_rows_farther_apart_than_a_block_of_the_regression(kept, online):
@@ -182,6 +184,7 @@ def test_degrees_for_radians_are_flagged(online):
     assert abs(found.value - before.value) < 0.2 * before.value
 
 
+@pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("mass", [0.5, 20_000.0])
 def test_a_first_guess_in_wrong_units_is_overcome_or_called_inconsistent(mass, online):
@@ -194,6 +197,7 @@ def test_a_first_guess_in_wrong_units_is_overcome_or_called_inconsistent(mass, o
     assert found.value == pytest.approx(24.0, rel=0.1) or {"inconsistent", "load_changed", "outliers"} & set(health)
 
 
+@pytest.mark.long
 @ONLINE
 @settings(max_examples=15, deadline=None)
 @given(data=st.data())
@@ -238,6 +242,7 @@ def test_a_number_whose_square_overflows_is_no_sample(online, force, part):
     assert np.allclose(*found, rtol=1e-9)
 
 
+@pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("force", [0.05, 1.0])
 @pytest.mark.parametrize("spike", [150.0, -1e3, 1e6])

@@ -42,6 +42,8 @@ def unrecorded(log):
     return replace(log, arms={"hand": ArmLog(arm.contact, share[:, None] * arm.wrench)})
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("which", ESTIMATORS)
 def test_nothing_is_taught_while_it_is_inconsistent(which):
     """And what is known by deviations alone goes on: values and covariances are as they were."""
@@ -60,6 +62,8 @@ def test_nothing_is_taught_while_it_is_inconsistent(which):
         assert std == pytest.approx(np.sqrt(one.covariance[0, 0]))
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("which", ESTIMATORS)
 def test_what_motion_can_teach_is_told_all_the_same(which):
     """By Fisher information, which does not ask whether the model is right: nobody is told to accelerate for a mass

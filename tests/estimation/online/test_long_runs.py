@@ -55,6 +55,7 @@ def least_eigenvalue(covariance):
     return float(np.linalg.eigvalsh(covariance / np.outer(std, std)).min())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("n", [6_000, pytest.param(1_000_000, marks=pytest.mark.prove)])
 def test_covariances_stay_sound(n, record_property):
     estimator, least = online(), 1.0
@@ -82,6 +83,7 @@ def nothing_but_outliers(m, random):
     return replace(m, pose=m.pose + random.normal(0, 1.0, 3), velocity=m.velocity + random.normal(0, 1.0, 3))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fault", [outliers, nothing_but_outliers])
 def test_20_s_of_outliers_pass(fault):
     random, estimator = np.random.default_rng(0), online()
@@ -111,6 +113,7 @@ def clock_back(m):
     return replace(m, time=m.time - 15.0) if m.time >= 21.0 else m
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fault", [silence, nothing_in_them, clock_ahead, clock_back])
 def test_a_drop_out_and_a_clock_that_jumps_pass(fault):
     estimator = online()
@@ -139,6 +142,7 @@ def loaded(mass, place):
     return whole, *com.tolist(), about_b - whole * np.dot(com, com), *drags
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("mass", "place"), [(14.0, (0.28, 0.06)), (14.0, (0.0, 0.0)), (-8.0, (0.28, 0.06))])
 def test_a_load_is_noticed_within_2_s_and_learned_within_5(mass, place):
     """Of a cart that is always accelerated, gently."""
@@ -154,6 +158,7 @@ def test_a_load_is_noticed_within_2_s_and_learned_within_5(mass, place):
     assert 20.0 < noticed[0] < 22.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("runs", [10, pytest.param(500, marks=pytest.mark.prove)])
 def test_quiet_runs_raise_no_alarm(runs, record_property):
     alarms = set()

@@ -184,6 +184,7 @@ def belief():
     )
 
 
+@pytest.mark.long
 def test_rows_add_up_to_generalised_least_squares(monkeypatch):
     """Neighbours share an end, and noise: their covariance written out, and inverted at once."""
     monkeypatch.setattr(regression_belief, "KEPT", 1.0)
@@ -260,6 +261,7 @@ def drawn(seed, duration=12.0):
     return simulate(TRUTH, seed, duration, noise=(0.0004, 0.005, 3.0))[0]
 
 
+@pytest.mark.long
 def test_errors_are_as_large_as_they_are_said_to_be():
     z = np.array([scores(learned(drawn(seed, 8.0)).last.parameters) for seed in range(40, 44)])
     assert np.abs(z).max() < 4.0
@@ -296,6 +298,7 @@ def changing(time_of_change, mass, seed):
     return before, replace(late, time=late.time + time_of_change + 1.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mass", [16.0, 32.0])
 def test_a_change_of_load_is_noticed_within_two_seconds(mass):
     before, after = changing(12.0, mass, 5)

@@ -53,6 +53,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("fault", "which"), list(product(FAULTS, KINDS)))
 def test_a_fault_is_told_within_five_seconds(fault, which):
     change, told = FAULTS[fault]
@@ -83,6 +84,7 @@ def test_a_mass_that_the_file_knows_tells_pounds():
     assert told[0].factor == pytest.approx(4.4482216)
 
 
+@pytest.mark.long
 def test_it_ends_with_the_fault():
     """Half a minute after a plug was turned."""
     log = simulate(PLANT, 3, duration=36.0, noise=(0.0004, 0.005, 0.3))[0]

@@ -160,6 +160,7 @@ def test_a_push_teaches_no_mass(force, angle):
     assert 0.1 < PERIOD * health.count("load_changed") < 2.0
 
 
+@pytest.mark.long
 def test_a_load_does():
     mass, health = mass_and_health(driven(load=8.0))
     assert abs(mass.value - 32.0) < 3 * mass.std < 3.5
@@ -167,6 +168,7 @@ def test_a_load_does():
     assert health[-1] == "ok"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("more", [0.02, 0.04])
 def test_another_floor_teaches_its_resistance_and_no_mass(more):
     """From 7 s on, by a force that nobody gave: coefficient times weight, against the way the cart rolls."""

@@ -19,6 +19,7 @@ def test_a_suspicion_says_what_stops():
     assert set(REFUSED) < set(KINDS)
 
 
+@pytest.mark.long
 def test_a_sound_log_gives_nothing():
     assert check_sensors(two_hands(0), CART) == ()
     assert check_sensors(on_rail(), RAIL) == ()
@@ -36,6 +37,8 @@ def test_all_that_is_told_keeps_to_the_contract():
         assert "\n" not in one.words
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize(("lag", "gain"), [(0.02, 1.0), (0.05, 1.0), (0.0, 1.03), (0.0, 1.05)])
 def test_late_or_large_velocities_are_told_and_change_no_mass(lag, gain):
     """Of a cart on a rail, whose mass is 24 kg."""
@@ -48,6 +51,7 @@ def test_late_or_large_velocities_are_told_and_change_no_mass(lag, gain):
     assert diagnosis.sentence.count("sensors") == 0
 
 
+@pytest.mark.long
 def test_a_reversed_sensor_is_told_beside_the_verdict_and_not_mended():
     wrong = with_wrenches(on_rail(), lambda w: -w)
     diagnosis = diagnose(wrong, RAIL)
@@ -59,6 +63,7 @@ def test_a_reversed_sensor_is_told_beside_the_verdict_and_not_mended():
     assert document["logs"][0]["suspicions"][0]["kind"] == "sign"
 
 
+@pytest.mark.prove
 def test_a_sealed_log_has_the_mass_of_the_truth():
     log, cart = sealed("nothing", 1)
     whole, wrong = (diagnose(one, cart).parameter_mismatch["mass"] for one in (log, late(log, 0.05, 1.05)))

@@ -23,6 +23,7 @@ def test_a_jump_is_told_with_its_size_and_time(where, by):
     assert ("jumps", where) in found(check_sensors(moved, CART))
 
 
+@pytest.mark.long
 def test_what_is_no_jump():
     """A cart that is stopped by a wall, coarse steps, rows that repeat, rows that are lost, and single wild rows."""
     log = two_hands(0)

@@ -29,6 +29,7 @@ def measured(name):
     return (read_emps(path) if path.suffix == ".mat" else read_log(path)), one.cart
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [log.name for log in LOGS])
 @pytest.mark.parametrize("guess", [0.4, 1.0, 2.5])
 def test_nothing_but_coarse_steps_is_told(name, guess):
@@ -39,6 +40,7 @@ def test_nothing_but_coarse_steps_is_told(name, guess):
         assert told[0].factor == pytest.approx(STEPS[name], rel=0.03)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", MASS)
 def test_what_is_made_wrong_is_told(name):
     log, cart = measured(name)

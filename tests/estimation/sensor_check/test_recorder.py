@@ -99,6 +99,7 @@ def test_what_was_measured_is_left_as_it_is():
     assert quantised(log) == slow(log) == ()
 
 
+@pytest.mark.long
 def test_a_clock_that_jumps_is_told_and_costs_nothing():
     """By a day, with the cart in between."""
     log = two_hands(3)

@@ -77,6 +77,7 @@ def test_what_is_missing_stays_missing():
     assert np.flatnonzero(np.isnan(found).any(axis=1)).tolist() == [20, 21, 22, 60]
 
 
+@pytest.mark.long
 def test_the_check_counts_them_and_reads_the_noise_of_the_others():
     """Two poses of three are written again, as of a camera at 33 Hz."""
     log, _ = simulate(TRUTH, 3, 30.0, noise=(0.001, 0.002, 1.0))

@@ -25,6 +25,7 @@ def told(log):
     return of_velocities(log)[1]
 
 
+@pytest.mark.long
 @settings(max_examples=25)
 @given(SEEDS, st.floats(-0.1, 0.15), st.floats(0.8, 1.25))
 def test_lag_and_scale_are_found(seed, lag, gain):
@@ -36,6 +37,7 @@ def test_lag_and_scale_are_found(seed, lag, gain):
         assert abs(fit.gain - gain) < 5 * fit.gain_std < 0.01
 
 
+@pytest.mark.long
 def test_deviations_are_honest():
     """Over many seeds errors are as large as is said: a half more or a half less, with 24 draws of two sensors."""
     fits = [fit for seed in range(100, 124) for fit in clocks(two_hands(seed))]
@@ -45,6 +47,8 @@ def test_deviations_are_honest():
     assert (size > 0.5).all()
 
 
+@pytest.mark.long
+@pytest.mark.some(7)
 @pytest.mark.parametrize(
     ("lag", "gain"), [(0.01, 1.0), (0.02, 1.0), (0.05, 1.0), (0.0, 1.03), (0.0, 1.05), (-0.03, 0.96)]
 )
@@ -58,6 +62,8 @@ def test_what_is_wrong_is_told_and_put_right(case, seed, lag, gain):
     assert told(right) == ()
 
 
+@pytest.mark.long
+@pytest.mark.some(8)
 @pytest.mark.parametrize("is_rough", [False, True])
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("case", ["nothing", "time_delay", "wheel_misalignment", "lateral_slip"])
@@ -68,6 +74,7 @@ def test_nothing_is_told_of_sound_logs(case, seed, is_rough):
     assert right.velocity is log.velocity or np.array_equal(right.velocity, log.velocity, equal_nan=True)
 
 
+@pytest.mark.long
 @settings(max_examples=10)
 @given(SEEDS, st.floats(0.02, 0.1), st.floats(1.03, 1.2))
 def test_put_right_is_as_it_was(seed, lag, gain):
@@ -97,6 +104,7 @@ def test_velocities_of_another_point_are_no_other_scale():
     assert told(replace(log, velocity=np.column_stack([log.velocity[:, :2] + ahead, log.velocity[:, 2]]))) == ()
 
 
+@pytest.mark.long
 @given(st.integers(0, 2**32 - 1), st.floats(2.0, 8.0))
 @settings(max_examples=15)
 def test_a_speed_that_fades_evenly_tells_no_lag(seed, fading):
@@ -149,6 +157,7 @@ def test_other_axes_and_units_are_told_with_the_cure_and_left(name):
     assert np.array_equal(right.velocity, wrong.velocity)
 
 
+@pytest.mark.long
 @settings(max_examples=8)
 @given(SEEDS, st.floats(0.7, 1.4))
 def test_scales_are_no_units(seed, gain):

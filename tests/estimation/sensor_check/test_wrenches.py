@@ -48,6 +48,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("arms", [("left", "right"), ("left",)])
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_told_of_the_arm_that_has_it(name, arms):
@@ -57,6 +58,7 @@ def test_a_fault_is_told_of_the_arm_that_has_it(name, arms):
     assert min(one.probability for one in suspicions) > 0.9
 
 
+@pytest.mark.long
 @settings(max_examples=15)
 @given(SEEDS, st.sampled_from([name for name, (kind, _) in FAULTS.items() if kind != "unit"]), st.floats(0.4, 2.5))
 def test_signs_and_axes_need_no_good_guess_of_the_mass(seed, name, guess):
@@ -65,6 +67,7 @@ def test_signs_and_axes_need_no_good_guess_of_the_mass(seed, name, guess):
     assert {key for key, p in suspicions.items() if p > 0.9} == {(kind, "left"), (kind, "right")}
 
 
+@pytest.mark.long
 @settings(max_examples=15)
 @given(SEEDS, st.floats(0.34, 2.9))
 def test_a_wrong_guess_of_the_mass_is_no_fault(seed, guess):
@@ -72,6 +75,7 @@ def test_a_wrong_guess_of_the_mass_is_no_fault(seed, guess):
     assert told(two_hands(seed), cart_of(guess)) == ()
 
 
+@pytest.mark.long
 @settings(max_examples=15)
 @given(SEEDS, st.floats(-0.1, 0.1), st.floats(0.75, 1.25), st.floats(-6.0, 6.0), st.integers(0, 5))
 def test_small_faults_are_no_wrong_axes(seed, angle, gain, offset, rows):
@@ -183,6 +187,8 @@ def test_the_table_of_mountings_is_whole():
     assert next(iter(UNITS.values())) == (1.0, 1.0)
 
 
+@pytest.mark.long
+@pytest.mark.some(6)
 @pytest.mark.parametrize("guess", [0.4, 1.0, 2.5])
 @pytest.mark.parametrize(
     ("case", "seed"),

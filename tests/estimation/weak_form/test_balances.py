@@ -34,6 +34,7 @@ def size_of(balances, cart):
     return np.sqrt(np.mean(balances.integrated(balances.wrenches.planar(cart) @ cart.basis_b) ** 2, axis=0))
 
 
+@pytest.mark.long
 @settings(max_examples=10, deadline=None)
 @given(mass=st.floats(5.0, 80.0), told=st.floats(5.0, 80.0), force=st.floats(2.0, 30.0))
 def test_a_constant_force_on_a_mass(mass, told, force):
@@ -48,6 +49,7 @@ def test_a_constant_force_on_a_mass(mass, told, force):
     assert np.abs(left[:, 1:]).max() < 1e-6 * force
 
 
+@pytest.mark.long
 @settings(max_examples=10, deadline=None)
 @given(values=CARTS)
 def test_the_true_cart_leaves_nothing(values):
@@ -60,6 +62,7 @@ def test_the_true_cart_leaves_nothing(values):
     assert np.abs(left[:, 2]).max() < 1e-4 * balances.row_step
 
 
+@pytest.mark.long
 @settings(max_examples=8, deadline=None)
 @given(values=CARTS)
 def test_parameters_come_back(values):
@@ -85,6 +88,7 @@ def test_slopes_are_what_differences_are():
             assert left - moved == pytest.approx(0.1 * slopes[..., i], abs=1e-9)
 
 
+@pytest.mark.long
 @settings(max_examples=8, deadline=None)
 @given(gain=st.floats(0.5, 2.0), left=st.floats(0.2, 0.8))
 def test_what_only_the_mass_would_tell_is_a_tie(gain, left):
@@ -120,6 +124,7 @@ def test_a_column_is_what_its_effect_takes_away():
     assert np.abs(left[:, 0]).max() > 0.9 * 9.81 * TRUE[0] * 0.01 * balances.row_step
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("row_step", [0.1, 0.4])
 def test_white_noise_of_wrenches_is_what_overlaps_say(row_step):
     """Of densities s: neighbours' covariance is s² times the integral of their test functions' product."""

@@ -22,6 +22,7 @@ def hit(time, x=0.0, before=0.5, after=-0.3):
     return Impact(time, np.array([x, 0.0, 0.0]), before, after)
 
 
+@pytest.mark.long
 @settings(max_examples=15, deadline=None)
 @given(times=st.lists(st.floats(0.0, 12.0), min_size=1, max_size=2))
 def test_parts_lie_between_impacts(times):
@@ -75,6 +76,7 @@ def test_no_part_has_a_hole(hole, at, missing):
     np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), paused.time)
 
 
+@pytest.mark.long
 def test_a_pause_of_an_hour_makes_two_logs():
     """Its parts tell what they tell as two logs, and nothing is simulated in between."""
     first, last = LOG.time < 6.0, LOG.time >= 6.0

@@ -26,6 +26,7 @@ def shaken(frequency, rate, jitter):
     return RunLog(time, place, None, {"arm": ArmLog(np.zeros((len(time), 3)), wrench)})
 
 
+@pytest.mark.long
 @given(st.floats(0.3, 3.0), st.floats(45.0, 400.0), st.floats(0.0, 0.2))
 def test_between_samples_a_wrench_goes_as_smoothly_as_the_motion(frequency, rate, jitter):
     """On straight lines 3 Hz at 50 Hz would lose 1.5 %."""

@@ -40,6 +40,7 @@ def guess(mass):
     return CartModel(Inertia(mass, (0.0, 0.0), 1.0), RAIL, (ViscousDrag(1.0, 0.0),))
 
 
+@pytest.mark.long
 def test_noise_in_poses_pulls_no_mass():
     """Over 8 logs, whose poses are noisy to 4 mm: the mean is within three of its own deviations."""
     found = [identify([pushed(30.0, 0.004, seed)], guess(20.0)).parameters["mass"] for seed in range(8)]
@@ -55,6 +56,7 @@ def test_the_first_guess_does_not_matter(share):
     assert mass.value == pytest.approx(30.0, abs=max(4 * mass.std, 0.15))
 
 
+@pytest.mark.long
 def test_a_turned_round_sensor_teaches_nothing():
     """Were the pushes as they are recorded, the cart would have a mass below 0: no mass is taught, and none is at a
     bound."""
@@ -64,6 +66,7 @@ def test_a_turned_round_sensor_teaches_nothing():
     assert not found.parameters["mass"].identifiable
 
 
+@pytest.mark.long
 def test_a_long_hole_makes_two_stretches_of_a_log():
     log = pushed(30.0, 0.0005, 3)
     later = log.time + np.where(log.time > 20.0, 1e7, 0.0)

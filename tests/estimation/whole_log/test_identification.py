@@ -34,6 +34,7 @@ def drawn(force, seed, duration=10.0):
     return simulate(TRUTH, seed, duration, noise=(0.0004, 0.005, force))[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("force", [0.0, 1.0, 3.0])
 def test_the_load_is_found_within_its_deviations(force):
     found = identify([drawn(force, seed=1)], guess())
@@ -60,6 +61,7 @@ def test_bias_and_coverage_over_20_seeds(force, two):
     assert np.abs(z.mean(axis=0)).max() < 1.0
 
 
+@pytest.mark.long
 def test_a_straight_push_teaches_neither_com_x_nor_inertia():
     truth = (24.0, 0.28, 0.0, 2.2, 3.0, 1.2, 0.02)
     log, _ = simulate(truth, 4, curved=False, noise=(0.0004, 0.005, 1.0))
@@ -71,6 +73,7 @@ def test_a_straight_push_teaches_neither_com_x_nor_inertia():
         assert found[name].std > 0.5 * Prior().deviations(guess())[NAMES.index(name)]
 
 
+@pytest.mark.long
 def test_two_logs_teach_what_neither_does():
     """Deviations add in quadrature where both teach, and the joint fit lies between them."""
     logs = [drawn(3.0, seed) for seed in (5, 6)]
@@ -132,6 +135,8 @@ def test_single_rows_return_the_prior(rows):
     assert "rows have a pose" in found.logs[0].words[0]
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("column", [0, 1, 2])
 def test_a_velocity_without_samples_in_one_column(column):
     log = drawn(1.0, 3)
@@ -143,12 +148,14 @@ def test_a_velocity_without_samples_in_one_column(column):
     assert abs(mass.value - whole.value) < 0.5 * mass.std < 0.5
 
 
+@pytest.mark.long
 def test_what_is_known_stays():
     found = identify([drawn(1.0, 3)], guess(), Prior(known=frozenset({"viscous_drag"})))
     drag = found.parameters["viscous_drag.linear"]
     assert (drag.value, drag.std, drag.identifiable) == (2.0, 0.0, False)
 
 
+@pytest.mark.long
 def test_an_untared_sensor_is_found():
     log = drawn(1.0, 7)
     hand = log.arms["hand"]
@@ -160,6 +167,7 @@ def test_an_untared_sensor_is_found():
     assert abs(found.parameters["mass"].value - 24.0) < 4 * found.parameters["mass"].std
 
 
+@pytest.mark.long
 def test_rows_that_are_missing_and_a_contact_that_moves():
     """Holes in each sensor, no velocity, and the hand elsewhere from 5 s on with the moment that this gives."""
     log = drawn(1.0, 8)
@@ -178,6 +186,7 @@ def test_rows_that_are_missing_and_a_contact_that_moves():
     assert found.parameters["mass"].identifiable
 
 
+@pytest.mark.long
 def test_a_fit_that_would_be_no_body_is_brought_to_one():
     """Sure of a tiny inertia, and shown one that is smaller still."""
     log = drawn(3.0, 12, duration=6.0)
@@ -190,6 +199,7 @@ def test_a_fit_that_would_be_no_body_is_brought_to_one():
         assert found.parameters[name].value >= effect
 
 
+@pytest.mark.long
 def test_a_rail_keeps_what_it_can_not_teach():
     truth = (24.0, 0.0, 0.0, 2.2, 3.0, 1.2, 0.02)
     log, _ = simulate(truth, 5, curved=False, noise=(0.0004, 0.005, 1.0))

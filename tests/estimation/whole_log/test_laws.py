@@ -96,6 +96,8 @@ def scores(name, parameters):
     return {key: (parameters[key].value - value) / parameters[key].std for key, value in told.items()}
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @LAW_NAMES
 def test_identify_gives_the_amplitudes_back(name):
     found = identify([pushed(name)], guess(name))
@@ -109,6 +111,7 @@ def test_identify_gives_the_amplitudes_back(name):
     assert found.logs[0].noise_excess < 0.7 * identify([pushed(name)], without).logs[0].noise_excess
 
 
+@pytest.mark.long
 @LAW_NAMES
 def test_the_filter_learns_them_while_pushing(name):
     cart = guess(name)

@@ -58,6 +58,7 @@ def compare(seed, instances):
     return counts
 
 
+@pytest.mark.long
 def test_a_planner_agrees_with_an_lp():
     counts = compare(0, 200)
     assert min(counts["optimal"], counts["infeasible"]) > 60

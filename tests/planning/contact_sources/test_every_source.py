@@ -247,6 +247,7 @@ def test_a_schedule_is_followed_and_made_anew_for_another_estimate():
         assert np.array_equal(then[name], grip.contact)
 
 
+@pytest.mark.long
 def test_what_cannot_be_driven_is_said():
     weak = arms(force=1.0)
     for way, words in (("teach", "no contacts can drive the time ahead"), ("schedule", "no schedule: ")):

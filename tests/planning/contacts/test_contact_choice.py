@@ -38,6 +38,8 @@ def check(arms, plan, model, wrench, distance=0.0):
     assert plan.choice.bound <= plan.effort * (1 + 1e-12) + 1e-12
 
 
+@pytest.mark.long
+@pytest.mark.some(30)
 @pytest.mark.parametrize("seed", range(60))
 def test_points_against_brute_force(seed):
     rng = np.random.default_rng(seed)
@@ -90,6 +92,8 @@ def test_more_arms_than_one_table_holds():
         assert other.status == "infeasible" or other.effort >= plan.effort * (1 - 1e-9)
 
 
+@pytest.mark.long
+@pytest.mark.some(10)
 @pytest.mark.parametrize("seed", range(40))
 def test_a_segment_against_a_dense_scan(seed):
     rng = np.random.default_rng(seed)
@@ -120,6 +124,8 @@ def test_a_segment_against_a_dense_scan(seed):
     assert plan.effort >= expected * (1 - 5e-3) - 1e-2  # the scan is that dense
 
 
+@pytest.mark.long
+@pytest.mark.some(16)
 @pytest.mark.parametrize("seed", range(16))
 @pytest.mark.parametrize("distance", [0.0, 0.3, 0.45])
 def test_two_segments_against_a_dense_scan(seed, distance):
@@ -174,6 +180,7 @@ def test_an_arm_with_points_and_a_segment():
     assert planner.plan((40, 0, 4.0)).contacts["left"] == pytest.approx([-0.25, -0.1, 1.0], abs=1e-4)
 
 
+@pytest.mark.long
 def test_three_hands_on_one_bar():
     """The hull is only the box here, so the search may end early: then with an honest gap."""
     arms = [bar(name) for name in ("a", "b", "c")]

@@ -20,6 +20,7 @@ def accuracy(found):
     return 1e-3 if found.status.endswith("inaccurate") else 1e-6
 
 
+@pytest.mark.long
 @given(tau=st.floats(-30, 30))
 def test_two_points_and_forward_forces_in_closed_form(tau):
     """`fx_1 + fx_2 = fx` and `y (fx_2 - fx_1) = tau` fix both; the best shares give (|fx_1| + |fx_2|)²."""
@@ -41,6 +42,7 @@ def drawn(seed, n_arms):
     return arms, wrench
 
 
+@pytest.mark.long
 @settings(max_examples=25)
 @given(seed=st.integers(0, 2**32), n_arms=st.sampled_from([1, 2]))
 def test_bounds_the_exact_choice(seed, n_arms):

@@ -59,6 +59,7 @@ seeds = st.integers(0, 2**32 - 1)
 cost = st.floats(0.0, 3e3)
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(seeds, cost, cost, st.sampled_from([plain, warm]), st.sampled_from([0.0, 0.4]))
 def test_over_points_it_is_the_least_of_all_choices(seed, one, other, make, distance):
@@ -87,6 +88,7 @@ def test_over_points_it_is_the_least_of_all_choices(seed, one, other, make, dist
         assert plan.switched == (moved if any(costs.values()) else ())
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(seeds, cost, cost, st.sampled_from([0.0, 0.25]))
 def test_over_segments_it_is_the_least_of_all_subsets_that_move(seed, one, other, distance):
@@ -151,6 +153,7 @@ def turning(n):
     return [(40.0, 0.0, 7.0 * np.sin(angle)) for angle in np.linspace(0.0, 2 * np.pi, n)]
 
 
+@pytest.mark.long
 def test_a_slowly_turning_wrench_moves_hands_seldom():
     """And at every tick the choice is the best for its cost and for what is held."""
     arms, costs = [arm("left", HANDLE), arm("right", HANDLE[:3])], {"left": 60.0, "right": 30.0}

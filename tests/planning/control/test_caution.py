@@ -79,6 +79,7 @@ def controller(**options):
     )
 
 
+@pytest.mark.long
 def test_a_cart_whose_pose_is_lost_comes_to_rest():
     """Within 2 s of being told, and near its path; it goes on where it is seen again."""
     told = drive(controller(caution=Caution()), 6.0, lambda time: 2.0 < time < 5.5)
@@ -99,6 +100,7 @@ def test_where_all_is_well_caution_changes_nothing():
         assert np.allclose(a.given.wrench_b, b.given.wrench_b, atol=1.5)
 
 
+@pytest.mark.long
 def test_margins_hold_by_the_estimate_and_relax_as_it_learns():
     """How hard the hands may pull back for the estimate, by a planner of its own: less with confidence, and more at the
     end than at first; and the controller's plans keep the limits with the probability, by drawn carts."""

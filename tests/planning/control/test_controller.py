@@ -123,6 +123,7 @@ def test_a_hand_stays_where_the_others_cannot_do_without_it():
     assert all(np.array_equal(step.contacts["left"], held[0].contacts.first) for step, _ in told)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("drag", [1.0, 30.0])
 def test_one_arm_lets_go_where_the_cart_coasts(drag):
     """At constant speed a cart with little drag coasts for the 0.9 s; one with much would stop, so the hand waits until

@@ -65,6 +65,8 @@ def run(seed):
     assert off[-1] < NEAR or np.abs(plant.motion.velocity).max() < SLOW, (seed, kind, off[-1])
 
 
+@pytest.mark.long
+@pytest.mark.some(5)
 @pytest.mark.filterwarnings("ignore:(invalid value|overflow) encountered:RuntimeWarning")
 @pytest.mark.parametrize("seed", range(10))
 def test_a_fault_is_over_within_two_seconds(seed):

@@ -52,6 +52,8 @@ def spoiled(measured, random):
     return cg.Measurement(time, pose, velocity)
 
 
+@pytest.mark.long
+@pytest.mark.some(8)
 @pytest.mark.filterwarnings("ignore:(invalid value|overflow) encountered:RuntimeWarning")  # of the EKF, by odd numbers
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("seed", range(3))

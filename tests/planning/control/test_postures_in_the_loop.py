@@ -117,6 +117,8 @@ def place_of(arm, index):
     return {one.name: np.array(one.contacts.points[index]) for one in arm}
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize(("moment", "beyond"), [(15.0, 4.0), (2.0, 13.0)])
 def test_no_joint_is_overloaded_where_boxes_alone_would(moment, beyond, postures, tmp_path):
     """Nor would the limits of the first posture do; the wrench on the cart is the same."""

@@ -88,12 +88,14 @@ def folder(tmp_path_factory):
     return built(cart(1, 0.1), pair(), tmp_path_factory.mktemp("export") / "planner")
 
 
+@pytest.mark.long
 def test_a_thousand_plans_agree(folder):
     optimal, undecided = disagreements(cart(1, 0.1), pair(), folder, np.random.default_rng(0), 1000)
     assert 200 < optimal < 800
     assert not undecided
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rows", [0, 2])
 def test_carts_on_casters_and_on_rails(rows, tmp_path):
     arms = [arm("left"), arm("right", [(-0.25, -0.2, 1.0)]), arm("third", [(0.5, 0.0, 1.0)], yaw=3.0)][: 1 + rows]
@@ -103,6 +105,7 @@ def test_carts_on_casters_and_on_rails(rows, tmp_path):
     assert not undecided
 
 
+@pytest.mark.long
 def test_limits_of_the_cart(tmp_path):
     """They depend on contacts by all six components, which a contact's height and the yaw enter."""
     model = cg.load_cart(Path(__file__).parents[3] / "examples" / "cart.yaml")

@@ -126,6 +126,7 @@ def test_split_without_internal_force(seed):
     assert split.efforts(needed[None])[0, choice] == pytest.approx((wrenches**2 @ split.weights).mean())
 
 
+@pytest.mark.long
 def test_limits_bring_internal_force():
     """Hands that only push can't brake a cart without drag: refused. With room to press, wrenches differ from the free
     split only where a limit binds."""

@@ -34,6 +34,7 @@ def both(program, x, y):
     return list(ours), workspace.found[:7].tolist(), ours.proven, proven
 
 
+@pytest.mark.long
 @settings(max_examples=200)
 @given(st.integers(0, 10**6), st.sampled_from([0.0, 1e-10, 1e-6, 1.0]))
 def test_residuals_are_those_of_numpy(seed, error):

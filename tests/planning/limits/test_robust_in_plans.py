@@ -43,6 +43,7 @@ def test_points_against_brute_force(seed):
         assert plan.choice.gap <= 1e-8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("wrench", [(-75, 0, 0), (40, 0, 15), (-50, 0, -12)])
 def test_segments_against_a_dense_scan(wrench):
     arms = [bar("left", friction=None), bar("right", friction=None)]

@@ -39,6 +39,7 @@ def pinching(radius, sides):
     return arm(friction=None, soft_finger=cg.SoftFinger(MU, radius, GRIP, "z", sides))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("points", "radius", "inside"),
     [(CORNERS, np.sqrt(2) * HALF, 0.896), (DISC, 2 / 3 * HALF, 0.93), (EVEN, 0.3826 * 2 * HALF, 0.93)],

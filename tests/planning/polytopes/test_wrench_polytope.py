@@ -86,6 +86,7 @@ def test_support_is_the_farthest_of_all_vertices(joints: JointTorques):
         assert holds(polytope, farthest.wrench, 1e-6)
 
 
+@pytest.mark.long
 @every_polytope
 @given(postures(), st.sampled_from(sorted(ARMS)), st.sampled_from([("fx", "fz"), ("fx", "fy", "fz"), ("fy", "tz")]))
 def test_shadow_has_the_polytopes_support(joints: JointTorques, name: str, components: tuple[str, ...]):
@@ -128,6 +129,7 @@ def test_vertices_of_two_components_go_round(joints: JointTorques, components: l
     assert (sides[:, 0] * following[:, 1] - sides[:, 1] * following[:, 0] > 0).all()
 
 
+@pytest.mark.long
 @every_polytope
 @given(postures(), st.floats(-8, 0), st.floats(-3, 3))
 def test_thin_small_and_large_shadows_too(joints: JointTorques, thinness: float, size: float):

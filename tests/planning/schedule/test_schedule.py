@@ -70,6 +70,7 @@ def enumerated(reference, cart, arms, cost, length):
     return best
 
 
+@pytest.mark.long
 @settings(max_examples=12)
 @given(st.integers(0, 2**32 - 1))
 def test_the_optimum_of_every_sequence(seed):

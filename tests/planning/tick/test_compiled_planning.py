@@ -108,6 +108,7 @@ def check_choice(seed, n_points=(0, 9, 5, 3), switching=0.0):
     return plan.status
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("switching", [0.0, 200.0])
 def test_choices_against_brute_force(switching):
     statuses = [check_choice(seed, switching=switching) for seed in range(60)]
@@ -135,6 +136,7 @@ def test_choices_under_other_objectives(seed):
             assert one.choice.bound == pytest.approx(other.choice.bound, rel=2e-9, abs=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(20))
 def test_a_cut_bounds_as_the_numpy_one(seed):
     """At all choices, and from the same solution; at the choice solved it is the cost."""

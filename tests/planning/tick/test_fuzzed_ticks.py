@@ -143,6 +143,7 @@ def fuzz(seed, calls):
     return counts
 
 
+@pytest.mark.long
 def test_fuzzed_ticks():
     counts = fuzz(0, 1200)
     wanted = ("optimal", "relaxed", "infeasible", "invalid_input", "stale_estimate")

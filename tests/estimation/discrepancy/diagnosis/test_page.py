@@ -117,6 +117,7 @@ def table(text, first):
     return next(one for one in Tables(text).tables if one[0][0] == first)
 
 
+@pytest.mark.long
 def test_figures_are_drawn_of_all_and_hold_no_images(drawn, diagnosis):
     assert set(drawn) == {"residuals", "follows", "places", "rollouts", "gap"}
     for svg in drawn.values():

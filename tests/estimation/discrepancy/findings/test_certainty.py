@@ -24,6 +24,7 @@ def drawn():
     return np.moveaxis(np.array(found), 2, 0)
 
 
+@pytest.mark.long
 def test_deviations_are_those_of_errors(drawn):
     """Root mean square of errors over deviations told: of 20 draws it scatters by 16 %. They may be told too large by
     what a model could leave out (1 % of the wrench), and must not be told too small."""

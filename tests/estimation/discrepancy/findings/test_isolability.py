@@ -62,6 +62,7 @@ def model(weaves):
     return Model.started([Balances.of(log, CART)], CART)
 
 
+@pytest.mark.long
 def test_on_a_straight_way_a_slope_is_a_biased_sensor():
     """One heading alone: what gravity does along it and what the sensor adds to the forward force are one constant.
     With many headings they are not."""

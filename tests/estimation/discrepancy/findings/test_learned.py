@@ -54,6 +54,7 @@ def test_words_can_be_read_aloud():
     assert dry.words == "a drag that is the same at every speed, between 4 and 4 N"
 
 
+@pytest.mark.long
 def test_a_law_stands_in_the_cart_that_is_handed_over_and_comes_back_from_its_file():
     """A flat spot: the extended cart says of its own log that nothing is missing."""
 
@@ -77,6 +78,7 @@ def test_a_law_stands_in_the_cart_that_is_handed_over_and_comes_back_from_its_fi
     assert not diagnose(log, again).effects
 
 
+@pytest.mark.prove
 def test_of_a_drag_that_never_fades_the_rest_has_a_name():
     """A drag that falls from 7 to 3 N: 3 N are the wheels' resistance, which needs no law."""
 

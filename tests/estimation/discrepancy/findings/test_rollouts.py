@@ -39,6 +39,7 @@ def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
     assert found.gaps()[HORIZONS.index(1.0)] == pytest.approx(0.05, abs=3e-4)
 
 
+@pytest.mark.long
 def test_rollouts_of_stiff_swivels_are_those_of_finer_steps(monkeypatch):
     """A light cart on heavy casters: in steps of 5 ms it would shake itself off its way."""
     wheels = (Wheel("fixed", 0.0, 0.2), Wheel("fixed", 0.0, -0.2), Wheel("caster", 0.8, 0.2, 0.04))
@@ -96,6 +97,8 @@ def misses(balances, log):
     return found
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize(("force", "slow"), [(1.0, 0.0), (3.0, 0.0), (0.5, 3.0)])
 def test_the_floor_is_what_a_true_model_does(force, slow):
     true, floors = [], []

@@ -46,6 +46,7 @@ def braked(time, truth):
     return 80.0 * truth[:, 3] / (1 + (truth[:, 3] / 0.3) ** 2)
 
 
+@pytest.mark.long
 def test_an_effect_of_ones_own_is_named_where_it_explains():
     found = diagnose(resisted(braked, 3, 40.0), CART, candidates=[Bent()])
     assert [effect.name for effect in found.effects] == ["bent_drag"]
@@ -56,12 +57,14 @@ def test_an_effect_of_ones_own_is_named_where_it_explains():
     assert found.gap.after < 0.6 * found.gap.refitted
 
 
+@pytest.mark.long
 def test_where_nothing_is_missing_it_is_not_told():
     found = diagnose(resisted(lambda time, truth: 0.0, 3, 30.0), CART, candidates=[Bent()])
     assert not found.effects
     assert "bent_drag" in {one.key for one in found.steps[0].attempts}
 
 
+@pytest.mark.prove
 def test_a_law_may_be_proposed():
     """A force with a period that is longer than any that a scan tries."""
 

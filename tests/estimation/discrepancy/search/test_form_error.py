@@ -65,6 +65,7 @@ def tried(model, effect):
     return extended(model, Screen(model), attempt(model, effect, 1), FormError(model))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("effect", "sizes", "which"),
     [
@@ -82,6 +83,7 @@ def test_what_an_effect_makes_is_its_column_times_its_size(effect, sizes, which)
     assert np.abs(found - columns).max() < 0.01 * np.abs(columns).max()
 
 
+@pytest.mark.long
 def test_a_drag_that_slowly_grows_is_no_push():
     """Alone beside it a push is worth a name; beside a drag that may be another at another time it is not."""
     model = with_drag(dragged(lambda time: 1.0 + 0.5 * np.exp(-(((time - 15.0) / 3.0) ** 2))))
@@ -91,6 +93,7 @@ def test_a_drag_that_slowly_grows_is_no_push():
     assert push.own_gain == push.beside_forms
 
 
+@pytest.mark.long
 def test_wrenches_that_come_late_are_no_form_of_a_drag():
     model = with_drag(dragged(np.ones_like, delay=3))
     late = tried(model, TimeDelay(0.03))
@@ -105,6 +108,7 @@ def test_a_drag_that_is_another_backwards_has_a_name():
     assert one_way.beside_forms > 0.7 * one_way.gain
 
 
+@pytest.mark.long
 def test_beside_a_form_that_is_right_nothing_is_gained():
     model = with_drag(dragged(np.ones_like))
     forms = FormError(model)
@@ -113,6 +117,7 @@ def test_beside_a_form_that_is_right_nothing_is_gained():
     assert forms.scores(model, RollingResistance(0.02))[1].stretches == pytest.approx(alike.stretches)
 
 
+@pytest.mark.long
 def test_modes_are_about_one_at_most():
     balances = Balances.of(dragged(np.ones_like), CART)
     modes = modes_of(balances.motion)

@@ -53,6 +53,8 @@ def law_of(found):
     return effect.as_dict()["law"], effect.law
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("is_drag", [False, True])
 @pytest.mark.parametrize("turns_back", [False, True])
 def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back):
@@ -73,6 +75,8 @@ def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back
     assert "radius 64 mm" in law["likely"]
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [3, 4])
 def test_without_one_nothing_is_followed(seed):
     found = diagnose(resisted(lambda time, truth: 0.0, seed, 30.0), CART)
@@ -81,6 +85,7 @@ def test_without_one_nothing_is_followed(seed):
     assert not any(found.unexplained["size"].values())
 
 
+@pytest.mark.prove
 def test_a_period_is_the_whole_turn():
     """Of a force with its second and fifth harmonics: alone, the second looks like half a turn."""
 
@@ -93,6 +98,7 @@ def test_a_period_is_the_whole_turn():
     assert law["period"]["value"] == pytest.approx(1.6, rel=0.002)
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("period", [0.85, 1.4])
 def test_a_hum_is_no_change_of_the_mass_from_band_to_band(period):
     """It shakes the cart in some bands alone, which a model without it takes for another mass: in narrower ones that
@@ -102,6 +108,7 @@ def test_a_hum_is_no_change_of_the_mass_from_band_to_band(period):
     assert law["period"]["value"] == pytest.approx(period, rel=0.002)
 
 
+@pytest.mark.prove
 def test_seams_across_the_floor_are_found_by_their_distance():
     """Where the floor itself pushes towards the nearest seam, whatever way was travelled."""
 
@@ -114,6 +121,7 @@ def test_seams_across_the_floor_are_found_by_their_distance():
     assert "0.7 m of the floor along x" in law["words"]
 
 
+@pytest.mark.prove
 def test_a_floor_that_slopes_has_its_name():
     """A force once round with the heading, at the CoM; recorded as what resists, 4 N of 24 kg uphill along y."""
 
@@ -128,6 +136,7 @@ def test_a_floor_that_slopes_has_its_name():
     assert found.effects[0].parameters["grade_y"][0] == pytest.approx(4.0 / (24.0 * 9.81), rel=0.1)
 
 
+@pytest.mark.prove
 def test_a_floor_with_a_grain_has_none():
     """A force twice round with the heading."""
     law, _ = law_of(diagnose(resisted(lambda time, truth: 4.0 * np.sin(2 * truth[:, 2]), 3, 40.0), CART))
@@ -143,6 +152,8 @@ DRAGS = {
 }
 
 
+@pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("name", DRAGS)
 def test_a_drag_that_grows_with_something_is_found(name):
     """Flat in speed or not."""
@@ -171,6 +182,7 @@ def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
     assert np.argmax(scan.power([course], [pull])) == pytest.approx(np.argmax(direct), abs=1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_of_the_motion_is_explained_by_no_law_and_no_light_body(seed):
     """A heading that is known to 2 mrad, and a yaw acceleration in proportion to it: the inertia is what the truth's

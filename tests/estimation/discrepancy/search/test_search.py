@@ -39,6 +39,7 @@ def first_seconds(log, seconds):
     return RunLog(log.time[own], log.pose[own], velocity, arms, name=log.name)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("case", "seed", "motion"), [("nothing", 3, "rich"), ("rolling_resistance", 0, "straight")])
 def test_sealed_logs_are_named_exactly(case, seed, motion, tmp_path):
     (name,) = generate(tmp_path, [case], [seed], motion)
@@ -48,6 +49,7 @@ def test_sealed_logs_are_named_exactly(case, seed, motion, tmp_path):
     assert not found.final.laws
 
 
+@pytest.mark.prove
 def test_a_slope_that_is_written_down():
     """Its grades, within three standard deviations; what was added is worth more than all that was tried beside it."""
     found = diagnose(noisy(weaving(TRUE, 24.0, slope=(0.015, -0.01)), 2), cart_of((20.0, 0.2, 0.0, 2.0, 2.7, 1.1)))
@@ -91,6 +93,7 @@ def coasting(grade, drag=4.0, seconds=12.0):
     return noisy(RunLog(time, poses, rates, {}, name="coasting"), 3, 2e-4, 2e-3)
 
 
+@pytest.mark.long
 def test_a_cart_that_coasts_up_and_down_a_slope():
     """It turns round, and goes faster downhill than its drag lets it; the mass is as it was given."""
     cart = CartModel(RAIL.inertia, RAIL.constraints, (ViscousDrag(linear=4.0),))
@@ -201,6 +204,7 @@ def test_a_drag_at_its_bound_frees_no_column():
     assert model.cart.effects[0].values[0] == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("frequency", [4.0, 8.0, 20.0])
 def test_a_load_that_swings_faster_than_the_motion_is_known_explains_nothing(frequency):
     """As fast, it goes with a cart that is rigid; noise of its poses is not what it does beside."""

@@ -48,6 +48,7 @@ def with_force(log, force):
     return replace(log, arms={"hand": ArmLog(arm.contact, arm.wrench + more)})
 
 
+@pytest.mark.long
 def test_a_force_that_nobody_knows_of_is_in_the_forward_residual(log, quiet):
     """5 N backward for 3 s; means and times in the words of the log."""
     model = started(with_force(log, 5.0 * ((log.time >= 9.0) & (log.time < 12.0))))
@@ -60,6 +61,7 @@ def test_a_force_that_nobody_knows_of_is_in_the_forward_residual(log, quiet):
     assert (first.start, first.stop) == pytest.approx((9.0, 12.0), abs=0.6)
 
 
+@pytest.mark.long
 def test_means_of_noise_are_as_large_as_their_deviations():
     """Over eight logs. What rows are unsure of beside the sensors' noise (forms of friction near rest) is not in them,
     so they may be smaller."""

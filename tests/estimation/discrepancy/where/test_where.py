@@ -76,6 +76,7 @@ UNDER = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("words", UNDER)
 @pytest.mark.parametrize("size", [4.0, -6.0])
 def test_a_misfit_under_one_circumstance_is_told_by_it(words, size):
