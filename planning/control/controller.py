@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -153,6 +153,8 @@ class Controller:
         model = estimate.cart() if self.learns else self.cart
         wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(estimate)
         chosen = self._source.contacts(ContactQuery(along, wanted, estimate, self._held))
+        if chosen.contacts.keys() != self._names:
+            _refuse_contacts(chosen.contacts, self._arms)
         told = self._for_planner(estimate)
         if self._regrasps is None:
             plan = self._planner.plan_or_hold(wanted, chosen.contacts, told)
@@ -250,6 +252,12 @@ def _check_learns_from(estimator: Estimator, names: frozenset[str]) -> None:
             f"controller: estimator: it adds up the wrenches of {', '.join(sorted(heard))}, and the arms are "
             f"{', '.join(sorted(names))}; name them alike"
         )
+
+
+def _refuse_contacts(chosen: Mapping[str, ArrayLike], arms: Sequence[Arm]) -> NoReturn:
+    names = [arm.name for arm in arms]
+    check_known("controller: contacts", chosen, names)
+    raise UsageError(f"controller: contacts: {', '.join(chosen)} are not the arms {', '.join(names)}; name all of them")
 
 
 def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[str, Array]:

@@ -225,6 +225,24 @@ def test_what_it_is_made_of_is_checked():
         Controller(GUESS, held, PATH, planner=object())
 
 
+@pytest.mark.parametrize("regrasp", [TIMES, None])
+@pytest.mark.parametrize(
+    ("names", "why"),
+    [
+        (("left",), "controller: contacts: left are not the arms left, right; name all of them"),
+        (("left", "right", "rigth"), "controller: contacts: there is no 'rigth'; did you mean right"),
+    ],
+)
+def test_a_source_of_contacts_names_every_arm(regrasp, names, why):
+    class Source:
+        def contacts(self, query):
+            return ContactChoice(dict.fromkeys(names, (-0.25, 0.2, 1.0)))
+
+    controller = Controller(GUESS, arms(), PATH, contacts=Source(), regrasp=regrasp, estimator=learner())
+    with pytest.raises(UsageError, match=why):
+        controller.step(cg.Measurement(0.0, pose=[0, 0, 0], velocity=[0, 0, 0]))
+
+
 def test_words_say_what_a_plan_lacks_and_when_the_path_is_over():
     controller = Controller(GUESS, arms(force=1.0), PathReference(chain(straight(0.3, 0.5))), period=0.05)
     assert not controller.is_done
