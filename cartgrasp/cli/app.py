@@ -201,7 +201,7 @@ def discrepancy(
 def list_topics(
     file: Annotated[Path, typer.Argument(help="A ROS bag, or a table: .csv, .tsv, .txt, .parquet.", metavar="FILE")],
     out: Annotated[Path | None, typer.Option("--out", help="Where to write the proposed map.")] = None,
-    ask: Annotated[bool, typer.Option("--ask", metavar="", help="Ask what only you know, and write the map.")] = False,
+    ask: Annotated[bool, typer.Option("--ask", metavar="", help="Ask on a terminal; write the map.")] = False,
     beside: Annotated[list[Path] | None, typer.Option("--with", help="A table of another sensor, same run.")] = None,
     salvage: Salvage = False,
     json: Json = False,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,9 +10,10 @@ from typing import Any
 
 from ruamel.yaml.comments import CommentedMap
 
-from ..errors import LogError, Place, UsageError, printable
+from ..errors import FileError, LogError, Place, UsageError, printable
 from ..logs import MAP_SUFFIX, TABLES
 from ..logs.csv_log import PAGE, check_columns
+from ..logs.mapped.run_map import Location
 from ..logs.tables.proposing import Proposal, propose
 from ..logs.tables.questions import put, value_of
 from ..logs.tables.table_map import Question, TableFormat, open_questions
@@ -21,6 +23,10 @@ from .output import print_json, print_table, say
 
 MOST_OTHERS = 30
 """Files of a folder that are looked at."""
+
+ANSWER = "the answer"
+UNNAMED = "\n  arm:\n"
+"""How the proposed map begins a hand that no column names."""
 
 
 def run(path: Path, beside: Sequence[Path], out: Path | None, ask: bool, as_json: bool) -> int:
@@ -49,7 +55,8 @@ def run(path: Path, beside: Sequence[Path], out: Path | None, ask: bool, as_json
         out = out or path.with_name(f"{path.name}{MAP_SUFFIX}")
         if out.exists():
             raise UsageError(f"{out}: is there already; remove it, or name another place with --out")
-        _ask(document, questions, text)
+        document = _named(text)
+        _ask(document, open_questions(document, ANSWER), text)
         text = dump_yaml(document)
         questions = open_questions(document, str(path))
     if out is not None:
@@ -122,17 +129,53 @@ def _alike(questions: Sequence[Question]) -> list[list[Question]]:
     return list(found.values())
 
 
+def _named(text: str) -> CommentedMap:
+    """The map with a word of one's own for a hand that no column names."""
+    if UNNAMED not in text:
+        return parse_yaml(text, ANSWER)
+    print("arms: a word for the hand, as your cart's file and your controller call it")
+    while True:
+        word = input("  name [arm]: ").strip() or "arm"
+        document = parse_yaml(text.replace(UNNAMED, f"\n  {json.dumps(word)}:\n"), ANSWER)
+        if _is_taken(document, ("arms", word)):
+            return document
+
+
 def _ask(document: CommentedMap, questions: Sequence[Question], text: str) -> None:
-    """Enter takes a guess as it is, and leaves a blank open."""
+    """Enter takes a guess as it is, and leaves a blank open; what can't be used is asked again."""
     lines = text.splitlines()
     for same in _alike(questions):
         where = ", ".join(".".join(question.where) for question in same)
-        why = _comment(document, same[0], lines) or same[0].why
-        guess = "" if same[0].said is None else f" [{same[0].said}]"
-        print(printable(f"{where}: {why}"))
-        answer = input(f"  {same[0].where[-1]}{guess}: ").strip() or same[0].said
-        for question in same if answer else []:
-            put(document, question.where, value_of(answer or ""))
+        said = same[0].said
+        print(printable(f"{where}: {_comment(document, same[0], lines) or same[0].why}"))
+        while answer := input(f"  {same[0].where[-1]}{'' if said is None else f' [{said}]'}: ").strip() or said:
+            _put_all(document, same, _answered(answer))
+            if _is_taken(document, same[0].where):
+                break
+            _put_all(document, same, None if said is None else f"{said}?")
+
+
+def _put_all(document: CommentedMap, questions: Sequence[Question], value: Any) -> None:
+    for question in questions:
+        put(document, question.where, value)
+
+
+def _answered(text: str) -> Any:
+    """As YAML reads it; several numbers are a list without its brackets, too."""
+    parts = text.replace(",", " ").split()
+    are_numbers = len(parts) > 1 and all(isinstance(value_of(part), int | float) for part in parts)
+    return value_of(f"[{', '.join(parts)}]" if are_numbers else text)
+
+
+def _is_taken(document: CommentedMap, where: Location) -> bool:
+    """Whether what was put there can be used; if not, says why."""
+    try:
+        wrong = [one.why for one in open_questions(document, ANSWER) if one.where == where and one.said is None]
+    except FileError as error:
+        wrong = [error.why]
+    for why in wrong:
+        say(printable(f"{'.'.join(where)}: {why}; once more"))
+    return not wrong
 
 
 def _comment(document: CommentedMap, question: Question, lines: Sequence[str]) -> str:

@@ -146,6 +146,23 @@ def test_asked_on_a_terminal(capsys, table, monkeypatch):
     assert len(read_log(table)) == 2000
 
 
+def test_what_cannot_be_used_is_asked_again(capsys, table, monkeypatch):
+    """And a hand that no column names is asked for its word; a list needs no brackets."""
+    text = table.read_text(encoding="utf-8").splitlines()
+    rows = [",".join(line.split(",")[:7]) for line in text]
+    table.write_text("\n".join([rows[0].replace("left ", ""), *rows[1:]]) + "\n", encoding="utf-8")
+    asked, answers = [], iter(("a.b", "gripper", "on the handle", "-0.25, 0.2 1.0", "on_cart"))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", lambda prompt: asked.append(prompt.strip()) or next(answers))
+    answer = run(capsys, "topics", table, "--ask")
+    assert answer.status == 0
+    assert asked == ["name [arm]:", "name [arm]:", "contact:", "contact:", "force:"]
+    assert "arms.gripper.contact: 'on the handle' is not a list; once more" in answer.err
+    log = read_log(table)
+    assert list(log.arms) == ["gripper"]
+    assert log.arms["gripper"].contact[0].tolist() == [-0.25, 0.2, 1.0]
+
+
 def test_a_run_log_needs_no_map(capsys, tmp_path, push):
     (tmp_path / "run.csv").write_text(as_csv(push[:100]))
     answer = run(capsys, "topics", tmp_path / "run.csv", "--json")
