@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import CartgraspError, LogError, UsageError
 from ..logs import RunLog
 from ..model import CartModel
 from .estimate import cart_of, log_of
-from .output import check_writable, make_folder
+from .output import check_writable, make_folder, say
 
 CART = "cart.yaml"
 """What identify and discrepancy write into their folder."""
@@ -25,16 +25,30 @@ def cart_and_logs(
     topics: Path | None = None,
     coasting: bool = False,
 ) -> tuple[CartModel, list[RunLog]]:
-    """The folder `out` is made where it is wanted, before the work whose results go there; `topics` maps all bags, and
-    `coasting` says of all logs without wrenches that nobody pushed."""
+    """The folder `out` is made where it is wanted, before the work whose results go there; `topics` maps all bags and
+    tables but run logs, and `coasting` says of all logs without wrenches that nobody pushed."""
     cart = cart_of(paths[0], cart_path)
     _check_distinct(paths)
     if out is not None:
         make_folder(out)
         check_writable(out / CART, cart_path, topics, *paths)
-    logs = [log_of(path, topics, coasting) for path in paths]
+    read = log_of if topics is None or len(paths) == 1 else _one_of_several
+    logs = [read(path, topics, coasting) for path in paths]
     _check_other_rows(paths, logs)
     return cart, logs
+
+
+def _one_of_several(path: Path, topics: Path | None, coasting: bool) -> RunLog:
+    """What the map can't read may be a run log, as `simulate` writes it."""
+    try:
+        return log_of(path, topics, coasting)
+    except LogError as error:
+        try:
+            log = log_of(path, None, coasting)
+        except CartgraspError:
+            raise error from None
+    say(f"{path}: is read without {topics}, as a run log")
+    return log
 
 
 def _check_distinct(paths: Sequence[Path]) -> None:

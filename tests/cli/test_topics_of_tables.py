@@ -87,6 +87,20 @@ def test_every_command_takes_it_as_it_takes_a_run_log(capsys, table, tmp_path):
     assert run(capsys, "view", table, *given, "--out", tmp_path / "page.html").status == 0
 
 
+def test_a_map_leaves_run_logs_beside_its_tables_alone(capsys, table, tmp_path):
+    """Such as `simulate` writes them; alone, a log that a map does not fit is refused."""
+    own_map(table).write_text(filled(run(capsys, "topics", table, "--json").json["proposal"]), encoding="utf-8")
+    (tmp_path / "run.csv").write_text(as_csv(pushed_cart(seed=1)), encoding="utf-8")
+    options = "--topics", own_map(table), "--cart", tmp_path / "cart.yaml"
+    answer = run(capsys, "identify", table, tmp_path / "run.csv", *options, "--json")
+    assert answer.status == 0, answer.err
+    assert f"run.csv: is read without {own_map(table)}, as a run log" in answer.err
+    assert [one["words"] for one in answer.json["logs"]] == [[], []]
+    run(capsys, "identify", tmp_path / "run.csv", *options).refused(3, "there is no such column")
+    (tmp_path / "other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
+    run(capsys, "identify", table, tmp_path / "other.csv", *options).refused(3, "other.csv", "there is no such column")
+
+
 def _numbers(document):
     """All that are in a document, in order."""
     if isinstance(document, dict):
