@@ -50,7 +50,7 @@ def run(
         inputs.save(out)
         say(f"the report is {out / 'report.html'}, the extended cart {out / 'cart.yaml'}")
     if next_file is not None:
-        _write_next(found, next_file.path)
+        _write_next(found, next_file.path, out)
     if as_json:
         print_json(found.report.as_dict())
     else:
@@ -58,13 +58,14 @@ def run(
     return 0
 
 
-def _write_next(found: Diagnosis, path: Path) -> None:
-    """A reference for `cartgrasp simulate`, or a robot; nothing where there is none that would tell."""
+def _write_next(found: Diagnosis, path: Path, out: Path | None) -> None:
+    """A reference for a robot, or `cartgrasp simulate`; nothing where there is none that would tell."""
     if found.next_reference is None:
         say(f"--next {path}: not written: {found.next_experiment.why_none}")
         return
     found.next_reference.save(path)
-    say(f"the reference to run next is {path}: cartgrasp simulate --cart cart.yaml --reference {path}")
+    then = f"--follow {out} LOG" if out else "this one's logs and LOG (with --out DIR: --follow DIR LOG)"
+    say(f"the reference to run next is {path}: let the robot drive it, then add its log: cartgrasp discrepancy {then}")
 
 
 def _print(found: Diagnosis, is_written: bool) -> None:
@@ -117,7 +118,7 @@ def _print(found: Diagnosis, is_written: bool) -> None:
         print(f"next: {experiment}")
     if found.next_reference is not None and not is_written:
         print(
-            "--next next.yaml writes that motion for `cartgrasp simulate`, or a robot; then add its log: --follow DIR"
+            "--next next.yaml writes that motion for a robot, or `cartgrasp simulate`; then add its log: --follow DIR"
         )
 
 

@@ -63,4 +63,5 @@ def _print(found: Identification) -> None:
         for words in log.words:
             print(f"- {words}")
         if log.noise_excess > 2:
-            print(f"- {log.name}: {log.noise_excess:.1f} times the noise variance is left; deviations allow for it")
+            left = f"{log.noise_excess:.1f} times the noise variance is left; deviations allow for it"
+            print(f"- {log.name}: {left}, and `cartgrasp discrepancy` looks for what is missing")
