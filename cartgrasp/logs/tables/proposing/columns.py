@@ -102,6 +102,10 @@ class FileColumns:
                 found[own].setdefault(column.role, column)
         return {name: own for name, own in found.items() if "fx" in own or "fy" in own}
 
+    def is_only(self, column: Column) -> bool:
+        """Whether no other column of the same arm is taken for the same."""
+        return sum(c.role == column.role and c.group == column.group for c in self.columns) == 1
+
     @property
     def yaw(self) -> Column | None:
         """Of a quaternion whose four components are there, or the two that a yaw alone has; headings in rad."""
@@ -118,6 +122,16 @@ class FileColumns:
     @property
     def has_pose(self) -> bool:
         return bool(self.of_role("x") or (self.of_role("px") and not self.arms))
+
+    @property
+    def strays(self) -> list[Column]:
+        """Components of wrenches beside which no force along the floor stands."""
+        return [c for c in self.columns if c.role in WRENCH_COLUMNS and c.group not in self.arms]
+
+    @property
+    def clock_of_text(self) -> Column | None:
+        """A column of times that holds no numbers: dates."""
+        return next((c for c in self.columns if c.numbers is None and c.meaning and c.meaning.role == "t"), None)
 
     def unknown(self) -> list[Column]:
         """Columns of changing numbers that no name tells anything of."""
