@@ -32,7 +32,7 @@ def shown(value: Any) -> str:
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """`; did you mean …?`, or the list of what is known."""
     known = list(known)
-    close = difflib.get_close_matches(word, known, n=1)
+    close = [one for one in known if one.lower() == word.lower()] or difflib.get_close_matches(word, known, n=1)
     return f"; did you mean {close[0]}?" if close else f"; known are {', '.join(known) or 'none'}"
 
 

@@ -102,7 +102,7 @@ def _is_odd(word: str) -> bool:
     a degree in German and a gon in English."""
     bare = word.strip().lower()
     is_name = re.search(r"[^\W\d_]{4}", bare) or bare in {*"xyzw"} | VOCABULARY["filler"]
-    return bare == "grad" or bool(re.search(r"[^\W\d_]", bare)) and not _is_unit(word) and not is_name
+    return bare == "grad" or (bool(re.search(r"[^\W\d_]", bare)) and not _is_unit(word) and not is_name)
 
 
 def _joined(words: Sequence[str]) -> list[str]:
