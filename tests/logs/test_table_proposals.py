@@ -185,6 +185,16 @@ def test_a_moment_without_its_force_is_told(tmp_path):
     assert propose(path).notes == ("tz left [Nm] is left out: tz, but no fx or fy is of the same part",)
 
 
+def test_a_force_with_text_in_it_is_no_reason_to_believe_that_nobody_pushes(tmp_path):
+    path = circling(tmp_path, LABELLED)
+    lines = path.read_text().splitlines()
+    lines[500] = ",".join([*lines[500].split(",")[:4], "#REF!", "OVL"])
+    path.write_text("\n".join(lines) + "\n")
+    assert "arms" in asked(path)
+    told = "Fx_N is left out: line 501: '#REF!' is not a number (a missing sample is a blank cell or nan)"
+    assert propose(path).notes[0] == told
+
+
 def test_times_of_text_are_told(tmp_path):
     path = circling(tmp_path, LABELLED)
     names, *rows = path.read_text().splitlines()

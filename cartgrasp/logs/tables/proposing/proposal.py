@@ -74,8 +74,9 @@ def propose(path: Path, others: Sequence[Path] = ()) -> Proposal:
     writer.add(f"max_gap: {_gap(units, arms):.3g}", "s; longer gaps are left out, never bridged")
     _pose(writer, units, main)
     _arms(writer, arms, main, files)
+    faults = [c.fault for f in files for c in f.columns if c.fault and c.meaning]
     strays = [f"{c.title} is left out: {c.role}, but no fx or fy is of the same part" for f in files for c in f.strays]
-    return Proposal("\n".join(writer.lines) + "\n", tuple(files), (*units.notes, *strays))
+    return Proposal("\n".join(writer.lines) + "\n", tuple(files), (*units.notes, *strays, *faults))
 
 
 def _ahead(units: MotionUnits) -> np.ndarray | None:
