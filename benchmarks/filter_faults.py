@@ -69,6 +69,9 @@ FAULTS = {
     "kN, kN·m": wrenches("unit", factors=(1e-3,) * 6),
     "lbf, lbf·ft": wrenches("unit", factors=(1 / 4.4482216,) * 3 + (1 / 1.3558179,) * 3),
     "theta in degrees": poses("unit", lambda pose: pose * [1, 1, 180 / np.pi]),
+    "theta begins three turns up": Fault(
+        lambda log: replace(log, pose=np.add(log.pose, [0, 0, 6 * np.pi])), frozenset()
+    ),
     "x and y in mm": poses("unit", lambda pose: pose * [1000, 1000, 1]),
     "times in ms": Fault(lambda log: replace(log, time=1000 * log.time), frozenset({"unit"})),
     "one wrench of 1 kN": of_arms("", spiked, ["left"]),

@@ -56,7 +56,7 @@ DECIDING = (
     ),
     Constant("discrepancy.findings.gap", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant(
-        "discrepancy.diagnosis.diagnosis",
+        "discrepancy.findings.gap",
         "CLOSED",
         A,
         inf,

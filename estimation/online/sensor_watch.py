@@ -24,8 +24,8 @@ from ..prior import Prior
 from ..sensor_check.evidence import probabilities
 from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
-from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SHARED, Rivals
-from .watched_block import HEADINGS, Block, poses_of, velocities_of, wrapped, wrench_of
+from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SHARED, SOUND, Rivals
+from .watched_block import HEADINGS, TURN, Block, poses_of, velocities_of, wrapped, wrench_of
 
 SPAN = 0.25
 """s, of a block."""
@@ -50,6 +50,8 @@ RUNNING = 4
 SELDOM = 0.003
 """Odds of each unit of force: rather less than of a log, as it is asked again and again, and a cart may be three times
 as heavy as it was guessed to be."""
+BEYOND_A_TURN = 100.0
+"""Odds of degrees where headings begin beyond a turn: a sensor of radians has to have been turning before."""
 NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 16.0, 6.0, 1.5
 """Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
 
@@ -71,6 +73,7 @@ class SensorWatch:
         self._work: Iterator[None] | None = None
         self._blocks: tuple[Block, ...] = ()
         self._sideways = self._turning = Rivals((0.0,) * len(HEADINGS))
+        self._first_heading = math.nan
         self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
         self._powers, self._rows = (0.0,) * 6, 0.0
         self._sure, self._heard = 0, 0.0
@@ -107,6 +110,8 @@ class SensorWatch:
         if self._takes_all:
             self._arms = tuple(dict.fromkeys([*self._arms, *[arm for m in few for arm in m.wrenches]]))
         block = Block(*moved, velocity, wrench_of(few, self._contacts, self._arms, self._yaws), noise)
+        if math.isnan(self._first_heading):
+            self._first_heading = block.headings[0]
         if self._blocks and not 0.5 * SPAN < block.time - self._blocks[-1].time < 2.0 * SPAN:
             self._blocks = ()
         blocks = self._blocks = (*self._blocks[-2:], block)
@@ -178,11 +183,20 @@ class SensorWatch:
 
     def _of_headings(self) -> Iterator[Suspicion]:
         log = [a + b for a, b in zip(self._sideways.evidence, self._turning.evidence, strict=True)]
-        _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, UNIT_ODDS, COMMON_ODDS])).tolist()
+        of_degrees = BEYOND_A_TURN if self._may_be_degrees else UNIT_ODDS
+        _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, of_degrees, COMMON_ODDS])).tolist()
         if degrees > KEEPS:
             yield Suspicion("unit", "heading", degrees, HEADINGS[1], "headings are in degrees, not rad")
         if reversed_ > KEEPS:
             yield Suspicion("sign", "heading", reversed_, -1.0, "headings turn the other way: reverse theta")
+
+    @property
+    def _may_be_degrees(self) -> bool:
+        """Headings began beyond a turn, and as degrees they go with the motion, better than as they are."""
+        way, is_long = self._sideways, self._sideways.rows >= LEAST_ROWS
+        sound, degrees, _ = way.left
+        fits = degrees <= SOUND * way.whole and degrees < 0.5 * sound
+        return abs(self._first_heading) > TURN and is_long and fits
 
     def _of_lengths(self) -> Iterator[Suspicion]:
         odds = np.array([1.0, *[UNIT_ODDS] * (len(LENGTHS) - 2), COMMON_ODDS])

@@ -23,6 +23,13 @@ def test_faults_are_told_and_sound_logs_are_not_suspected(seed):
         assert not found.is_sure
 
 
+def test_degrees_that_look_like_another_heading_are_told_by_where_they_begin():
+    """Of a straight path; its radians, three turns up, are nobody's degrees."""
+    run = drawn(7302)
+    assert told(run, FAULTS["theta in degrees"]).after <= IN_TIME
+    assert not told(run, FAULTS["theta begins three turns up"]).others
+
+
 def test_loud_velocities_leave_the_filter_consistent():
     """A table's line for the size of the noise, and one for all: here of one log."""
     *_, whole = noise([2002])

@@ -30,7 +30,7 @@ from ...weak_form.flights import LONGEST_HOLE, flights, unbroken
 from ...weak_form.rows import wrench_noise
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
-from ..findings.gap import BEYOND_NOISE, Gap, measured_gap
+from ..findings.gap import BEYOND_NOISE, CLOSED, Gap, measured_gap
 from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
 from ..findings.named import NamedEffect, named, named_stops
@@ -55,8 +55,6 @@ if TYPE_CHECKING:
 
 OTHER_CART = 3.0
 """Standard deviations between masses of logs: they are of different loads."""
-CLOSED = 0.05
-"""Of the squared gap above the noise floor: what may be left beyond noise where the effects explain it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,9 @@ from .rollouts import HORIZONS, starts
 
 BEYOND_NOISE = 2.0
 """Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
+CLOSED = 0.05
+"""Of the squared gap above the noise floor: what may be left where it is explained; a law that closes no more is none.
+"""
 COORDINATES = ("along", "across", "heading")
 
 

@@ -14,7 +14,7 @@ from ..search.model import Model
 from ..search.plausible import ODDS, TOLD
 from ..search.search import added
 from .certainty import Certainty
-from .gap import BEYOND_NOISE
+from .gap import BEYOND_NOISE, CLOSED
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .named import faded
 from .refusal import WORSE
@@ -29,8 +29,9 @@ def upheld(
     final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
 ) -> tuple[Model, tuple[Law, ...]]:
     """Without effects of which next to nothing is left, without loads that what nobody recorded may look like, without
-    laws that close nothing of the gap, and without the last ones as long as unseen stretches are predicted no better
-    with them than by what is known, or refitted, and farther off than noise; and the laws that were withdrawn."""
+    laws that close next to nothing of the gap, and without the last ones as long as unseen stretches are predicted no
+    better with them than by what is known, or refitted, and farther off than noise; and the laws that were
+    withdrawn."""
     for key in (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)):
         final = final.refitted(final.cart.without_effect(key)).settled()
     laws = final.laws
@@ -38,11 +39,11 @@ def upheld(
         return final, ()
     best = _known_error(nominal)
     floor, error = rollout_error(floor_rollouts(final)), rollout_error(held_out_rollouts(final))
+    least = CLOSED * max(best**2 - floor**2, 0.0) if np.isfinite(best) else 0.0
     for law in laws:
-        if error <= floor:
-            break
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
-        if (without := rollout_error(held_out_rollouts(less))) <= error:
+        without = rollout_error(held_out_rollouts(less))
+        if without**2 <= max(error, floor) ** 2 + least:
             final, error = less, without
     while (final.laws or added(final)) and error >= max(_most(final, best), floor):
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)

@@ -64,7 +64,7 @@ def test_three_flights_tell_a_slope_that_closes_the_gap(variant):
 
 @pytest.mark.long
 @pytest.mark.some(1)
-@pytest.mark.parametrize("variant", ["x in 5 mm", "at 50 Hz", "first 60 %"])
+@pytest.mark.parametrize("variant", ["x in mm", "x in 5 mm", "at 50 Hz", "first 60 %"])
 def test_an_axis_with_two_frictions_is_no_patch_of_floor(variant):
     """The stroke is all the floor that there is."""
     found = told_of("emps", 1.0, variant)

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.effects import FloorSlope, LoadSlosh, RollingResistance
-from estimation.discrepancy.findings.upheld import closes_most, within_bracket
+from cartgrasp.effects import FloorSlope, LearnedForce, LoadSlosh, RollingResistance
+from estimation.discrepancy.findings.upheld import closes_most, upheld, within_bracket
+from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import Band
@@ -36,3 +37,18 @@ def test_a_slope_closes_a_gap_where_there_is_one(grade):
     more = model.refitted(model.cart.with_effect(FloorSlope())).settled()
     assert closes_most(model, more) == (grade != 0.0)
     assert not closes_most(more, more)
+
+
+@pytest.mark.parametrize(("share", "is_told"), [(0.05, False), (0.5, True)])
+def test_a_law_has_to_close_something_of_the_gap(share, is_told):
+    """A hum beside a slope, by a share of its force: what it closes goes with the square."""
+    log, grade = on_rail(20.0), 0.02
+    pushed = grade * WEIGHT * (1.0 + share * np.sin(2 * np.pi * log.time / 1.3))
+    arms = {name: replace(arm, wrench=arm.wrench + np.outer(pushed, FORWARD)) for name, arm in log.arms.items()}
+    nominal = Model.started([Balances.of(replace(log, arms=arms), RAIL)], RAIL)
+    hum = Law.free("1 harmonic", LearnedForce(of="time", period=1.3))
+    found = replace(nominal, laws=(hum,)).refitted(nominal.cart.with_effect(FloorSlope())).settled()
+    final, withdrawn = upheld(found, nominal, (), (None,))
+    assert bool(final.laws) == is_told
+    assert bool(withdrawn) != is_told
+    assert [effect.key for effect in final.cart.effects] == ["viscous_drag", "floor_slope"]
