@@ -46,7 +46,7 @@ def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str
     }
 
 
-def read_arms(arms: Iterable[Arm], names: Sequence[str]) -> dict[str, Arm]:
+def read_arms(arms: Any, names: Sequence[str]) -> dict[str, Arm]:
     """By name."""
     given = list(arms) if isinstance(arms, Iterable) and not isinstance(arms, str) else [arms]
     if not given:
