@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ def shown(value: Any) -> str:
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """`; did you mean …?`, or the list of what is known."""
     known = list(known)
-    close = difflib.get_close_matches(word, known, n=1)
+    close = [one for one in known if one.lower() == word.lower()] or difflib.get_close_matches(word, known, n=1)
     return f"; did you mean {close[0]}?" if close else f"; known are {', '.join(known) or 'none'}"
 
 
@@ -81,8 +81,11 @@ def positive(what: str, value: Any, high: float, cure: str) -> float:
 
 
 def numbers(what: str, values: Any, form: str, low: float = -math.inf, high: float = math.inf) -> tuple[float, ...]:
-    """As many as `form` names in brackets: `(x, y, z) in {b}`."""
+    """As many as `form` names in brackets: `(x, y, z) in {b}`. A set has no order, and what is read once holds nothing
+    the next time."""
     try:
+        if isinstance(values, Set | Mapping | Iterator):
+            raise TypeError
         found = tuple([float(value) for value in values])
         is_text = isinstance(values, str | bytes) or any(isinstance(value, str | bytes | bool) for value in values)
     except (TypeError, ValueError, OverflowError):

@@ -29,6 +29,17 @@ class StrictModel(BaseModel):
 
 Model = TypeVar("Model", bound=BaseModel)
 
+NOT_YAML = {
+    "'\\t'": "a tab; indent with blanks",
+    "cannot start any token": "text that begins so must stand in quotes",
+    "mapping values are not allowed": "a colon where none may stand; indent alike, and quote text with colons",
+    "expected ',' or": "no comma before this, or a bracket that is not closed",
+    "end of stream": "a quote that is not closed",
+    "expected the node content": "no value, or a bracket that is not closed",
+    "<block end>": "indented otherwise than what it belongs to",
+    "another document": "a second document; keep one, without `---`",
+}
+"""By words of the parser's, which know no cure, ours."""
 MOST_VALUES = 100_000
 DEEPEST = 50
 
@@ -59,7 +70,8 @@ def parse_yaml(text: str, name: str) -> CommentedMap:
         raise FileError(_mark_place(name, mark), _quoted(error.problem), why) from error
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        why = f"not valid YAML: {error.problem or error.context}"
+        said = str(error.problem or error.context)
+        why = f"not valid YAML: {next((ours for theirs, ours in NOT_YAML.items() if theirs in said), said)}"
         raise FileError(_mark_place(name, mark), "", why) from error
     except (YAMLError, ValueError, LookupError, TypeError, AttributeError, RuntimeError) as error:
         # beside its own errors, what ruamel stumbles over: tags (`!!set 3`), odd comments, depth
@@ -203,9 +215,16 @@ def _first(document: Any, errors: Sequence[Any]) -> Any:
     """An unknown key, else the first; of a value that may be of several types, what is wrong with the one it has."""
     first = min(errors, key=lambda e: e["type"] != "extra_forbidden")
     *place, kind = first["loc"]
+    alike = [e for e in errors if list(e["loc"][: len(place)]) == place and e is not first]
+    if isinstance(first["input"], Mapping) and (inside := [e for e in alike if len(e["loc"]) > len(place) + 1]):
+        return inside[0]
+    if first["type"] == "float_type" and any(
+        e["type"].startswith("model") and e["loc"][:-1] == first["loc"][:-1] for e in alike
+    ):
+        return {**first, "type": "number_or_mapping"}
     if not first["type"].endswith("_type") or _keys(document, first["loc"], is_missing=False)[-1:] == [kind]:
         return first
-    others = [e for e in errors if list(e["loc"][: len(place)]) == place and not e["type"].endswith("_type")]
+    others = [e for e in alike if not e["type"].endswith("_type")]
     return others[0] if others else first
 
 
@@ -216,9 +235,10 @@ def _why(error: Any) -> str:
         "missing": "is missing; add it",
         "finite_number": f"{given} is not a finite number",
         "float_type": f"{given!r} is not a number",
+        "number_or_mapping": f"{given!r} is neither a number nor a mapping `{{key: value}}`",
         "int_type": f"{given!r} is not a whole number",
         "string_type": f"{given!r} is not text",
-        "list_type": f"{given!r} is not a list",
+        "list_type": f"{given!r} is not a list `[a, b]`",
         "tuple_type": f"{given!r} is not a list",
         "dict_type": f"{given!r} is not a mapping `key: value`",
         "model_type": f"{given!r} is not a mapping `key: value`",

@@ -71,7 +71,7 @@ class PathReference:
 
     def at(self, time: float) -> Reference:
         """The reference at a time; clamped to start and end."""
-        clamped = float(np.clip(time, 0.0, self.duration))
+        clamped = min(max(number("reference: time", time, cure="give s"), 0.0), self.duration)
         i = min(int(np.searchsorted(self._times, clamped, side="right")) - 1, len(self.stretches) - 1)
         knot = min(int(clamped / KNOT_SPACING), len(self._knots) - 1)
         pose = self._knots[knot] + self._travel(knot * KNOT_SPACING, clamped)

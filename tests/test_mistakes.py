@@ -12,7 +12,7 @@ import cartgrasp as cg
 from cartgrasp.effects import ForceBias, RollingResistance, ViscousDrag
 from cartgrasp.errors import CartgraspError
 from cartgrasp.logs import ArmLog
-from cartgrasp.simulation.plant import ModelPlant
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator, diagnose, identify
 from planning import (
     InternalForce,
@@ -37,6 +37,7 @@ LEFT = cg.Arm("left", [POINT], force_limit=(60, 60, 40))
 RIGHT = cg.Arm("right", [(-0.25, -0.2, 1.0)], force_limit=(60, 60, 40))
 SHORT = cg.Measurement(0.0, None, None, {"left": (1, 2)}, {"left": POINT})
 HAND = ArmLog(np.zeros((3, 3)), np.zeros((3, 6)))
+NOTHING = cg.ContactWrenches({}, {})
 LOG = cg.RunLog(np.arange(3) / 100, np.zeros((3, 3)), None, {"left": HAND})
 
 
@@ -208,6 +209,22 @@ PYTHON = [
     (lambda: ModelPlant("cart.yaml"), "plant: cart: 'cart.yaml' is no CartModel; load it first"),
     (lambda: ModelPlant(TRUE, (0, 0, 90)), "plant: pose_sb: theta: 90 rad"),
     (lambda: ModelPlant(TRUE, timestep=0), "plant: timestep: 0 is not > 0; give s"),
+    (
+        lambda: ModelPlant(TRUE).step({"left": np.zeros(6)}, 0.01),
+        "plant: step: {.* is no ContactWrenches; give plan.contact_wrenches",
+    ),
+    (lambda: ModelPlant(TRUE).step(NOTHING, -0.01), "plant: step: duration: -0.01 is not a number >= 0; give s"),
+    (lambda: Sensors(TRUE, 0.1), "sensors: noise: 0.1 is no SensorNoise; write SensorNoise"),
+    (lambda: Sensors("cart.yaml", SensorNoise()), "sensors: cart: 'cart.yaml' is no CartModel; load it first"),
+    (lambda: Sensors(TRUE, SensorNoise(), seed="1"), "sensors: seed: '1' is no int; give a whole number"),
+    (lambda: SensorNoise(force=-1), "sensor noise: force: -1 is not a number >= 0"),
+    (lambda: PathReference(chain(straight(1.0, 0.5))).at(np.nan), "reference: time: nan is not a number; give s"),
+    (lambda: PathReference(chain(straight(1.0, 0.5))).at("1"), "reference: time: '1' is not a number; give s"),
+    (lambda: cg.read_log(None), "log: None is no str; name it by its path"),
+    (lambda: cg.read_log(["run.csv"]), r"log: \['run.csv'\] is no str; name it by its path, one at a time"),
+    (lambda: cg.Inertia(24, {0.3, 0.0}, 2), r"com: {.*} is not \(x, y\) in \{b\}, m"),
+    (lambda: cg.Inertia(24, (v for v in (0.3, 0.0)), 2), r"com: .* is not \(x, y\)"),
+    (lambda: CartFilter(TRUE, ["left"], yaws={"lefft": 0.1}), "yaws: there is no 'lefft'; did you mean left?"),
 ]
 
 
@@ -226,7 +243,8 @@ REFUSED = [
     ({"contacts": {"left": (0, 0, 100)}}, "(x, y, z) in {b} is needed"),
     ({"contacts": [POINT]}, "contacts: a mapping from arm to (x, y, z) is needed"),
     ({"arms": []}, "arms: none given; name those that hold"),
-    ({"arms": ["left"]}, "arms: 'left' is not an Arm"),
+    ({"arms": ["left"]}, "arms: 'left' is not an Arm; give those made"),
+    ({"arms": "left"}, "arms: 'left' is not an Arm"),
     ({"arms": [cg.Arm("middle", [POINT])]}, "arms: there is no arm 'middle'; there are left, right"),
     ({"estimate": TRUE}, "estimate: its time, motion or parameters are not those of an Estimate"),
 ]
@@ -254,6 +272,12 @@ FILES = [
     ("plan", "name: right", "name: left", "left stands twice; names must differ"),
     ("plan", "cart: cart.yaml", "cart: bed.yaml", "bed.yaml: can't be read: No such file"),
     ("plan", "cart: cart.yaml\n", "", "cart: is missing; add it"),
+    ("plan", "wrench: [40.0, 0.0, 3.0]", "\twrench: [40.0, 0.0, 3.0]", "not valid YAML: a tab; indent with blanks"),
+    ("plan", "wrench: [40.0, 0.0, 3.0]", "wrench: [40.0 0.0", "a bracket that is not closed"),
+    ("plan", "cart: cart.yaml", "cart: my: cart.yaml", "a colon where none may stand; indent"),
+    ("plan", "cart: cart.yaml", "cart: @cart.yaml", "text that begins so must stand in quotes"),
+    ("plan", "cart: cart.yaml", " cart: cart.yaml", "not valid YAML"),
+    ("plan", "mu: 0.6", "MU: 0.6", "unknown key; did you mean mu?"),
     ("cart", "mass: 24.0 ", "mass: heavy ", "'heavy' is not a number"),
     ("cart", "mass: 24.0 ", "mas: 24.0 ", "unknown key; did you mean mass?"),
     ("cart", "com: [0.30, 0.00]", "com: [300, 0.00]", "lengths are in m"),

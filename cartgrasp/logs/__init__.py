@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..checks import check_kind
 from ..errors import LogError, Place, UsageError
 from .coasting import coasts, said_to_coast
 from .csv_log import read_csv, write_csv
@@ -56,6 +57,7 @@ def read_log(path: str | Path, topics: str | Path | None = None) -> RunLog:
         >>> cg.read_log("run.csv")
         RunLog('run.csv', 2000 rows, 19.99 s, arms left, right)
     """
+    check_kind("log", path, (str, os.PathLike), "name it by its path, one at a time")
     path = Path(path)
     if (mapped := read_mapped(path, topics)) is not None:
         return mapped.log

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import LARGEST_NUMBER, brief, check_kind, digits, pose, positive
+from ..checks import LARGEST_NUMBER, brief, check_kind, digits, number, pose, positive
 from ..compiled_dynamics import STABLE
 from ..contacts import ContactWrenches
 from ..errors import PlantError
@@ -93,6 +93,8 @@ class ModelPlant:
         return np.asarray(rate[self.cart.velocity_slice])
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
+        check_kind("plant: step", wrenches, ContactWrenches, "give plan.contact_wrenches")
+        number("plant: step: duration", duration, 0.0, cure="give s")
         wrench_b, begin = wrenches.wrench_b, self._time
         n = max(1, int(np.ceil(duration / self.timestep - 1e-9)), self._stable_steps(wrench_b, duration))
         self._state = held(self.cart, self._state, wrench_b, begin, (duration / n, n))

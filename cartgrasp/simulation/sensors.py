@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from ..checks import check_kind, number
 from ..contacts import ContactWrenches
 from ..effects.hand_motion import AT_REST, HandMotion
 from ..frames import Array, body_to_world
@@ -50,6 +51,11 @@ class SensorNoise:
     velocity_period: float | None = 0.0
     wrench_period: float = 0.0
 
+    def __post_init__(self) -> None:
+        for what, value in asdict(self).items():
+            if value is not None:
+                number(f"sensor noise: {what}", value, 0.0)
+
 
 class Sensors:
     """Turns the truth into measurements.
@@ -69,7 +75,10 @@ class Sensors:
     """
 
     def __init__(self, cart: CartModel, noise: SensorNoise, seed: int = 0) -> None:
+        check_kind("sensors: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
+        check_kind("sensors: noise", noise, SensorNoise, "write SensorNoise(force=0.5)")
         self.cart, self.noise = cart, noise
+        check_kind("sensors: seed", seed, (int, np.integer), "give a whole number")
         self._random = np.random.default_rng(seed)
         self._due = {"pose": 0.0, "velocity": 0.0, "wrench": 0.0}
         self._latest = sum(effect.lateness for effect, _ in cart.sensor_effects)

@@ -7,7 +7,7 @@ from types import NoneType
 
 import numpy as np
 
-from cartgrasp.checks import angle, check_kind, listed, number, shown
+from cartgrasp.checks import angle, check_kind, check_known, listed, number, shown
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
@@ -33,6 +33,7 @@ def given(
     check_kind("filter: noise", noise, (FilterNoise, NoneType), "write FilterNoise(force=3.0)")
     check_kind("filter: prior", prior, (Prior, NoneType), "write Prior(mass=0.4)")
     check_kind("filter: yaws", yaws, (Mapping, NoneType), 'write yaws={"left": 0.0}')
+    check_known("filter: yaws", (yaws or {}) if arms is not None else (), arms or ())
     by_arm = {arm: angle(f"filter: yaws: {arm}", yaw) for arm, yaw in (yaws or {}).items()}
     return cart, arms, noise or FilterNoise(), prior or Prior(), by_arm
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import shown
 from cartgrasp.contacts import LARGEST_POSITION
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.frames import Array
@@ -45,15 +46,15 @@ def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str
     }
 
 
-def read_arms(arms: Iterable[Arm], names: Sequence[str]) -> dict[str, Arm]:
+def read_arms(arms: Any, names: Sequence[str]) -> dict[str, Arm]:
     """By name."""
-    given = list(arms) if isinstance(arms, Iterable) else [arms]
+    given = list(arms) if isinstance(arms, Iterable) and not isinstance(arms, str) else [arms]
     if not given:
         raise RefusedError(INVALID_INPUT, "arms: none given; name those that hold, or leave `arms` out for the same")
     found = dict[str, Arm]()
     for arm in given:
         if not isinstance(arm, Arm):
-            raise RefusedError(INVALID_INPUT, f"arms: {arm!r} is not an Arm")
+            raise RefusedError(INVALID_INPUT, f"arms: {shown(arm)} is not an Arm; give those made, arms=[left]")
         if arm.name not in names:
             raise RefusedError(INVALID_INPUT, f"arms: there is no arm {arm.name!r}; there are {', '.join(names)}")
         if arm.name in found:

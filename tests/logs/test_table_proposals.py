@@ -37,6 +37,11 @@ NAMES = {
     "Yaw moment (Nm)": ("tz", "N·m", ""),
     "left_contact_x_m": ("px", "m", "left"),
     "orientation.w": ("qw", None, ""),
+    "fx_daN": ("fx", "daN", ""),
+    "Mz [mNm]": ("tz", "mN·m", ""),
+    "yaw [gon]": ("theta", "gon", ""),
+    "position[y]": ("y", None, ""),
+    "Fx [left]": ("fx", None, "left"),
 }
 
 
@@ -55,6 +60,13 @@ def test_names_of_other_things(name):
 
 def test_a_label_of_another_quantity_is_odd():
     assert meaning_of("vel_x [N]").odd == "N"
+
+
+@pytest.mark.parametrize("label", ["cN", "oz-in", "g", "grad", "x10 N"])
+def test_a_label_that_is_not_known_is_no_part_of_a_name(label):
+    found = meaning_of(f"fx [{label}]")
+    assert (found.role, found.unit, found.group, found.odd) == ("fx", None, "", label)
+    assert meaning_of("fx", label) == found
 
 
 LAYOUTS = {
@@ -158,6 +170,36 @@ def test_a_way_that_hardly_turns_tells_no_sign(tmp_path):
 def test_columns_that_nobody_knows_are_no_reason_to_believe_that_nobody_pushes(tmp_path):
     questions = asked(circling(tmp_path, "t_s,x_m,y_m,theta_rad,channel_7,channel_8"))
     assert "arms" in questions
+
+
+def test_columns_that_are_taken_for_the_same_are_asked_about(tmp_path):
+    """Else the first would be taken in silence: raw beside filtered forces, or a name that stands twice."""
+    path = circling(tmp_path, "t_s,x_m,y_m,theta_rad,fx raw [N],fx filtered [N]")
+    assert asked(path)["arms.arm.fx.column"] == "fx raw [N]"
+    path = circling(tmp_path, "t_s,x_m,y_m,theta_rad,Fx_N,Fx_N")
+    assert asked(path)["arms.arm.fx.column"] == "5"
+
+
+def test_a_moment_without_its_force_is_told(tmp_path):
+    path = circling(tmp_path, "t_s,x_m,y_m,theta_rad,Fx_N,tz left [Nm]")
+    assert propose(path).notes == ("tz left [Nm] is left out: tz, but no fx or fy is of the same part",)
+
+
+def test_a_force_with_text_in_it_is_no_reason_to_believe_that_nobody_pushes(tmp_path):
+    path = circling(tmp_path, LABELLED)
+    lines = path.read_text().splitlines()
+    lines[500] = ",".join([*lines[500].split(",")[:4], "#REF!", "OVL"])
+    path.write_text("\n".join(lines) + "\n")
+    assert "arms" in asked(path)
+    told = "Fx_N is left out: line 501: '#REF!' is not a number (a missing sample is a blank cell or nan)"
+    assert propose(path).notes[0] == told
+
+
+def test_times_of_text_are_told(tmp_path):
+    path = circling(tmp_path, LABELLED)
+    names, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([names, *(f"2026-03-01 10:00:{row}" for row in rows)]) + "\n")
+    assert "t_s holds text; write its times as seconds" in propose(path).text
 
 
 def test_hostile_names_are_quoted(tmp_path):

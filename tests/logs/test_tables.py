@@ -250,6 +250,20 @@ BAD_MAPS = {
     "a header that isn't there": (("header: 2", "header: 200"), "the file has"),
     "no rows": (("first: 4", "first: 400"), "no rows"),
     "a row of names": (("first: 4", "first: 3"), "3: x: 'mm' is not a number"),
+    "a bare name": (
+        ("y: {column: y, unit: cm}", "y: y"),
+        "pose.y: 'y' is neither a number nor a mapping `{key: value}`",
+    ),
+    "a factor in quotes": (("unit: mm", 'unit: mm, factor: "2"'), "pose.x.factor: '2' is not a number"),
+    "another case": (("column: Kraft,", "column: kraft,"), "did you mean Kraft?"),
+    "times and a rate": (("unit: ms}", "unit: ms, rate: 100}"), "time.rate: is for rows without times"),
+    "a column twice": (("column: Kraft,", "column: 6,"), "tz.column: 6 is fx already"),
+    "a contact in mm": (("contact: [", "contact: [-250, 0, 1000] #"), "contact: [-250.0, 0.0, 1000.0] is beyond 50 m"),
+    "a sensor in degrees": (
+        ("    force:", "    sensor: {rpy: [0, 0, 90]}\n    force:"),
+        "sensor.rpy: 90 rad is more than two turns, or not finite; angles are in rad; 90 degrees are 1.571 rad",
+    ),
+    "a body in degrees": (("  x:", "  body: [0, 0, 90]\n  x:"), "pose.body: 90 rad"),
     "a time of a sensor without a file": (("    force:", "    time: {rate: 9}\n    force:"), "a file of its own"),
 }
 

@@ -8,7 +8,8 @@ from typing import Annotated, Generic, Literal, TypeVar
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap
 
-from ...errors import FileError, printable
+from ...checks import FARTHEST, angle
+from ...errors import FileError, UsageError, printable
 from ...yaml_file import StrictModel, file_error, validate
 
 LARGEST = 1e6
@@ -84,16 +85,28 @@ class RunMap(StrictModel):
                 yield where, "an arm's name has no dot and is not empty"
             if arm.contact is None:
                 yield (*where, "contact"), "is not stated: give [x, y, z] of the contact point in {b}, m"
+            if isinstance(arm.contact, list) and max(map(abs, arm.contact)) > FARTHEST:
+                yield (*where, "contact"), f"{arm.contact} is beyond {FARTHEST:g} m; lengths are in m"
+            yield from _of_angles((*where, "sensor", "rpy"), arm.sensor.rpy)
             if arm.force is None:
                 why = "is not stated: on_cart if positive numbers are what the arm does to the cart, else on_sensor"
                 yield (*where, "force"), why
             if arm.tare is not None and not arm.tare[0] < arm.tare[1]:
                 yield (*where, "tare"), "begins after it ends; give [from, to] in s"
+        yield from _of_angles(("pose", "body"), self.pose.body[2:])
         yield from self.own_mistakes()
         if isinstance(self.clock, str) and self.clock != "pose" and self.clock not in self.arms:
             yield ("clock",), f"{self.clock!r} is neither pose nor an arm, nor a rate in Hz"
         if self.pose.velocity == "spline" and self.pose.noise is None:
             yield ("pose", "noise"), "is missing; a velocity by spline needs it: {position: m, heading: rad}"
+
+
+def _of_angles(where: Location, angles: Sequence[float]) -> Iterator[Mistake]:
+    for one in angles:
+        try:
+            angle(".".join(where), one)
+        except UsageError as error:
+            yield where, str(error).partition(": ")[2]
 
 
 Map = TypeVar("Map", bound=RunMap)

@@ -21,6 +21,8 @@ from .table_map import TableFormat
 
 MISSING = (*BLANK, "NA", "N/A", "#N/A", "null", "None", "-", "--")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+DATE = re.compile(r"\d[-/.:]\d{1,2}[-/.:]\d")
+"""In a date, or in a time of the day."""
 PARQUET = ".parquet"
 
 
@@ -70,7 +72,8 @@ class Table:
         value = number(cell, self.decimal)
         if value is None or math.isinf(value):
             short = cell.strip() if len(cell) <= LONGEST else cell[:LONGEST] + "…"
-            raise self.refuse(column, f"{short!r} is not a number (a missing sample is a blank cell or nan)", line)
+            cure = "write times as seconds" if DATE.search(cell) else "a missing sample is a blank cell or nan"
+            raise self.refuse(column, f"{short!r} is not a number ({cure})", line)
         return value
 
 

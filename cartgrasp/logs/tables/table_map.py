@@ -194,6 +194,8 @@ def _of_part(where: Location, part: TablePart) -> Iterator[Mistake]:
 def _of_time(where: Location, time: TimeEntry | None) -> Iterator[Mistake]:
     if time is None or (time.column is None and time.rate is None):
         yield where, "is not stated: {column: NAME, unit: s}, or {rate: Hz} where rows have no time"
+    elif time.column is not None and time.rate is not None:
+        yield (*where, "rate"), "is for rows without times; keep it, or column"
     elif time.rate is None:
         yield from _of_unit((*where, "unit"), time.unit, "time")
 
@@ -215,8 +217,12 @@ def _of_arm(where: Location, arm: TableArm) -> Iterator[Mistake]:
 
 
 def _of_values(where: Location, entry: StrictModel, names: tuple[str, ...] | list[Component]) -> Iterator[Mistake]:
+    taken: dict[str | int, str] = {}
     for name in names:
         value = getattr(entry, name)
+        column = value.column if isinstance(value, ColumnEntry) else None
+        if column is not None and taken.setdefault(column, name) != name:
+            yield (*where, name, "column"), f"{column} is {taken[column]} already; one column holds one quantity"
         if value is None or (isinstance(value, ColumnEntry) and value.column is None):
             yield (*where, name), "is not stated: {column: NAME, unit: UNIT}, or a number if it is constant"
         elif isinstance(value, QuaternionEntry):

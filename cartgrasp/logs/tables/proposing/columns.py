@@ -23,12 +23,13 @@ QUATERNION = ("qx", "qy", "qz", "qw")
 @dataclass(frozen=True, eq=False)
 class Column:
     """`ref` is how a map names it: by number where its name does not do; of a yaw that four columns tell, all their
-    names. `numbers` is None where it holds text."""
+    names. `numbers` is None where it holds text: `fault` tells the first."""
 
     ref: str | int | list[str | int]
     title: str
     meaning: Meaning | None
     numbers: Array | None
+    fault: str = ""
 
     @property
     def role(self) -> str:
@@ -78,11 +79,12 @@ class FileColumns:
             unit = layout.units[j] if j < len(layout.units) else ""
             meaning = meaning_of(name, unit) if name else None
             is_plain = name and names.count(name) == 1 and not name.endswith("?") and name.isprintable()
+            title, numbers, fault = name or f"column {j + 1}", None, ""
             try:
                 numbers = table.column(j + 1)
-            except LogError:
-                numbers = None
-            columns.append(Column(name if is_plain else j + 1, name or f"column {j + 1}", meaning, numbers))
+            except LogError as error:
+                fault = f"{title} is left out: line {error.place.line}: {error.why}"
+            columns.append(Column(name if is_plain else j + 1, title, meaning, numbers, fault))
         return cls(path, layout, table, tuple(columns))
 
     def of_role(self, role: str) -> list[Column]:
@@ -102,6 +104,10 @@ class FileColumns:
                 found[own].setdefault(column.role, column)
         return {name: own for name, own in found.items() if "fx" in own or "fy" in own}
 
+    def is_only(self, column: Column) -> bool:
+        """Whether no other column of the same arm is taken for the same."""
+        return sum(c.role == column.role and c.group == column.group for c in self.columns) == 1
+
     @property
     def yaw(self) -> Column | None:
         """Of a quaternion whose four components are there, or the two that a yaw alone has; headings in rad."""
@@ -119,9 +125,23 @@ class FileColumns:
     def has_pose(self) -> bool:
         return bool(self.of_role("x") or (self.of_role("px") and not self.arms))
 
+    @property
+    def strays(self) -> list[Column]:
+        """Components of wrenches beside which no force along the floor stands."""
+        return [c for c in self.columns if c.role in WRENCH_COLUMNS and c.group not in self.arms]
+
+    @property
+    def clock_of_text(self) -> Column | None:
+        """A column of times that holds no numbers: dates."""
+        return next((c for c in self.columns if c.numbers is None and c.meaning and c.meaning.role == "t"), None)
+
     def unknown(self) -> list[Column]:
-        """Columns of changing numbers that no name tells anything of."""
-        return [c for c in self.columns if c.meaning is None and c.span is not None and c.span[0] < c.span[1]]
+        """Columns of changing numbers that no name tells anything of, and forces among whose numbers is text."""
+        return [c for c in self.columns if _changes(c) or (c.fault and c.meaning and c.meaning.role in WRENCH_COLUMNS)]
+
+
+def _changes(column: Column) -> bool:
+    return column.meaning is None and column.span is not None and column.span[0] < column.span[1]
 
 
 def first_of(columns: Sequence[Column]) -> tuple[Column | None, bool]:

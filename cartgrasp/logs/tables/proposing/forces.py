@@ -15,7 +15,7 @@ from ..table_map import DIMENSIONS
 from ..units import UNITS
 from .columns import Column, FileColumns
 from .evidence import Motion, Push, push
-from .motion_units import Entry, time_unit
+from .motion_units import Entry, one_of_several, time_unit
 from .said import Said
 
 MASSES = (0.3, 3000.0)
@@ -191,4 +191,5 @@ def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> Said:
 
 
 def component_entry(arm: Arm, component: str) -> Entry:
-    return Entry(Said(arm.columns[component].ref), arm.unit(component))
+    column = arm.columns[component]
+    return Entry(one_of_several(column, arm.file.is_only(column)), arm.unit(component))

@@ -35,6 +35,10 @@ class Entry:
     constant: Said | None = None
 
 
+def one_of_several(column: Column, is_only: bool) -> Said:
+    return Said(column.ref, is_only, "" if is_only else "several columns may be it")
+
+
 def near(factor: float, dimension: str) -> str | None:
     """The unit that is about so large."""
     for unit, size in UNITS[dimension].items():
@@ -149,7 +153,7 @@ class MotionUnits:
         column = self.columns["theta"]
         if column is None:
             return Entry(None)
-        said = Said(column.ref, self.is_only["theta"], "" if self.is_only["theta"] else "several columns may be it")
+        said = one_of_several(column, self.is_only["theta"])
         best = heading_of(self.motion, self.time, column.said) if self.motion is not None else None
         unit = self._angle_unit(column, None if best is None else best.unit)
         if best is None and isinstance(column.ref, list):
@@ -232,26 +236,26 @@ class MotionUnits:
 
     def _speed(self, column: Column, factor: float, first: Column) -> Entry:
         """By how much it is larger than differences of positions."""
-        label = column.unit or first.unit
+        label, ref = column.unit or first.unit, one_of_several(column, self.is_only[column.role])
         sign = Said(1) if factor > 0 else Said(-1, False, "it falls where the cart goes the other way")
         size = abs(factor)
         is_sure = self.time_unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
         if label is not None:
             fits = abs(size - 1) < 0.25
             why = "" if fits else f"it is {size:.3g} times what differences of positions are"
-            return Entry(Said(column.ref), Said(label, fits, why), sign)
+            return Entry(ref, Said(label, fits, why), sign)
         unit = near(1 / size, "speed")
         if unit is None:
-            return Entry(Said(column.ref), Said("m/s", False, "no unit is in its name"), sign)
+            return Entry(ref, Said("m/s", False, "no unit is in its name"), sign)
         why = "as differences of positions" if is_sure else "as positions, of which a unit or the clock is not sure"
-        return Entry(Said(column.ref), Said(unit, is_sure, why), sign)
+        return Entry(ref, Said(unit, is_sure, why), sign)
 
     def _rate(self, column: Column) -> Entry:
         """Against differences of headings."""
         heading = self.heading_rad()
-        label = column.unit
+        label, ref = column.unit, one_of_several(column, self.is_only["omega"])
         if heading is None or self.motion is None:
-            return Entry(Said(column.ref), Said(label or "rad/s", label is not None, "no unit is in its name"))
+            return Entry(ref, Said(label or "rad/s", label is not None, "no unit is in its name"))
         truth = np.gradient(self.motion.smoothed(self.time, heading), self.motion.time)
         size = UNITS["rate"][label or "rad/s"]
         factor, agreement = scale(size * self.motion.on(self.time, column.said), truth)
@@ -260,12 +264,12 @@ class MotionUnits:
         if label is not None:
             fits = not is_seen or abs(abs(factor) - 1) < 0.25
             why = "" if fits else f"it is {abs(factor):.3g} times what differences of headings are"
-            return Entry(Said(column.ref), Said(label, fits, why), sign)
+            return Entry(ref, Said(label, fits, why), sign)
         unit = near(1 / abs(factor), "rate") if is_seen else None
         if unit is None:
-            return Entry(Said(column.ref), Said("rad/s", False, "no unit is in its name"), sign)
+            return Entry(ref, Said("rad/s", False, "no unit is in its name"), sign)
         is_sure = self.time_unit.is_sure and self.heading.unit.is_sure
-        return Entry(Said(column.ref), Said(unit, is_sure, "as differences of headings"), sign)
+        return Entry(ref, Said(unit, is_sure, "as differences of headings"), sign)
 
 
 def _wraps(column: Array, period: float) -> bool:

@@ -60,9 +60,10 @@ def meaning_of(name: str, unit: str = "") -> Meaning | None:
     """Of a column by its name, and by the unit that stands below it, if any."""
     rest, inside = re.sub(BRACKETS, " ", name), re.findall(BRACKETS, name)
     labels = [word for word in (*inside, unit) if word.strip() and _is_unit(word)]
-    words = _words(" ".join([rest, *(word for word in inside if not _is_unit(word))]))
-    if labels:
-        return _labelled(words, labels[0])
+    odd = [word for word in (*re.findall(r"\[([^\]]*)\]", name), unit) if _is_odd(word)]
+    words = _words(" ".join([rest, *(word for word in inside if not _is_unit(word) and word not in odd)]))
+    if labels or odd:
+        return _labelled(words, [*labels, *odd][0])
     for count in (3, 2, 1):
         for label in _joined(words[-count:]) if len(words) > count else ():
             found = _labelled(words[:-count], label) if _is_unit(label) else None
@@ -94,6 +95,14 @@ def _labelled(words: Sequence[str], label: str) -> Meaning | None:
 
 def _is_unit(word: str) -> bool:
     return any(unit_of(word, dimension) for dimension in UNITS)
+
+
+def _is_odd(word: str) -> bool:
+    """Whether what stands where units do is one that isn't known; a word of four letters tells parts apart. A `grad` is
+    a degree in German and a gon in English."""
+    bare = word.strip().lower()
+    is_name = re.search(r"[^\W\d_]{4}", bare) or bare in {*"xyzw"} | VOCABULARY["filler"]
+    return bare == "grad" or (bool(re.search(r"[^\W\d_]", bare)) and not _is_unit(word) and not is_name)
 
 
 def _joined(words: Sequence[str]) -> list[str]:

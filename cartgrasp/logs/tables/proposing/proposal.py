@@ -15,7 +15,7 @@ from ..table_map import TableFormat
 from .columns import FileColumns
 from .forces import Arm, arms_of, component_entry, judged, time_of
 from .layout import Layout
-from .motion_units import Entry, MotionUnits, time_unit
+from .motion_units import Entry, MotionUnits, one_of_several, time_unit
 from .said import Said, word
 
 HEAD = f"""\
@@ -74,7 +74,9 @@ def propose(path: Path, others: Sequence[Path] = ()) -> Proposal:
     writer.add(f"max_gap: {_gap(units, arms):.3g}", "s; longer gaps are left out, never bridged")
     _pose(writer, units, main)
     _arms(writer, arms, main, files)
-    return Proposal("\n".join(writer.lines) + "\n", tuple(files), tuple(units.notes))
+    faults = [c.fault for f in files for c in f.columns if c.fault and c.meaning]
+    strays = [f"{c.title} is left out: {c.role}, but no fx or fy is of the same part" for f in files for c in f.strays]
+    return Proposal("\n".join(writer.lines) + "\n", tuple(files), (*units.notes, *strays, *faults))
 
 
 def _ahead(units: MotionUnits) -> np.ndarray | None:
@@ -121,7 +123,9 @@ def _layout(writer: _Writer, indent: str, layout: Layout) -> None:
 def _time(writer: _Writer, indent: str, file: FileColumns) -> None:
     column = time_of(file)
     if column is None:
-        writer.add(f"{indent}time: {{rate: }}", "Hz: no column holds times; or {column: NAME, unit: s}")
+        text = file.clock_of_text
+        why = "no column holds times" if text is None else f"{text.title} holds text; write its times as seconds"
+        writer.add(f"{indent}time: {{rate: }}", f"Hz: {why}; or {{column: NAME, unit: s}}")
         return
     unit = time_unit(column)
     said = Said(column.ref, len(file.of_role("t")) == 1 or column.unit is not None)
@@ -160,8 +164,7 @@ def _pose(writer: _Writer, units: MotionUnits, main: FileColumns) -> None:
     for role in ("x", "y"):
         column = units.columns[role]
         if column is not None:
-            ref = Said(column.ref, units.is_only[role], "" if units.is_only[role] else "several columns may be it")
-            writer.entry("  ", role, Entry(ref, units.lengths[role]))
+            writer.entry("  ", role, Entry(one_of_several(column, units.is_only[role]), units.lengths[role]))
         elif role == "y" and is_line:
             writer.entry(
                 "  ", role, Entry(None, constant=Said(0.0, False, "no column holds it: does it roll on a line?"))
