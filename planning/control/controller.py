@@ -65,7 +65,8 @@ class Controller:
         planner: What spreads the wrench over the arms; a `WrenchPlanner` that relaxes unless given. With `regrasp` it
             must be a `WrenchPlanner`.
         period: s between ticks.
-        learn: Whether tracker and contacts use the cart as estimated, not as first believed.
+        learn: Whether tracker and contacts use the cart as estimated, not as first believed. While signs, units, axes
+            or frames of sensors are surely wrong (`estimate.suspicions`) the cart is as first believed in any case.
 
     Raises:
         UsageError: An argument is of the wrong kind or out of bounds.
@@ -135,6 +136,7 @@ class Controller:
             self._regrasps = Regrasps(whole, self._arms, regrasp, drift)
         self._held: Mapping[str, Array] = _checked(held, self._arms)
         self._last: Step | None = None
+        self._first: Estimate | None = None
         self._time, self._pace = -math.inf, Pace(math.nan)
 
     def __repr__(self) -> str:
@@ -150,12 +152,13 @@ class Controller:
         """One tick: takes in what was sensed, and says what the arms are to do."""
         estimate, time = self.observe(measurement), measurement.time
         reference, along, slowed = self._paced(estimate.health, time)
-        model = estimate.cart() if self.learns else self.cart
-        wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(estimate)
-        chosen = self._source.contacts(ContactQuery(along, wanted, estimate, self._held))
+        believed = self._believed(estimate)
+        model = believed.cart() if self.learns else self.cart
+        wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(believed)
+        chosen = self._source.contacts(ContactQuery(along, wanted, believed, self._held))
         if chosen.contacts.keys() != self._names:
             _refuse_contacts(chosen.contacts, self._arms)
-        told = self._for_planner(estimate)
+        told = self._for_planner(believed)
         if self._regrasps is None:
             plan = self._planner.plan_or_hold(wanted, chosen.contacts, told)
             given = Given(plan.contact_wrenches, plan)
@@ -171,7 +174,9 @@ class Controller:
         """Takes in what was sensed between two ticks, such as the wrenches that the arms then gave."""
         if not self._names.issuperset(measurement.wrenches):
             check_known("measurement: wrenches", measurement.wrenches, self._names)
-        return self._estimator.update(measurement)
+        estimate = self._estimator.update(measurement)
+        self._first = self._first or estimate
+        return estimate
 
     @property
     def is_done(self) -> bool:
@@ -187,7 +192,7 @@ class Controller:
         last = self._last
         if last is None:
             raise UsageError("controller: there is nothing to save before the first step")
-        cart = as_first_guess(last.estimate) if self.learns else self.cart
+        cart = as_first_guess(self._believed(last.estimate)) if self.learns else self.cart
         along = self._time if self._caution is None else self._pace.along
         return Saved(self._time, along, cart, last.placed, last.wrenches).save(path)
 
@@ -220,6 +225,18 @@ class Controller:
         self._pace = pace.after(elapsed, wanted, self._caution.change)
         slowed = "" if wanted == 1.0 else f"slows to {100 * wanted:.0f} % of its speed: health {health}"
         return self._pace.reference(self.reference, time), self._pace.along, slowed
+
+    def _believed(self, estimate: Estimate) -> Estimate:
+        """What is acted on: where sensors surely don't mean what they say, nothing that was learned from them."""
+        first = self._first
+        if first is None or not any(one.is_refused for one in estimate.suspicions):
+            return estimate
+        return estimate._replace(
+            parameters=first.parameters,
+            model_parameters=first.model_parameters,
+            covariance=first.covariance,
+            disturbance=None,
+        )
 
     def _against(self, estimate: Estimate) -> Array:
         """Planar wrench (3,) against what pushes beside all that is known."""
