@@ -184,7 +184,11 @@ def _told(proposal: Proposal, pairs: Pairs, alone: dict[str, float]) -> list[str
     goals = [f"to tell {_listed(apart, 'and')} apart"] if apart else []
     goals += [f"to see whether there is {_listed(shown, 'or')}"] if shown else []
     told = [z for z in pairs.values() if _nats(z) >= CONFUSABLE] + [alone[name] for name in shown]
-    return [f"{', and '.join(goals)}: {proposal.says} ({min(told):.0f} deviations at least)"] if goals else []
+    return (
+        [f"{', and '.join(goals)}: {proposal.says} (at least {min(told):.0f} standard deviations apart)"]
+        if goals
+        else []
+    )
 
 
 def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:

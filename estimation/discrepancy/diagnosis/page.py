@@ -97,9 +97,13 @@ def _next(found: Diagnosis) -> str:
         f"cart.yaml beside this page is {what}. Every command takes it. In this folder, the first of these holds it "
         "against your next log, and the second simulates it:"
     )
-    sensors = f"<p>Check these sensors first; if they are wrong, so is all below.</p>{_list(found.warnings)}"
+    sensors = f"<p>Look at this first: where a sensor is wrong, so is all below.</p>{_list(found.warnings)}"
     words = found.next_experiment.words
-    drive = "Then drive, to decide what these logs leave open:" if words else "Nothing is left open."
+    drive = (
+        "Then drive, to decide what these logs leave open. With --next next.yaml the command that made this page "
+        "writes that motion as a reference, and --follow DIR, this folder, takes its log beside these:"
+    )
+    drive = drive if words else "Nothing is left open."
     return f"{sensors if found.warnings else ''}<p>{use}</p><pre>{COMMANDS}</pre><p>{drive}</p>{_list(words)}"
 
 

@@ -54,7 +54,7 @@ def asked(monkeypatch):
 def test_rivals_are_told_by_the_worse_of_both_ways(asked):
     found = asked([(("a", "b"), 9.0), (("b", "a"), 5.0), (("a", "c"), 1.0), (("c", "a"), 8.0), (("d", ""), 4.0)])
     assert found.words == (
-        f"to tell a and b apart, and to see whether there is d: {ROLL.says} (4 deviations at least)",
+        f"to tell a and b apart, and to see whether there is d: {ROLL.says} (at least 4 standard deviations apart)",
         "no motion of this speed and length tells a from c: they differ by 1.0 deviations",
     )
     assert found.proposal.reference.stretches == ROLL.stretches

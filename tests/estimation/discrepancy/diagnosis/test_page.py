@@ -181,7 +181,7 @@ def test_what_to_do_next_stands_before_all_that_explains(text, diagnosis):
     assert headings[:3] == ["What to do next", "What was added", "Where they disagree"]
     told = text[text.index("What to do next") : text.index("What was added")]
     places = [
-        told.index(words) for words in ("Check these sensors", "cart.yaml beside", "<pre>", "Then drive", "push it")
+        told.index(words) for words in ("Look at this first", "cart.yaml beside", "<pre>", "Then drive", "push it")
     ]
     assert places == sorted(places)
     commands = re.search("<pre>(.*?)</pre>", told, re.DOTALL)[1].splitlines()
@@ -189,7 +189,7 @@ def test_what_to_do_next_stands_before_all_that_explains(text, diagnosis):
     assert all("--cart cart.yaml" in line for line in commands)
     nothing = {"effects": (), "next_experiment": SimpleNamespace(words=()), "warnings": (), "is_refused": True}
     bare = page(SimpleNamespace(diagnosis=SimpleNamespace(**{**vars(diagnosis), **nothing})), {})
-    assert "Check these sensors" not in bare
+    assert "Look at this first" not in bare
     assert "cart as it was given" in bare
     assert "Nothing is left open." in bare
 
