@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
 
-PERIOD = 1e-3  # s, between calls of plan_or_hold
+PERIOD, LONGEST_PERIOD = 1e-3, 0.5  # s, between calls of plan_or_hold
 HOLD_TIME = 0.1  # s, time constant with which a held wrench decays
 DEFAULT_SEARCH = SearchLimit()
 NOWHERE: Mapping[str, ArrayLike] = {}
@@ -108,7 +108,7 @@ class WrenchPlanner:
         period: float = PERIOD,
     ) -> None:
         number("min_hand_distance", min_hand_distance, 0.0, LARGEST_FLOAT, "give m")
-        positive("period", period, LARGEST_FLOAT, "give s")
+        positive("period", period, LONGEST_PERIOD, "give s")
         number("relax", relax, 0.0, math.inf, "give N and N·m")
         check_kind("search_limit", search_limit, SearchLimit, "write SearchLimit(solves=5000)")
         limits = listed("cart_limits", cart_limits, CartLimit, "write cart_limits=[Skid(0.5)]")

@@ -119,6 +119,7 @@ PYTHON = [
     (lambda: planner(confidence="95 %"), "confidence: '95 %' is not a number"),
     (lambda: planner(min_hand_distance="0.1"), "min_hand_distance: '0.1' is not a finite number >= 0; give m"),
     (lambda: planner(period=0), "period: 0 is not > 0; give s"),
+    (lambda: planner(period=10), "period: 10 is not a number from 0 to 0.5; give s"),
     (lambda: planner(relax="any"), "relax: 'any' is not a number >= 0"),
     (lambda: planner(search_limit=100), r"search_limit: 100 is no SearchLimit; write SearchLimit\("),
     (lambda: planner(switching_cost="high"), "switching_cost: 'high' is not a number from 0"),

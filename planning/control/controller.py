@@ -22,7 +22,7 @@ from ..contact_sources.by_name import contact_source
 from ..contact_sources.choosing import Choosing
 from ..contact_sources.ways import FIXED
 from ..limits import CartLimit
-from ..planner import WrenchPlanner
+from ..planner import LONGEST_PERIOD, WrenchPlanner
 from ..tracking import Gains, build_tracker
 from .caution import Caution, Pace
 from .default_filter import default_filter
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 LOST = ("stale", "no_wrench", "clock_went_back")
 """Healths under which no hand lets go."""
-LONGEST_PERIOD, FARTHEST_DRIFT = 0.5, 10.0
+FARTHEST_DRIFT = 10.0
 USUAL, AS_CHOSEN, REJECTS = RegraspTimes(), Choosing(), Rejection()
 
 
