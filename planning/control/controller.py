@@ -229,7 +229,7 @@ class Controller:
     def _believed(self, estimate: Estimate) -> Estimate:
         """What is acted on: where sensors surely don't mean what they say, nothing that was learned from them."""
         first = self._first
-        if first is None or not any(one.is_refused for one in estimate.suspicions):
+        if first is None or not any(getattr(one, "is_refused", False) for one in estimate.suspicions):
             return estimate
         return estimate._replace(
             parameters=first.parameters,
