@@ -171,7 +171,7 @@ def test_what_cannot_be_used_is_asked_again(capsys, table, monkeypatch):
     answer = run(capsys, "topics", table, "--ask")
     assert answer.status == 0
     assert asked == ["name [arm]:", "name [arm]:", "contact:", "contact:", "force:"]
-    assert "arms.gripper.contact: 'on the handle' is not a list; once more" in answer.err
+    assert "arms.gripper.contact: 'on the handle' is not a list `[a, b]`; once more" in answer.err
     log = read_log(table)
     assert list(log.arms) == ["gripper"]
     assert log.arms["gripper"].contact[0].tolist() == [-0.25, 0.2, 1.0]
