@@ -96,6 +96,7 @@ def test_a_picture(capsys, folder):
     run(capsys, "check", folder / "sound.csv", "--out", folder / "log.txt").refused(2, "--out", ".png, .svg, .pdf")
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("command", ["estimate", "identify"])
 def test_what_learns_begins_with_a_look(capsys, folder, command):
     """In few lines, or under a key of its JSON, with the same words as `check`."""

@@ -36,12 +36,18 @@ def test_its_parameters_have_their_units(name):
     assert KNOWN_EFFECTS[name].signature in SECTIONS[name]
 
 
+@pytest.fixture(scope="module")
+def without(pictures):
+    """Runs of carts without an effect, of one that has viscous drag and of one that has none."""
+    return {cart: pictures.run(cart) for cart in (pictures.CART, pictures.BARE)}
+
+
 @pytest.mark.parametrize("name", KNOWN_EFFECTS)
-def test_its_picture_is_there_and_shows_something(name, pictures):
+def test_its_picture_is_there_and_shows_something(name, pictures, without):
     assert f"(images/effects/{name}.png)" in SECTIONS[name]
     assert (pictures.FOLDER / f"{name}.png").stat().st_size > 5000
     bare = pictures.BARE if name == "viscous_drag" else pictures.CART
-    without, extended = pictures.run(bare), pictures.run(bare.with_effect(pictures.SHOWN[name][0]))
-    moved = max(np.abs(extended.pose - without.pose).max(), np.abs(extended.speed - without.speed).max()) > 0.03
-    felt = np.abs(extended.wrench - without.wrench).max() > 0.3
+    plain, extended = without[bare], pictures.run(bare.with_effect(pictures.SHOWN[name][0]))
+    moved = max(np.abs(extended.pose - plain.pose).max(), np.abs(extended.speed - plain.speed).max()) > 0.03
+    felt = np.abs(extended.wrench - plain.wrench).max() > 0.3
     assert moved != felt  # what acts on the cart leaves what is given as it is, and the other way round

@@ -114,6 +114,7 @@ def test_ellipses_and_columns_are_those_of_python(page: Path, shown: ShownRun):
     np.testing.assert_allclose(angles, [3.1, 2 * np.pi - 3.1, 2 * np.pi - 3.0])
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("camera", ["follow", "heading", "path"])
 def test_cart_paths_and_arms_are_painted(camera: str, page: Path, tmp_path):
     shot = tmp_path / "shot.png"

@@ -120,6 +120,7 @@ FLAT = pytest.mark.xfail(
 )
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=FLAT)])
 def test_a_load_is_found_when_it_is_put_on(seed):

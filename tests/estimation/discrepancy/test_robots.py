@@ -42,7 +42,7 @@ def test_where_nothing_is_wrong_nothing_is_named(then):
     assert diagnose(log_of(then=then), GUESS).verdict == "no_discrepancy"
 
 
-@pytest.mark.long
+@pytest.mark.prove
 def test_poses_6_cm_ahead_of_the_axle():
     (effect,) = diagnose(tracked(log_of(), np.array([0.06, 0.0]), 0.0), GUESS).effects
     assert effect.name == "pose_offset"

@@ -52,8 +52,7 @@ def test_creeping_wheels_show_sideways():
     assert found["lateral_slip"]["cornering_stiffness"] == pytest.approx(600.0, rel=0.1)
 
 
-@pytest.mark.long
-@pytest.mark.some(1)
+@pytest.mark.prove
 @pytest.mark.parametrize("angle", [0.0, 0.01, 0.06])
 def test_an_angle_beside_tyres_that_creep(angle):
     """It is told where it explains what they leave, also where it is a trifle beside them."""

@@ -258,6 +258,7 @@ def test_a_turning_cart_against_a_wall(heading):
 # --- logs of others ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize("is_rough", [False, True])
 def test_generated_logs_of_pushed_carts_have_none(tmp_path, is_rough):

@@ -84,6 +84,7 @@ def test_a_cart_on_casters_is_heard_by_its_poses_and_a_short_log_is_taken_as_it_
     assert loudness(log.time[:150], log.velocity[:150, 1]) == 1.0
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_the_load_is_found_beside_it(seed):

@@ -175,6 +175,7 @@ def test_two_noisy_hands_under_feedback(seed, online):
     assert abs(found["com_y"].value - 0.06) < 3 * found["com_y"].std
 
 
+@pytest.mark.some(2)
 @pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("coulomb", [0.02, 0.03])

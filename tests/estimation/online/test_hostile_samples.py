@@ -184,6 +184,7 @@ def test_degrees_for_radians_are_flagged(online):
     assert abs(found.value - before.value) < 0.2 * before.value
 
 
+@pytest.mark.some(2)
 @pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("mass", [0.5, 20_000.0])
@@ -242,6 +243,7 @@ def test_a_number_whose_square_overflows_is_no_sample(online, force, part):
     assert np.allclose(*found, rtol=1e-9)
 
 
+@pytest.mark.some(6)
 @pytest.mark.long
 @ONLINE
 @pytest.mark.parametrize("force", [0.05, 1.0])

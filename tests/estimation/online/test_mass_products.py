@@ -71,7 +71,7 @@ def test_a_row_is_linear_in_them():
     assert found.residual - row(there).residual == pytest.approx(change, rel=1e-9)
 
 
-@pytest.mark.long
+@pytest.mark.prove
 def test_neither_is_sure_where_only_their_product_shows():
     """Gentle paths of 14 s, first guesses from half to twice the mass: errors are what is told of them."""
     squares = []

@@ -53,6 +53,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.some(10)
 @pytest.mark.long
 @pytest.mark.parametrize(("fault", "which"), list(product(FAULTS, KINDS)))
 def test_a_fault_is_told_within_five_seconds(fault, which):

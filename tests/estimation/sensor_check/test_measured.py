@@ -40,6 +40,7 @@ def test_nothing_but_coarse_steps_is_told(name, guess):
         assert told[0].factor == pytest.approx(STEPS[name], rel=0.03)
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize("name", MASS)
 def test_what_is_made_wrong_is_told(name):

@@ -37,6 +37,7 @@ def scores(log):
     return np.array([(p.value - v) / p.std for p, v in zip(found, TRUTH[:6], strict=True)])
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize("velocity", [False, True])
 def test_the_load_is_found_beside_it(velocity):

@@ -111,6 +111,7 @@ def test_identify_gives_the_amplitudes_back(name):
     assert found.logs[0].noise_excess < 0.7 * identify([pushed(name)], without).logs[0].noise_excess
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @LAW_NAMES
 def test_the_filter_learns_them_while_pushing(name):

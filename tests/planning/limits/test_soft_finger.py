@@ -39,6 +39,7 @@ def pinching(radius, sides):
     return arm(friction=None, soft_finger=cg.SoftFinger(MU, radius, GRIP, "z", sides))
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("points", "radius", "inside"),

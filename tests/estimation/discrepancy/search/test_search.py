@@ -39,6 +39,7 @@ def first_seconds(log, seconds):
     return RunLog(log.time[own], log.pose[own], velocity, arms, name=log.name)
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize(("case", "seed", "motion"), [("nothing", 3, "rich"), ("rolling_resistance", 0, "straight")])
 def test_sealed_logs_are_named_exactly(case, seed, motion, tmp_path):
