@@ -55,7 +55,7 @@ def run(path: Path, beside: Sequence[Path], out: Path | None, ask: bool, as_json
         out = out or path.with_name(f"{path.name}{MAP_SUFFIX}")
         if out.exists():
             raise UsageError(f"{out}: is there already; remove it, or name another place with --out")
-        document = _named(text)
+        document = _named(document, text)
         _ask(document, open_questions(document, ANSWER), text)
         text = dump_yaml(document)
         questions = open_questions(document, str(path))
@@ -129,10 +129,10 @@ def _alike(questions: Sequence[Question]) -> list[list[Question]]:
     return list(found.values())
 
 
-def _named(text: str) -> CommentedMap:
-    """The map with a word of one's own for a hand that no column names."""
+def _named(document: CommentedMap, text: str) -> CommentedMap:
+    """The map, of such a text, with a word of one's own for a hand that no column names."""
     if UNNAMED not in text:
-        return parse_yaml(text, ANSWER)
+        return document
     print("arms: a word for the hand, as your cart's file and your controller call it")
     while True:
         word = input("  name [arm]: ").strip() or "arm"
@@ -148,7 +148,8 @@ def _ask(document: CommentedMap, questions: Sequence[Question], text: str) -> No
         where = ", ".join(".".join(question.where) for question in same)
         said = same[0].said
         print(printable(f"{where}: {_comment(document, same[0], lines) or same[0].why}"))
-        while answer := input(f"  {same[0].where[-1]}{'' if said is None else f' [{said}]'}: ").strip() or said:
+        prompt = f"  {same[0].where[-1]}{'' if said is None else f' [{said}]'}: "
+        while answer := input(prompt).strip() or said:
             _put_all(document, same, _answered(answer))
             if _is_taken(document, same[0].where):
                 break

@@ -77,8 +77,8 @@ class Sensors:
     def __init__(self, cart: CartModel, noise: SensorNoise, seed: int = 0) -> None:
         check_kind("sensors: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
         check_kind("sensors: noise", noise, SensorNoise, "write SensorNoise(force=0.5)")
-        self.cart, self.noise = cart, noise
         check_kind("sensors: seed", seed, (int, np.integer), "give a whole number")
+        self.cart, self.noise = cart, noise
         self._random = np.random.default_rng(seed)
         self._due = {"pose": 0.0, "velocity": 0.0, "wrench": 0.0}
         self._latest = sum(effect.lateness for effect, _ in cart.sensor_effects)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -274,7 +274,11 @@ def _check_learns_from(estimator: Estimator, names: frozenset[str]) -> None:
 def _refuse_contacts(chosen: Mapping[str, ArrayLike], arms: Sequence[Arm]) -> NoReturn:
     names = [arm.name for arm in arms]
     check_known("controller: contacts", chosen, names)
-    raise UsageError(f"controller: contacts: {', '.join(chosen)} are not the arms {', '.join(names)}; name all of them")
+    raise _not_all("contacts", chosen, names)
+
+
+def _not_all(what: str, given: Iterable[str], names: Sequence[str]) -> UsageError:
+    return UsageError(f"controller: {what}: {', '.join(given)} are not the arms {', '.join(names)}; name all of them")
 
 
 def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[str, Array]:
@@ -284,7 +288,7 @@ def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[
     check_kind("controller: held", held, Mapping, "write {'left': (-0.25, 0.2, 1.0)}")
     names = [arm.name for arm in arms]
     if set(held) != set(names):
-        raise UsageError(f"controller: held: {', '.join(held)} are not the arms {', '.join(names)}; name all of them")
+        raise _not_all("held", held, names)
     return {name: np.array(points_of(f"controller: held: {name}", [held[name]])[0]) for name in names}
 
 

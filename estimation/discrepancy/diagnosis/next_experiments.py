@@ -183,12 +183,10 @@ def _told(proposal: Proposal, pairs: Pairs, alone: dict[str, float]) -> list[str
     shown = [name for name, z in alone.items() if _nats(z) >= CONFUSABLE]
     goals = [f"to tell {_listed(apart, 'and')} apart"] if apart else []
     goals += [f"to see whether there is {_listed(shown, 'or')}"] if shown else []
-    told = [z for z in pairs.values() if _nats(z) >= CONFUSABLE] + [alone[name] for name in shown]
-    return (
-        [f"{', and '.join(goals)}: {proposal.says} (at least {min(told):.0f} standard deviations apart)"]
-        if goals
-        else []
-    )
+    if not goals:
+        return []
+    least = min([z for z in pairs.values() if _nats(z) >= CONFUSABLE] + [alone[name] for name in shown])
+    return [f"{', and '.join(goals)}: {proposal.says} (at least {least:.0f} standard deviations apart)"]
 
 
 def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:

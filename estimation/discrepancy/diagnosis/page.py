@@ -37,6 +37,8 @@ cartgrasp simulate --cart cart.yaml --path straight --out run"""
 WORDS = {
     "added": "The probability is that of the name, among all that was tried: on logs whose truth is known, so many "
     "such names are true. The gap is that of squared rollout errors above noise, which each closed when it was added.",
+    "drive": "Then drive, to decide what these logs leave open. With --next next.yaml the command that made this page "
+    "writes that motion as a reference, and --follow DIR, this folder, takes its log beside these:",
     "residuals": "What the arms gave, less what the model needs, row by row. Refitted is the cart of the file with its "
     "numbers fitted to these logs, extended is that with what was added. Grey: ± one standard deviation of noise.",
     "follows": "Dots are rows, lines their means in bins; bars are ± one standard deviation.",
@@ -99,11 +101,7 @@ def _next(found: Diagnosis) -> str:
     )
     sensors = f"<p>Look at this first: where a sensor is wrong, so is all below.</p>{_list(found.warnings)}"
     words = found.next_experiment.words
-    drive = (
-        "Then drive, to decide what these logs leave open. With --next next.yaml the command that made this page "
-        "writes that motion as a reference, and --follow DIR, this folder, takes its log beside these:"
-    )
-    drive = drive if words else "Nothing is left open."
+    drive = WORDS["drive"] if words else "Nothing is left open."
     return f"{sensors if found.warnings else ''}<p>{use}</p><pre>{COMMANDS}</pre><p>{drive}</p>{_list(words)}"
 
 
