@@ -78,9 +78,14 @@ class LearnedLaw:
     @property
     def words(self) -> str:
         """One sentence without a full stop."""
-        low, high = self.range
-        unit = self.effect.parameters[0].unit
-        return f"{self._force} {self._course}, between {low:.2g} and {high:.2g} {unit}"
+        return f"{self._force} {self._course}, {self._between}"
+
+    @property
+    def _between(self) -> str:
+        """What rounding makes of nought is nought."""
+        whole = max(map(abs, self.range))
+        low, high = (0.0 if abs(end) < 1e-9 * whole else end for end in self.range)
+        return f"between {low:.2g} and {high:.2g} {self.effect.parameters[0].unit}"
 
     def is_beside(self, other: LearnedLaw) -> bool:
         """Whether it is the other part of one force of the world: of the same variable, another way."""
@@ -91,8 +96,7 @@ class LearnedLaw:
     @property
     def words_beside(self) -> str:
         """After the words of the other part."""
-        low, high = self.range
-        return f", and{self._towards} between {low:.2g} and {high:.2g} {self.effect.parameters[0].unit}"
+        return f", and{self._towards} {self._between}"
 
     @property
     def _towards(self) -> str:
