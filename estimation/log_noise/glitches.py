@@ -1,6 +1,7 @@
 """Samples that no motion and no push explains: a value far from those around it, for three rows at most.
 
-It is left out, so that it is neither smoothed into the motion nor called a push. What lasts longer is kept.
+It is left out, so that it is neither smoothed into the motion nor called a push. What lasts longer is kept, but for
+numbers that stand for no reading.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
 
+from .marks import without_marks
 from .outliers import ROWS, outlying
 from .resolution import ROUNDING, resolution
 
@@ -24,6 +26,7 @@ MOST = 0.02
 
 def without_glitches(log: RunLog, far: float = FAR) -> RunLog:
     """The log, with glitches as missing samples: what is `far` times the noise from its neighbours."""
+    log = without_marks(log)
     heading = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
     arms = {name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench, FAR)) for name, arm in log.arms.items()}
     velocity = None if log.velocity is None else _without(log.velocity, log.velocity, far)

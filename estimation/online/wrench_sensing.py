@@ -13,8 +13,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from cartgrasp.checks import FARTHEST
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.effects.hand_motion import AT_REST, HandMotion
+from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
@@ -85,6 +87,9 @@ class WrenchSensing:
             (x, y, z), known = np.asarray(contact, dtype=float).tolist(), self._holds.get(arm)
             numbers = [x, y, z if math.isfinite(z) else 0.0]
             if (known is None or known.contact != numbers) and math.isfinite(x + y):
+                if max(abs(x), abs(y)) > FARTHEST:
+                    where = f"({x:g}, {y:g}) is more than {FARTHEST:g} m from {{b}}"
+                    raise UsageError(f"measurement: contacts: {arm}: {where}; give m")
                 reduced = self.cart.basis_b.T @ grasp_map_planar(numbers, self.yaws.get(arm, 0.0))
                 self._holds[arm], self._grip = Hold(numbers, reduced), None
 

@@ -20,13 +20,14 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..log_noise.glitches import without_glitches
+from ..log_noise.marks import without_marks
 from ..weak_form.balances import Balances
 from ..weak_form.flights import LONGEST_HOLE, unbroken
 from ..weak_form.motion import Motion, motion_of
 from .heading import of_headings
 from .jumps import jumps
 from .overview import Overview
-from .recorder import frozen, interpolated, quantised, repeated, slow
+from .recorder import frozen, interpolated, quantised, repeated, slow, unread
 from .stale import without_stale
 from .suspicion import Suspicion
 from .velocities import of_velocities
@@ -74,6 +75,7 @@ class Look:
 def look_at(log: RunLog, cart: CartModel | None) -> Look:
     """Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest part is judged.
     Raises DataError for a log that is too short to be looked at."""
+    told, log = unread(log), without_marks(log)
     parts = unbroken(without_glitches(log), LONGEST_HOLE)
     longest = max(parts, key=len)
     sensors, of_arms = put_right(longest, cart), tuple[Suspicion, ...]()
@@ -84,7 +86,7 @@ def look_at(log: RunLog, cart: CartModel | None) -> Look:
         motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)
     motions = [motion, *_motions(part for part in parts if part is not longest)]
     jumped = (one for part in parts for one in jumps(part))
-    found = (*sensors.suspicions, *of_arms, *jumped, *_holes(parts))
+    found = (*told, *sensors.suspicions, *of_arms, *jumped, *_holes(parts))
     return Look(Overview.of(log, motions), tuple(sorted(found, key=lambda one: not one.is_refused)), unjudged)
 
 

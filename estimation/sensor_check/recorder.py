@@ -1,4 +1,5 @@
-"""What recorders and encoders put in: rows on straight lines between others, values in coarse steps, rows too slow.
+"""What recorders and encoders put in: rows on straight lines between others, values in coarse steps, rows too slow,
+numbers that stand for no reading.
 
 None of them is a measurement, and all hide the noise: a row in between has none, and where the step is larger than the
 noise, neighbours are mostly equal.
@@ -16,6 +17,7 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
+from ..log_noise.marks import marked
 from ..log_noise.resolution import ROUNDING
 from .stale import local_change, repeats_fast
 from .suspicion import Suspicion
@@ -31,6 +33,21 @@ NEAR = 20.5
 """Steps: of wider gaps the remainder depends on the step's last digit."""
 SLOW = 0.2
 """s between rows: carts are started and stopped within half a second, which three samples at least show."""
+
+
+def unread(log: RunLog) -> tuple[Suspicion, ...]:
+    """Columns in which numbers stand for no reading."""
+    told = []
+    for name, column in zip(log.columns, log.table.T, strict=True):
+        rows = np.flatnonzero(marked(column))
+        if len(rows):
+            value = float(column[rows[0]])
+            words = (
+                f"{name}: is {value:.10g} in {len(rows)} of {len(column)} rows, first at t = {log.time[rows[0]]:g} s, "
+                "and never near it elsewhere: it stands for no reading, so they are left out; leave such cells blank"
+            )
+            told.append(Suspicion("jumps", name, 0.99, value, words, put_right=True))
+    return tuple(told)
 
 
 def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:

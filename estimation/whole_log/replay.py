@@ -9,13 +9,14 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from cartgrasp.errors import DataError
+from cartgrasp.errors import DataError, UsageError
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.roles import Estimator
 
+from ..log_noise.marks import without_marks
 from ..online.paper_filter import DIVERGED
 
 
@@ -61,10 +62,11 @@ def replay(
     progress: Callable[[float], None] | None = None,
     until: float | None = None,
 ) -> Replay:
-    """Every row of the log in turn, its wrenches of the time when they happened, then on to `until` (s); `progress` is
-    told the share done."""
+    """Every row of the log in turn, its wrenches of the time when they happened, without numbers that stand for no
+    reading, then on to `until` (s); `progress` is told the share done."""
     estimates = []
-    told = log if estimator.aligns else aligned(log, estimator.cart)
+    known = without_marks(log)
+    told = known if estimator.aligns else aligned(known, estimator.cart)
     for i, measurement in enumerate(told.measurements()):
         estimates.append(_updated(estimator, measurement, log.name))
         if progress is not None and i % 100 == 0:
@@ -81,6 +83,8 @@ def _updated(estimator: CartEstimator, measurement: Measurement, name: str) -> E
             estimate = estimator.update(measurement)
     except (np.linalg.LinAlgError, OverflowError, DataError) as error:
         raise _too_large(measurement, name) from error
+    except UsageError as error:
+        raise DataError(f"{name}: t = {measurement.time:.9g} s: {error}") from error
     finite = all(math.isfinite(p.value) and math.isfinite(p.std) for p in estimate.parameters.values())
     if not finite and estimate.health != DIVERGED:
         raise _too_large(measurement, name)

@@ -1,0 +1,55 @@
+"""Numbers that stand for "no reading", as recorders write them (-9999, 32767): they are no measurements.
+
+Units may have been converted since, by powers of ten.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.logs import ArmLog, RunLog
+
+SIGNIFICANDS = (9.9, 9.99, 9.999, 9.9999, 9.99999, 3.2767, 3.2768, 6.5535, 2.147483647, 2.147483648)
+"""Of what recorders write: all nines, and the largest whole numbers of two and four bytes."""
+BEYOND = 10.0
+"""Times the span of all other values: no reading is so far from them."""
+SMALLEST = 1e-3
+"""SI: what is smaller is a reading, whatever its digits."""
+FEWEST = 20
+"""Other values."""
+
+
+def marked(column: Array) -> np.ndarray:
+    """Where (n,) values stand for no reading."""
+    found, known = np.zeros(len(column), dtype=bool), np.isfinite(column)
+    while np.count_nonzero(others := known & ~found) > FEWEST:
+        sizes = np.where(others, np.abs(column), 0.0)
+        mark = float(sizes.max())
+        rest = column[others & (sizes != mark)]
+        if not _is_mark(mark) or len(rest) < FEWEST or not mark - np.abs(rest).max() > BEYOND * np.ptp(rest):
+            break
+        found |= sizes == mark
+    return found
+
+
+def without_marks(log: RunLog) -> RunLog:
+    """The log, with such rows as missing samples."""
+    velocity = None if log.velocity is None else _without(log.velocity)
+    arms = {name: ArmLog(_without(arm.contact), _without(arm.wrench)) for name, arm in log.arms.items()}
+    return replace(log, pose=_without(log.pose), velocity=velocity, arms=arms)
+
+
+def _without(rows: Array) -> Array:
+    there = np.any([marked(column) for column in rows.T], axis=0)
+    return np.where(there[:, None], np.nan, rows) if there.any() else rows
+
+
+def _is_mark(size: float) -> bool:
+    """Whether it is one of them, times a power of ten."""
+    if not size > SMALLEST:
+        return False
+    return bool(np.isclose(size / 10.0 ** math.floor(math.log10(size)), SIGNIFICANDS, rtol=1e-9, atol=0.0).any())
