@@ -213,10 +213,13 @@ def least_gain(one: Attempt, form_error: float, least: float) -> float:
 
 def _margin(one: Attempt, best: Attempt) -> float:
     """By how much less than the best a candidate may explain; of what acts at a time or a place alone, which stretches
-    don't tell, by what a name is worth."""
+    don't tell, by what a name is worth; of a name beside a law, whose form fits more, by what forms may leave."""
     assert one.model is not None
     assert best.model is not None
-    return margin(one.model, best.model) if one.error and best.error else WORTH
+    if not (one.error and best.error):
+        return WORTH
+    is_form = isinstance(best.candidate, Law) and not isinstance(one.candidate, Law)
+    return max(margin(one.model, best.model), SHARE * best.gain if is_form else 0.0)
 
 
 def margin(one: Model, best: Model) -> float:

@@ -171,6 +171,17 @@ def test_what_every_cart_has_may_be_small_beside_another():
     assert chosen([replace(rolling, gain=9.0)], 0.0, WORTH) is None
 
 
+@pytest.mark.parametrize(("gain", "is_named"), [(99.0, True), (95.1, True), (94.9, False), (50.0, False)])
+def test_a_name_keeps_what_a_law_fits_no_better_than_forms_differ(gain, is_named):
+    """A slope whose floor waves a little: by up to a twentieth of what both explain a law is better by its form."""
+    cart = cart_of(TRUE)
+    model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0, slope=(0.03, 0.02)), 2), cart)], cart)
+    law = next(law for law, _ in Screen(model).laws() if law.name == "place")
+    fitted = Attempt(law, 100.0, 1, replace(model, laws=(law,)).refitted(cart), 3.0)
+    named = Attempt(FloorSlope(0.03, 0.02), gain, 1, fitted.model, 3.0)
+    assert chosen([fitted, named], 0.0, WORTH) is (named if is_named else fitted)
+
+
 @pytest.mark.parametrize(("deviations", "is_one"), [(3.0, True), (-3.0, True), (1.0, False)])
 def test_wheels_that_drag_alike_are_no_imbalance(deviations, is_one):
     """The moment is told where it is two deviations from nought."""
