@@ -1,5 +1,6 @@
-"""How probable names are: a map from the gain at which they were added, and from its share of the largest, fitted to
-some logs and held against others, beside the map that the workflow has and a constant.
+"""How probable names are: a map from the gain at which they were added, from its share of the largest, and from whether
+they close any of the gap, fitted to some logs and held against others, beside the map that the workflow has and a
+constant.
 
     python -m benchmarks.name_probabilities DIR …
 """
@@ -25,20 +26,22 @@ from .sealed.judging import bare
 from .sealed.reliability_plot import save_reliability
 from .sealed.score import judged
 
-PRIOR = (0.0, 3.0), (1.0, 1.0), (1.0, 1.0), (0.0, 0.5)
-"""Mean and standard deviation of the four numbers of the map: few names are wrong."""
+PRIOR = (0.0, 3.0), (1.0, 1.0), (1.0, 1.0), (0.0, 0.5), (0.0, 3.0)
+"""Mean and standard deviation of the five numbers of the map: few names are wrong."""
 HEADER = "| probability said | names | mean said | true |\n| --- | --- | --- | --- |"
 
 
 @dataclass(frozen=True)
 class Names:
     """Of names (n,): what was said, the odds of rivals, the logs of the gain over what a name is worth and over
-    the largest gain (not finite where no step added it), whether the name is true, and in which half its log is."""
+    the largest gain (not finite where no step added it), whether it closes nothing of the gap, whether the name is
+    true, and in which half its log is."""
 
     said: np.ndarray
     rivals: np.ndarray
     gain: np.ndarray
     beside: np.ndarray
+    unproven: np.ndarray
     right: np.ndarray
     half: np.ndarray
 
@@ -46,9 +49,9 @@ class Names:
         own = self.half == half
         return Names(*(column[own] for column in vars(self).values()))
 
-    def by(self, at: float, more: float, beside: float, rival: float) -> np.ndarray:
+    def by(self, at: float, more: float, beside: float, rival: float, unproven: float) -> np.ndarray:
         """Probabilities of a map; of what no step added, what was said."""
-        odds = at + more * np.nan_to_num(self.gain) + beside * np.nan_to_num(self.beside)
+        odds = at + more * np.nan_to_num(self.gain) + beside * np.nan_to_num(self.beside) - unproven * self.unproven
         return np.where(np.isfinite(self.gain), expit(odds) / (1.0 + rival * self.rivals), self.said)
 
 
@@ -59,14 +62,14 @@ def names(folders: Sequence[Path], reports: str) -> Names:
             half, report = sha256(truth.stem.encode()).digest()[0] % 2, judgement.report or {}
             known, first = {bare(e["name"]): e for e in reversed(report.get("effects", []))}, _largest(report)
             for (said, right), effect in zip(judgement.probabilities, known.values(), strict=True):
-                gain, alone = max(effect.get("gain", 0.0), 1.0), said
+                gain, alone, closes = max(effect.get("gain", 0.0), 1.0), said, effect.get("gap_share", 0.0) > 0.0
                 logs = np.log(gain / WORTH), np.log(gain / max(first, gain))
                 if effect.get("gain"):
-                    alone = true_alone(gain, first)
+                    alone = true_alone(gain, first, closes)
                 else:
                     logs = np.nan, np.nan
-                rows.append((said, (alone / said - 1.0) / RIVAL, *logs, right, half))
-    return Names(*np.array(rows, dtype=float).reshape(-1, 6).T)
+                rows.append((said, (alone / said - 1.0) / RIVAL, *logs, not closes, right, half))
+    return Names(*np.array(rows, dtype=float).reshape(-1, 7).T)
 
 
 def _largest(report: Mapping[str, Any]) -> float:
@@ -83,7 +86,7 @@ def fitted(told: Names) -> tuple[float, ...]:
         off = sum(((n - mean) / std) ** 2 / 2 for n, (mean, std) in zip(numbers, PRIOR, strict=True))
         return float(off - np.log(np.where(told.right > 0, likely, 1 - likely)).sum())
 
-    found = minimize(cost, [mean for mean, _ in PRIOR], bounds=[(None, None), *[(0.0, None)] * 3])
+    found = minimize(cost, [mean for mean, _ in PRIOR], bounds=[(None, None), *[(0.0, None)] * 4])
     return tuple(found.x.tolist())
 
 
@@ -98,7 +101,8 @@ def reliability(folders: Sequence[Path], others: Sequence[Path], reports: str, f
     rows = [
         f"Fitted to {len(first.said)} names, of which {int(first.right.sum())} are true: log odds {numbers[0]:.2f} at "
         f"{WORTH:g} nats, {numbers[1]:.2f} more for each time e as many, {numbers[2]:.2f} less for each time e that "
-        f"the largest gain is larger; rivals' odds count {numbers[3]:.3f} times. Of {len(second.said)} others:",
+        f"the largest gain is larger; rivals' odds count {numbers[3]:.3f} times; {numbers[4]:.2f} less of what closes "
+        f"nothing. Of {len(second.said)} others:",
         "",
         HEADER,
     ]

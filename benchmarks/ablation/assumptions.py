@@ -126,7 +126,7 @@ ASSUMPTIONS = (
     *_of(
         "discrepancy.findings.named",
         {
-            "TRUE_AT": "log odds that a name is true which gains what a name is worth",
+            "TRUE_AT": "log odds that a name is true which gains what a name is worth and closes some of the gap",
             "TRUE_BY": "by what more, for each time e as many nats",
             "TRUE_BESIDE": "by what less, for each time e that the largest gain is larger",
             "RIVAL": "of the odds of what explains about as much",

@@ -211,7 +211,7 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.findings.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.findings.soft_push": {"EARLIER": "geometry of half a sine"},
-    "discrepancy.findings.verdicts": {"ADDED": "words", "ROUGHLY": "words"},
+    "discrepancy.findings.verdicts": {"ADDED": "words", "WITHDRAWN": "words", "ROUGHLY": "words"},
     "discrepancy.where.where": {
         "LEAST_SHARE": "which sentences are told",
         "LEAST_LIFT": "which sentences are told",

@@ -30,18 +30,17 @@ from ...weak_form.flights import LONGEST_HOLE, flights, unbroken
 from ...weak_form.rows import wrench_noise
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
-from ..findings.gap import BEYOND_NOISE, CLOSED, Gap, measured_gap
+from ..findings.gap import BEYOND_NOISE, CLOSED, Gap, told_gap
 from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
-from ..findings.named import NamedEffect, named, named_stops
+from ..findings.named import NamedEffect, doubted, named, named_stops
 from ..findings.rollouts import starts
-from ..findings.upheld import certainty_of, closes_most, rollout_error, upheld
+from ..findings.upheld import certainty_of, closes_most, rollout_error, upheld, without
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from ..search.attempts import Step
 from ..search.candidates import free_label
 from ..search.laws import Law, row_values
 from ..search.model import Model
-from ..search.search import added
 from ..search.search_in_band import at_rest, searched
 from ..where.acting import acting
 from ..where.residual import Residual, fine_residuals, finely, residuals
@@ -334,11 +333,11 @@ def _diagnosed(
     nominal, final, steps, widest = found_in
     final, withdrawn = upheld(final, nominal, steps, widest)
     tell("measuring the gap")
-    gap = measured_gap(nominal, final)
-    is_worse = gap.refitted > max(gap.before, gap.noise_floor)  # then the file's values are the better nominal model
-    is_refused = is_moved and is_worse and not (added(final) or final.laws)
-    if is_worse:
-        gap = gap.as_the_file_has_it("refitted", *(["after"] if is_refused else []))
+    gap, stays = told_gap(nominal, final)
+    shares = _shares(steps, final, gap)
+    if keys := doubted(steps, final, shares):
+        final = without(final, keys)
+        gap, stays = told_gap(nominal, final)
     offsets = clock_offsets(final)
     told = checks if hits else with_clock_offsets(checks, offsets)
     return Diagnosis(
@@ -348,9 +347,9 @@ def _diagnosed(
         nominal,
         final,
         tuple(steps),
-        _shares(steps, final, gap),
+        shares,
         gap,
-        is_refused,
+        is_moved and stays,
         tuple(hits),
         withdrawn,
     )

@@ -169,7 +169,7 @@ def _steps(found: Diagnosis) -> str:
     parts = [f"<p>{WORDS['steps']}</p>"] if found.steps else []
     for i, step in enumerate(found.steps, 1):
         gains = ((one, f"{one.gain:.1f}" + (f" ± {one.error:.1f}" if one.error else "")) for one in step.attempts)
-        rows = [[one.key, gain, verdict(step, one)] for one, gain in gains]
+        rows = [[one.key, gain, verdict(step, one, found.final)] for one, gain in gains]
         parts.append(f"<h3>Step {i}</h3>" + _table(["candidate", f"gain, nats {ONE_STD}", "verdict"], rows, "text"))
     return "".join(parts)
 

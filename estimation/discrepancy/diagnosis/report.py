@@ -15,6 +15,7 @@ from ..findings.verdicts import called, verdict
 
 if TYPE_CHECKING:
     from ..search.attempts import Step
+    from ..search.model import Model
     from .diagnosis import Diagnosis
 
 
@@ -38,7 +39,7 @@ class Report:
             "gap": found.gap.as_dict(),
             "impacts": [one.as_dict() for one in found.impacts],
             "refit_refused": found.is_refused,
-            "steps": [_of_step(step) for step in found.steps],
+            "steps": [_of_step(step, found.final) for step in found.steps],
             "logs": [asdict(check) for check in found.checks],
             "bands": [None if band is None else asdict(band) for band in found.bands],
             "isolability": {key: one.as_dict() for key, one in found.isolability.items()},
@@ -65,9 +66,15 @@ class Report:
         return folder
 
 
-def _of_step(step: Step) -> dict[str, Any]:
+def _of_step(step: Step, final: Model) -> dict[str, Any]:
     told = (
-        {"name": called(a), "key": a.key, "score": float(a.gain), "tried": a.tried, "verdict": verdict(step, a)}
-        for a in step.attempts
+        {
+            "name": called(one),
+            "key": one.key,
+            "score": float(one.gain),
+            "tried": one.tried,
+            "verdict": verdict(step, one, final),
+        }
+        for one in step.attempts
     )
     return {"added": step.added.key if step.added else None, "candidates": list(told)}

@@ -10,6 +10,7 @@ import numpy as np
 from cartgrasp.errors import DataError
 
 from ..search.model import Model
+from ..search.search import added
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .rollouts import HORIZONS, starts
 
@@ -44,6 +45,16 @@ class Gap:
 
     def as_dict(self) -> dict[str, Any]:
         return {"metric": "root mean square distance after a 1 s rollout on held-out stretches, m", **asdict(self)}
+
+
+def told_gap(nominal: Model, final: Model) -> tuple[Gap, bool]:
+    """Where the file's values are the better nominal model, with theirs for the refitted one's; and whether nothing was
+    added to that, so that they stay."""
+    gap = measured_gap(nominal, final)
+    if gap.refitted <= max(gap.before, gap.noise_floor):
+        return gap, False
+    stays = not (added(final) or final.laws)
+    return gap.as_the_file_has_it("refitted", *(["after"] if stays else [])), stays
 
 
 def measured_gap(nominal: Model, final: Model) -> Gap:

@@ -26,10 +26,11 @@ from .verdicts import called
 
 SURE = 2.0
 """Standard deviations from which on a value is there."""
-TRUE_AT, TRUE_BY, TRUE_BESIDE = 1.5, 1.2, 1.0
-"""Log odds that a name is true, but for its rivals: where it gains the nats that a name is worth, more for each time e
-as many, and less for each time e that the largest gain of a step is larger: what is small beside that may be what the
-form of the first leaves. Fitted to names whose truth is known (`python -m benchmarks.name_probabilities`)."""
+TRUE_AT, TRUE_BY, TRUE_BESIDE = 3.2, 0.8, 0.7
+"""Log odds that a name is true, but for its rivals: where it gains the nats that a name is worth and closes some of
+the gap on stretches that no fit saw (else nought); more for each time e as many, and less for each time e that the
+largest gain of a step is larger: what is small beside that may be what the form of the first leaves. Fitted to names
+whose truth is known (`python -m benchmarks.name_probabilities`)."""
 RIVAL = 0.2
 """Of the odds of what explains about as much: that it was not chosen, for it is less simple or less usual, counts."""
 UNTRIED = 0.95
@@ -82,7 +83,7 @@ def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
     """In order of addition; laws last."""
-    by, first = dict[str, _Told](), max((step.added.gain for step in steps if step.added), default=0.0)
+    by, first = dict[str, _Told](), _largest(steps)
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
             by.setdefault(step.added.key, _told(step, step.added, first, share))
@@ -135,18 +136,33 @@ def faded(final: Model, certainty: Certainty) -> list[str]:
     return [effect.key for effect in added(final) if is_negligible(values[effect.key])]
 
 
+def doubted(steps: Sequence[Step], final: Model, shares: Sequence[float]) -> list[str]:
+    """Keys of added effects that are more likely wrong than right, whatever their rivals: what gains little beside
+    another, and closes nothing of the gap."""
+    first, has = _largest(steps), {effect.key for effect in added(final)}
+    known = ((step.added, share) for step, share in zip(steps, shares, strict=True) if step.added)
+    return [one.key for one, share in known if one.key in has and true_alone(one.gain, first, share > 0.0) < 0.5]
+
+
+def _largest(steps: Sequence[Step]) -> float:
+    """Of the gains of what was added, nats."""
+    return max((step.added.gain for step in steps if step.added), default=0.0)
+
+
 def _told(step: Step, own: Attempt, first: float, share: float) -> _Told:
     """Its name's probability, and the names of what explains about as much; another arm's effect has the same name."""
     known = rivals(step)
     names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
     others = sum(odds for odds, one in known if called(one) != called(own))
-    return _Told(true_alone(own.gain, first) / (1.0 + RIVAL * others), tuple(names), share, own.gain)
+    alone = true_alone(own.gain, first, share > 0.0)
+    return _Told(alone / (1.0 + RIVAL * others), tuple(names), share, own.gain)
 
 
-def true_alone(gain: float, first: float) -> float:
-    """How probable a name is that gains so much (nats), where the largest gain is the `first`, were there no rivals."""
+def true_alone(gain: float, first: float, closes: bool) -> float:
+    """How probable a name is that gains so much (nats), where the largest gain is the `first`, and which closes some of
+    the gap or none, were there no rivals."""
     more, beside = np.log(max(gain, 1.0) / WORTH), np.log(max(gain, 1.0) / max(first, gain, 1.0))
-    return float(expit(TRUE_AT + TRUE_BY * more + TRUE_BESIDE * beside))
+    return float(expit((TRUE_AT if closes else 0.0) + TRUE_BY * more + TRUE_BESIDE * beside))
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:

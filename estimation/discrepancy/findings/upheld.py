@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,8 +32,7 @@ def upheld(
     laws that close next to nothing of the gap, and without the last ones as long as unseen stretches are predicted no
     better with them than by what is known, or refitted, and farther off than noise; and the laws that were
     withdrawn."""
-    for key in (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)):
-        final = final.refitted(final.cart.without_effect(key)).settled()
+    final = without(final, (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)))
     laws = final.laws
     if not (laws or added(final)):
         return final, ()
@@ -42,14 +41,21 @@ def upheld(
     least = CLOSED * max(best**2 - floor**2, 0.0) if np.isfinite(best) else 0.0
     for law in laws:
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
-        without = rollout_error(held_out_rollouts(less))
-        if without**2 <= max(error, floor) ** 2 + least:
-            final, error = less, without
+        bare = rollout_error(held_out_rollouts(less))
+        if bare**2 <= max(error, floor) ** 2 + least:
+            final, error = less, bare
     while (final.laws or added(final)) and error >= max(_most(final, best), floor):
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
         final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
         error = rollout_error(held_out_rollouts(final))
     return final, tuple(law for law in laws if law not in final.laws)
+
+
+def without(final: Model, keys: Iterable[str]) -> Model:
+    """Fitted anew without added effects."""
+    for key in keys:
+        final = final.refitted(final.cart.without_effect(key)).settled()
+    return final
 
 
 def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:

@@ -6,10 +6,12 @@ from cartgrasp.effects import Effect
 
 from ..search.attempts import Attempt, Refit, Step
 from ..search.laws import Law
+from ..search.model import Model
 from ..search.plausible import ODDS, law_objection, objection
 from ..search.search import SURE, WORTH, least_gain, unseen
 
 ADDED = "added"
+WITHDRAWN = "added, and withdrawn: beside all else, or on unseen stretches, too little speaks for it"
 ROUGHLY = "not fitted with all else: others gain more at first sight"
 
 
@@ -19,10 +21,10 @@ def called(one: Attempt) -> str:
     return candidate.effect.name if isinstance(candidate, Refit) else candidate.name
 
 
-def verdict(step: Step, one: Attempt) -> str:
-    """Of one of a step's attempts."""
+def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
+    """Of one of a step's attempts; with the model in the end, whether what was added was kept."""
     if one is step.added:
-        return ADDED
+        return ADDED if final is None or _is_kept(one, final) else WITHDRAWN
     if one.own_gain < (least := least_gain(one, step.form_error, WORTH)):
         beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside what the forms of others may leave"
         return f"gains {one.gain:.1f} nats{beside}, and {least:.1f} are needed"
@@ -31,6 +33,12 @@ def verdict(step: Step, one: Attempt) -> str:
     if odd := _objection(one):
         return odd
     return ROUGHLY if step.added is None else _beside(one, step.added)
+
+
+def _is_kept(one: Attempt, final: Model) -> bool:
+    if isinstance(one.candidate, Law):
+        return any(law.kind == one.candidate.kind for law in final.laws)
+    return isinstance(one.candidate, Refit) or one.key in {effect.key for effect in final.cart.effects}
 
 
 def _objection(one: Attempt) -> str:

@@ -18,7 +18,7 @@ from estimation.discrepancy.diagnosis.figures import figures
 from estimation.discrepancy.diagnosis.page import page
 from estimation.discrepancy.findings.isolability import isolability
 from estimation.discrepancy.findings.named import NamedEffect
-from estimation.discrepancy.findings.verdicts import ADDED, ROUGHLY, verdict
+from estimation.discrepancy.findings.verdicts import ADDED, ROUGHLY, WITHDRAWN, verdict
 from estimation.discrepancy.log_check import checked, with_clock_offsets
 from estimation.discrepancy.search.attempts import Attempt, Step
 from estimation.discrepancy.search.laws import smooth_laws
@@ -217,6 +217,7 @@ def test_a_verdict_is_what_the_numbers_say(diagnosis):
         "gains 3.0 nats less than rolling_resistance, which is likelier beforehand by 4",
         "gains 40.0 nats less than rolling_resistance",
     ]
+    assert verdict(step, added, final.refitted(final.guess)) == WITHDRAWN
     assert verdict(Step((less,), None, 70.0), less) == "gains 60.0 nats, and 70.0 are needed"
     assert verdict(Step((odd,), None, 10.0), odd).startswith("a delay of 0.002 s")
     assert verdict(Step((less,), None, 10.0), replace(less, model=None)) == ROUGHLY

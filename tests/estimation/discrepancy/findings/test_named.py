@@ -1,6 +1,14 @@
 """How names are told."""
 
-from estimation.discrepancy.findings.named import NamedEffect, words_of
+import pytest
+
+from cartgrasp.effects import RollingResistance, TimeDelay
+from estimation.discrepancy.findings.named import NamedEffect, doubted, true_alone, words_of
+from estimation.discrepancy.search.attempts import Attempt, Step
+from estimation.discrepancy.search.model import Model
+from estimation.weak_form.balances import Balances
+
+from ...weak_form.motions import TRUE, cart_of, noisy, weaving
 
 
 def test_the_same_effect_of_another_arm_is_told_as_such():
@@ -9,3 +17,21 @@ def test_the_same_effect_of_another_arm_is_told_as_such():
     assert words_of([one]) == (
         "force_bias left (fx 1.9 N, or that of another arm than left or floor_slope: these logs can't tell)"
     )
+
+
+@pytest.mark.parametrize(
+    ("gain", "share", "is_doubted"), [(27.0, 0.0, True), (27.0, 0.02, False), (200.0, 0.0, False), (15.0, 0.1, False)]
+)
+def test_what_gains_little_beside_another_and_closes_nothing_is_doubted(gain, share, is_doubted):
+    cart = cart_of(TRUE).with_effect(RollingResistance(0.02)).with_effect(TimeDelay(0.02))
+    model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart_of(TRUE))], cart_of(TRUE)).refitted(cart)
+    _, rolling, delay = cart.effects
+    steps = [Step((one,), one) for one in (Attempt(rolling, 430.0, 1), Attempt(delay, gain, 1))]
+    assert doubted([*steps, Step((), None)], model, (0.9, share, 0.0)) == (["time_delay"] if is_doubted else [])
+    assert doubted(steps, model.refitted(cart_of(TRUE)), (0.9, share)) == []
+
+
+def test_a_name_is_the_surer_the_more_it_gains_and_closes():
+    assert true_alone(30.0, 30.0, True) > true_alone(20.0, 20.0, True) > true_alone(20.0, 200.0, True)
+    assert true_alone(30.0, 300.0, True) > 0.5 > true_alone(30.0, 300.0, False)
+    assert true_alone(300.0, 300.0, False) > 0.9
