@@ -49,11 +49,11 @@ class TrackedPoint:
     has turned since."""
 
     def __init__(self, pose_tb: Array) -> None:
-        self.pose_tb = pose_tb
+        self.pose_tb, self._is_body = pose_tb, not pose_tb.any()
         self._time, self._heading = math.nan, math.nan
 
     def at_body(self, measurement: Measurement) -> Measurement:
-        if not self.pose_tb.any():
+        if self._is_body:
             return measurement
         pose, velocity = measurement.pose, measurement.velocity
         if pose is not None and math.isfinite(pose[2]):

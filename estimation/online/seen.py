@@ -25,11 +25,18 @@ class Seen:
     def __init__(self) -> None:
         self._whole = np.empty(6)
         self._pose, self._velocity = self._whole[:3], self._whole[3:]
+        self.is_whole = False
+        """Whether nothing of the last measurement is missing."""
 
     def of(self, measurement: Measurement) -> Array:
         """Pose and velocity (6,), NaN where missing."""
         pose, velocity = measurement.pose, measurement.velocity
         self._pose[:] = np.nan if pose is None else pose
         self._velocity[:] = np.nan if velocity is None else velocity
-        self._whole[np.abs(self._whole) > LARGEST_NUMBER] = np.nan
+        x, y, yaw, along, across, turn = map(abs, self._whole.tolist())
+        most = LARGEST_NUMBER
+        motion = along <= most and across <= most and turn <= most
+        self.is_whole = motion and x <= most and y <= most and yaw <= most
+        if not self.is_whole:
+            self._whole[np.abs(self._whole) > most] = np.nan
         return self._whole

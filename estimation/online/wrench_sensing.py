@@ -41,8 +41,9 @@ class SensedWrench(NamedTuple):
 
 
 class Hold(NamedTuple):
-    """Where an arm holds, and what takes its wrench (6,) to the reduced one."""
+    """Where an arm holds, as it was told, too, and what takes its wrench (6,) to the reduced one."""
 
+    told: list[float]
     contact: list[float]
     reduced: Array
 
@@ -84,14 +85,23 @@ class WrenchSensing:
 
     def note_contacts(self, measurement: Measurement) -> None:
         for arm, contact in measurement.contacts.items():
-            (x, y, z), known = np.asarray(contact, dtype=float).tolist(), self._holds.get(arm)
-            numbers = [x, y, z if math.isfinite(z) else 0.0]
-            if (known is None or known.contact != numbers) and math.isfinite(x + y):
-                if max(abs(x), abs(y)) > FARTHEST:
-                    where = f"({x:g}, {y:g}) is more than {FARTHEST:g} m from {{b}}"
-                    raise UsageError(f"measurement: contacts: {arm}: {where}; give m")
-                reduced = self.cart.basis_b.T @ grasp_map_planar(numbers, self.yaws.get(arm, 0.0))
-                self._holds[arm], self._grip = Hold(numbers, reduced), None
+            told = contact.tolist() if isinstance(contact, np.ndarray) else list(contact)
+            known = self._holds.get(arm)
+            if known is None or told != known.told:
+                self._hold(arm, told)
+
+    def _hold(self, arm: str, told: list[float]) -> None:
+        x, y, z = map(float, told)
+        if not math.isfinite(x + y):
+            return
+        if max(abs(x), abs(y)) > FARTHEST:
+            where = f"({x:g}, {y:g}) is more than {FARTHEST:g} m from {{b}}"
+            raise UsageError(f"measurement: contacts: {arm}: {where}; give m")
+        contact, known = [x, y, z if math.isfinite(z) else 0.0], self._holds.get(arm)
+        if known is not None and known.contact == contact:
+            return
+        reduced = self.cart.basis_b.T @ grasp_map_planar(contact, self.yaws.get(arm, 0.0))
+        self._holds[arm], self._grip = Hold(told, contact, reduced), None
 
     def gripped(self, recorded: Mapping[str, Array], parameters: Array, moving: Moving | None = None) -> Grip:
         """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. Of no arms where
@@ -105,9 +115,12 @@ class WrenchSensing:
             if wrench is None:
                 return self._no_grip
             place[:] = wrench
-            if not math.isfinite(place[2] + place[3] + place[4]):
+        numbers = grip.wrenches.tolist()
+        if not math.isfinite(sum(numbers)):
+            for place in grip.places.values():
                 place[UNUSED] = np.nan_to_num(place[UNUSED], posinf=0.0, neginf=0.0)
-        if self._has_jumped(grip.wrenches.tolist()):
+            numbers = grip.wrenches.tolist()
+        if self._has_jumped(numbers):
             return self._no_grip
         if self.corrects and grip.places:
             if moving is not None and self.feels_motion:

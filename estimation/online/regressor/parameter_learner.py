@@ -91,7 +91,7 @@ class ParameterLearner:
         time, sensing = float(measurement.time), self._sensing
         sensing.note_contacts(measurement)
         seen = self.seen = self._seen.of(measurement)
-        is_seen = bool(np.isfinite(seen).any())
+        is_seen = self._seen.is_whole or bool(np.isfinite(seen).any())
         if not self._started or time - (self._seen_until if is_seen else self.time) > LONG_GAP:
             self._start(time)
             seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
