@@ -133,8 +133,8 @@ def _with(step: Step, best: Attempt, own: Attempt) -> Step:
 
 
 def keys(model: Model) -> set[str]:
-    """Of all that it has beside the guess."""
-    return {effect.key for effect in added(model)} | {law.key for law in model.laws}
+    """The keys of all that it has beside the guess, and of what may have any size."""
+    return {effect.key for effect in added(model)} | {law.key for law in model.laws} | model.wide
 
 
 def resized(model: Model) -> Model:

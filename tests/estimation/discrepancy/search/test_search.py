@@ -25,7 +25,7 @@ from estimation.discrepancy.search.candidates import amplitudes_of, families
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.refine import refined
 from estimation.discrepancy.search.screening import Screen
-from estimation.discrepancy.search.search import CONFUSABLE, WORTH, absent, chosen
+from estimation.discrepancy.search.search import CONFUSABLE, WORTH, absent, chosen, keys
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate_two_hands
@@ -159,6 +159,12 @@ def test_what_stretches_contradict_is_not_taken():
     assert chosen([vanished, steady], 10.0, WORTH) is steady
     late = Attempt(TimeDelay(0.4), 90.0, 1, model)
     assert chosen([late, steady], 10.0, WORTH) is steady
+
+
+def test_another_size_of_what_the_file_has_is_a_step():
+    """The search goes on after it, as after a name."""
+    model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
+    assert keys(replace(model, wide=frozenset({"viscous_drag"}))) - keys(model) == {"viscous_drag"}
 
 
 def test_what_every_cart_has_may_be_small_beside_another():
