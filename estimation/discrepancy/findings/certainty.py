@@ -9,7 +9,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
+from cartgrasp.effects import ConstraintEffect, Effect, RollingResistance, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
@@ -47,6 +47,8 @@ SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
 """By their unit, else of its value: steps of differences by a setting."""
 SIZE_SHARE = 0.03
 """Of an effect's size: what its form leaves open, which no length of a log makes less."""
+CASTER_SHARE = 0.05
+"""The same of rolling resistance on casters: they swing round, and touch the floor a trail behind their pivots."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +168,7 @@ class Certainty:
         free = np.flatnonzero(prior.free)
         std = prior.std.copy()
         std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
-        std = np.hypot(std, SIZE_SHARE * np.abs(self._added_sizes))
+        std = np.hypot(std, self._left_open)
         if not model.is_pushed:
             std[:N_PHI] = 0.0  # as given
         body = cart.inertia
@@ -179,15 +181,16 @@ class Certainty:
         return {n: ParameterEstimate(float(v), float(s), unit, bool(known)) for n, unit, v, s, known in rows}
 
     @property
-    def _added_sizes(self) -> Array:
-        """Values (p,) of added effects' parameters, as far from absent as they are; nought elsewhere."""
-        known = {effect.key for effect in self.model.guess.effects}
-        found = [
-            value - parameter.absent if effect.key not in known and parameter.estimated else 0.0
-            for effect in self.cart.effects
-            for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True)
-        ]
-        return np.array([0.0] * N_PHI + found)
+    def _left_open(self) -> Array:
+        """Standard deviations (p,) that forms of added effects leave open: shares of how far these are from absent."""
+        known, found = {effect.key for effect in self.model.guess.effects}, [0.0] * N_PHI
+        has_casters = self.cart.constraints.n_free > 1 and bool(self.cart.wheel_set.is_caster.any())
+        for effect in self.cart.effects:
+            share = CASTER_SHARE if has_casters and isinstance(effect, RollingResistance) else SIZE_SHARE
+            for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True):
+                is_new = effect.key not in known and parameter.estimated
+                found.append(share * abs(value - parameter.absent) if is_new else 0.0)
+        return np.array(found)
 
     @property
     def _at_bound(self) -> np.ndarray:
