@@ -9,6 +9,7 @@ from typing import Any
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
 from estimation.health import Health
 from estimation.log_noise.log_noise import noise_of_log
+from estimation.log_noise.marks import without_marks
 from estimation.whole_log.agreement import against_identify
 from estimation.whole_log.coasting import body_as_given, with_known_wrench
 from estimation.whole_log.replay import Replay, replay
@@ -99,7 +100,7 @@ def tell_given(logs: Sequence[RunLog], cart: CartModel) -> None:
 
 
 def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
-    thinned = with_known_wrench(log.thinned())
+    thinned = with_known_wrench(without_marks(log).thinned())
     noise, prior = noise_of_log(thinned, cart), body_as_given([log])
     estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, tell, until=float(log.time[-1]))

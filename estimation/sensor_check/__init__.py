@@ -8,6 +8,7 @@ from cartgrasp.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .check import Look, Sensors, check_sensors, look_at, put_right
+    from .fixed_wheels import of_wheels
     from .sizes import check_sizes
     from .suspicion import KINDS, REFUSED, SURE, Suspicion
     from .wrenches import of_wrenches
@@ -22,12 +23,14 @@ __all__ = [
     "check_sensors",
     "check_sizes",
     "look_at",
+    "of_wheels",
     "of_wrenches",
     "put_right",
 ]
 
 _HOMES = {
     "check": "Look Sensors check_sensors look_at put_right",
+    "fixed_wheels": "of_wheels",
     "sizes": "check_sizes",
     "suspicion": "KINDS REFUSED SURE Suspicion",
     "wrenches": "of_wrenches",

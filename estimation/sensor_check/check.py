@@ -24,6 +24,7 @@ from ..log_noise.marks import without_marks
 from ..weak_form.balances import Balances
 from ..weak_form.flights import LONGEST_HOLE, unbroken
 from ..weak_form.motion import Motion, motion_of
+from .fixed_wheels import of_wheels
 from .heading import of_headings
 from .jumps import jumps
 from .overview import Overview
@@ -84,6 +85,7 @@ def look_at(log: RunLog, cart: CartModel | None) -> Look:
     else:
         balances = Balances.of(sensors.log, cart)
         motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)
+        of_arms = (*of_arms, *of_wheels(balances, cart))
     motions = [motion, *_motions(part for part in parts if part is not longest)]
     jumped = (one for part in parts for one in jumps(part))
     found = (*told, *sensors.suspicions, *of_arms, *jumped, *_holes(parts))

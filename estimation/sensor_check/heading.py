@@ -41,7 +41,7 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     """`unit`, `sign`, `axes` and `frame` of poses; none of carts that may go any way, or where too little is seen."""
     if cart.constraints.axle_x is None or cart.constraints.no_rotation:
         return ()
-    seen = {factor: _displacements(Track.of(log, factor)) for factor in {one[1] for one in READINGS}}
+    seen = {factor: displacements(Track.of(log, factor)) for factor in {one[1] for one in READINGS}}
     offsets, left = list[float](), list[float]()
     least = (np.inf, np.zeros(1))
     for _, factor, known, _ in READINGS:
@@ -71,7 +71,7 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     return tuple(told)
 
 
-def _displacements(track: Track) -> tuple[Array, Array, float] | None:
+def displacements(track: Track) -> tuple[Array, Array, float] | None:
     """Along and across (k,) beside what turns, and the sum of squares of all; None where too little is seen."""
     windows = Windows.over(track.time)
     if windows is None:

@@ -86,9 +86,13 @@ class Balance:
         how = all_of.reshape(len(all_of), -1)
         return np.maximum(np.einsum("ri,ri->r", how @ gram, how), 0.0), how @ seen, float(self.motion @ self.motion)
 
+    def as_recorded(self) -> Array:
+        """The sum (k,) of the arms' signals, as they are."""
+        return np.asarray(np.einsum("kaij,ij->k", self.signals, mountings()[0].taken))
+
     def scatter(self) -> tuple[float, float]:
         """Rows that count as independent, and the share of the motion that no gains of all components explain."""
-        sound = np.einsum("kaij,ij->k", self.signals, mountings()[0].taken)[:, None]
+        sound = self.as_recorded()[:, None]
         whole = self.signals.reshape(len(self.motion), -1)
         left = [self.motion - basis @ (basis.T @ self.motion) for basis in (_orthogonal(sound), _orthogonal(whole))]
         rows = min(independent_rows(one) for one in left) * (1 - self.taken_out / len(self.motion))
@@ -106,7 +110,7 @@ def of_wrenches(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
 def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], str]:
     """With why they can't be judged, "" where they can, or nobody pushes."""
     far = _far_contacts(balances)
-    known = next((found for step in ROW_STEPS if (found := _balances(balances.every(step), cart))), None)
+    known = next((found for step in ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
     if far or known is None:
         return far, "the cart moves too little, or for too short a time" if balances.wrenches.arms and not far else ""
     forward, sideways, turning = known
@@ -185,7 +189,7 @@ def _readings(arms: int) -> list[Reading]:
     return found
 
 
-def _balances(balances: Balances, cart: CartModel) -> Known | None:
+def balances_of(balances: Balances, cart: CartModel) -> Known | None:
     """Forward, sideways (of carts that may go so) and yaw (of those that may turn); None where nothing is told."""
     if not balances.wrenches.arms or not len(balances.used):
         return None

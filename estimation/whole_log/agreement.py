@@ -11,6 +11,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..log_noise.log_noise import noise_of_log
+from ..log_noise.marks import without_marks
 from ..online.cart_filter import CartFilter
 from .coasting import body_as_given, with_known_wrench
 from .identification import identify
@@ -24,7 +25,7 @@ MOST_ROWS = 30_000
 
 def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, cart: CartModel) -> tuple[str, ...]:
     """Where the online filter says something else of a log than `identify` did; of no log that is long."""
-    thinned = with_known_wrench(log.thinned())
+    thinned = with_known_wrench(without_marks(log).thinned())
     if len(thinned) > MOST_ROWS:
         return ()
     online = CartFilter(cart, list(thinned.arms), noise=noise_of_log(thinned, cart), prior=body_as_given([log]))

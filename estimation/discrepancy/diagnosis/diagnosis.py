@@ -23,7 +23,7 @@ from ...experiments.manoeuvres import Limits
 from ...impacts.end_stops import StopEstimate, end_stops
 from ...impacts.impacts import Impact, impacts
 from ...log_noise.glitches import without_glitches
-from ...sensor_check import check_sizes, of_wrenches, put_right
+from ...sensor_check import check_sizes, of_wheels, of_wrenches, put_right
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent
 from ...weak_form.flights import LONGEST_HOLE, flights, unbroken
@@ -323,7 +323,7 @@ def _diagnosed(
         band = consistent(bands(whole, cart))
         found = impacts(log, _as_heavy(cart, band))
         check = checked(log, cart, whole)
-        checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart))))
+        checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart), *of_wheels(whole, cart))))
         between = [part for part in flights(sensors.log, cart, found) if len(part.used)] if found else []
         parts += between or [whole]
         known += [consistent(bands(part, cart)) for part in between] or [band]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check import of_wrenches
 from estimation.sensor_check.wrench_readings import UNITS, mountings
-from estimation.sensor_check.wrenches import _balances, _speaks, judged
+from estimation.sensor_check.wrenches import _speaks, balances_of, judged
 from estimation.weak_form.balances import Balances
 
 from .logs import CART, QUIET, RAIL, cart_of, found, on_rail, sealed, two_hands, with_wrenches
@@ -169,7 +169,7 @@ def test_balances_are_those_of_the_plant():
     """With no noise what is left of both sides is in proportion, by the mass and the yaw inertia about {b}'s origin.
     The integrator's wrenches hold until the next row, so they are half a row early."""
     log = two_hands(0, QUIET)
-    forward, sideways, turning = _balances(Balances.of(log, CART).late(-0.005).every(0.4), CART)
+    forward, sideways, turning = balances_of(Balances.of(log, CART).late(-0.005).every(0.4), CART)
     assert sideways is None
     about_origin = 2.0 + 24.0 * (0.3**2 + 0.05**2)
     for balance, wanted in ((forward, 24.0), (turning, about_origin)):
