@@ -37,7 +37,7 @@ class MotionNoise:
 
     @classmethod
     def told(cls, noise: FilterNoise, log: RunLog) -> MotionNoise:
-        """As somebody knows the log's sensors to be."""
+        """Noise of the log's sensors as somebody knows it."""
         pose = np.maximum([noise.position, noise.position, noise.heading], LEAST_POSITION)
         if log.velocity is None or not np.isfinite(log.velocity).any():
             return cls(pose, None)

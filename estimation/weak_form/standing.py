@@ -13,7 +13,7 @@ from .motion import KNOT_STEPS
 
 G = 9.81
 HELD = 0.1
-"""Of the weight: what a hand or a chock holds at least."""
+"""Share of the weight that a hand or a chock holds at least."""
 FRICTION = 0.01
 """Half of a usual coefficient of rolling resistance."""
 LEAST_SPEED = 1e-6
