@@ -38,7 +38,7 @@ POSE_STEP = 1e-4
 STILL_DEVIATIONS = 2.0
 """Standard deviations of the smooth speed: a cart that seems to go slower may stand."""
 RIM = 0.1
-"""m around a region of the floor: beyond, its soft edge is not felt."""
+"""Rim (m) around a region of the floor: beyond, its soft edge is not felt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class Balances:
 
     @property
     def still_speed(self) -> float:
-        """m/s: a cart that seems to go slower may stand."""
+        """Speed (m/s): a cart that seems to go slower may stand."""
         return float(np.hypot(STILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
 
     @cached_property

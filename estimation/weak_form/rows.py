@@ -29,20 +29,20 @@ FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
 """Errors of a body's form, as a share of the root mean square wrench, and of effects' forms, as a share of what they
 give. Neighbours share them."""
 REST_SPEED, SWING_WAY = 0.05, 0.2
-"""m/s, below which the paper learns nothing either; m, some four usual trails."""
+"""Speed (m/s) below which the paper learns nothing either; distance (m) of some four usual trails."""
 ON_CASTERS = 0.5
 """Share of a cart's weight that casters carry."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
-"""Width (m) of a wheel's print and a carpet's rim; share of a push's duration in which it rises; s in which a load is
-put on."""
+"""Width (m) of a wheel's print and a carpet's rim; share of a push's duration in which it rises. Time (s) in which a
+load is put on."""
 POISED_BY = 10.0, 3.0, 1.0
 """Standard deviations of the yaw rate by which poised casters may be off."""
 STAYS_POISED = 1.0
-"""s, for which a caster may stay on its turning point when the others swing round: the cart turns under it."""
+"""Time (s) for which a caster may stay on its turning point when the others swing round: the cart turns under it."""
 BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
 LONGEST_MEMORY = 0.15
-"""s, of sensors' noise: what is remembered for longer is what a model lacks."""
+"""Longest memory (s) of sensors' noise: what is remembered for longer is what a model lacks."""
 HUBER = 2.0
 """Standard deviations: what is farther off counts as if it were that far."""
 LOUDEST = 30.0
@@ -52,7 +52,7 @@ BISECTIONS = 12
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
 """Smallest white noise beside the sensors', and smallest share of what forms may be wrong by."""
 LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
-"""N/√Hz (N·m/√Hz), m/√Hz: keeps logs without any noise solvable."""
+"""Smallest densities (N/√Hz, N·m/√Hz; m/√Hz): they keep logs without any noise solvable."""
 
 
 class Noise(NamedTuple):

@@ -13,7 +13,7 @@ from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, pose_noise, wh
 from ..noise import FilterNoise
 
 AVERAGED = (0.0, 0.02, 0.05)
-"""s: blocks over which samples are averaged; over longer ones, motion shows."""
+"""Durations (s) of blocks over which samples are averaged; over longer ones, motion shows."""
 
 
 @dataclass(frozen=True)

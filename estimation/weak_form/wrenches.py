@@ -26,7 +26,7 @@ LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
 """Smallest density (N/√Hz, N·m/√Hz), and share of a covariance: they keep wrenches without noise, and points without an
 arm, solvable."""
 LATEST = 0.25
-"""s: later than any sensor that is asked about."""
+"""Lateness (s) that is more than that of any sensor that is asked about."""
 WHOLE = slice(None)
 """Slice of all points of a grid."""
 
