@@ -1,7 +1,7 @@
-"""By how much a log's wrenches are later than its motion, as the rows of a fitted model say.
+"""How much later a log's wrenches are than its motion, as the rows of a fitted model say.
 
 A model's rows have a column of what a lateness does to them. How late wrenches are is beforehand known to a share of a
-sample's step; what is told here is what the rows alone say, with that taken out again.
+sample's step. What is told here is what the rows alone say, with that taken out again.
 """
 
 from __future__ import annotations
@@ -11,19 +11,19 @@ from dataclasses import dataclass
 from .search.model import Model
 
 UNKNOWN = 0.05
-"""s: whoever does not know it better knows nothing."""
+"""Largest standard deviation (s) of an offset: whoever does not know it better knows nothing."""
 
 
 @dataclass(frozen=True)
 class ClockOffset:
-    """By how much later wrenches are than the motion (s), and its standard deviation."""
+    """How much later wrenches are than the motion (s), and its standard deviation."""
 
     value: float
     std: float
 
 
 def clock_offsets(model: Model) -> tuple[ClockOffset | None, ...]:
-    """Of each log; None without arms, or where nothing tells."""
+    """Clock offset of each log; None without arms, or where nothing tells."""
     first = len(model.prior_std) - len(model.logs)
     return tuple(_of_rows_alone(model, first + i) for i in range(len(model.logs)))
 

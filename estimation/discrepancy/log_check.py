@@ -25,13 +25,13 @@ from .clock_offset import ClockOffset
 FEWEST_ROWS = 40
 """A log of 40 s at 1 Hz: some times the parameters of a cart."""
 SHORTEST = 4.0
-"""s."""
+"""Shortest log (s)."""
 FEWEST_USED = 10
-"""Rows of balances in weak form that hold all."""
+"""Fewest rows of balances in weak form, which hold all that is needed."""
 EIGHTHS, LEAST_HEADED = 8, 1.0
-"""Of the circle; s that a cart heads into one."""
+"""Parts of the circle; time (s) for which a cart heads into one at least."""
 ROLLING, STILL_TURNING = 0.015, 0.015
-"""m/s, rad/s: below both a cart may stand still, and friction takes whatever value holds it."""
+"""Speed (m/s) and yaw rate (rad/s): below both a cart may stand still, and friction takes whatever value holds it."""
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,9 @@ def _with_wrenches(log: RunLog) -> np.ndarray:
 
 
 def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
-    """How late wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises DataError for poses that
-    jump, too few rows that hold all, and wrenches that never change although the cart moves."""
+    """Check of one log. How late its wrenches are is told by a model that is fitted (`with_clock_offsets`). Raises
+    DataError for poses that jump, too few rows that hold all, and wrenches that never change although the cart
+    moves."""
     motion, moves, steps = balances.motion, moving(balances), np.diff(log.time)
     check_jumps(balances.log, float(motion.noise.pose[0]))
     _check_together(log, balances, bool(moves.any()))
@@ -159,28 +160,28 @@ def with_clock_offsets(checks: Sequence[LogCheck], offsets: Sequence[ClockOffset
 
 
 def with_suspicions(check: LogCheck, suspicions: Sequence[Suspicion]) -> LogCheck:
-    """Those that stop a command first."""
+    """The check with suspicions, those first that stop a command."""
     return replace(check, suspicions=tuple(sorted(suspicions, key=lambda one: not one.is_refused)))
 
 
 def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
-    """0 where there are no values."""
+    """Percentiles of values; 0 where there are none."""
     return tuple(float(one) for one in np.percentile(values if len(values) else np.zeros(1), shares))
 
 
 def moves(balances: Balances) -> bool:
-    """Whether it does for as long as the shortest test function lasts at least."""
+    """Whether the cart moves for at least as long as the shortest test function lasts."""
     fast = (balances.turning_speed > balances.still_speed) & balances.motion.seen
     size = SUPPORT * balances.every(0.0).per_row
     return bool((np.convolve(fast, np.ones(size), "valid") > size - 0.5).any())
 
 
 def moving(balances: Balances) -> np.ndarray:
-    """Times (n,) of the motion at which the cart was seen and surely moves."""
+    """Whether (n,), at each time of the motion, the cart was seen and surely moves."""
     motion = balances.motion
     return np.asarray(((motion.speed > ROLLING) | (_turning(motion) > STILL_TURNING)) & motion.seen)
 
 
 def _turning(motion: Motion) -> Array:
-    """Of a motion (n,), rad/s, either way; none on a rail."""
+    """Absolute yaw rate of a motion (n,), rad/s; zero on a rail."""
     return np.abs(motion.velocity[:, -1]) if motion.velocity.shape[1] > 1 else np.zeros(len(motion.time))

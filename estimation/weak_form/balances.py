@@ -34,20 +34,20 @@ from .sensor_noise import noise_density
 from .wrenches import Densities, GridWrenches
 
 POSE_STEP = 1e-4
-"""m, rad: of differences by where {b} is in the frame that is tracked."""
+"""Step (m, rad) of differences by {b}'s pose in the frame that is tracked."""
 STILL_DEVIATIONS = 2.0
-"""Of the smooth speed."""
+"""Standard deviations of the smooth speed: a cart that seems to go slower may stand."""
 RIM = 0.1
-"""m around a region of the floor: beyond, its soft edge is not felt."""
+"""Rim (m) around a region of the floor: beyond, its soft edge is not felt."""
 
 
 @dataclass(frozen=True, eq=False)
 class Balances:
-    """Of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed across. The noise
-    of the wrenches has densities whose roots are known by arm (arms, 6), N/√Hz, N·m/√Hz, from sample to sample; what is
-    `heard` in rows may be louder. That of the motion enters with the body of a `reference`, so that models are compared
-    by the same rows (None: with that of the cart that is asked about, in what is left and in what a unit of its
-    parameters takes away)."""
+    """Momentum balances of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed
+    across. The wrenches' noise has densities whose roots are known by arm (arms, 6), N/√Hz, N·m/√Hz, from sample to
+    sample. What is `heard` in rows may be louder. The motion's noise enters with the body of a `reference`, so that
+    models are compared by the same rows. Without one, it enters with the body of the cart that is asked about, in the
+    residual and in its slopes."""
 
     name: str
     motion: Motion
@@ -77,7 +77,7 @@ class Balances:
         return cls(log.name, motion, wrenches, log, densities, 1, told, samples_per_knot).every(row_step)
 
     def every(self, row_step: float) -> Balances:
-        """With test functions about `row_step` (s) apart."""
+        """The same balances with test functions about `row_step` (s) apart."""
         return replace(self, per_row=max(round(row_step / self.motion.step), KNOT_STEPS * 2))
 
     @property
@@ -93,7 +93,7 @@ class Balances:
         return self._with_same_rows(replace(self, wrenches=self.wrenches.late(self.log, lateness)))
 
     def with_more_noise(self, cart: CartModel, generator: np.random.Generator) -> Balances:
-        """With the noise of its motion's sensors added once more."""
+        """The same rows with the noise of the motion's sensors added once more."""
         log, noise = self.log, self.motion.noise
         pose = log.pose + noise.pose * generator.standard_normal(log.pose.shape)
         velocity = log.velocity
@@ -103,7 +103,7 @@ class Balances:
         return self.along(motion_of(noisy, cart, self.told, self.samples_per_knot))
 
     def along(self, motion: Motion) -> Balances:
-        """Of another motion on the same grid, with the rows of this one."""
+        """Balances of another motion on the same grid, with the rows of this one."""
         return self._with_same_rows(replace(self, motion=motion, wrenches=replace(self.wrenches, motion=motion)))
 
     def _with_same_rows(self, other: Balances) -> Balances:
@@ -111,7 +111,7 @@ class Balances:
         return other
 
     def of_body(self, cart: CartModel) -> Balances:
-        """With {b} where a cart has it in the frame that was tracked."""
+        """Balances with {b} where a cart has it in the frame that was tracked."""
         motion = self.motion.of_body(cart)
         return self if motion is self.motion else self.along(motion)
 
@@ -120,7 +120,8 @@ class Balances:
         return self.heard or Densities(self.wrench_densities, None)
 
     def _scale(self, cart: CartModel) -> float:
-        """Of the reference's body, where gains of sensors make a cart of any mass as likely."""
+        """The cart's mass relative to that of the reference's body, where gains of sensors make a cart of any mass as
+        likely; else 1."""
         if self.reference is None or not any(isinstance(effect, ForceScale) for effect, _ in cart.sensor_effects):
             return 1.0
         return cart.inertia.mass / self.reference.inertia.mass
@@ -134,13 +135,14 @@ class Balances:
 
     @property
     def still_speed(self) -> float:
-        """m/s: a cart that seems to go slower may stand."""
+        """Speed (m/s): a cart that seems to go slower may stand."""
         return float(np.hypot(STILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
 
     @cached_property
     def integrals(self) -> Integrals:
-        """Against test functions in whose support everything was seen and the cart moves: where it stands, anything
-        may hold it. Where it stands throughout, all that was seen. How late sensors are changes nothing."""
+        """Integrals against test functions in whose support everything was seen and the cart moves: where it stands,
+        anything may hold it. Where it stands throughout, all that was seen is used. How late sensors are changes
+        nothing."""
         unseen = ~(self.wrenches.seen & self.wrenches.ahead)
         return Integrals.where(unseen, self.turning_speed > self.still_speed, self.per_row, self.motion.step)
 
@@ -155,12 +157,12 @@ class Balances:
         return np.asarray(self.motion.time[self.integrals.middles])
 
     def overlap(self, order: int, lag: int) -> float:
-        """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order -
+        """Integral of a test function's derivative of some order times that of the one `lag` rows later (1/s^(2 order -
         1))."""
         return self.integrals.overlap(order, lag)
 
     def integrated(self, signals: Array) -> Array:
-        """Signals (n, ...) against the test functions (k, ...)."""
+        """Integrals (k, ...) of signals (n, ...) against the test functions."""
         return self.integrals.of(signals)
 
     @property
@@ -192,7 +194,7 @@ class Balances:
         return cart.constraints.n_free + (cart.constraints.n_rows == 1)
 
     def state(self, cart: CartModel) -> Array:
-        """Of the cart along the motion (n, s)."""
+        """State (n, s) of the cart along the motion."""
         return self.of_body(cart)._state(cart)
 
     def _state(self, cart: CartModel) -> Array:
@@ -201,21 +203,22 @@ class Balances:
         return np.hstack([motion.pose, motion.velocity, memory])
 
     def residual(self, cart: CartModel) -> tuple[Array, Array]:
-        """What is left (k, c), and how much of it a unit of each parameter takes away (k, c, p)."""
+        """Residual (k, c), and how much of it a unit of each parameter takes away (k, c, p)."""
         left, slopes = self._left(cart)
         for i in cart.pose_indices:
             slopes[..., i] = self._by_pose(cart, i, left)
         return left, slopes
 
     def _left(self, cart: CartModel) -> tuple[Array, Array]:
-        """The same, but for parameters that move {b} in the frame that is tracked."""
+        """Residual and slopes as in `residual`, but for the slopes by parameters that move {b} in the frame that is
+        tracked."""
         own = self.of_body(cart)
         state = own._state(cart)
         rows = self.integrals.by_parts(lambda part: own._left_along(cart, state, part))
         return rows[..., 0], rows[..., 1:]
 
     def _left_along(self, cart: CartModel, state: Array, part: slice) -> Array:
-        """Along a part of this motion what is left, and the slopes (points, c, 1 + p)."""
+        """Residual and slopes (points, c, 1 + p) along a part of this motion."""
         needed, by_parameters = self._needed(cart, state, part)
         planar = self.wrenches.planar(cart, part)
         left = planar @ cart.basis_b - needed
@@ -305,11 +308,11 @@ class Balances:
         return float((outside & (self.turning_speed > self.still_speed)).sum() * self.motion.step)
 
     def touches(self, region: Array, cart: CartModel, rim: float = 0.0) -> np.ndarray:
-        """Times (n,) at which a wheel is inside of it, or nearer than a rim (m)."""
+        """Whether (n,) a wheel is inside of a region of the floor, or nearer to it than a rim (m)."""
         return np.asarray(self._inside(region, cart, rim).any(axis=0))
 
     def _inside(self, region: Array, cart: CartModel, rim: float = 0.0) -> np.ndarray:
-        """Whether wheels (w, n) are, or nearer than a rim (m)."""
+        """Whether wheels (w, n) are inside of a region of the floor, or nearer to it than a rim (m)."""
         left, right, low, high = region + rim * np.array([-1.0, 1.0, -1.0, 1.0])
         x, y = self._tracks(cart.wheel_set)
         return np.asarray((x > left) & (x < right) & (y > low) & (y < high))
@@ -331,7 +334,7 @@ class Balances:
         return wrench + noise.wrench, slopes
 
     def _inverse(self, cart: CartModel, state: Array, at: slice | np.ndarray) -> tuple[Array, Array]:
-        """The same along the smooth motion alone, of states at points of the grid."""
+        """The reduced wrench and its slopes along the smooth motion alone, of states at points of the grid."""
         found = cart.inverse(state[at], self.motion.smooth_acceleration[at], time=self.motion.time[at])
         return found.wrench, found.by_parameters
 
@@ -343,7 +346,7 @@ class Balances:
         return np.concatenate([self._momentum_noise(self.reference, part).wrench for part in parts])
 
     def _momentum_noise(self, cart: CartModel, part: slice) -> InverseDynamics:
-        """What the noise of the acceleration makes of a cart's body."""
+        """The wrench, and its slopes, that a cart's body takes for the noise of the acceleration."""
         body, motion = replace(cart, effects=()), self.motion
         return body.inverse(body.state(), motion.acceleration[part] - motion.smooth_acceleration[part])
 

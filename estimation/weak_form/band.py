@@ -24,12 +24,12 @@ from .motion import KNOT_STEPS
 from .rows import wrench_noise
 
 ROW_STEPS = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
-"""s, of the test functions that are tried, but for those that are finer than the motion is known (`KNOT_STEPS`); half
-of the inverse is the band's upper end (Hz)."""
+"""Steps (s) of the test functions that are tried, but for those that are finer than the motion is known (`KNOT_STEPS`).
+Half of the inverse is the band's upper end (Hz)."""
 FAR, FAR_SHARE = 3.0, 0.05
 """Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
 FEWEST = 12
-"""Rows for each column."""
+"""Fewest rows beyond one for each column."""
 LAGS = 8
 """Rows over which residuals may be correlated (Newey and West, 1987)."""
 RICH: tuple[Effect, ...] = (RollingResistance(), QuadraticDrag(), DirectionalDrag(), ForceBias(), FloorSlope())
@@ -39,9 +39,10 @@ INERTIAL = ("payload_change", "load_slosh")
 TRACE = 1e-6
 EVERY = slice(None)
 AS_WELL = 2.0
-"""Times the least deviation: that of a dozen rows is told to about a factor of two itself."""
+"""Multiple of the least deviation that counts as good as it: that of a dozen rows is told to about a factor of two
+itself."""
 LEAST_KNOWN = 0.25
-"""Of the mass: with a larger scatter, a band says nothing of it."""
+"""Largest scatter, as a share of the mass: with a larger one, a band says nothing of it."""
 
 
 @dataclass(frozen=True)
@@ -63,22 +64,22 @@ class Band:
 
     @property
     def middle(self) -> float:
-        """Of the two-way bracket (kg)."""
+        """Middle of the two-way bracket (kg)."""
         return self.mass + self.bracket
 
     @property
     def deviation(self) -> float:
-        """Of the mass (kg): its scatter, half of the bracket, and by how much bands may differ that agree."""
+        """Deviation of the mass (kg): its scatter, half of the bracket, and by how much bands may differ that agree."""
         return float(np.linalg.norm([self.std, self.bracket, FAR_SHARE * self.mass]))
 
     @property
     def share(self) -> float:
-        """Of the mass: its deviation."""
+        """Deviation as a share of the mass."""
         return self.deviation / self.mass
 
     @property
     def spread(self) -> float:
-        """Of the mass: its scatter and half of the bracket."""
+        """Scatter and half of the bracket, as a share of the mass."""
         return float(np.hypot(self.std, self.bracket)) / self.mass
 
     def agrees(self, narrower: Band) -> bool:
@@ -87,8 +88,8 @@ class Band:
 
 
 def bands(balances: Balances, cart: CartModel, guess: CartModel | None = None) -> list[Band]:
-    """Of a log whose wrenches say something about the mass, with a cart's structure, of which inertial effects that a
-    first `guess` does not have are as they are; the widest first."""
+    """Bands of a log whose wrenches say something about the mass, with a cart's structure; the widest first. Inertial
+    effects that a first `guess` does not have are left as they are."""
     span = float(balances.motion.time[-1] - balances.motion.time[0])
     finest = 2 * KNOT_STEPS * balances.motion.step * (1 - 1e-6)
     fit = (step for step in ROW_STEPS if finest <= step < span / (FEWEST + SUPPORT))
@@ -98,7 +99,7 @@ def bands(balances: Balances, cart: CartModel, guess: CartModel | None = None) -
 
 
 def is_narrower(band: Band, balances: Balances) -> bool:
-    """Than that of a log's rows."""
+    """Whether a band is narrower than that of a log's rows."""
     return round(band.row_step / balances.row_step) > 1
 
 
@@ -109,7 +110,8 @@ def consistent(known: list[Band]) -> Band | None:
 
 
 def sharp(known: list[Band]) -> Band | None:
-    """As `consistent`, where nothing but the mass is asked for: bands that agree differ by their spread alone."""
+    """The band as in `consistent`, where nothing but the mass is asked for: bands that agree differ by their spread
+    alone."""
     return _told_as_well(known, lambda band: band.spread)
 
 
@@ -126,7 +128,7 @@ def pooled(known: Sequence[tuple[Band, float]]) -> float:
 
 
 def band_in(balances: Balances, cart: CartModel, guess: CartModel, kept: np.ndarray | slice = EVERY) -> Band | None:
-    """Of the rows' own test functions, from rows that are kept (k,); None where they don't tell the mass."""
+    """Band of the rows' own test functions, from rows that are kept (k,); None where they don't tell the mass."""
     left, slopes = (rows[kept] for rows in balances.beside(None).residual(cart))
     taken = {effect.name for effect in cart.effects}
     rich = [balances.columns(cart, e)[kept, 0] for e in RICH if e.name not in taken]

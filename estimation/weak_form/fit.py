@@ -19,15 +19,15 @@ from .balances import Balances
 from .whitening import Whitening
 
 ROUNDS, SETTLED = 12, 0.05
-"""Of Gauss-Newton; standard deviations by which the last moves a parameter at most."""
+"""Most rounds of Gauss-Newton; standard deviations by which the last moves a parameter at most."""
 MOST_STEP = 1.0
-"""Of a logarithm, in one step."""
+"""Largest change of a logarithm in one step."""
 
 
 @dataclass(frozen=True)
 class ParameterPrior:
-    """Before data: logarithms of mass and inertia, the CoM (m) and the effects' parameters, each with its mean and
-    standard deviation (p,); `free` (p,) are estimated."""
+    """Prior of the logarithms of mass and inertia, the CoM (m) and the effects' parameters, each with its mean and
+    standard deviation (p,). Those that are `free` (p,) are estimated."""
 
     mean: Array
     std: Array
@@ -59,7 +59,7 @@ def with_coordinates(cart: CartModel, z: Array) -> CartModel:
 
 
 def jacobian(cart: CartModel) -> Array:
-    """Of the parameters by the coordinates (p, p)."""
+    """Jacobian (p, p) of the parameters with respect to the coordinates."""
     p = len(cart.parameters)
     found = np.eye(p)
     body = cart.inertia

@@ -17,13 +17,13 @@ from ..impacts.impacts import Impact
 from .balances import Balances
 
 TOUCH = 0.05
-"""s on each side of an impact: a touch, and how well it is timed."""
+"""Time (s) on each side of an impact that is left out: a touch, and how well it is timed."""
 NEAR = 0.03
-"""m from a stop, where a cart leans on it, or hits it too softly to be seen."""
+"""Distance (m) from a stop at which a cart leans on it, or hits it too softly to be seen."""
 LONGEST_HOLE = 30.0
-"""s without a pose, from which on a log is two: motion across it would only cost time."""
+"""Time (s) without a pose, from which on a log is two: motion across it would only cost time."""
 SHORTEST = 1.0
-"""s, of a part that says anything."""
+"""Shortest part (s) that says anything."""
 
 
 def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Balances]:
@@ -32,7 +32,7 @@ def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Bal
 
 
 def pieces(log: RunLog, impacts: Sequence[Impact]) -> list[RunLog]:
-    """As `flights`, of the log's rows."""
+    """The parts of the log's rows that `flights` takes."""
     away = np.ones(len(log), dtype=bool)
     for impact in impacts:
         away &= np.abs(log.time - impact.time) > TOUCH

@@ -23,8 +23,8 @@ THIN = 2
 
 @dataclass(frozen=True, eq=False)
 class Integrals:
-    """Of all test functions `per_row` points apart on a grid, a row each (rows, n), times the grid's `step` (s); `used`
-    (k,) are those that count."""
+    """Test functions on a grid, a row each (k, n), times the grid's `step` (s). `used` (k,) are their numbers among all
+    that are `per_row` points apart."""
 
     test: csr_array
     used: np.ndarray
@@ -33,8 +33,8 @@ class Integrals:
 
     @classmethod
     def where(cls, unseen: np.ndarray, moves: np.ndarray, per_row: int, step: float) -> Integrals:
-        """Nothing is unseen and something moves (n,) in the support of a test function; if nothing ever does, nothing
-        is unseen."""
+        """Integrals against test functions in whose support nothing is unseen and something moves (n,). Where there are
+        none, those in which nothing is unseen are used."""
         test = _test_functions(len(unseen), per_row, step)
         touches = csr_array((np.ones_like(test.data), test.indices, test.indptr), shape=test.shape)
         seen, moving = touches @ unseen.astype(float) == 0, touches @ moves.astype(float) > 0
@@ -43,15 +43,15 @@ class Integrals:
 
     @property
     def middles(self) -> np.ndarray:
-        """Points (k,) of the grid."""
+        """Middles (k,) of the test functions, as points of the grid."""
         return self.per_row * self.used + SUPPORT * self.per_row // 2
 
     def of(self, signals: Array) -> Array:
-        """Signals (n, ...) against the test functions (k, ...)."""
+        """Integrals (k, ...) of signals (n, ...) against the test functions."""
         return _against(self.test, signals)
 
     def by_parts(self, signals: Callable[[slice], Array], is_thin: bool = False) -> Array:
-        """The same of signals that are worked out for one part of the grid after the other, or at every other of its
+        """Integrals of signals that are worked out for one part of the grid after the other, or at every other of its
         points (`is_thin`)."""
         parts = self._thin_parts if is_thin else self._parts
         found = [_against(test, signals(part)) for part, test in parts]
@@ -62,7 +62,7 @@ class Integrals:
         return np.asarray(self.test.T @ rows)
 
     def overlap(self, order: int, lag: int) -> float:
-        """Integral of a test function's derivative of some order times that of the next but `lag` (1/s^(2 order -
+        """Integral of a test function's derivative of some order times that of the one `lag` rows later (1/s^(2 order -
         1))."""
         return _overlap(order, lag) * (self.per_row * self.step) ** (1 - 2 * order)
 
@@ -79,7 +79,7 @@ class Integrals:
 
     @cached_property
     def _thin_parts(self) -> list[tuple[slice, csr_array]]:
-        """The same at every other point."""
+        """Parts of the grid and test functions, at every other point."""
         thinned = (slice(part.start, part.stop, THIN) for part, _ in self._parts)
         return [(part, csr_array(test[:, ::THIN] * THIN)) for part, (_, test) in zip(thinned, self._parts, strict=True)]
 
@@ -99,7 +99,7 @@ def _against(test: csr_array, signals: Array) -> Array:
 
 @lru_cache
 def _overlap(order: int, lag: int) -> float:
-    """Of test functions one second apart."""
+    """The integral in `Integrals.overlap`, of test functions one second apart."""
     inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
     element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
     one = np.nan_to_num((element.derivative(order) if order else element)(inside))

@@ -19,18 +19,18 @@ from .splines import Samples, SplineBasis, SplineFit
 from .steps import between_steps
 
 GRID_STEP = 0.01
-"""s, of the grid, where samples come as often as that."""
+"""Step (s) of the grid, where samples come as often as that."""
 FINEST_STEP = 0.0025
-"""s, of a finer grid: as fine as anything moves by which a cart's mass is told."""
+"""Step (s) of a finer grid: as fine as anything moves by which a cart's mass is told."""
 KNOT_STEPS = 5
 """Steps of the grid from knot to knot of the motion's splines."""
 SAMPLES_PER_KNOT = 2.0
-"""At least: so many samples stand behind each coefficient of a spline."""
+"""Fewest samples that stand behind each coefficient of a spline."""
 LONGEST_GAP = 3.0
-"""Times the usual step of the samples: over a longer one nobody knows what happened."""
+"""Longest gap, in multiples of the samples' usual step: over a longer one nobody knows what happened."""
 FEWEST_ROWS = 12
 MOST_POINTS = 10_000_000
-"""Of the grid: more than a day at 100 Hz is a clock that jumped, and no memory holds it."""
+"""Most points of the grid: more than a day at 100 Hz is a clock that jumped, and no memory holds it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,17 +44,17 @@ class Twists:
     of_poses: Array
 
     def seen_from(self, pose_ab: Array) -> Twists:
-        """Of a frame that is fixed to this one."""
+        """Twists of a frame that is fixed to this one, at `pose_ab` (3,) in it."""
         turn = in_frame(pose_ab).T
         return Twists(*(part @ turn for part in (getattr(self, one.name) for one in fields(self))))
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """At times (n,): smooth pose (n, 3) and free velocity (n, f), free acceleration (n, f), unbiased and smooth, and
-    unbiased speed across the wheels at {b}'s axle (n,; None without one). `seen` (n,) where sensors saw it. Standard
-    deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log. `pose_tb` (3,) is where {b} is
-    taken to be in the frame that was tracked."""
+    """Motion at times (n,): smooth pose (n, 3) and free velocity (n, f), free acceleration (n, f), unbiased and smooth.
+    `across` is the unbiased speed across the wheels at {b}'s axle (n,; None without one); `seen` (n,) tells where
+    sensors saw it. Standard deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log.
+    `pose_tb` (3,) is where {b} is taken to be in the frame that was tracked."""
 
     time: Array
     pose: Array
@@ -77,13 +77,13 @@ class Motion:
         twists: Twists,
         noise: tuple[MotionNoise, Array, Array],
     ) -> Motion:
-        """Of the cart in the frame that was tracked, with (time, pose, seen) on a grid."""
+        """Motion of the cart, from the twists of the frame that was tracked and (time, pose, seen) on a grid."""
         time, pose, seen = grid
         tracked = cls(time, pose, *_freed(cart, twists), seen, *noise, twists, np.zeros(3))
         return tracked.of_body(cart)
 
     def of_body(self, cart: CartModel) -> Motion:
-        """With {b} where a cart has it in the frame that was tracked."""
+        """Motion with {b} where a cart has it in the frame that was tracked."""
         if np.array_equal(cart.pose_tb, self.pose_tb):
             return self
         change = composed(inverted(self.pose_tb), cart.pose_tb)
@@ -106,7 +106,7 @@ class Motion:
 
     @property
     def speed(self) -> Array:
-        """Of {b}'s origin (n,), m/s."""
+        """Speed of {b}'s origin (n,), m/s."""
         return np.abs(self.velocity[:, 0]) if self.velocity.shape[1] < 3 else np.hypot(*self.velocity[:, :2].T)
 
     @property
@@ -118,8 +118,9 @@ class Motion:
 def motion_of(
     log: RunLog, cart: CartModel, told: FilterNoise | None = None, samples_per_knot: float | None = None
 ) -> Motion:
-    """With noise as it is told, or read off the log; where `samples_per_knot` stand behind each coefficient at least,
-    as fine as `FINEST_STEP`, else as `GRID_STEP`. Raises DataError for a log that is too short."""
+    """Motion of a log, with noise as it is told, or read off the log. The grid is as fine as `FINEST_STEP` where
+    `samples_per_knot` stand behind each coefficient at least, else as `GRID_STEP`. Raises DataError for a log that is
+    too short or too long."""
     seen = np.asarray(np.isfinite(log.pose).all(axis=1))
     if seen.sum() < FEWEST_ROWS:
         raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {FEWEST_ROWS} are needed")
@@ -172,7 +173,8 @@ def motion_of(
 
 
 def _freed(cart: CartModel, twists: Twists) -> tuple[Array, Array, Array, Array | None]:
-    """Of twists of {b}: free velocity, free accelerations, and the speed of the axle to its left."""
+    """Free velocity (n, f), free accelerations (n, f), and the speed of the axle to its left (n,), from twists of
+    {b}."""
     free, across = cart.rolling.free_velocity, None
     if cart.constraints.n_rows == 1:
         across = twists.of_poses[:, 1] + float(cart.constraints.axle_x or 0.0) * twists.of_poses[:, 2]
@@ -180,14 +182,14 @@ def _freed(cart: CartModel, twists: Twists) -> tuple[Array, Array, Array, Array 
 
 
 def _turned(heading: Array, vectors_s: Array) -> Array:
-    """Of {s} into {b}, (n, 3)."""
+    """Vectors (n, 3) of {s} turned into {b}."""
     cosine, sine = np.cos(heading), np.sin(heading)
     x, y, yaw = vectors_s.T
     return np.column_stack([cosine * x + sine * y, cosine * y - sine * x, yaw])
 
 
 def _acceleration(heading: Array, velocity_b: Array, bend_s: Array) -> Array:
-    """Rate of the velocity in {b} (n, 3), of that in {s}."""
+    """Rate of the velocity in {b} (n, 3), from the rate of that in {s}."""
     found = _turned(heading, bend_s)
     found[:, 0] += velocity_b[:, 2] * velocity_b[:, 1]
     found[:, 1] -= velocity_b[:, 2] * velocity_b[:, 0]
@@ -195,7 +197,7 @@ def _acceleration(heading: Array, velocity_b: Array, bend_s: Array) -> Array:
 
 
 def _moving_times(log: RunLog) -> Array:
-    """Of whole velocities."""
+    """Times of the rows that have a whole velocity."""
     return np.zeros(0) if log.velocity is None else log.time[np.isfinite(log.velocity).all(axis=1)]
 
 

@@ -26,31 +26,33 @@ from .whitening import Whitening
 from .wrenches import Densities
 
 FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
-"""Of the root mean square wrench, and of what effects give at the time: what the forms of a body and of effects leave,
-which neighbours share."""
+"""Errors of a body's form, as a share of the root mean square wrench, and of effects' forms, as a share of what they
+give. Neighbours share them."""
 REST_SPEED, SWING_WAY = 0.05, 0.2
-"""m/s, below which the paper learns nothing either; m, some four usual trails."""
+"""Speed (m/s) below which the paper learns nothing either; distance (m) of some four usual trails."""
 ON_CASTERS = 0.5
-"""Of a cart's weight."""
+"""Share of a cart's weight that casters carry."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
-"""m, a wheel's print and a carpet's rim; of its duration, in which a push rises; s, in which a load is put on."""
+"""Width (m) of a wheel's print and a carpet's rim; share of a push's duration in which it rises. Time (s) in which a
+load is put on."""
 POISED_BY = 10.0, 3.0, 1.0
 """Standard deviations of the yaw rate by which poised casters may be off."""
 STAYS_POISED = 1.0
-"""s, for which a caster may stay on its turning point when the others swing round: the cart turns under it."""
+"""Time (s) for which a caster may stay on its turning point when the others swing round: the cart turns under it."""
 BELIEVED = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
 LONGEST_MEMORY = 0.15
-"""s, of sensors' noise: what is remembered for longer is what a model lacks."""
+"""Longest memory (s) of sensors' noise: what is remembered for longer is what a model lacks."""
 HUBER = 2.0
 """Standard deviations: what is farther off counts as if it were that far."""
 LOUDEST = 30.0
-"""Times as loud as from sample to sample: white noise that an amplifier passes up to a Hertz or so."""
+"""Largest loudness, in multiples of that from sample to sample: white noise that an amplifier passes up to a Hertz or
+so."""
 BISECTIONS = 12
 LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
-"""Of white noise beside the sensors', and of what forms may be wrong by."""
+"""Smallest white noise beside the sensors', and smallest share of what forms may be wrong by."""
 LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
-"""N/√Hz (N·m/√Hz), m/√Hz: keeps logs without any noise solvable."""
+"""Smallest densities (N/√Hz, N·m/√Hz; m/√Hz): they keep logs without any noise solvable."""
 
 
 class Noise(NamedTuple):
@@ -63,15 +65,16 @@ class Noise(NamedTuple):
 
     @property
     def apart(self) -> tuple[Noise, ...]:
-        """Of each balance for itself."""
+        """The noise of each balance for itself."""
         each = [slice(i, i + 1) for i in range(len(self.motion))]
         return tuple(Noise(self.wrench[own, own], self.motion[own], self.order) for own in each)
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Of a log's rows: the sensors' noise in the free directions and across; what may hold a cart that stands (n, f),
-    and what the model's dry friction may be off by at most near standstill (n, f), and its forms everywhere (n, f)."""
+    """Errors of a log's rows: the sensors' noise in the free directions and across, and what may hold a cart that
+    stands (n, f). `friction` (n, f) is what the model's dry friction may be off by at most near standstill, `forms` (n,
+    f) its forms everywhere."""
 
     balances: Balances
     forces: tuple[Noise, ...]
@@ -110,17 +113,18 @@ class Errors:
         return np.concatenate(own)
 
     def _unsure(self, form: Array, friction: Array) -> Array:
-        """Squares (n, f) of what the model may be off by, of shares (c,) of its forms and its dry friction."""
+        """Squares (n, f) of what the model may be off by, for shares (c,) of the errors of its forms and of its dry
+        friction."""
         free = self.held.shape[1]
         return self.held**2 + (friction[:free] * self.friction) ** 2 + (form[:free] * self.forms) ** 2
 
     def alone(self, loudness: float) -> Errors:
-        """Of each balance for itself, with wrenches' noise so many times as loud as from sample to sample."""
+        """Errors of each balance for itself, with wrenches' noise so many times as loud as from sample to sample."""
         each = (own for one in self.forces for own in one.apart)
         return replace(self, forces=tuple(own._replace(wrench=loudness**2 * own.wrench) for own in each))
 
     def heard(self, excess: Array, form: Array, friction: Array, loudness: float) -> Densities:
-        """Of white noise that is as loud as rows are, where sensors of wrenches are so many times as loud."""
+        """Densities of white noise that is as loud as rows are, where sensors of wrenches are so many times as loud."""
         free, balances = self.held.shape[1], self.balances
         same, unsure = balances.overlap(0, 0), self._unsure(form, friction)
         moved = np.concatenate([one.motion**2 * balances.overlap(one.order, 0) / same for one in self.forces])
@@ -246,7 +250,7 @@ def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | 
 
 
 def _effects_at(balances: Balances, cart: CartModel, state: Array) -> Array:
-    """What they give (n, f) at states (n, s), as at every other point."""
+    """What a cart's effects give (n, f) at states (n, s), worked out at every other point."""
     found = cart.effect_wrench(state[::THIN], time=balances.motion.time[::THIN]) @ cart.basis_b
     return np.asarray(np.repeat(found, THIN, axis=0)[: len(state)])
 
@@ -269,7 +273,7 @@ def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:
 
 
 def _dry(cart: CartModel) -> CartModel:
-    """Without drag in proportion to speed."""
+    """The cart without drag in proportion to speed."""
     return replace(cart, effects=tuple(e for e in cart.effects if not isinstance(e, ViscousDrag)))
 
 
@@ -307,7 +311,7 @@ def wrench_noise(balances: Balances, cart: CartModel) -> Array:
 
 
 def wrench_covariance(balances: Balances, cart: CartModel) -> Array:
-    """Of the reduced wrench's noise: its density (f, f), N²/Hz, N²·m/Hz, N²·m²/Hz."""
+    """Density of the reduced wrench's noise (f, f), N²/Hz, N²·m/Hz, N²·m²/Hz."""
     found = LEAST_FORCE**2 * np.eye(cart.constraints.n_free)
     for grasp, density in zip(balances.wrenches.grasps, balances.wrench_densities, strict=True):
         own = (np.moveaxis(grasp, 1, 0) * density).reshape(3, -1)

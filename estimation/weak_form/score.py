@@ -16,16 +16,18 @@ from cartgrasp.frames import Array
 
 FOLDS = 5
 PIECE, STRETCH = 0.6, 3.0
-"""s."""
+"""Durations (s) of a piece and of a stretch, at least."""
 MOST_PIECES, MOST_STRETCHES = 1000, 20
-"""Of a log: more would only cost memory."""
+"""Most pieces and most stretches of a log: more would only cost memory."""
 LEAST_SCALE = 1e-3
-"""Of the noise by which rows are whitened: keeps logs without noise finite."""
+"""Smallest scale of residuals, in multiples of the noise by which rows are whitened: it keeps logs without noise
+finite."""
 
 
 @dataclass(frozen=True, eq=False)
 class Folds:
-    """Of rows' blocks (b,): the fold of pieces in turn, and of stretches, to which each belongs."""
+    """Each row's `block` (k,), and the folds to which each block belongs (b,): that of `pieces`, dealt in turn, and
+    that of `stretches`."""
 
     block: np.ndarray
     pieces: np.ndarray
@@ -33,7 +35,7 @@ class Folds:
 
     @classmethod
     def of(cls, time: Array, row_step: float) -> Folds:
-        """Of rows at times (k,)."""
+        """Folds of the rows at times (k,)."""
         duration = float(time[-1] - time[0])
         piece = max(PIECE, 2 * row_step, duration / MOST_PIECES)
         block = ((time - time[0]) // piece).astype(int)
@@ -43,7 +45,7 @@ class Folds:
 
     @classmethod
     def joined(cls, parts: Sequence[Folds]) -> Folds:
-        """Of several logs: pieces in turn are dealt in each, stretches are each log's own."""
+        """Folds of several logs together: pieces are dealt in turn in each, stretches are each log's own."""
         first = np.cumsum([0, *(len(one.pieces) for one in parts)])
         stretch = np.cumsum([0, *(int(one.stretches.max()) + 1 for one in parts)])
         return cls(
@@ -63,7 +65,7 @@ class Folds:
         return found
 
     def counted(self, counts: Array) -> Array:
-        """How many rows of each block (c, b), each as much as it counts (k, c)."""
+        """Number of rows in each block (c, b), in which each row has the weight that it counts for (k, c)."""
         return np.array([np.bincount(self.block, own) for own in counts.T])
 
 
@@ -79,8 +81,9 @@ class Score:
 
 
 def scored(sums: Array, rows: Array, prior: Array, folds: Folds, scale: Array) -> Score:
-    """Of columns whose sums (c, b, q + 1, q + 1), of rows (c, b), have the residual last; `prior` standard deviations
-    (q,); from scales (c,) near the model's."""
+    """Score from products of whitened columns, the residual last, summed over blocks (c, b, q + 1, q + 1), and row
+    counts (c, b). `prior` has the columns' standard deviations (q,). `scale` (c,) is a first guess, near the
+    model's."""
     total = sums.sum(axis=1)
     for _ in range(3):
         fit, covariance = _fit(total, prior, scale)
@@ -98,7 +101,7 @@ def scored(sums: Array, rows: Array, prior: Array, folds: Folds, scale: Array) -
 
 
 def log_evidence(total: Array, prior: Array, scale: Array, rows: Array | float) -> Array:
-    """Of sums (c, ..., q + 1, q + 1) of rows (c, ...)."""
+    """Log evidence, up to a constant, of rows (c, ...) from sums (c, ..., q + 1, q + 1) of their columns' products."""
     joint = np.tensordot(scale**-2.0, total, (0, 0))
     q = len(prior)
     information = joint[..., :q, :q] + np.diag(prior**-2.0)

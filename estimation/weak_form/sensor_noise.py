@@ -13,7 +13,7 @@ from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, pose_noise, wh
 from ..noise import FilterNoise
 
 AVERAGED = (0.0, 0.02, 0.05)
-"""s: blocks over which samples are averaged; over longer ones, motion shows."""
+"""Durations (s) of blocks over which samples are averaged; over longer ones, motion shows."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class MotionNoise:
 
     @classmethod
     def told(cls, noise: FilterNoise, log: RunLog) -> MotionNoise:
-        """As somebody knows the log's sensors to be."""
+        """Noise of the log's sensors as somebody knows it."""
         pose = np.maximum([noise.position, noise.position, noise.heading], LEAST_POSITION)
         if log.velocity is None or not np.isfinite(log.velocity).any():
             return cls(pose, None)

@@ -21,14 +21,15 @@ from cartgrasp.frames import Array
 
 DEGREE = 4
 ORDER = 3
-"""Of the differences that are penalised: what is left free is a constant acceleration."""
+"""Order of the coefficients' differences that are penalised: what is left free is a constant acceleration."""
 LEAST_PENALTY = 1e-9
-"""Times the data's weight: it bridges gaps."""
+"""Smallest penalty, in multiples of the data's weight: it bridges gaps."""
 LOOSE, STIFF = -9.0, 12.0
 """Decades of penalty between which the likelihood is searched: over the data's weight, and over that of values alone.
 Rates leave a constant free, and of a penalty that is stiffer yet rounding hides what holds it."""
 ROUNDING = 1e-14
-"""Of third differences, whose squares add up to 64 times a coefficient's: what is smaller is lost."""
+"""Relative rounding of squared third differences, which are up to 64 times a squared coefficient: what is smaller is
+lost."""
 OUTLYING = 4.0
 """Standard deviations from which on a sample counts for less (Huber's weight would be 1.345; noise here is known)."""
 ROUNDS = 3
@@ -61,14 +62,14 @@ class SplineBasis:
         return np.asarray(self.start + self.step * np.arange(-DEGREE, self.count + 1), dtype=float)
 
     def design(self, time: Array, derivative: int = 0) -> csr_array:
-        """(n, count), of the derivative at times (n,) inside the knots."""
+        """Design matrix (n, count) of the derivative at times (n,) inside the knots."""
         if derivative == 0:
             return csr_array(BSpline.design_matrix(time, self.knots, DEGREE))
         lower = BSpline.design_matrix(time, self.knots[derivative:-derivative], DEGREE - derivative)
         return csr_array(lower @ self.differences(derivative) / self.step**derivative)
 
     def differences(self, order: int) -> csr_array:
-        """(count - order, count)."""
+        """Matrix (count - order, count) of the coefficients' differences of some order."""
         found = diags_array(np.ones(self.count), format="csr")
         for _ in range(order):
             found = found[1:] - found[:-1]
@@ -76,7 +77,7 @@ class SplineBasis:
 
 
 class SplineFit:
-    """Of one signal on a basis."""
+    """Splines through samples of one signal on a basis, by their coefficients (count,): `unbiased` and `smooth`."""
 
     def __init__(self, basis: SplineBasis, samples: Sequence[Samples]) -> None:
         self.basis = basis
@@ -101,7 +102,8 @@ class SplineFit:
         return float(np.mean(self._normal[0][-1]))
 
     def smooth_std(self, time: float, derivative: int = 0) -> float:
-        """Of the smooth fit at a time, if its penalty is that of the truth (a Bayesian credible one)."""
+        """Standard deviation of the smooth fit at a time, if its penalty is that of the truth (a Bayesian credible
+        one)."""
         matrix = self._normal[0] + self._penalty * self._roughness
         point = self.basis.design(np.array([time]), derivative).toarray()[0]
         return float(np.sqrt(point @ cho_solve_banded((cholesky_banded(matrix), False), point)))
@@ -117,7 +119,7 @@ class SplineFit:
 
     @property
     def _weight_of_values(self) -> float:
-        """On one coefficient."""
+        """The values' weight, without that of rates, on one coefficient."""
         parts = zip(self._designs, self._samples, self._weights, strict=True)
         return float(sum(((design**2).T @ weight).mean() for design, one, weight in parts if one.derivative == 0))
 

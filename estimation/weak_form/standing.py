@@ -13,13 +13,13 @@ from .motion import KNOT_STEPS
 
 G = 9.81
 HELD = 0.1
-"""Of the weight: what a hand or a chock holds at least."""
+"""Share of the weight that a hand or a chock holds at least."""
 FRICTION = 0.01
 """Half of a usual coefficient of rolling resistance."""
 LEAST_SPEED = 1e-6
-"""m/s."""
+"""Least speed (m/s)."""
 MOMENT = 0.3
-"""s: who turns back does not stand for as long."""
+"""Longest moment (s): who turns back does not stand for as long."""
 
 
 def standing(balances: Balances, cart: CartModel) -> Array:

@@ -14,8 +14,8 @@ from cartgrasp.logs import RunLog
 from ..log_noise.resolution import TINY, resolution
 
 WHOLE, MOST_CHANGES, COUNTED = 0.1, 0.95, 5.0
-"""Of a step: how far a change is from a whole number of them; share of changes that are no farther; how many steps
-a change is at most to be asked, since a step that is told roughly adds up."""
+"""How far a change may be from a whole number of steps, in steps; and the share of changes that are no farther. Changes
+of more steps than the last are not asked, since a step that is told roughly adds up."""
 
 
 def between_steps(log: RunLog) -> RunLog:

@@ -18,10 +18,10 @@ from .integrals import SUPPORT
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """Of a log's rows: banded Cholesky factors of their covariance, in LAPACK's lower form, each (SUPPORT b, k b) of b
-    balances that go together, row after row; how much of one row's noise the next still has (`memory`, (c,), where it
-    is `linked`, (k,)); and how much of each row's square (k, c) noise makes: little, where anything may hold the cart
-    and nothing does."""
+    """Whitening of a log's rows, by banded Cholesky factors of their covariance, in LAPACK's lower form. Each is
+    (SUPPORT b, k b) of b balances that go together, row after row. `memory` (c,) is how much of one row's noise the
+    next still has, where it is `linked` (k,). `counts` (k, c) is how much of each row's square noise makes: little,
+    where anything may hold the cart and nothing does."""
 
     roots: tuple[Array, ...]
     memory: Array
@@ -36,7 +36,7 @@ class Whitening:
 
     @cached_property
     def _filter(self) -> tuple[Array, Array]:
-        """By how much a row's predecessor is taken off, and by how much the rest is made louder (k, c)."""
+        """Share of its predecessor that is taken off a row, and factor by which the rest is made louder (k, c)."""
         kept = self.linked[:, None] * self.memory
         return kept, (1.0 - kept**2) ** -0.5
 
@@ -73,7 +73,7 @@ class Whitening:
         return np.asarray(np.sqrt(np.column_stack(variances)))
 
     def louder(self, times: Array) -> Whitening:
-        """Of noise that is `times` (c,) as large."""
+        """Whitening of noise that is `times` (c,) as large."""
         roots = []
         for own, root in self._parts:
             row = np.add.outer(np.arange(len(root)), np.arange(root.shape[1]))

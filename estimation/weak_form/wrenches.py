@@ -23,25 +23,27 @@ from cartgrasp.model import CartModel
 from .motion import LONGEST_GAP, Motion
 
 LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
-"""N/√Hz, N·m/√Hz, and of a covariance: keeps wrenches without noise, and points without an arm, solvable."""
+"""Smallest density (N/√Hz, N·m/√Hz), and share of a covariance: they keep wrenches without noise, and points without an
+arm, solvable."""
 LATEST = 0.25
-"""s: later than any sensor that is asked about."""
+"""Lateness (s) that is more than that of any sensor that is asked about."""
 WHOLE = slice(None)
-"""Of a grid."""
+"""Slice of all points of a grid."""
 
 
 class Densities(NamedTuple):
-    """Of the noise of arms' wrenches, their roots (arms, 6); and of other noise of the reduced wrench (n, f)."""
+    """Noise densities: their roots for the arms' wrenches (arms, 6), and that of other noise of the reduced wrench (n,
+    f)."""
 
     arms: Array
     others: Array | None
 
     def scaled(self, size: float) -> Densities:
-        """With other noise of so many times the size."""
+        """Densities with other noise that is `size` times as large."""
         return self if self.others is None else self._replace(others=size**2 * self.others)
 
     def at(self, part: slice) -> Densities:
-        """Of a part of the times."""
+        """Densities at a part of the times."""
         return self if self.others is None else self._replace(others=self.others[part])
 
 
@@ -62,7 +64,7 @@ class GridWrenches:
 
     @classmethod
     def on(cls, log: RunLog, motion: Motion, lateness: float = 0.0) -> GridWrenches:
-        """Of sensors that tell what they felt `lateness` (s) ago."""
+        """Wrenches of a log on a motion's grid, from sensors that tell what they felt `lateness` (s) ago."""
         shape, held = (len(log.arms), len(motion.time)), motion.seen.copy()
         contacts = np.zeros((*shape, 3))
         for i, arm in enumerate(log.arms.values()):
@@ -74,7 +76,7 @@ class GridWrenches:
         return replace(whole, ahead=ahead).late(log, lateness)
 
     def late(self, log: RunLog, lateness: float) -> GridWrenches:
-        """Of the same log, and sensors that tell what they felt `lateness` (s) ago."""
+        """Wrenches of the same log, from sensors that tell what they felt `lateness` (s) ago."""
         recorded, seen = np.zeros_like(self.recorded), self.held.copy()
         for i, arm in enumerate(log.arms.values()):
             known = np.isfinite(arm.wrench).all(axis=1)
@@ -105,16 +107,16 @@ class GridWrenches:
         return self._summed(self.recorded, WHOLE)
 
     def _summed(self, wrenches: Iterable[Array], part: slice) -> Array:
-        """Of the arms' (n, 6), what they are on the cart together (n, 3)."""
+        """Planar wrench (n, 3) of all arms on the cart in {b}, from each arm's (n, 6)."""
         value = np.zeros((len(self.motion.time[part]), 3))
         for grasp, wrench in zip(self.grasps, wrenches, strict=True):
             value += (grasp[part] @ wrench[..., None])[..., 0]
         return value
 
     def recorded_share(self, cart: CartModel, known: Densities, acting: Densities, part: slice = WHOLE) -> Array | None:
-        """By how much (n, f, f) the noise of rows changes, from what is `known` to that of what acts, where sensors are
-        not as they should be: what is left is compared in recorded wrenches, whose noise is known (Deming's
-        regression). None where nothing changes."""
+        """Matrices (n, f, f) that take rows from the noise of what acts to the `known` noise, where sensors are not as
+        they should be. What is left is then compared in recorded wrenches, whose noise is known (Deming's regression).
+        None where nothing changes."""
         if not cart.sensor_effects:
             return None
         pairs = (cart.basis_b.T @ self.grasps[:, part], known.at(part)), (self._felt(cart, part), acting.at(part))
@@ -122,7 +124,7 @@ class GridWrenches:
         return np.asarray(recorded @ np.linalg.inv(true))
 
     def _felt(self, cart: CartModel, part: slice) -> Array:
-        """What takes a change of what an arm records to that of the reduced wrench that acts (arms, n, f, 6)."""
+        """Maps (arms, n, f, 6) from a change of an arm's recorded wrench to that of the reduced wrench that acts."""
         unit, none = np.eye(6), np.zeros((6, 6))
         maps = [cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0] for arm in self.arms]
         return np.asarray(cart.basis_b.T @ self.grasps[:, part] @ np.swapaxes(np.array(maps), 1, 2)[:, None])
@@ -150,7 +152,7 @@ def _variances(densities: Array) -> Array:
 
 
 def _covariance(reduced: Array, densities: Densities) -> Array:
-    """Of the sum (n, f, f) of arms' noise through reduced maps (arms, n, f, 6), and of other noise."""
+    """Covariance (n, f, f) of the sum of the arms' noise through reduced maps (arms, n, f, 6) and of other noise."""
     found = np.einsum("anfi,ai,angi->nfg", reduced, _variances(densities.arms), reduced)
     least = RELATIVE * np.trace(found, axis1=1, axis2=2) + LEAST_DENSITY**2
     others = np.zeros(found.shape[1]) if densities.others is None else densities.others

@@ -113,7 +113,7 @@ class Diagnosis:
 
     @cached_property
     def where(self) -> tuple[Disagreement, ...]:
-        """Of what the refitted nominal model leaves; nowhere, where it agrees with the logs."""
+        """Disagreements in what the refitted nominal model leaves; none where it agrees with the logs."""
         first = [*acting(self.final, self.before), *self._repeating()] if self.disagrees else []
         return tuple(where(self.before, first)) if self.disagrees else ()
 
@@ -150,7 +150,7 @@ class Diagnosis:
 
     @cached_property
     def is_moved(self) -> bool:
-        """Whether the cart does, anywhere in the logs."""
+        """Whether the cart moves anywhere in the logs."""
         return any(moves(balances) for balances in self.nominal.logs)
 
     @cached_property
@@ -165,7 +165,7 @@ class Diagnosis:
 
     @cached_property
     def file_parameters(self) -> dict[str, tuple[float, ParameterEstimate]]:
-        """Of the cart file: the value there, and what the logs say beside what was added."""
+        """Parameters of the cart file by name: the value there, and what the logs say beside what was added."""
         found, body = self.certainty.parameters, self.nominal_cart.inertia
         nominal = {"mass": body.mass, "com_x": body.com[0], "com_y": body.com[1], "inertia": body.about_com}
         for effect in self.nominal_cart.effects:
@@ -235,7 +235,7 @@ class Diagnosis:
 
     @cached_property
     def named_share(self) -> float:
-        """Of the held-out gap above the noise floor, what names alone close (0 to 1)."""
+        """Share of the held-out gap above the noise floor that names alone close (0 to 1)."""
         whole = self.gap.refitted**2 - self.gap.noise_floor**2
         if whole <= 0.0 or not self.effects:
             return 0.0
@@ -378,7 +378,7 @@ def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:
 
 
 def _shares(steps: Sequence[Step], final: Model, gap: Gap) -> tuple[float, ...]:
-    """Of the gap above the noise floor, what each step closed; of logs at rest, nothing."""
+    """Share of the gap above the noise floor that each step closed; of logs at rest, nothing."""
     if not any(len(starts(balances)) for balances in final.logs):
         return (0.0,) * len(steps)
     whole = max(gap.refitted**2 - gap.noise_floor**2, 1e-12)

@@ -20,11 +20,11 @@ KINDS = {
 }
 """Colours of what is measured, of three models, and of what noise does."""
 SIDES = ("refitted", "extended")
-"""Beside one another: without what was added, and with it."""
+"""Models beside one another: without what was added, and with it."""
 BAND: dict[str, Any] = {"color": "0.85", "lw": 0}
 ZERO: dict[str, Any] = {"color": "0.6", "lw": 0.6}
 FLAT = 0.05
-"""Of its length: a way that is no wider would be a line."""
+"""Width of a path as a share of its length: one that is no wider would be a line."""
 
 
 def svg(figure: Figure) -> str:
@@ -46,7 +46,7 @@ def grid(rows: int, columns: int, height: float, width: float = 9.4, **shared: A
 
 
 def sides(rows: int, columns: int, height: float, **shared: Any) -> tuple[Figure, np.ndarray]:
-    """Rows of one scale each, for both models, or the first alone."""
+    """Axes in rows of one scale each, for both models, or the first alone."""
     figure, axes = grid(rows, columns, height, sharey="row", **shared)
     for ax, name in zip(axes[0], SIDES, strict=False):
         ax.set_title(name, fontsize=9, color=KINDS[name])

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
 LEAST_UNIT = 0.3
-"""Of the largest: rows in which a law shows less tell its force too badly to be drawn."""
+"""Least effect of a law on a row, as a share of the largest: rows with less tell its force too badly to be drawn."""
 POINTS, MOST_DOTS = 400, 3000
 
 
 def law_figure(found: Diagnosis) -> Figure:
-    """A row for each law."""
+    """Figure of laws, a row for each."""
     laws = [law for _, law in found.certainty.laws]
     figure, axes = sides(len(laws), 2, 2.4)
     for row, law in zip(axes, laws, strict=True):
@@ -49,8 +49,8 @@ def law_figure(found: Diagnosis) -> Figure:
 
 
 def asked_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Array]:
-    """Of rows (n,) in which it shows, values of a law's variable, the forces that they ask for beside everything but
-    this law, and what the law says of them."""
+    """Values of a law's variable, the forces that rows ask for beside everything but this law, and what the law says of
+    them. Each is (n,), of the rows in which the law shows."""
     model, logs, parts = found.final, finely(found.final.logs), list[tuple[Array, Array, Array]]()
     left = np.split(model.left_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
     last = model.cart.constraints.n_free - 1 if law.effect.acts_on == "yaw_moment" else 0

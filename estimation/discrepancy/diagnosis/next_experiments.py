@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
 FORM = 0.01
-"""Of the wrench, by which a model is wrong, as in rows (`rows.py`)."""
+"""Share of the wrench by which a model is wrong, as in rows (`rows.py`)."""
 MOST_TOLD = 4
-"""Of names in a sentence: so many are told, the rest is counted."""
+"""Most names in a sentence: so many are told, the rest is counted."""
 ALIKE = 0.05
 """Deviations: less rounds to nought."""
 NOTHING_OPEN = "nothing is undecided that another motion would tell"
@@ -52,7 +52,7 @@ class Next:
 
 
 def next_experiment(found: Diagnosis) -> Next:
-    """For what a diagnosis leaves open."""
+    """What to run next for what a diagnosis leaves open."""
     experiment = undecided(found)
     proposal, words = None, list[str]()
     if experiment is not None:
@@ -100,7 +100,7 @@ def _is_open(question: Question) -> bool:
 
 
 def _belief(model: Model) -> Belief:
-    """Of a fit: its cart, and what the rows and the prior leave open of the parameters."""
+    """Belief of a fit: its cart, and what the rows and the prior leave open of the parameters."""
     free = model.prior.free
     covariance = model.score.covariance[: free.sum(), : free.sum()]
     return Belief(model.cart, jacobian(model.cart)[:, free] @ np.linalg.cholesky(covariance))
@@ -132,8 +132,8 @@ def _nearly(found: Diagnosis) -> list[Effect]:
 
 
 def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, float]]:
-    """Of usual size, but for some names, each with the deviations by which the logs' motion shows it; of variants, the
-    middle one."""
+    """Effects of usual size, but for some names, each with the deviations by which the logs' motion shows it. Of
+    variants, it is the middle one."""
     shown = {key: one.z for key, one in found.isolability.items()}
     late = [check.clock_offset.std for check in found.checks if check.clock_offset]
     shown[TimeDelay.name] = TimeDelay.parameters[0].typical / min(late) if late else 0.0
@@ -169,7 +169,7 @@ def _hands(found: Diagnosis) -> Hands:
 
 
 def _nats(z: float) -> float:
-    """By how much the likelihood's logarithm differs at so many deviations."""
+    """Log of the likelihood ratio (nats) at so many deviations."""
     return z * z / 2.0
 
 
@@ -201,7 +201,7 @@ def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
 
 
 def _judged(proposal: Proposal) -> tuple[Pairs, dict[str, float]]:
-    """Of rivals, and the deviations by which what may be there, and didn't show before, does."""
+    """Deviations by which rivals differ, and by which what may be there, and didn't show before, shows."""
     pairs, alone = Pairs(), dict[str, float]()
     for one, z in zip(proposal.questions, proposal.deviations, strict=True):
         if one.other:

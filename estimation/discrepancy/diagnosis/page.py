@@ -120,7 +120,7 @@ def _gap_table(found: Diagnosis) -> str:
 
 
 def _effects(found: Diagnosis) -> str:
-    """A row for each."""
+    """Table of the effects that were added, a row for each."""
     rows = []
     for group in together(found.effects):
         one, law = group[0], group[0].law

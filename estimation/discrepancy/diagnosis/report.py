@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Report:
-    """Of one diagnosis."""
+    """Report of one diagnosis."""
 
     def __init__(self, diagnosis: Diagnosis) -> None:
         self.diagnosis = diagnosis

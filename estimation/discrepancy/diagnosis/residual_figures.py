@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
 Pair = tuple[Residual, ...]
-"""Of one coordinate, what the refitted model leaves, and, where anything was added, the extended one."""
+"""What the refitted model leaves of one coordinate, and, where anything was added, what the extended one leaves."""
 MOST_ROWS = 1500
-"""Of a log that is drawn row by row, else by means; and of dots."""
+"""Most rows of a log that is drawn row by row, else by means; and most dots."""
 CLOSER, WORST, PERIODS = 10.0, 1.0, 8
-"""s, of a closer look, about the worst of so long; and how many periods it shows of what repeats in time, where these
-are shorter."""
+"""Durations (s) of a closer look, and of the worst that it is about. Periods that it shows of what repeats in time,
+where these are shorter."""
 LEAST_FOLLOWED = 0.3
-"""Of the disagreement, that goes along with a variable which is drawn."""
+"""Least share of the disagreement that goes along with a variable which is drawn."""
 FOLDED = 12
 """Bins of a period."""
 CUT = 99.8
@@ -38,7 +38,8 @@ CUT = 99.8
 
 
 def pairs(found: Diagnosis) -> list[tuple[Pair, Pair]]:
-    """Row by row, and in means over stretches, of the coordinates that disagree, the most first; else of the first."""
+    """Residuals row by row, and in means over stretches, of the coordinates that disagree, the most first; else of the
+    first."""
     models = [found.nominal, found.final] if found.effects else [found.nominal]
     fine = zip(*(fine_residuals(model, found.final) for model in models), strict=True)
     coarse = zip(*(found.before, found.after)[: len(models)], strict=True)
@@ -47,7 +48,8 @@ def pairs(found: Diagnosis) -> list[tuple[Pair, Pair]]:
 
 
 def over_time(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
-    """A row for each coordinate, of the log that disagrees the most, and below a closer look at the worst of it."""
+    """Figure with a row for each coordinate, of the log that disagrees the most, and below a closer look at the worst
+    of it."""
     worst = shown[0][0][0]
     names, logs = worst.circumstances.names, worst.circumstances.log
     k = max(range(len(names)), key=lambda k: float(worst.beyond[logs == k].sum()))
@@ -80,7 +82,7 @@ def _cut(ax: Axes, pair: Pair) -> None:
 
 
 def _closer(found: Diagnosis, worst: Residual, k: int) -> tuple[float, float]:
-    """From when to when: so many periods of what repeats in time, else some seconds."""
+    """Begin and end of a closer look (s): so many periods of what repeats in time, else some seconds."""
     periods = [law.period for law in (*found.final.laws, *found.withdrawn) if law.of == "time" and law.period]
     long = min(CLOSER, PERIODS * min(periods, default=CLOSER))
     own = worst.circumstances.log == k
@@ -103,7 +105,8 @@ class Followed:
 
 
 def followed(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterator[Followed]:
-    """Of what disagrees, what it goes along with (but for time, which is drawn), and what withdrawn laws are of."""
+    """What the disagreeing coordinates go along with (but for time, which is drawn), and what withdrawn laws that
+    repeat are of."""
     maps = {(one.coordinate, one.variable): (one.refitted, one.extended) for one in found.residual_maps}
     for fine, coarse in shown:
         share, best = most_followed(coarse[0], but="time")
@@ -124,7 +127,7 @@ def _folded(pair: Pair, values: Array) -> Iterator[tuple[Array, Array, None]]:
 
 
 def over_what_it_follows(rows: Sequence[Followed]) -> Figure:
-    """Rows as dots, and their means in bins."""
+    """Figure of rows as dots, and their means in bins."""
     figure, axes = sides(len(rows), len(rows[0].pair), 2.2)
     for one, row in zip(rows, axes, strict=True):
         every = slice(None, None, 1 + len(one.values) // MOST_ROWS)
@@ -139,7 +142,7 @@ def over_what_it_follows(rows: Sequence[Followed]) -> Figure:
 
 
 def on_the_floor(shown: Sequence[tuple[Pair, Pair]]) -> Figure:
-    """A row for each coordinate."""
+    """Figure of residuals on the floor, a row for each coordinate."""
     figure, axes = sides(len(shown), len(shown[0][1]), 2.6, sharex=True)
     for row, (_, pair) in zip(axes, shown, strict=True):
         on_floor(figure, row, pair[0].circumstances.course.place, [one.value for one in pair], named(pair[0]))

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 EVERY = 5
 """Steps of the grid from point to point of a curve."""
 LAST = -1
-"""Of the horizons: as long as a stretch is drawn."""
+"""Index of the horizon that is as long as a stretch is drawn."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Of a log, a row of its grid from which a fold's carts begin, and how far (m) the refitted one is astray then."""
+    """A row of a log's grid from which a fold's carts begin, and how far (m) the refitted one is astray in the end."""
 
     balances: Balances
     fold: int
@@ -37,7 +37,7 @@ class Stretch:
 
 
 def rollout_figure(found: Diagnosis) -> Figure | None:
-    """A row for each stretch; nothing where no stretch is long enough."""
+    """Figure with a row for each stretch; None where no stretch is long enough."""
     carts = {"nominal": [found.nominal.guess] * FOLDS, "refitted": fold_carts(found.nominal)}
     carts |= {"extended": fold_carts(found.final)} if found.effects else {}
     known = [
@@ -65,7 +65,7 @@ def rollout_figure(found: Diagnosis) -> Figure | None:
 
 
 def _astray(balances: Balances, cart: CartModel, first: np.ndarray) -> Array:
-    """How far (starts,), m, in the end."""
+    """How far (starts,), m, a cart is astray in the end."""
     return np.asarray(np.hypot(*rollouts(balances, cart, first).error[:, LAST, :2].T))
 
 
@@ -87,7 +87,7 @@ def _draw(row: np.ndarray, stretch: Stretch, carts: dict[str, CartModel]) -> Non
 
 
 def _rates(row: np.ndarray, time: Array, pose: Array, name: str) -> None:
-    """From point to point of poses (n, 3)."""
+    """Draws the forward speed and yaw rate of poses (n, 3) from point to point."""
     step, middle = np.diff(time), (time[1:] + time[:-1]) / 2
     turned = wrap_angle(np.diff(pose[:, 2]))
     heading = pose[:-1, 2] + turned / 2

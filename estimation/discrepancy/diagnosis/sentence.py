@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
 REFITTED = 2.0
-"""Times by which a refit shrinks the error of rollouts, from which on it is told that it does."""
+"""Factor by which a refit shrinks the error of rollouts, from which on it is told that it does."""
 
 
 def sentence(found: Diagnosis) -> str:

@@ -31,30 +31,32 @@ from .soft_push import begun_earlier, soft_gain, with_impulse_of
 from .told_mass import told_mass
 
 TAUGHT = 0.25
-"""Of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
+"""Share of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
 MOST_MOVED = 1.0
-"""Of the logarithm of the mass: what goes farther with the middle of a bracket is no linear matter any more."""
+"""Largest change of the mass's logarithm: what goes farther with the middle of a bracket is no linear matter any
+more."""
 FAINT = 6.0
 """Nats below the best: what is less likely counts for nothing."""
 DOUBLINGS, POINTS = 9, 17
 LEAST_TIME, LEAST_PLACE, FORM_SHARE = 0.005, 0.02, 0.05
-"""s, m: half a sample, and what an edge is; of a length, what its effect's form leaves open."""
+"""Least standard deviations: half a sample (s); what an edge is (m); and the share of a length that its effect's form
+leaves open."""
 LEAST_LEFT = 0.05
-"""Of a stretch's residual, that a fit leaves: what it tells alone scatters no more."""
+"""Least share of a stretch's residual that a fit leaves: what it tells alone scatters no more."""
 PERIOD_STEP = 1e-4
-"""Of a period: where a search for how well it is known begins."""
+"""Share of a period with which a search for how well it is known begins."""
 SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
-"""By their unit, else of its value: steps of differences by a setting."""
+"""Steps of differences by a setting: by its unit, else as a share of its value."""
 SIZE_SHARE = 0.03
-"""Of an effect's size: what its form leaves open, which no length of a log makes less."""
+"""Share of an effect's size that its form leaves open, which no length of a log makes less."""
 CASTER_SHARE = 0.05
-"""The same of rolling resistance on casters: they swing round, and touch the floor a trail behind their pivots."""
+"""The same share of rolling resistance on casters: they swing round, and touch the floor a trail behind their pivots."""
 
 
 @dataclass(frozen=True, eq=False)
 class Certainty:
-    """Of a model; `bands` are those of logs that somebody pushed, `undecided` a covariance of its first guess's
-    coordinates beside, for what explains about as much as what it has."""
+    """How sure a model's numbers are. `bands` are those of logs that somebody pushed. `undecided` is a covariance of
+    its first guess's coordinates beside, for what explains about as much as what it has."""
 
     model: Model
     bands: tuple[Band, ...] = ()
@@ -67,7 +69,7 @@ class Certainty:
 
     @cached_property
     def cart(self) -> CartModel:
-        """The model's, with the mass that is told, and all else as it goes with that."""
+        """The model's cart with the mass that is told, and all else as it goes with that."""
         cart, free = self._with_spans(self.model.cart), np.flatnonzero(self.model.prior.free)
         z = coordinates(cart)
         z[free] += self._moved[: len(free)]
@@ -75,7 +77,7 @@ class Certainty:
 
     @cached_property
     def _moved(self) -> Array:
-        """By how much the numbers of the rows' columns (q,) are others with the mass that is told."""
+        """Change of the amplitudes of the rows' columns (q,) with the mass that is told."""
         score = self.model.score
         if not self.model.prior.free[0]:
             return 0.0 * score.fit
@@ -95,7 +97,7 @@ class Certainty:
         return tuple(found)
 
     def _period_std(self, law: Law) -> float:
-        """In the variable's unit; 0 of what does not repeat."""
+        """Standard deviation of a law's period, in the variable's unit; 0 of what does not repeat."""
         if law.period is None:
             return 0.0
         period, rest = law.period, tuple(one for one in self.model.laws if one is not law)
@@ -107,14 +109,14 @@ class Certainty:
         return _spread(gain, PERIOD_STEP * period)
 
     def _with_spans(self, cart: CartModel) -> CartModel:
-        """With pushes that begin and end where they most likely do."""
+        """The cart with pushes that begin and end where they most likely do."""
         spans = {key: effect for key, (effect, _) in self._set.items() if effect.gate is Gate.WHILE}
         effects = tuple(with_impulse_of(e, spans[e.key]) if e.key in spans else e for e in cart.effects)
         return replace(cart, effects=effects)
 
     @cached_property
     def covariance(self) -> Array:
-        """Of the rows' columns (q, q), with a mass that is as sure as it is."""
+        """Covariance (q, q) of the amplitudes of the rows' columns, with the mass as uncertain as it is told."""
         found = self._covariance
         if self.model.prior.free[0]:
             more = max(self._mass[1] ** 2 - found[0, 0], 0.0)
@@ -128,7 +130,7 @@ class Certainty:
 
     @property
     def _covariance(self) -> Array:
-        """Of the rows' columns (q, q), whatever the settings of added effects are."""
+        """Covariance (q, q) of the amplitudes of the rows' columns, whatever the settings of added effects are."""
         q = len(self.model.score.fit)
         return self._joint[0][:q, :q]
 
@@ -162,7 +164,7 @@ class Certainty:
 
     @cached_property
     def parameters(self) -> dict[str, ParameterEstimate]:
-        """By the names under which they are reported; at a bound, nothing is taught."""
+        """Estimates of parameters by the names under which they are reported; at a bound, nothing is taught."""
         model, cart = self.model, self.cart
         prior = model.prior
         free = np.flatnonzero(prior.free)
@@ -260,7 +262,7 @@ def sandwich(sums: Array, score: Score, groups: np.ndarray) -> Array:
 
 
 def _gain_at(gain: Callable[[Effect], float], effect: Effect, which: int, distance: float) -> float:
-    """With one setting farther by a distance."""
+    """Gain of an effect with one setting farther by a distance."""
     values = effect.values.copy()
     values[which] += distance
     return gain(effect.with_values(values)) if is_open(effect, values) else -np.inf

@@ -17,13 +17,13 @@ from ...weak_form.balances import Balances
 from ...weak_form.rows import motion_noise, wrench_noise
 
 ROW_STEP = 0.1
-"""s, of the finest rows."""
+"""Step (s) of the finest rows."""
 THIRD = np.array([-1.0, 3.0, -3.0, 1.0])
 MOST = 3.0
-"""Times the sensors' own, as differences of samples tell it: of noise that remembers for 50 ms (exponentially, at 100
-Hz). What is louder is none of a sensor's."""
+"""Largest multiple of the sensors' own noise, as differences of samples tell it: of noise that remembers for 50 ms
+(exponentially, at 100 Hz). What is louder is none of a sensor's."""
 FEWEST = 20
-"""Differences that tell their usual size."""
+"""Fewest differences that tell their usual size."""
 
 
 def fast_noise(balances: Balances, cart: CartModel) -> Array:

@@ -15,10 +15,10 @@ from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .rollouts import HORIZONS, starts
 
 BEYOND_NOISE = 2.0
-"""Times what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
+"""Multiple of what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
 CLOSED = 0.05
-"""Of the squared gap above the noise floor: what may be left where it is explained; a law that closes no more is none.
-"""
+"""Share of the squared gap above the noise floor that may be left where it is explained; a law that closes no more is
+none."""
 COORDINATES = ("along", "across", "heading")
 
 
@@ -35,7 +35,8 @@ class Gap:
     per_horizon: dict[str, dict[str, float]]
 
     def as_the_file_has_it(self, *kinds: str) -> Gap:
-        """With the errors of the cart as it was believed for those of such kinds, of which it foretells better."""
+        """The gap with the errors of the cart as it was believed for those of such kinds, of which it foretells
+        better."""
 
         def told(table: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
             return {of: one | dict.fromkeys(kinds, one["before"]) for of, one in table.items()}
@@ -48,8 +49,8 @@ class Gap:
 
 
 def told_gap(nominal: Model, final: Model) -> tuple[Gap, bool]:
-    """Where the file's values are the better nominal model, with theirs for the refitted one's; and whether nothing was
-    added to that, so that they stay."""
+    """The gap, with the file's errors for the refitted ones where the file's values are the better nominal model. And
+    whether nothing was added to that, so that they stay."""
     gap = measured_gap(nominal, final)
     if gap.refitted <= max(gap.before, gap.noise_floor):
         return gap, False
@@ -58,7 +59,7 @@ def told_gap(nominal: Model, final: Model) -> tuple[Gap, bool]:
 
 
 def measured_gap(nominal: Model, final: Model) -> Gap:
-    """Of the cart as it was believed, refitted and extended. Where nothing moves, all is noise."""
+    """Gap of the cart as it was believed, refitted and extended. Where nothing moves, all is noise."""
     if not any(len(starts(balances)) for balances in nominal.logs):
         return _at_rest(nominal)
     rolled = {

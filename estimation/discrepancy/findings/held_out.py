@@ -24,16 +24,16 @@ FOLDS = 3
 """Every third stretch is simulated with what the others teach, in turn."""
 DRAWS = 3
 MOST_MOVED = 1.0
-"""Of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
+"""Largest change of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
 
 
 def file_rollouts(model: Model) -> Rollouts:
-    """With the first guess."""
+    """Rollouts with the first guess."""
     return joined([rollouts(balances, model.guess, starts(balances)) for balances in model.logs])
 
 
 def held_out_rollouts(model: Model) -> Rollouts:
-    """Each stretch with a cart that was fitted to the others."""
+    """Rollouts of each stretch with a cart that was fitted to the others."""
     carts = fold_carts(model)
     return joined([rollouts(balances, carts[k], first) for balances, k, first in fold_starts(model)])
 
@@ -44,7 +44,7 @@ def fold_carts(model: Model) -> list[CartModel]:
 
 
 def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
-    """Of each log, by fold, the points from which rollouts begin in its stretches."""
+    """Each log by fold, with the points from which rollouts begin in the fold's stretches."""
     for balances, own in _row_folds(model):
         first = starts(balances)
         fold = _folds_at(balances.motion.time[first] + HORIZONS[1] / 2, balances, own)
@@ -59,14 +59,14 @@ def _row_folds(model: Model) -> Iterator[tuple[Balances, np.ndarray]]:
 
 
 def _folds_at(times: Array, balances: Balances, own: np.ndarray) -> np.ndarray:
-    """Of times (n,), by those of a log's rows (k,); all in the first of a log without rows."""
+    """Folds at times (n,), by those of a log's rows (k,); the first throughout a log without rows."""
     if not len(own):
         return np.zeros(len(times), dtype=int)
     return np.asarray(own[np.clip(np.searchsorted(balances.time, times), 0, len(own) - 1)])
 
 
 def floor_rollouts(model: Model) -> Rollouts:
-    """What noise alone would do to a right model."""
+    """Rollouts of what noise alone would do to a right model."""
     generator, found, whole = np.random.default_rng(0), [], model.whole
     for balances in model.logs:
         noise = fast_noise(balances, whole)
@@ -99,7 +99,7 @@ def _without(model: Model, fold: int) -> CartModel:
 
 
 def _bands_without(model: Model, fold: int) -> list[Band]:
-    """Of the logs, in which the stretches of other folds tell the mass."""
+    """Bands of the logs, in which the stretches of other folds tell the mass."""
     found = []
     for (balances, own), step in zip(_row_folds(model), model.band_steps, strict=False):
         if step is not None:

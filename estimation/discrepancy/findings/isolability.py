@@ -22,17 +22,17 @@ from ..search.candidates import families
 from ..search.model import Model
 
 ALIKE = 0.95
-"""Canonical correlation."""
+"""Canonical correlation above which two effects look alike."""
 PARALLEL = 3e-5
-"""Of the largest direction of a trace: less than that is rounding."""
+"""Share of a trace's largest direction: less than that is rounding."""
 SHOWN = 3.0
-"""Deviations."""
+"""Deviations by which an effect that is shown stands out at least."""
 
 
 @dataclass(frozen=True)
 class Isolability:
-    """By how many deviations an effect of usual size stands out, and how much each other one looks like it on this
-    motion: the largest canonical correlation of their traces, by key."""
+    """Deviations by which an effect of usual size stands out, and how much each other one looks like it on this motion.
+    That likeness is the largest canonical correlation of their traces, by key."""
 
     z: float
     likeness: Mapping[str, float]
@@ -50,8 +50,8 @@ class Isolability:
 
 
 def isolability(model: Model) -> dict[str, Isolability]:
-    """Of the effects that act all the time, and that the model does not have, by key; but for what shifts time, which
-    is no sum of columns."""
+    """Isolability, by key, of the effects that act all the time and that the model does not have. What shifts time is
+    left out: it is no sum of columns."""
     scale = model.score.scale[:, None]
     base = (model.rows[..., :-1] / scale).reshape(-1, len(model.prior_std))
     arms = tuple(dict.fromkeys(arm for balances in model.logs for arm in balances.wrenches.arms))
@@ -64,9 +64,9 @@ def isolability(model: Model) -> dict[str, Isolability]:
 
 
 def compared(base: Array, prior: Array, traces: Sequence[tuple[str, Array]]) -> dict[str, Isolability]:
-    """By key; of variants, which have one key, the one that shows most. Traces are what effects of usual size do to
-    whitened rows (n, q), of noise 1; `prior` (p,) is the information about the amplitudes of the base's columns (n, p)
-    beside the rows."""
+    """Isolability by key; of variants, which have one key, that of the one that shows most. Traces are what effects of
+    usual size do to whitened rows (n, q), of noise 1. `prior` (p,) is the information about the amplitudes of the
+    base's columns (n, p) beside the rows."""
     taken = np.linalg.qr(np.vstack([base, np.diag(prior**0.5)]))[0]
     chosen: dict[str, tuple[float, Array]] = {}
     for key, columns in traces:
@@ -84,5 +84,5 @@ def compared(base: Array, prior: Array, traces: Sequence[tuple[str, Array]]) -> 
 
 
 def _correlation(here: Array, there: Array) -> float:
-    """The largest canonical one of orthonormal columns; 0 where either leaves no trace."""
+    """The largest canonical correlation of orthonormal columns; 0 where either leaves no trace."""
     return float(np.linalg.svd(here.T @ there, compute_uv=False).max(initial=0.0))

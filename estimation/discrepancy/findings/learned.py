@@ -35,7 +35,7 @@ USUAL = {
 """What usually makes a law that does not repeat."""
 TURN = 2 * np.pi
 WALK = (0.4, 1.1)
-"""s from step to step of a person who walks."""
+"""Times (s) from step to step of a person who walks."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +50,17 @@ class LearnedLaw:
 
     @property
     def std(self) -> Array:
-        """Of the amplitudes (a,)."""
+        """Standard deviations of the amplitudes (a,)."""
         return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance), 0.0)))
 
     @property
     def unit(self) -> str:
-        """Of the variable."""
+        """Unit of the variable."""
         return unit_of(self.effect)
 
     @property
     def range(self) -> tuple[float, float]:
-        """Between what the force (N; N·m, N·s/m) was, as the logs went."""
+        """Least and largest force (N; N·m, N·s/m) as the logs went."""
         force = self.curve(self.seen)[0]
         return float(force.min()), float(force.max())
 
@@ -77,12 +77,12 @@ class LearnedLaw:
 
     @property
     def words(self) -> str:
-        """One sentence without a full stop."""
+        """The law in one sentence without a full stop."""
         return f"{self._force} {self._course}, {self._between}"
 
     @property
     def _between(self) -> str:
-        """What rounding makes of nought is nought."""
+        """The force's range in words, in which what rounding makes of nought is nought."""
         whole = max(map(abs, self.range))
         low, high = (0.0 if abs(end) < 1e-9 * whole else end for end in self.range)
         return f"between {low:.2g} and {high:.2g} {self.effect.parameters[0].unit}"
@@ -95,7 +95,7 @@ class LearnedLaw:
 
     @property
     def words_beside(self) -> str:
-        """After the words of the other part."""
+        """Words of the force that follow those of the other part."""
         return f", and{self._towards} {self._between}"
 
     @property
@@ -158,7 +158,7 @@ class LearnedLaw:
             yield USUAL[effect.of]
 
     def as_dict(self) -> dict[str, Any]:
-        """For a report."""
+        """The law as a report has it."""
         period = self.effect.period or None
         return {
             "acts_on": self.effect.acts_on,

@@ -32,7 +32,8 @@ the gap on stretches that no fit saw (else nought); more for each time e as many
 largest gain of a step is larger: what is small beside that may be what the form of the first leaves. Fitted to names
 whose truth is known (`python -m benchmarks.name_probabilities`)."""
 RIVAL = 0.2
-"""Of the odds of what explains about as much: that it was not chosen, for it is less simple or less usual, counts."""
+"""Weight of the odds of what explains about as much: that it was not chosen, for it is less simple or less usual,
+counts."""
 UNTRIED = 0.95
 """How probable a name is that no step added."""
 
@@ -71,7 +72,7 @@ class NamedEffect:
 
 @dataclass(frozen=True)
 class _Told:
-    """Of what a step added, or none did."""
+    """What is told of an effect that a step added, or that none did."""
 
     probability: float
     confusable_with: tuple[str, ...] = ()
@@ -82,7 +83,7 @@ class _Told:
 def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
-    """In order of addition; laws last."""
+    """Added effects in order of addition; laws last."""
     by, first = dict[str, _Told](), _largest(steps)
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
@@ -103,7 +104,7 @@ def _named(effect: Effect, parameters: dict[str, tuple[float, float, str]], told
 
 
 def together(effects: Sequence[NamedEffect]) -> list[list[NamedEffect]]:
-    """Each alone, but both parts of one force of the world."""
+    """Groups of effects: each alone, but both parts of one force of the world together."""
     found = list[list[NamedEffect]]()
     for one in effects:
         before = found[-1][-1].law if found else None
@@ -115,8 +116,8 @@ def together(effects: Sequence[NamedEffect]) -> list[list[NamedEffect]]:
 
 
 def words_of(effects: Sequence[NamedEffect], alike: bool = True) -> str:
-    """Of what belongs together, in a sentence: the law, or the name, with its size, and, if `alike`, what it may be
-    as well."""
+    """Words for what belongs together, as part of a sentence: the law, or the name, with its size. If `alike`, also
+    what it may be as well."""
     one, others = effects[0], effects[0].alike if alike else []
     told = f", or {' or '.join(others)}: these logs can't tell" if others else ""
     if one.law:
@@ -126,7 +127,7 @@ def words_of(effects: Sequence[NamedEffect], alike: bool = True) -> str:
 
 
 def with_unit(number: str, unit: str) -> str:
-    """Of what has one."""
+    """A number with its unit, where it has one."""
     return number if unit == "-" else f"{number} {unit}"
 
 
@@ -145,12 +146,13 @@ def doubted(steps: Sequence[Step], final: Model, shares: Sequence[float]) -> lis
 
 
 def _largest(steps: Sequence[Step]) -> float:
-    """Of the gains of what was added, nats."""
+    """Largest gain of what was added, nats."""
     return max((step.added.gain for step in steps if step.added), default=0.0)
 
 
 def _told(step: Step, own: Attempt, first: float, share: float) -> _Told:
-    """Its name's probability, and the names of what explains about as much; another arm's effect has the same name."""
+    """What is told of an addition: its name's probability, and the names of what explains about as much. Another arm's
+    effect has the same name."""
     known = rivals(step)
     names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
     others = sum(odds for odds, one in known if called(one) != called(own))
@@ -166,7 +168,8 @@ def true_alone(gain: float, first: float, closes: bool) -> float:
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
-    """But for those of which the logs say nothing, where they say something of another."""
+    """Values, standard deviations and units of an effect's parameters, but for those of which the logs say nothing,
+    where they say something of another."""
     told, untaught = {}, set()
     for parameter, key, value in zip(effect.parameters, effect.keys, effect.values.tolist(), strict=True):
         known, settings = certainty.parameters[key], certainty.settings

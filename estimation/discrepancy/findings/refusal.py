@@ -17,11 +17,11 @@ from .held_out import FOLDS, floor_rollouts, fold_carts, fold_starts
 from .rollouts import HORIZONS, rollouts
 
 WORSE = 1.05
-"""Times the first guess's error, where too little moves to tell a standard error."""
+"""Largest error of a refit, as a multiple of the first guess's, where too little moves to tell a standard error."""
 SURE = 2.0
 """Standard errors of the mean by which squares are larger: one chance in forty."""
 BLOCK, FEWEST = 3.0, 3
-"""s, over which errors of rollouts are taken to be related; and how many such tell a standard error."""
+"""Time (s) over which errors of rollouts are taken to be related; and fewest such times that tell a standard error."""
 HORIZON = 1
 
 
@@ -41,8 +41,8 @@ def refused(model: Model, guess: CartModel) -> str:
 
 
 def _squares(model: Model, others: Sequence[CartModel]) -> tuple[Array, np.ndarray]:
-    """Of rollouts' errors (n, 2), with another cart for each fold and with the model as the rest taught it; and blocks
-    (n,) to which they belong."""
+    """Squares of rollouts' errors (n, 2), with another cart for each fold and with the model as the rest taught it.
+    Beside them the blocks (n,) to which they belong."""
     carts, pairs, blocks, count = fold_carts(model), [np.zeros((0, 2))], [np.zeros(0, dtype=int)], 0
     for balances, k, first in fold_starts(model):
         with np.errstate(all="ignore"):  # what runs away is told below

@@ -18,7 +18,7 @@ from ..search.search import CONFUSABLE
 SIMPLER = 2.0
 """Nats for each number by which less something takes."""
 LONGEST = 100.0
-"""Odds: as long as any."""
+"""Largest log odds (nats)."""
 
 
 def rivals(step: Step) -> list[tuple[float, Attempt]]:

@@ -16,17 +16,17 @@ from ...standstill import STILL_SPEED
 from ...weak_form.balances import Balances
 
 HORIZONS = (0.5, 1.0, 2.0)
-"""s."""
+"""Horizons of rollouts (s)."""
 EVERY = 0.5
-"""s from start to start."""
+"""Time (s) between the starts of rollouts."""
 STEP = 0.01
-"""s: of the integrator, where nothing is stiff."""
+"""Step (s) of the integrator, where nothing is stiff."""
 STABLE = 0.5
-"""Of a step times the fastest rate: inside the region where the integrator is stable."""
+"""Largest product of a step and the fastest rate: inside the region where the integrator is stable."""
 MOST_STILL = 0.2
-"""Of a rollout's time: where a cart stands longer, anything may have held it."""
+"""Largest share of a rollout's time at rest: where a cart stands longer, anything may have held it."""
 LOST = 1e6
-"""m, rad: a rollout that has run away is as far off."""
+"""Error (m, rad) of a rollout that has run away."""
 SAMPLED = 40
 """States at which stiffness is looked at."""
 
@@ -42,12 +42,12 @@ class Rollouts:
         return _root_mean((self.error[..., :2] ** 2).sum(axis=2))
 
     def by_coordinate(self) -> Array:
-        """Root mean square (horizons, 3)."""
+        """Root mean square errors (horizons, 3), m, m and rad."""
         return _root_mean(self.error**2)
 
 
 def _root_mean(squares: Array) -> Array:
-    """Over starts, of those that are known; NaN where none is."""
+    """Root means over the starts that are known; NaN where none is."""
     known = np.ma.masked_invalid(squares)
     return np.asarray(np.sqrt(known.mean(axis=0).filled(np.nan)))
 
@@ -107,14 +107,15 @@ def rolled_out(
 
 
 def rollouts(balances: Balances, cart: CartModel, first: np.ndarray) -> Rollouts:
-    """How far a cart's are from the log's smooth poses."""
+    """Rollouts of a cart: how far they are from the log's smooth poses."""
     at = first[:, None] + _steps(balances)
     measured = balances.motion.of_body(cart).pose[np.minimum(at, len(balances.motion.time) - 1)]
     return Rollouts(_in_body(measured, rolled_out(balances, cart, first)))
 
 
 def noise_rollouts(balances: Balances, cart: CartModel, noise: Array, generator: np.random.Generator) -> Rollouts:
-    """What errors of the smooth motion, and white noise (N/√Hz, N·m/√Hz; (f,)) of the wrenches do to a right model."""
+    """Rollouts of what errors of the smooth motion, and white noise of the wrenches, (f,) N/√Hz, N·m/√Hz, do to a right
+    model."""
     motion, first, f = balances.motion, starts(balances), cart.constraints.n_free
     rate = motion.rate_std[[0, 2] if f == 2 else list(range(f))]
     std = np.concatenate([motion.pose_std, rate])
@@ -130,7 +131,7 @@ def joined(parts: Sequence[Rollouts]) -> Rollouts:
 
 
 def _steps(balances: Balances) -> np.ndarray:
-    """Of the grid, of each horizon."""
+    """Steps of the grid to each horizon."""
     return np.rint(np.array(HORIZONS) / balances.motion.step).astype(int)
 
 
@@ -153,7 +154,7 @@ def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) ->
 
 
 def _stable_step(balances: Balances, cart: CartModel) -> float:
-    """That keeps what is stiff inside the region where the integrator is stable."""
+    """Step (s) that keeps what is stiff inside the region where the integrator is stable."""
     if not cart.memory_names:
         return STEP
     rows = np.linspace(0, len(balances.motion.time) - 1, SAMPLED).astype(int)

@@ -10,12 +10,12 @@ from cartgrasp.frames import Array
 from ..search.screening import Screen
 
 EARLIER = 0.174
-"""Of a rectangle's duration, on each side: by what the half sine is longer to which it is the nearest. That has most of
-sin(a)/√a within ±a of its middle, where tan(a) = 2a."""
+"""Share of a rectangle's duration, on each side, by which the half sine is longer to which it is the nearest. That has
+most of sin(a)/√a within ±a of its middle, where tan(a) = 2a."""
 
 
 def soft_gain(screen: Screen, effect: Effect) -> float:
-    """Of half a sine over the span of an effect that begins and ends."""
+    """Gain of half a sine over the span of an effect that begins and ends."""
     start, duration = effect.values[:2].tolist()
 
     def share(time: Array) -> Array:
@@ -25,7 +25,7 @@ def soft_gain(screen: Screen, effect: Effect) -> float:
 
 
 def begun_earlier(effect: Effect) -> Effect:
-    """Over the span of the half sine to which its rectangle is the nearest."""
+    """The effect over the span of the half sine to which its rectangle is the nearest."""
     values = effect.values.copy()
     values[0] -= EARLIER * effect.values[1]
     values[1] *= 1 + 2 * EARLIER
@@ -33,7 +33,7 @@ def begun_earlier(effect: Effect) -> Effect:
 
 
 def with_impulse_of(effect: Effect, span: Effect) -> Effect:
-    """Over another's span, with the impulse of the first."""
+    """The effect over another's span, with the impulse of the first."""
     values = effect.values.copy()
     values[2:] *= effect.values[1] / span.values[1]
     values[:2] = span.values[:2]

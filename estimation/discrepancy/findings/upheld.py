@@ -22,16 +22,16 @@ from .rivals import undecided
 from .rollouts import Rollouts
 
 MOSTLY = 0.8
-"""Of the squared gap above noise: what closes as much is told though it gains less than `WORTH`."""
+"""Share of the squared gap above noise: what closes as much is told though it gains less than `WORTH`."""
 
 
 def upheld(
     final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
 ) -> tuple[Model, tuple[Law, ...]]:
-    """Without effects of which next to nothing is left, without loads that what nobody recorded may look like, without
-    laws that close next to nothing of the gap, and without the last ones as long as unseen stretches are predicted no
-    better with them than by what is known, or refitted, and farther off than noise; and the laws that were
-    withdrawn."""
+    """The model without what does not hold, and the laws that were withdrawn. First go effects of which next to nothing
+    is left, and loads that what nobody recorded may look like. Then go laws that close next to nothing of the gap. Last
+    additions go while unseen stretches are predicted no better with them than by what is known, or refitted, and
+    farther off than noise."""
     final = without(final, (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)))
     laws = final.laws
     if not (laws or added(final)):
@@ -52,7 +52,7 @@ def upheld(
 
 
 def without(final: Model, keys: Iterable[str]) -> Model:
-    """Fitted anew without added effects."""
+    """The model fitted anew without added effects."""
     for key in keys:
         final = final.refitted(final.cart.without_effect(key)).settled()
     return final
@@ -68,8 +68,8 @@ def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:
 
 
 def _most(final: Model, best: float) -> float:
-    """From which error on stretches speak against what was added last: against what every cart has, only where they are
-    predicted worse."""
+    """Error from which on stretches speak against what was added last. Against what every cart has, they speak only
+    where they are predicted worse."""
     return best if final.laws or added(final)[-1].name not in ODDS else WORSE * best
 
 
@@ -83,12 +83,12 @@ def closes_most(less: Model, more: Model) -> bool:
 
 
 def _known_error(model: Model) -> float:
-    """Of the cart as it is believed, or of the model where that foretells better."""
+    """Rollout error (m) of the cart as it is believed, or of the model where that foretells better."""
     return min(rollout_error(file_rollouts(model)), rollout_error(held_out_rollouts(model)))
 
 
 def rollout_error(rolled: Rollouts) -> float:
-    """After a second; endless where none goes so far."""
+    """Rollout error (m) after a second; infinite where none goes so far."""
     return float(np.nan_to_num(rolled.gaps()[1], nan=np.inf)) if len(rolled.error) else np.inf
 
 

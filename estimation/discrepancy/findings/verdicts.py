@@ -22,7 +22,7 @@ def called(one: Attempt) -> str:
 
 
 def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
-    """Of one of a step's attempts; with the model in the end, whether what was added was kept."""
+    """Verdict on one of a step's attempts; with the model in the end, whether what was added was kept."""
     if one is step.added:
         return ADDED if final is None or _is_kept(one, final) else WITHDRAWN
     if one.own_gain < (least := least_gain(one, step.form_error, WORTH)):

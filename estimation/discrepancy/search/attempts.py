@@ -36,7 +36,7 @@ class Attempt:
 
     @property
     def own_gain(self) -> float:
-        """What no other effect's form makes."""
+        """The part of the gain that no other effect's form makes."""
         return self.gain if self.beside_forms is None else min(self.gain, self.beside_forms)
 
     @property

@@ -19,7 +19,7 @@ from ...weak_form.band import INERTIAL
 TURNING = ("wheel_drag_imbalance",)
 """Effects that turn a cart: on a rail they are any drag."""
 EVER = 1e12
-"""s, m: as long, and as far, as no log goes."""
+"""Time (s) and distance (m) that are as long, and as far, as no log goes."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> Iterato
 
 
 def free_label(kind: type[Effect], cart: CartModel) -> str:
-    """That no effect of this kind has."""
+    """A label that no effect of this kind has."""
     taken = {effect.label for effect in cart.effects if isinstance(effect, kind)}
     return next(label for label in _numbered() if label not in taken)
 

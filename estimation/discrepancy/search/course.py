@@ -12,7 +12,7 @@ from cartgrasp.frames import Array
 from ...weak_form.motion import Motion
 
 ROLLING = 0.02
-"""m/s: from here on a motion has a direction."""
+"""Least speed (m/s) at which a motion has a direction."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Course:
 
     @classmethod
     def along(cls, motion: Motion) -> Course:
-        """At all times of a motion (n,)."""
+        """Course at all times of a motion (n,)."""
         speed, travelled = motion.velocity[:, 0], motion.way
         yaw_rate = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
         way = np.append(0.0, np.cumsum(speed[:-1] * np.diff(motion.time)))
@@ -43,17 +43,17 @@ class Course:
 
     @property
     def x(self) -> Array:
-        """Of {b}'s place (b,), m."""
+        """x of {b}'s place (b,), m."""
         return self.place[:, 0]
 
     @property
     def y(self) -> Array:
-        """Of {b}'s place (b,), m."""
+        """y of {b}'s place (b,), m."""
         return self.place[:, 1]
 
     @classmethod
     def of(cls, time: Array, log: np.ndarray, motions: Sequence[Motion]) -> Course:
-        """At times (b,), by the clock of the logs (b,) to which they belong; logs follow one another."""
+        """Course at times (b,), by the clock of the logs (b,) to which they belong; logs follow one another."""
         parts = [cls.along(motion).at(rows_at(motion, time[log == k])) for k, motion in enumerate(motions)]
         names = [field.name for field in fields(cls)]
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
@@ -68,8 +68,8 @@ def rows_at(motion: Motion, time: Array) -> np.ndarray:
 
 
 def since_reversal(speed: Array, travelled: Array) -> Array:
-    """Of forward speeds (n,) and travelled distances (n,): how far ago the direction was another, infinite before it
-    ever was."""
+    """Distance (n,) since the direction was another, from forward speeds (n,) and travelled distances (n,); infinite
+    before it ever was."""
     rolls = np.flatnonzero(np.abs(speed) > ROLLING)
     turned = rolls[1:][np.diff(np.sign(speed[rolls])) != 0]
     last = np.searchsorted(turned, np.arange(len(speed)), side="right")

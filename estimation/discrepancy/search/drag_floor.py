@@ -1,4 +1,4 @@
-"""Of a drag that follows something, what is there everywhere: every wheel resists, and that has a name."""
+"""The least that a drag which follows something ever was, named as rolling resistance: every wheel resists."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .plausible import TOLD, is_negligible
 
 
 def with_floor_named(model: Model) -> Model:
-    """With rolling resistance in place of the least that a drag of one of the laws ever was."""
+    """The model with rolling resistance in place of the least that a drag of one of its laws ever was."""
     if RollingResistance.name in model.names:
         return model
     for law, place in zip(model.laws, model.law_places, strict=True):
@@ -37,6 +37,6 @@ def with_floor_named(model: Model) -> Model:
 
 
 def _beyond(law: Law, share: np.ndarray) -> Law:
-    """Without what is the same everywhere: none where its numbers count so much (q,)."""
+    """The law less what is the same everywhere: it is zero where its numbers have these shares (q,)."""
     rest = np.linalg.svd(law.basis - share)
     return replace(law, basis=rest.U[:, : law.size - 1] * rest.S[: law.size - 1])

@@ -26,17 +26,17 @@ from .laws import Law, splines
 from .model import Model
 
 FORM_STD = 0.2
-"""Of an effect's size: how far it may be another, by each of the modes."""
+"""Standard deviation of an effect's size, as a share of it, by each of the modes."""
 LATE = 0.1
-"""s: how late an effect may come whose form is wrong by its whole size."""
+"""Time (s) by which an effect may come late whose form is wrong by its whole size."""
 SLOW, FAR = (0.05, 0.15), (0.05, 0.3, 1.0)
-"""m/s and m since a reversal: scales on which forms set in."""
+"""Speeds (m/s) and distances since a reversal (m): scales on which forms set in."""
 MOST_MODES = 40
-"""Of all effects together, the largest: more would only cost memory."""
+"""Most modes of all effects together, the largest: more would only cost memory."""
 
 
 class FormError:
-    """Of a model's effects and laws that its first guess does not have."""
+    """What the forms of a model's effects and laws may leave, of those that its first guess does not have."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -48,7 +48,7 @@ class FormError:
         self._made = [[own - b.taken(one) for one in less] for own, b in zip(taken, model.logs, strict=True)]
 
     def scores(self, model: Model, candidate: Effect | Law) -> tuple[Score, Score]:
-        """Of this model and of one with a candidate, both beside what forms may leave."""
+        """Scores of this model and of one with a candidate, both beside what forms may leave."""
         if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
             return self.alone, _beside(model, self._modes)
         columns = np.concatenate([self._modes, self._while(candidate)], axis=2)
@@ -56,7 +56,7 @@ class FormError:
 
     @cached_property
     def alone(self) -> Score:
-        """Of this model beside what forms may leave."""
+        """Score of this model beside what forms may leave."""
         return _beside(self.model, self._modes)
 
     def _while(self, candidate: Effect) -> Array:
@@ -83,13 +83,13 @@ class FormError:
 
 
 def _beside(model: Model, columns: Array) -> Score:
-    """With whitened columns (k, c, q) more, each as large as it may be."""
+    """Score with whitened columns (k, c, q) more, each as large as it may be."""
     return model.with_columns(columns, np.ones(columns.shape[2]))
 
 
 def _modulated(balances: Balances, made: list[Array], gates: list[Gate], turn: int) -> Array:
-    """Of a log (k, c, q): what effects make (n, c) times modes, late, and as a moment about a lever (of the balance
-    `turn`, if that is another than the first)."""
+    """Raw columns (k, c, q) of a log: what effects make (n, c) times modes, late, and as a moment about a lever. The
+    moment is in the balance `turn`, if that is another than the first."""
     by_gate = {gate: modes_of(balances.motion, gate) for gate in set(gates)}
     late = [np.gradient(one, balances.motion.step, axis=0) * LATE for one in made]
 
@@ -129,7 +129,7 @@ def modes_of(motion: Motion, gate: Gate = Gate.ALWAYS) -> Array:
 
 
 def _acting(effect: Effect, balances: Balances, model: Model) -> Array:
-    """Whether a gate is open (n,)."""
+    """Whether an effect's gate is open (n,)."""
     time = balances.motion.time
     if effect.gate is Gate.INSIDE:
         return balances.touches(effect.values[:4], model.cart).astype(float)

@@ -26,24 +26,24 @@ VARIABLES = {
     "yaw_rate": "yaw rate",
     "since_reversal": "way since a reversal",
 }
-"""In words, where these are others than the effect's."""
+"""Variables in words, where these are others than the effect's."""
 UNITS = {"time": "s", "heading": "rad", "speed": "m/s", "yaw_rate": "rad/s"}
-"""Of variables; of all others, m."""
+"""Units of variables; all others are in m."""
 AT_HANDS = "at the hands"
 SETTING_IN = (0.25, 0.5, 0.75)
-"""Of the largest speed: from where on a drag grows."""
+"""Shares of the largest speed from which on a drag grows."""
 SINCE = (0.02, 0.1, 0.3, 1.0)
-"""m since a reversal: knots of drags that it changes."""
+"""Knots (m since a reversal) of drags that it changes."""
 SCRUBS = 0.15
-"""Of the largest yaw rate: from where on a moment no longer grows."""
+"""Share of the largest yaw rate from which on a moment no longer grows."""
 FINE = np.linspace(-0.1, 1.1, 13)
-"""Of what a variable goes through: knots of smooth curves."""
+"""Knots of smooth curves, as shares of what a variable goes through."""
 COEFFICIENTS = 5
-"""Of a cubic spline: what a curve may be."""
+"""Number of coefficients of a curve, which is a cubic spline."""
 PLACES = np.linspace(-1.25, 1.25, 6)
-"""Of half of what x and y go through: knots of fields."""
+"""Knots of fields about the middle, as shares of half of what x and y go through."""
 LEAST_SPAN = 0.1
-"""In the variable's unit: nothing is a law of what goes less far."""
+"""Least range, in the variable's unit: nothing is a law of what goes less far."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class Law:
 
     @property
     def name(self) -> str:
-        """Of what it is a function, in words."""
+        """Variable of which the law is a function, in words."""
         return variable_of(self.effects[0])
 
     @property
@@ -80,7 +80,7 @@ class Law:
 
     @property
     def unit(self) -> str:
-        """Of the variable."""
+        """Unit of the variable."""
         return unit_of(self.effects[0])
 
     @property
@@ -101,17 +101,17 @@ class Law:
 
     @property
     def words(self) -> str:
-        """For people."""
+        """The law in words for people."""
         period = f" with a period of {self.period:.3g} {self.unit}" if self.period else ""
         return f"the {self.name}{period} ({self.effects[0].acts_on.replace('_', ' ')}: {self.form})"
 
     @property
     def std(self) -> Array:
-        """Of a number's prior."""
+        """Prior standard deviations of the numbers (q,)."""
         return np.full(self.size, self.effects[0].parameters[0].typical)
 
     def repeating(self, period: float) -> Law:
-        """With another period (in the variable's unit)."""
+        """The law with another period (in the variable's unit)."""
         return replace(self, effects=tuple(replace(effect, period=period) for effect in self.effects))
 
     def columns(self, balances: Balances, cart: CartModel) -> Array:
@@ -128,12 +128,12 @@ class Law:
 
 
 def variable_of(effect: LearnedForce) -> str:
-    """In words."""
+    """An effect's variable in words."""
     return VARIABLES.get(effect.of, effect.of)
 
 
 def unit_of(effect: LearnedForce) -> str:
-    """Of the variable."""
+    """Unit of an effect's variable."""
     return UNITS.get(effect.of, "m")
 
 
@@ -143,7 +143,7 @@ def seen_values(effect: LearnedForce, motions: Sequence[Motion]) -> Array:
 
 
 def row_values(effect: LearnedForce, logs: Sequence[Balances]) -> Array:
-    """Of the variable at the rows of logs (k,); of places with knots of y (k, 2)."""
+    """Values of an effect's variable at the rows of logs (k,); of places with knots of y (k, 2)."""
     return np.concatenate([_values(effect, b.motion)[rows_at(b.motion, b.time)] for b in logs])
 
 
@@ -165,13 +165,13 @@ def _values(effect: LearnedForce, motion: Motion) -> Array:
 
 
 def labelled(effect: LearnedForce, cart: CartModel) -> LearnedForce:
-    """With a label that no law of the cart has."""
+    """The effect with a label that no law of the cart has."""
     return replace(effect, label=free_label(LearnedForce, cart))
 
 
 def smooth_laws(motions: Sequence[Motion], cart: CartModel, lever: float = 0.0) -> list[Law]:
-    """Of what varies slowly with one variable along motions; drags and forward forces, too, at a lever of the hands'
-    (m; none: 0), whose sensors may be what follows it; forces of the world at {b} and at the CoM."""
+    """Laws of what varies slowly with one variable along motions. Drags and forward forces come, too, at a lever of the
+    hands' (m; none: 0), whose sensors may be what follows it. Forces of the world act at {b} and at the CoM."""
     found = list(_on_all(motions))
     if cart.constraints.n_free > 1:
         found += [*_on_turns(motions), *_of_world(motions, 0.0), *_of_world(motions, float(cart.inertia.com[0]))]

@@ -26,18 +26,20 @@ from .candidates import amplitudes_of
 from .laws import Law, labelled
 
 GUESS_STD, COM_STD = 1.5, 0.5
-"""Of the logarithms of mass and inertia; m."""
+"""Prior standard deviations of the logarithms of mass and inertia, and of the CoM (m)."""
 SIZE_STD = 10.0
-"""Of an effect's usual size: the standard deviation of what is fitted."""
+"""Prior standard deviation of a fitted amplitude, in multiples of the effect's usual size."""
 FILE_SHARE, FILE_LEAST = 0.25, 0.05
-"""Of an effect's value in the cart file, and of its usual size: how far it may be off."""
+"""Prior standard deviation of an effect of the cart file: share of its value there, and at least a share of its usual
+size."""
 FORM_LEVER = 0.05
-"""m: how far from where the model says an effect's force may act."""
+"""Prior standard deviation (m) of where an effect's force acts, about where the model says."""
 TIMING_STD = 0.3
-"""Of a sample's step: some sensors hold a sample until the next, others average."""
+"""Prior standard deviation of a lateness, as a share of a sample's step: some sensors hold a sample until the next,
+others average."""
 ROUNDS = 3
 LONG_MEAN, FEWEST_MEANS = 2.0, 8
-"""s, as long as a push; and how many tell their usual size."""
+"""Duration (s) of long means, as long as a push; and how many tell their usual size."""
 
 
 def structure_prior(
@@ -47,9 +49,9 @@ def structure_prior(
     is_pushed: bool = True,
     believed: Prior | None = None,
 ) -> ParameterPrior:
-    """Broad, unless one is `believed`: of a cart like the guess, whose effects are as large as it says but for those
-    that are `wide`, with added effects of any size that they may have. What the cart's file says of its first guess
-    counts. The body of a cart that nobody pushes is taken as given."""
+    """Prior of a cart like the guess, broad unless one is `believed`. Effects are as large as the guess says, but for
+    those that are `wide`; added ones may have any size. What the cart's file says of its first guess counts. The body
+    of a cart that nobody pushes is taken as given."""
     mean, first = coordinates(cart), coordinates(guess)
     std, free = np.ones(len(mean)), np.ones(len(mean), dtype=bool)
     mean[:N_PHI] = first[:N_PHI]
@@ -141,7 +143,7 @@ class Model:
 
     @cached_property
     def prior(self) -> ParameterPrior:
-        """Of what is not at a bound."""
+        """Prior of the coordinates, in which those at a bound are fixed."""
         known = self._prior_of(self.cart)
         return known if self.at_bound is None else replace(known, free=known.free & ~self.at_bound)
 
@@ -150,7 +152,7 @@ class Model:
 
     @property
     def names(self) -> set[str]:
-        """Of its effects."""
+        """Names of the cart's effects."""
         return {effect.name for effect in self.cart.effects}
 
     @classmethod
@@ -162,14 +164,14 @@ class Model:
         return cls(guess, guess, own, noise, noise.whitenings(own), believed=believed).settled()
 
     def settled(self) -> Model:
-        """Fitted on rows whose noise is what this fit leaves."""
+        """The model fitted on rows whose noise is what this fit leaves."""
         model = self
         for _ in range(ROUNDS):
             model = model.refitted(model.cart).rewhitened()
         return model.refitted(model.cart)
 
     def rewhitened(self) -> Model:
-        """On rows whose noise is what this model leaves."""
+        """The model on rows whose noise is what it leaves."""
         left, parts, at = self.left, [], 0
         for balances in self.logs:
             parts.append((Errors.of(balances, self.cart, self.compares), left[at : at + len(balances.used)]))
@@ -180,7 +182,7 @@ class Model:
         return replace(self, logs=logs, noise=noise, whitenings=whitenings)
 
     def whitened(self, columns: Sequence[Array]) -> Array:
-        """Of each log's raw columns (k, c, q), all together."""
+        """Whitened columns (k, c, q) of all logs together, from each log's raw ones."""
         return np.concatenate([whiten(own) for whiten, own in zip(self.whitenings, columns, strict=True)])
 
     @cached_property
@@ -219,7 +221,7 @@ class Model:
 
     @cached_property
     def rows(self) -> Array:
-        """(k, c, q + 1), last the residual where every coordinate is at its prior's mean."""
+        """Whitened rows (k, c, q + 1), last the residual where every coordinate is at its prior's mean."""
         return self.whitened(self._raw)
 
     @cached_property
@@ -242,7 +244,7 @@ class Model:
         return self.colour_beside(self.rows, self.score)
 
     def colour_beside(self, rows: Array, score: Score) -> float:
-        """Of rows (k, c, q + 1) with more columns, and their score."""
+        """`colour` of rows (k, c, q + 1) with more columns, and their score."""
         standard = (rows[..., -1] - rows[..., :-1] @ score.fit) / score.scale
         size = max(round(LONG_MEAN / self.logs[0].row_step), 2)
         count = len(standard) // size
@@ -278,12 +280,12 @@ class Model:
 
     @property
     def law_numbers(self) -> list[Array]:
-        """Each law's (q,)."""
+        """Each law's numbers (q,)."""
         return [self.score.fit[place] for place in self.law_places]
 
     @property
     def motions(self) -> list[Motion]:
-        """Of the logs."""
+        """Motions of the logs."""
         return [balances.motion for balances in self.logs]
 
     @property
@@ -339,7 +341,7 @@ class Model:
         return self.whitened([each[..., own] for each in raw]), std
 
     def late(self, delay: float) -> Model:
-        """With wrenches that were felt so much (s) before they were recorded."""
+        """The model with wrenches that were felt `delay` (s) before they were recorded."""
         return replace(self, logs=tuple(balances.late(delay) for balances in self.logs))
 
     @property
@@ -359,5 +361,5 @@ class Model:
 
 
 def lateness(cart: CartModel, logs: Sequence[Balances]) -> float:
-    """s, of the arms together."""
+    """Lateness (s) of the arms together, which is that of the latest."""
     return max((cart.lateness(arm) for balances in logs for arm in balances.wrenches.arms), default=0.0)

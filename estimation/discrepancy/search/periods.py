@@ -28,7 +28,7 @@ KNOWN, LIKELY = 24, 40
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Of forces like one of a law, over a variable of a course, with frequencies (v,) that increase."""
+    """Scan of forces like one of a law, over a variable of a course, with frequencies (v,) that increase."""
 
     variable: str
     effect: LearnedForce
@@ -37,11 +37,11 @@ class Scan:
 
     @property
     def longest(self) -> float:
-        """Period."""
+        """The longest period."""
         return float(1 / self.frequencies[0])
 
     def law(self, period: float, harmonics: int = 1, has_mean: bool = False) -> Law:
-        """Of so many harmonics, about nought or a mean."""
+        """Law of so many harmonics, about nought or a mean."""
         numbers = tuple(float(k) for k in range(0 if has_mean else 1, harmonics + 1))
         form = self.place + (f" of {harmonics} harmonics" if harmonics > 1 else "") + (", with a mean" * has_mean)
         law = Law.free(form, replace(self.effect, period=period, harmonics=numbers, amplitudes=()))
@@ -56,7 +56,7 @@ class Scan:
         )
 
     def columns(self, chosen: np.ndarray, course: Course, balances: Balances, cart: CartModel) -> Array:
-        """Raw (k, c, v, 2) of cosines and sines of the chosen frequencies."""
+        """Raw columns (k, c, v, 2) of cosines and sines of the chosen frequencies."""
         variable, unit = self.of(course), self._unit(course, cart.constraints.n_free)
         pushed = np.flatnonzero(unit.any(axis=0))
 
@@ -100,7 +100,7 @@ class Scan:
 
 
 def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> list[Scan]:
-    """Those that a motion allows: periods of which it saw two at least; with a lever of the hands' (m; none: 0)."""
+    """Scans that a motion allows: periods of which it saw two at least; with a lever of the hands' (m; none: 0)."""
     found, turns = [], cart.constraints.n_free > 1
     levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
     for variable, direction, least, most in SCANNED:
@@ -126,7 +126,7 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> lis
 
 
 Found = tuple[float, Scan, float]
-"""A gain, of what, and with which period."""
+"""A gain, the scan that has it, and its period."""
 
 
 def scanned(
@@ -137,13 +137,13 @@ def scanned(
     whitened: Callable[[Sequence[Array]], Array],
     hands: float = 0.0,
 ) -> tuple[list[Found], int]:
-    """Of each scan the best period of one harmonic, and of how many: of those with most power for the information that
-    whitened columns have."""
+    """Best period of one harmonic in each scan, and the number of periods scanned. It is among those with most power
+    for the information that whitened columns have."""
     found, count = list[Found](), 0
     courses = [Course.along(balances.motion) for balances in logs]
 
     def columns(scan: Scan, chosen: np.ndarray) -> Array:
-        """Whitened (v, k, c, 2)."""
+        """Whitened columns (v, k, c, 2)."""
         raw = [scan.columns(chosen, course, b, cart) for course, b in zip(courses, logs, strict=True)]
         white = whitened([one.reshape(*one.shape[:2], -1) for one in raw])
         return np.moveaxis(white.reshape(*white.shape[:2], len(chosen), 2), 2, 0)

@@ -20,9 +20,9 @@ ODDS = {"rolling_resistance": 4.0}
 USUAL = ("rolling_resistance", "time_delay")
 """What every cart has, or every chain of sensors: however little it is beside another, it is not that one's form."""
 LEAST_SIZE = 0.1
-"""Of an effect's usual size: nobody calls less by its name."""
+"""Least share of an effect's usual size: nobody calls less by its name."""
 LEAST_LAW = 0.02
-"""Of a law's usual size."""
+"""Least share of a law's usual size."""
 LEAST = {
     "time_delay.delay": 0.008,  # s: sensors that hold or average samples at 100 Hz are as late
     "load_slosh.damping": 0.003,  # less has no spring or liquid
@@ -39,16 +39,17 @@ MOST = {
     "force_misalignment.angle": 0.5,  # rad: beyond, axes are wrong (`check`)
     "contact_offset.y": 0.1,  # m: beyond, the hand holds elsewhere
 }
-"""Between which a setting of what bears the name lies."""
+"""Bounds between which a setting of what bears the name lies."""
 LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
 """No wheel drives: the moment of wheels that drag unlike is at most the drag times half a track."""
 ESSENTIAL = {"wheel_drag_imbalance": "moment", "pose_offset": "x"}
 """What makes an effect what its name says: without it, the wheels of an axle drag alike, and a frame that is turned, or
 beside {b}, is one whose wheels, or hands, are."""
 TOLD = 2.0
-"""Standard deviations beyond nought of what is essential."""
+"""Standard deviations by which what is essential must be beyond nought."""
 SPARE = 1.5
-"""Times what is plausible: estimates have errors. What gains most beyond is something else, and is not followed."""
+"""Factor beyond what is plausible that is let pass: estimates have errors. What gains most beyond is something else,
+and is not followed."""
 
 
 def is_plausible(effect: Effect, wheels: WheelSet) -> bool:
@@ -104,7 +105,7 @@ def law_objection(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> 
 
 
 def out_of_bounds(effect: Effect, spare: float = 1.0) -> str:
-    """Which of its settings is not one that it may have, nor beyond by a factor at most; empty where none is."""
+    """Which of an effect's settings is beyond what it may have by more than a factor `spare`; empty where none is."""
     for p, value in zip(effect.parameters, effect.values.tolist(), strict=True):
         key = f"{effect.name}.{p.name}"
         least, most = LEAST.get(key, -np.inf), MOST.get(key, np.inf)

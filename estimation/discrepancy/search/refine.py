@@ -23,7 +23,7 @@ FACTOR = 1.6
 
 @dataclass(frozen=True)
 class Move:
-    """Of one setting, by a step or (0) by a factor; `against` moves the other way, to keep an end."""
+    """Change of one setting, by a step or (0) by a factor; `against` moves the other way, to keep an end."""
 
     which: int
     step: float
@@ -63,7 +63,7 @@ def moves(effect: Effect) -> list[Move]:
 
 
 def refined(effect: Effect, gain: Callable[[Effect], float]) -> Effect:
-    """Where the gain is largest nearby."""
+    """The effect where the gain is largest nearby."""
     steps, best, left = moves(effect), gain(effect), EVALUATIONS
     for halving in range(HALVINGS if steps else 0):
         improved = True

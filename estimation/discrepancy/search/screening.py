@@ -25,27 +25,28 @@ from .periods import scanned
 KEPT = 3
 """Variants of a candidate whose score is worked out."""
 BLOCK = 0.2
-"""s, in which onsets and ends are tried."""
+"""Blocks of time (s) between which onsets and ends are tried."""
 LENGTHS = (1, 2, 3, 5, 8, 12, 18, 28)
-"""Blocks that something may last."""
+"""Numbers of blocks that something may last."""
 LEAST_SIDE = 1.0
-"""s before and after a lasting change."""
+"""Least time (s) before and after a lasting change."""
 CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
-"""m, cells along an axis, and m around all wheels' tracks."""
+"""Size of a cell (m), most cells along an axis, and rim (m) around all wheels' tracks."""
 LEAST_LEVER = 0.02
-"""m: hands that are nearer push at {b}'s x."""
+"""Least lever (m): hands that are nearer push at {b}'s x."""
 HARMONICS, TURNS = (1, 2, 4, 6), (1, 2, 3)
-"""Of a law; and what the strongest of them may be, as a multiple of the whole turn."""
+"""Numbers of harmonics of a law; and which of them may be the strongest."""
 NEARBY, EXACT = 0.5, 0.02
-"""Of a period, how many are more or less in a log than a scan says, at most; and, of that, how exactly it is told."""
+"""Most periods in a log that a scan may be off by; and how exactly the period is told, as a share of that."""
 LARGEST = 1e12
-"""Of whitened columns: an effect's memory beyond ran away in the integrator's steps, at settings that no cart has."""
+"""Largest whitened column: beyond, an effect's memory ran away in the integrator's steps, at settings that no cart
+has."""
 
 Found = tuple[float, Effect]
 
 
 class Screen:
-    """Around one model."""
+    """Gains of candidates beside one model."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -68,15 +69,15 @@ class Screen:
         return float(self.gains(columns[None], std, is_one_sided(effect))[0])
 
     def gains(self, columns: Array, std: Array, one_sided: bool = False) -> Array:
-        """Of variants' whitened columns (v, k, c, q)."""
+        """Log of the Bayes factor (v,), about, of variants' whitened columns (v, k, c, q)."""
         own = (columns / self._scale[:, None]).reshape(len(columns), -1, columns.shape[3])
         across = own.swapaxes(1, 2)
         products = across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel()
         return self._factor(products, std, one_sided)
 
     def _factor(self, products: tuple[Array, Array, Array], std: Array, one_sided: bool) -> Array:
-        """From products with themselves (v, q, q), with the base (v, q, p), with the residual (v, q). A `one_sided`
-        amplitude that would be negative gains nothing."""
+        """Log of the Bayes factor (v,) from products with themselves (v, q, q), with the base (v, q, p), with the
+        residual (v, q). A `one_sided` amplitude that would be negative gains nothing."""
         own, to_base, pull = products
         information = own - to_base @ self._covariance @ to_base.swapaxes(-1, -2) + np.diag(std**-2.0)
         pull = pull - to_base @ self._fit
@@ -88,7 +89,7 @@ class Screen:
         return np.asarray(gain - size)
 
     def _delayed(self, effect: TimeDelay) -> float:
-        """Of a log whose wrenches were felt earlier."""
+        """Log of the Bayes factor, about, of a log whose wrenches were felt earlier."""
         late = self.model.late(effect.delay)
         evidence = [
             log_evidence(m.folds.sums(m.rows).sum(axis=1), m.prior_std, self._scale, 0.0 * self._scale)
@@ -115,7 +116,7 @@ class Screen:
         return [effect for _, effect in found[:KEPT]], len(found)
 
     def _timed(self, effect: Effect) -> list[Found]:
-        """From or between blocks of time."""
+        """Variants that act from or between blocks of time, with their gains."""
         columns, std = self.model.columns_of(effect)
         found, at = [], 0
         for balances in self.model.logs:
@@ -152,7 +153,7 @@ class Screen:
         return [np.concatenate([np.zeros((1, *part.shape[1:])), np.cumsum(part, axis=0)]) for part in parts]
 
     def _placed(self, effect: Effect) -> list[Found]:
-        """In boxes of cells."""
+        """Variants that act in boxes of cells, with their gains."""
         x, y = self._cells
         cells = list(product(range(len(x) - 1), range(len(y) - 1)))
         columns = []
@@ -179,7 +180,7 @@ class Screen:
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
-        """Edges over all wheels' tracks."""
+        """Edges of cells in x and y over all wheels' tracks."""
         wheels, tracks = self.model.cart.wheel_set.wheels, []
         for balances in self.model.logs:
             pose = balances.motion.pose
@@ -219,7 +220,7 @@ class Screen:
 
     @cached_property
     def _pulls(self) -> list[Array]:
-        """By how much the residual would have forces and moments along each log's grid (n, f)."""
+        """Pulls (n, f) of the residual on forces and moments along each log's grid."""
         rest = self._left - self._base @ self._fit
         found, at = [], 0
         for balances, whiten in zip(self.model.logs, self.model.whitenings, strict=True):
@@ -231,7 +232,7 @@ class Screen:
         return found
 
     def tuned(self, law: Law) -> Law:
-        """At the period nearby that gains most."""
+        """The law at the period nearby that gains most."""
         if law.period is None:
             return law
         width = NEARBY * law.period / self._cycles(law)
@@ -249,7 +250,7 @@ class Screen:
         return float(self.gains(columns[None], law.std)[0])
 
     def _cycles(self, law: Law) -> float:
-        """How often it repeats in the longest log."""
+        """How often a law repeats in the longest log."""
         spans = [np.ptp(seen_values(law.effects[0], [balances.motion])) for balances in self.model.logs]
         return float(max(spans)) / float(law.period or 1.0)
 
@@ -263,7 +264,7 @@ def is_one_sided(effect: Effect) -> bool:
 
 
 def _spans(n: int, gate: Gate, side: int) -> np.ndarray:
-    """Of blocks (v, 2), first and one past the last."""
+    """Spans of blocks (v, 2), first and one past the last."""
     if gate is Gate.FROM:
         first = np.arange(side, n - side)
         return np.column_stack([first, np.full(len(first), n)])

@@ -24,16 +24,16 @@ from .refine import refined
 from .screening import LEAST_SIDE, Screen
 
 WORTH = 10.0
-"""Of the score: what is added gains so much at least, and what is simpler than what acts for a while may lack."""
+"""Least gain in score of what is added; also how much less something simpler than what acts for a while may explain."""
 SHARE = 0.05
-"""Of the largest gain so far: what gains less beside the forms of others (`form_error.py`) may be a form that nobody
-thought of, unless it is `USUAL`."""
+"""Least share of the largest gain so far. What gains less beside the forms of others (`form_error.py`) may be a form
+that nobody thought of, unless it is `USUAL`."""
 CONFUSABLE = float(np.log(100.0))
-"""Of the score: by what less a candidate explains about as much."""
+"""Difference in score by which a candidate still explains about as much."""
 NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
-"""Of the best gain, and how many of the vocabulary and beside it: candidates that are refined and refitted."""
+"""Candidates that are refined and refitted: least share of the best gain, and most of the vocabulary and beside it."""
 RESIZED = 2.0
-"""Of the score: what another size of an effect of the file gains at least."""
+"""Least gain in score of another size of an effect of the file."""
 SURE = 1.5
 """Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
 MOST_STEPS, MOST_SWAPPED = 6, 2
@@ -67,7 +67,7 @@ def _grown(
     first: float = 0.0,
     has_laws: bool = True,
 ) -> tuple[Model, list[Step]]:
-    """With candidates added, so many at most, as long as they are worth it beside what gained most so far."""
+    """The model with candidates added, so many at most, as long as they are worth it beside what gained most so far."""
     steps = list[Step]()
     for number in range(most):
         tell(f"looking for what is missing, step {number + 1}")
@@ -97,8 +97,8 @@ def _adds_law(step: Step) -> bool:
 
 
 def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
-    """With what takes fewer numbers, where beside all else it explains about as much as an effect that was added, or
-    that is no longer what its name says: alone, what takes more may have stood in for two."""
+    """The model with simpler effects in place of added ones, where they explain about as much beside all else. So, too,
+    for those that are no longer what their name says. Alone, what takes more numbers may have stood in for two."""
     if len(added(model)) + len(model.laws) < 2:
         return model, steps
     for effect in added(model):
@@ -133,12 +133,12 @@ def _with(step: Step, best: Attempt, own: Attempt) -> Step:
 
 
 def keys(model: Model) -> set[str]:
-    """The keys of all that it has beside the guess, and of what may have any size."""
+    """Keys of all that a model has beside the guess, and of what may have any size."""
     return {effect.key for effect in added(model)} | {law.key for law in model.laws} | model.wide
 
 
 def resized(model: Model) -> Model:
-    """With effects of the file at other sizes than it says, where the logs do: that names nothing."""
+    """The model with effects of the file at other sizes than it says, where the logs do: that names nothing."""
     for effect in model.guess.effects:
         if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
             new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
@@ -175,12 +175,12 @@ def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
 
 
 def every_family(model: Model) -> list[Family]:
-    """Of the vocabulary, and from outside."""
+    """Families of candidates, of the vocabulary and from outside."""
     return families(model.cart, model.logs[0].wrenches.arms, model.candidates)
 
 
 def _simplest(laws: list[Attempt]) -> list[Attempt]:
-    """Of each variable and way of acting, the simplest law that explains about as much as the best."""
+    """The simplest law of each variable and way of acting that explains about as much as the best."""
     groups = dict[tuple[Any, ...], list[Attempt]]()
     for one in laws:
         assert isinstance(one.candidate, Law)
@@ -190,8 +190,8 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
 
 
 def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt | None:
-    """Of those that are worth it, and more than what the form of others may have left, the simplest that is not surely
-    worth less than the best that somebody would call so (Breiman's rule of one standard error)."""
+    """The simplest attempt that is not surely worth less than the best that somebody would call so (Breiman's rule of
+    one standard error). Only those count that are worth it, and more than what the form of others may have left."""
     known = [one for one in attempts if one.model and _may_be(one)]
     known = [one for one in known if one.own_gain >= least_gain(one, form_error, least)]
     best = max(known, key=lambda one: one.gain, default=None)
@@ -207,13 +207,14 @@ def _closing(attempts: list[Attempt], model: Model, form_error: float, closes: C
 
 
 def least_gain(one: Attempt, form_error: float, least: float) -> float:
-    """What an attempt takes: more than the form of others may have left, unless it is usual."""
+    """Least gain of an attempt: more than the form of others may have left, unless it is usual."""
     return least if one.is_usual else max(least, form_error)
 
 
 def _margin(one: Attempt, best: Attempt) -> float:
-    """By how much less than the best a candidate may explain; of what acts at a time or a place alone, which stretches
-    don't tell, by what a name is worth; of a name beside a law, whose form fits more, by what forms may leave."""
+    """How much less than the best a candidate may explain. For what acts at a time or a place alone, which stretches
+    don't tell, it is what a name is worth. For a name beside a law, whose form fits more, it is at least what forms may
+    leave."""
     assert one.model is not None
     assert best.model is not None
     if not (one.error and best.error):
@@ -223,7 +224,7 @@ def _margin(one: Attempt, best: Attempt) -> float:
 
 
 def margin(one: Model, best: Model) -> float:
-    """By how much less a model may explain: what chance makes of the difference from stretch to stretch."""
+    """How much less a model may explain: what chance makes of the difference from stretch to stretch."""
     return max(CONFUSABLE, SURE * standard_error(one.score, best.score))
 
 
@@ -253,20 +254,21 @@ def unseen(effect: Effect, model: Model) -> str:
 
 
 def worth(base: Score, score: Score, colour: float | None) -> float:
-    """By how much a score is better: in pieces, and, of what acts everywhere, in stretches too. Of what happens once,
-    beside noise of a colour, as many times less."""
+    """How much better a score is: in pieces, and, of what acts everywhere, in stretches too. What happens once, beside
+    noise of a `colour`, gains as many times less."""
     pieces = float(score.pieces.sum() - base.pieces.sum())
     return pieces / colour if colour is not None else min(pieces, float(score.stretches.sum() - base.stretches.sum()))
 
 
 def standard_error(base: Score, score: Score) -> float:
-    """Of a gain, by how it differs from stretch to stretch."""
+    """Standard error of a gain, by how it differs from stretch to stretch."""
     gains = score.stretches - base.stretches
     return float(len(gains) ** 0.5 * gains.std())
 
 
 def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
-    """Its score where the model's parameters move a little, if at all; the effect with its amplitudes."""
+    """Attempt with an effect: its score where the model's parameters move a little, if at all, and the effect with its
+    amplitudes."""
     colour: float | None = None
     if isinstance(effect, TimeDelay):
         score = model.late(effect.delay).score
@@ -294,7 +296,8 @@ def added_worth(less: Model, model: Model, effect: Effect) -> float:
 
 
 def _colour(model: Model, candidate: Effect | Law) -> float | None:
-    """Of what is left with a candidate that does not act everywhere: a push is like anything that drifts."""
+    """Colour of what is left with a candidate that does not act everywhere, else None: a push is like anything that
+    drifts."""
     if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
         return None
     return model.colour if candidate.gate.ends else 1.0
@@ -309,7 +312,8 @@ def _is_possible(effect: Effect) -> bool:
 
 
 def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None = None) -> Attempt:
-    """With its settings where they are best, and fitted with all else; beside the forms of a model's effects, too."""
+    """Attempt with its settings where they are best, and fitted with all else; beside the forms of a model's effects,
+    too."""
     if isinstance(one.candidate, Refit):
         return one
     found: Effect | Law
@@ -332,7 +336,7 @@ def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None
 
 
 def absent(effect: Effect) -> Effect:
-    """At the same settings, without amplitudes."""
+    """The effect at the same settings, without amplitudes."""
     if isinstance(effect, ConstraintEffect):
         return type(effect).usual(effect.label)
     values = effect.values.copy()
@@ -347,7 +351,7 @@ def added(model: Model) -> list[Effect]:
 
 
 def searched_again(model: Model) -> Model:
-    """With the settings of what was added where they are best beside all else."""
+    """The model with the settings of what was added where they are best beside all else."""
     for effect in added(model):
         if isinstance(effect, ConstraintEffect):
             continue
@@ -371,7 +375,7 @@ def _elsewhere(model: Model, screen: Screen, effect: Effect) -> list[Effect]:
 
 
 def dropped(model: Model, least: float) -> Model:
-    """Without what later ones have made superfluous."""
+    """The model without what later additions have made superfluous."""
     while len(added(model)) + len(model.laws) > 1:
         losses = []
         for effect in added(model):

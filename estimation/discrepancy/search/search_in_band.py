@@ -1,4 +1,4 @@
-"""In which band of frequencies what is missing is searched for: up to where the model foretells the motion."""
+"""Search for what is missing in a band of frequencies: up to where the model foretells the motion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .model import Model
 from .search import Closes, search
 
 Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]
-"""Before and after a search, its steps, and the band of each log."""
+"""Models before and after a search, its steps, and the band of each log."""
 
 
 def searched(
@@ -26,8 +26,9 @@ def searched(
     tell: Callable[[str], None],
     closes: Closes,
 ) -> Searched:
-    """In the widest band in which the model foretells the motion: with what it lacks, laws included, where that makes
-    the mass the same in all bands, else without: in those that are `known` of the cart as it is."""
+    """Search in the widest band in which the model foretells the motion. That is judged with what it lacks, laws
+    included, where that makes the mass the same in all bands. Else it is judged by the bands `known` of the cart as it
+    is."""
 
     def in_band(chosen: Sequence[Balances]) -> tuple[Model, Model, list[Step]]:
         tell("fitting the model as it is")
@@ -46,7 +47,7 @@ def searched(
 
 
 def _told(nominal: Model, final: Model, steps: list[Step], known: Sequence[Band | None]) -> Searched:
-    """With each log's band, with what was found."""
+    """Result of a search, with each log's band by what was found."""
     again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
     found = tuple(new or old for new, old in zip(again, known, strict=True))
     row_steps = tuple(None if band is None else band.row_step for band in found)
@@ -54,6 +55,6 @@ def _told(nominal: Model, final: Model, steps: list[Step], known: Sequence[Band 
 
 
 def at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
-    """Whatever holds a cart has no name."""
+    """Result without a search, of logs at rest: whatever holds a cart has no name."""
     nominal = replace(Model.started(parts, cart), cart=cart)
     return nominal, nominal, [], (None,) * len(parts)

@@ -1,1 +1,1 @@
-"""In which conditions the residual of a model lies."""
+"""Conditions in which the residual of a model lies."""

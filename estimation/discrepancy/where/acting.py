@@ -19,7 +19,7 @@ WORDS = {Gate.WHILE: "while", Gate.FROM: "from when", Gate.INSIDE: "where"}
 
 
 def acting(model: Model, residuals: Sequence[Residual]) -> Iterator[Disagreement]:
-    """Of each effect of a model that does not act everywhere, in the coordinate that it shows in most."""
+    """Disagreement of each effect of a model that does not act everywhere, in the coordinate in which it shows most."""
     for effect in added(model):
         if effect.gate.n_parameters and not isinstance(effect, ConstraintEffect):
             there = [residual for residual in residuals if residual.disagrees] or residuals
@@ -29,7 +29,8 @@ def acting(model: Model, residuals: Sequence[Residual]) -> Iterator[Disagreement
 
 
 def _of(effect: Effect, model: Model, residual: Residual) -> Iterator[tuple[float, Disagreement]]:
-    """In the log in which it acts for the longest time, with how far beyond noise it is there (squares)."""
+    """Disagreement in the log in which an effect acts for the longest time, with how far beyond noise it is there
+    (squares)."""
     masks = [_mask(effect, balances, model) for balances in model.logs]
     balances, mask = max(zip(model.logs, masks, strict=True), key=lambda one: one[1].sum() * one[0].motion.step)
     motion, middle = balances.motion, residual.start + residual.duration / 2
@@ -47,7 +48,7 @@ def _of(effect: Effect, model: Model, residual: Residual) -> Iterator[tuple[floa
 
 
 def _mask(effect: Effect, balances: Balances, model: Model) -> np.ndarray:
-    """Times (n,) of the motion at which it does."""
+    """Whether (n,) an effect acts at each time of the motion."""
     time, values = balances.motion.time, effect.values
     if effect.gate is Gate.INSIDE:
         return balances.touches(values[:4], model.cart)

@@ -10,13 +10,14 @@ import ruptures
 from cartgrasp.frames import Array
 
 PENALTY = 3.0
-"""Times log n, in chi-squared: for a place and a size, by Schwarz's criterion, and as much again for the search."""
+"""Penalty of a change, times log n, in chi-squared: for a place and a size, by Schwarz's criterion, and as much again
+for the search."""
 MOST = 400
-"""Places that are looked at: in longer residuals every second, third, ... one."""
+"""Most places that are looked at: in longer residuals every second, third, ... one."""
 
 
 def changes(standard: Array) -> list[int]:
-    """Of a residual in standard deviations (n,), the places at which its size changes."""
+    """Places at which the size of a residual in standard deviations (n,) changes."""
     if len(standard) < 2:
         return []
     search = ruptures.Pelt(custom_cost=_Size(), min_size=1, jump=1 + len(standard) // MOST)
@@ -24,7 +25,8 @@ def changes(standard: Array) -> list[int]:
 
 
 class _Size(ruptures.base.BaseCost):  # type: ignore[misc]
-    """Of what has a size of its own about zero, but none below noise: minus twice the log of the likelihood."""
+    """Cost of a stretch with a size of its own about zero, but none below noise: minus twice the log of the
+    likelihood."""
 
     model, min_size = "size", 1
 

@@ -1,4 +1,4 @@
-"""Under what a cart was at some times: how it moved, where, and what each arm gave it."""
+"""Circumstances of a cart at some times: how it moved, where, and what each arm gave it."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ...weak_form.balances import Balances
 from ..search.course import Course, rows_at
 
 SMOOTHED = 0.25
-"""s, on each side, over which wrenches are averaged."""
+"""Time (s) on each side over which wrenches are averaged."""
 
 
 @dataclass(frozen=True)
 class Circumstances:
-    """At some times (b,) of logs (b,), which have names: the course; of each arm the planar wrench (b, 3) in {b} and
-    the contact's place there (b, 2). Logs may have no arms."""
+    """The course at times (b,) of named logs (b,), and each arm's planar wrench (b, 3) in {b} and contact point there
+    (b, 2). Logs may have no arms."""
 
     time: Array
     log: np.ndarray
@@ -33,8 +33,8 @@ class Circumstances:
 
     @classmethod
     def of(cls, time: Array, log: np.ndarray, logs: Sequence[Balances], cart: CartModel) -> Circumstances:
-        """At times (b,) by the clock of the logs (b,) to which they belong; those of one log come after those of the
-        one before."""
+        """Circumstances at times (b,) by the clock of the logs (b,) to which they belong. Those of one log come after
+        those of the one before."""
         arms = tuple(dict.fromkeys(arm for balances in logs for arm in balances.wrenches.arms))
         wrenches = {arm: np.zeros((len(time), 3)) for arm in arms}
         contacts = {arm: np.full((len(time), 2), np.nan) for arm in arms}
@@ -51,11 +51,11 @@ class Circumstances:
 
     @property
     def total(self) -> Array:
-        """Of all arms (b, 3), in {b}."""
+        """Planar wrench (b, 3) of all arms together, in {b}."""
         return np.asarray(sum(self.wrenches.values(), np.zeros((len(self.time), 3))))
 
     def strength(self, arm: str) -> Array:
-        """Of an arm's force in the plane (b,), N."""
+        """Size of an arm's force in the plane (b,), N."""
         return np.asarray(np.hypot(*self.wrenches[arm][:, :2].T))
 
 
@@ -65,8 +65,8 @@ def _goes_on(before: Balances, balances: Balances) -> bool:
 
 
 def arm_wrenches(balances: Balances, cart: CartModel, smoothed: float) -> dict[str, Array]:
-    """Of each arm, corrected by what a cart's sensors do and averaged over `smoothed` (s) on each side of the motion's
-    times, the planar wrench (n, 3) in {b}."""
+    """Planar wrench (n, 3) of each arm in {b}. It is corrected by what a cart's sensors do, and averaged over
+    `smoothed` (s) on each side of the motion's times."""
     record = balances.wrenches
     reach = max(1, round(smoothed / balances.motion.step))
     found = {}
@@ -77,7 +77,7 @@ def arm_wrenches(balances: Balances, cart: CartModel, smoothed: float) -> dict[s
 
 
 def _means(values: Array, reach: int) -> Array:
-    """Of values (n, k), over so many rows on each side; at the ends, of those that are there."""
+    """Means of values (n, k) over so many rows on each side; at the ends, over those that are there."""
     there = np.ones((len(values), 1))
     sums, count = (uniform_filter1d(each, 2 * reach + 1, axis=0, mode="constant") for each in (values, there))
     return np.asarray(sums / count)

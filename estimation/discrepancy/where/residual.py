@@ -23,24 +23,24 @@ DIRECTIONS = {
     2: ("forward_force", "yaw_moment"),
     3: ("forward_force", "side_force", "yaw_moment"),
 }
-"""Of the residual wrench, by the number of free directions."""
+"""Coordinates of the residual wrench, by the number of free directions."""
 LEAST_CREEP = 0.002
-"""m/s, root mean square beyond noise: less is in every bearing, and no disagreement."""
+"""Least root mean square beyond noise (m/s) that is a disagreement: less is in every bearing."""
 UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m", LATERAL: "m/s"}
 STRETCH = 0.5
-"""s, of means, where rows come as often as that."""
+"""Duration (s) of the stretches of means, where rows come as often as that."""
 FINE = 0.1
-"""s, from row to row, where a figure shows each."""
+"""Step (s) from row to row, where a figure shows each."""
 EDGE = 1e-6
-"""Of a stretch: rows at its very begin are in it."""
+"""Tolerance as a share of a stretch: rows at its very begin are in it."""
 SURE = 3.0
 """Standard deviations of what noise makes of the squares."""
 
 
 @dataclass(frozen=True)
 class Residual:
-    """Of one coordinate: means (b,) over stretches that begin at `start` (b,) and last for `duration` (s), and their
-    standard deviations (b,)."""
+    """Residual of one coordinate: means (b,) over stretches that begin at `start` (b,) and last for `duration` (s), and
+    their standard deviations (b,)."""
 
     coordinate: str
     value: Array
@@ -59,13 +59,13 @@ class Residual:
 
     @cached_property
     def beyond(self) -> Array:
-        """Of each stretch (b,), by how much its square is more than that of noise: noise alone takes some below, and
-        none on the whole."""
+        """Square of each stretch (b,), in standard deviations, less that of noise. Noise alone makes some negative, and
+        their sum about zero."""
         return self.standard**2 - 1.0
 
     @cached_property
     def changes(self) -> tuple[tuple[int, ...], ...]:
-        """Of each log, the places among its stretches at which the residual's size changes."""
+        """Places among each log's stretches at which the residual's size changes."""
         logs = range(len(self.circumstances.names))
         return tuple(tuple(changes(self.standard[self.circumstances.log == k])) for k in logs)
 
@@ -83,18 +83,19 @@ class Residual:
 
 
 def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
-    """Of every coordinate, what `model` leaves, against what `noise`, whose rows' noise is believed, says of it."""
+    """Residuals that `model` leaves of every coordinate, with standard deviations by `noise`, whose rows' noise is
+    believed."""
     return _residuals(model, noise, model.logs, max(STRETCH, *(balances.row_step for balances in model.logs)))
 
 
 def fine_residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
-    """As `residuals`, of single rows, as fine as any, whatever the model was fitted to."""
+    """Residuals of single rows, as fine as any, whatever the model was fitted to."""
     logs = finely(model.logs)
     return _residuals(model, noise, logs, max(balances.row_step for balances in logs))
 
 
 def finely(logs: Sequence[Balances]) -> tuple[Balances, ...]:
-    """With rows as fine as any."""
+    """Balances with rows as fine as any."""
     return tuple(balances.every(FINE) for balances in logs)
 
 
@@ -109,8 +110,8 @@ def _residuals(model: Model, noise: Model, logs: tuple[Balances, ...], duration:
 
 
 def _means(balances: Balances, left: Array, whitening: Whitening, duration: float) -> tuple[Array, Array, Array]:
-    """Of one log's stretches that hold rows: begins (b,), and of raw rows (k, c) means of what test functions weigh
-    (b, c) and their standard deviations; neighbours overlap, so their noise is theirs together."""
+    """Begins (b,) of one log's stretches with rows, means (b, c) of raw rows (k, c) over test functions' weights, and
+    standard deviations of these. Neighbours overlap, so their noise is theirs together."""
     is_fine = duration < 2 * balances.row_step
     first = float(balances.time[0]) - duration / 2 if is_fine else float(balances.motion.time[0])
     weight = balances.integrated(np.ones(len(balances.motion.time)))

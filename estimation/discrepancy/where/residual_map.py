@@ -16,9 +16,9 @@ from .residual import Residual
 HEADING = "heading"
 BINS = 8
 HALF = np.pi / BINS
-"""Of a heading's bin, rad: the floor's axes are in the middle of theirs."""
+"""Half of a heading's bin, rad: the floor's axes are in the middle of theirs."""
 FEWEST = 3
-"""Stretches in a bin."""
+"""Fewest stretches in a bin that has a number."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class Profile:
 
 @dataclass(frozen=True)
 class ResidualMap:
-    """Of a coordinate in its unit, what the refitted model leaves against a variable, and the extended one in the same
-    bins."""
+    """What the refitted model leaves of a coordinate, in its unit, against a variable, and what the extended one leaves
+    in the same bins."""
 
     coordinate: str
     unit: str
@@ -56,7 +56,7 @@ class ResidualMap:
 
 
 def residual_maps(before: Sequence[Residual], after: Sequence[Residual]) -> tuple[ResidualMap, ...]:
-    """Of each coordinate one against every variable that changes, in the bins of what was left before."""
+    """Maps of each coordinate against every variable that changes, in the bins of what was left before."""
     return tuple(
         ResidualMap(first.coordinate, first.unit, *both)
         for first, last in zip(before, after, strict=True)
@@ -65,7 +65,8 @@ def residual_maps(before: Sequence[Residual], after: Sequence[Residual]) -> tupl
 
 
 def profiles(residual: Residual, bins: Circumstances | None = None) -> Iterator[Profile]:
-    """Against every variable that changes; in bins of other circumstances, where these are given."""
+    """Profiles of a residual against every variable that changes; in bins of other circumstances, where these are
+    given."""
     own = variables(residual.circumstances)
     for (name, unit), values in variables(bins or residual.circumstances).items():
         edges = _edges(name, values)
@@ -74,7 +75,7 @@ def profiles(residual: Residual, bins: Circumstances | None = None) -> Iterator[
 
 
 def means(residual: Residual, place: Array, edges: Array) -> tuple[Array, Array, Array]:
-    """Of a variable (b,) and of a residual over it, in bins (k,), and the standard deviation of the latter."""
+    """Means of a variable (b,) and of a residual over it, in bins (k,), and the standard deviations of the latter."""
     count, weight = _sums(place, edges), residual.std**-2.0
     whole = np.where(count >= FEWEST, _sums(place, edges, weight), np.nan)
     at = _sums(place, edges, place) / np.where(count > 0, count, np.nan)
@@ -82,8 +83,8 @@ def means(residual: Residual, place: Array, edges: Array) -> tuple[Array, Array,
 
 
 def most_followed(residual: Residual, but: str = "nothing") -> tuple[float, Profile | None]:
-    """What a residual goes along with the most, be it forward or backward, and its share of the disagreement; not by
-    variables whose name begins so."""
+    """Share of the disagreement that goes with the variable that a residual follows most, and the profile. Variables
+    whose name begins with `but` are left out."""
     whole = max(float(residual.beyond.sum()), 1e-12)
     known = (one for one in profiles(residual) if not one.variable.startswith(but))
     found = [(float(np.nansum((one.mean / one.std) ** 2 - 1.0)) / whole, one) for one in known]
@@ -92,7 +93,8 @@ def most_followed(residual: Residual, but: str = "nothing") -> tuple[float, Prof
 
 
 def variables(found: Circumstances) -> dict[tuple[str, str], Array]:
-    """By name and unit (b,); what is not known is not finite. Clocks of several logs have nothing in common."""
+    """Values (b,) of variables by name and unit; what is not known is not finite. Clocks of several logs have nothing
+    in common."""
     course, several = found.course, len(found.names) > 1
     known = {
         ("time since the log's begin" if several else "time", "s"): course.time if several else found.time,
@@ -115,7 +117,7 @@ def variables(found: Circumstances) -> dict[tuple[str, str], Array]:
 
 
 def _edges(name: str, values: Array) -> Array:
-    """Of bins that hold as much each; headings have bins of one width."""
+    """Edges of bins that hold as much each; headings have bins of one width."""
     if name == HEADING:
         return np.linspace(-np.pi, np.pi, BINS + 1) - HALF
     known = values[np.isfinite(values)]
@@ -123,7 +125,7 @@ def _edges(name: str, values: Array) -> Array:
 
 
 def _sums(values: Array, edges: Array, weight: Array | None = None) -> Array:
-    """Of weights (b,), else how many, in bins of the values (b,) that are known; the outer ones have no end."""
+    """Sums of weights (b,), or else counts, in bins of the values (b,) that are known; the outer bins have no end."""
     known = np.isfinite(values)
     inside = np.clip(values[known], edges[0], edges[-1])
     return np.histogram(inside, edges, weights=np.ones(len(inside)) if weight is None else weight[known])[0]

@@ -18,32 +18,33 @@ from .residual import UNITS, Residual
 from .residual_map import means, most_followed
 
 LEAST_SHARE, LEAST_LIFT = 0.25, 1.4
-"""Of the disagreement, and how much more of it than of the time, for a condition worth telling."""
+"""Least share of the disagreement in a condition worth telling, and the least multiple of its share of the time."""
 LEAST_ALONG = 0.5
-"""Of the disagreement, for a variable that it goes with."""
+"""Least share of the disagreement that goes with a variable worth telling."""
 MOST, PARTS = 5, 12
-"""Sentences; parts of a period."""
+"""Most sentences; parts of a period."""
 MOST_KNOWN, WIDER = 0.8, 1.25
-"""Of a condition's disagreement, in another that was told and is no more than so many times as wide: it says nothing
-new."""
+"""A condition says nothing new if this share of its disagreement lies in a told one that is at most so many times as
+wide."""
 SLOW, TURNING = 0.12, 0.08
-"""m/s, rad/s."""
+"""Speed (m/s) below which a cart is slow; yaw rate (rad/s) above which it turns."""
 FAST_SHARE, STRONG_SHARE, WEAK_SHARE = 0.75, 0.7, 0.2
-"""Of the fastest speed, and of the largest force or moment."""
+"""Share of the fastest speed above which a cart is fast; shares of the largest force or moment for strong and weak
+ones."""
 LARGEST = 98.0
 """Percentile: what is larger is an accident."""
 AFTER_REVERSAL, AROUND = 0.4, 0.5
-"""m; s, about the worst."""
+"""Distance (m) after a reversal; time (s) about the worst stretch."""
 MOST_CONTACTS = 6
 
 
 def short(value: float) -> str:
-    """Of two digits, without an exponent where there need be none: 230 and not 2.3e+02."""
+    """A value with two digits, without an exponent where there need be none: 230 and not 2.3e+02."""
     return f"{float(f'{value:.2g}'):g}"
 
 
 Condition = tuple[str, np.ndarray]
-"""In words, and the stretches (b,) that meet it."""
+"""A condition in words, and whether stretches (b,) meet it."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Disagreement:
 
     @property
     def sentence(self) -> str:
-        """For people."""
+        """The disagreement in a sentence for people."""
         coordinate = self.coordinate.replace("_", " ").capitalize()
         return f"{coordinate}, {short(self.size)} {UNITS[self.coordinate]}: {self.condition}"
 
@@ -79,7 +80,8 @@ def where(residuals: Sequence[Residual], first: Sequence[Disagreement] = ()) -> 
 
 
 def _gathering(residual: Residual) -> Iterator[tuple[float, Disagreement]]:
-    """With what they tell, but for what says the same as one that tells more, or as all motion does."""
+    """Conditions that gather the disagreement, with how much they tell. Left out is what says the same as one that
+    tells more, or as all motion does."""
     course, told, others = residual.circumstances.course, [], list[np.ndarray]()
     moves = (np.abs(course.speed) > ROLLING) | (np.abs(course.yaw_rate) > TURNING)
     total = max(float(residual.beyond[moves].sum()), 1e-12)
@@ -98,7 +100,8 @@ def _gathering(residual: Residual) -> Iterator[tuple[float, Disagreement]]:
 
 
 def repeats(residual: Residual, values: Array, law: Law) -> Iterator[Disagreement]:
-    """Of single rows, how much repeats with a law's period over values (b,) of its variable, where that is a part."""
+    """How much of single rows' disagreement repeats with a law's period over values (b,) of its variable; nothing where
+    that is little."""
     if not (law.period and residual.disagrees):
         return
     at, mean, std = means(residual, values % law.period, np.linspace(0.0, law.period, PARTS + 1))
@@ -112,7 +115,7 @@ def repeats(residual: Residual, values: Array, law: Law) -> Iterator[Disagreemen
 
 
 def _disagreement(residual: Residual, chosen: np.ndarray, share: float, text: str) -> Disagreement:
-    """From when to when stretches lie, in the log that holds the most of their disagreement."""
+    """Disagreement of the chosen stretches, with the times of those in the log that holds the most of it."""
     logs = np.where(chosen, residual.circumstances.log, -1)
     most = max(np.unique(logs[chosen]), key=lambda k: float(residual.beyond[logs == k].sum()))
     start, size = residual.start[logs == most], float(np.sqrt((residual.value[chosen] ** 2).mean()))
@@ -121,7 +124,7 @@ def _disagreement(residual: Residual, chosen: np.ndarray, share: float, text: st
 
 
 def runs(start: np.ndarray, duration: float) -> tuple[tuple[float, float], ...]:
-    """From when to when stretches (n,) of one duration (s) follow one another, in order of time."""
+    """Begins and ends (s) of runs of stretches (n,) of one duration (s) that follow one another, in order of time."""
     start = np.sort(start)
     pieces = np.split(start, np.flatnonzero(np.diff(start) > 1.5 * duration) + 1)
     return tuple((float(piece[0]), float(piece[-1]) + duration) for piece in pieces)
@@ -155,7 +158,7 @@ def _conditions(residual: Residual) -> Iterator[Condition]:
 
 
 def _in_motion(course: Course) -> Iterator[Condition]:
-    """How it moves, along which quarter of the circle, and in which square metre."""
+    """Conditions of how the cart moves, along which quarter of the circle, and in which square metre."""
     speed, turning = course.speed, course.yaw_rate
     moving, fast = np.abs(speed) > ROLLING, FAST_SHARE * float(np.abs(speed).max())
     yield f"within {AFTER_REVERSAL} m after a reversal", moving & (course.since_reversal < AFTER_REVERSAL)
@@ -174,7 +177,7 @@ def _in_motion(course: Course) -> Iterator[Condition]:
 
 
 def _in_time(residual: Residual) -> Iterator[Condition]:
-    """About the worst of each log, between change points, and before and after each."""
+    """Conditions of time: about the worst of each log, between change points, and before and after each."""
     found, start = residual.circumstances, residual.start
     for k, name in enumerate(found.names):
         own, of_log = found.log == k, f" of {name}" if len(found.names) > 1 else ""
@@ -195,7 +198,7 @@ def _in_time(residual: Residual) -> Iterator[Condition]:
 
 
 def _in_force(found: Circumstances) -> Iterator[Condition]:
-    """What all arms give together, and each where there are several, and where it holds."""
+    """Conditions of what all arms give together, what each gives where there are several, and where it holds."""
     for values, unit, more, less, little in (
         (found.total[:, 0], "N", "push it forward", "pull it backward", "push or pull"),
         (found.total[:, 2], "N·m", "turn it to the left", "turn it to the right", "turn it"),
