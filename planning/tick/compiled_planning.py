@@ -138,7 +138,7 @@ class CompiledPlanning:
     # --- answers ------------------------------------------------------------------------------------------
 
     def _plan(self, points: Array, wrench: Point, choice: ChoiceProof | None, start: float) -> Plan:
-        """Of what the allocation holds."""
+        """The plan from what the compiled allocation holds."""
         found = self._allocation
         answer = found.answer()
         answer.setflags(write=False)  # plans show it

@@ -99,7 +99,7 @@ class Terms:
         return True
 
     def cost(self, last: Array, asked: Sequence[float]) -> Cost:
-        """After wrenches (6n,), where the cart is to get a wrench (3,)."""
+        """The cost after wrenches (6n,), where the cart is to get a planar wrench (3,)."""
         if self.base.looks_at_wheels:
             slope, besides = self._straight_force
             self.straight = float(slope.dot(asked)) + besides
@@ -107,7 +107,8 @@ class Terms:
 
     @cached_property
     def _straight_force(self) -> tuple[Array, float]:
-        """Of the estimate given last."""
+        """The straight force (`floor_reaction.straight_force`) for the estimate given last, or for the cart at rest
+        before the first."""
         if self.estimate is None:
             return straight_force(self._pushed.cart)
         return straight_force(read_cart(self.estimate, self.base.basis_b), self.estimate.motion)
