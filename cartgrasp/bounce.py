@@ -21,7 +21,8 @@ from .frames import Array, body_to_world
 from .model import CartModel
 
 ALONG = 1e-6
-"""Of its speeds, what takes a cart towards a wall: one that rolls along it with less never gets there."""
+"""Least share of a cart's speeds that takes it towards a wall; below it, the cart rolls along the wall and never
+reaches it."""
 
 
 def walls_of(cart: CartModel) -> tuple[Wall, ...]:

@@ -20,7 +20,7 @@ from .wheels import GRAVITY, WheelSet
 
 STAY = np.zeros(2)
 STABLE = 1.5
-"""Of step times stiffness, where `advanced` is stable: up to 2.78 in theory."""
+"""Largest product of step time and stiffness at which `advanced` is run; in theory it is stable up to 2.78."""
 
 
 class CompiledDynamics:

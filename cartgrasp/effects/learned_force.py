@@ -57,10 +57,10 @@ ROUNDED = 0.25
 TURN = 0.01
 """m: a reversal is told within some of it."""
 LONG_AGO = 2.0
-"""m: of a reversal that was before the cart came to be looked at."""
+"""m: way since a reversal that lies before the first observation."""
 MOST_HARMONIC, MOST_AMPLITUDES = 100.0, 400
 LEAST = 1e-6
-"""Of a period, and of a gap between knots, in the variable's unit."""
+"""Least period, and least gap between knots, in the variable's unit."""
 
 
 @final

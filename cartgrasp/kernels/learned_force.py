@@ -66,7 +66,7 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
 
 @compiled
 def stiction(at: Situation, own: Own, columns: Array) -> int:
-    """Of drag alone."""
+    """Fills the column of a law that is a drag, and returns 1; other laws have no column, and it returns 0."""
     if own.constants[ACTS_ON] != DRAG:
         return 0
     lever = own.constants[LEVER]

@@ -75,8 +75,9 @@ def arms() -> tuple[Arm, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Tick:
-    """By way, in the order of WAYS: status, effort, how far the true cart is inside its limits (N; negative: beyond),
-    and whether a limit of the cart was active; the margins' largest `reserve` (N), and the filter's deviations."""
+    """One tick; sequences are in the order of WAYS. `room` is how far the true cart is inside its limits (N; negative:
+    beyond), `at_limit` whether a limit of the cart was active. Also the margins' largest `reserve` (N), and the
+    filter's deviations."""
 
     time: float
     statuses: tuple[str, ...]
@@ -170,7 +171,7 @@ class Drive:
 
 
 def effort_of(plan: Plan) -> float:
-    """Of what is given, N²."""
+    """The effort of the wrenches that a plan gives, N²."""
     weights = {arm.name: np.array(arm.weights) for arm in arms()}
     return float(sum(w**2 @ weights[arm] for arm, w in plan.contact_wrenches.wrenches.items()))
 

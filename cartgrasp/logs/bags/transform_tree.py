@@ -88,7 +88,7 @@ class TransformTree:
 
 
 def usual(counts: Mapping[Key, int]) -> set[Key]:
-    """Of the transforms to each frame the one that came most often."""
+    """For each child frame, the transform that came most often."""
     most: dict[str, Key] = {}
     for key in sorted(counts):
         child = key[1][1]

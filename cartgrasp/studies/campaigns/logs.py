@@ -79,7 +79,8 @@ def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
 
 
 def digest(path: Path) -> str:
-    """Of a file, or of all in a recorder's folder; of nothing where it can't be read, which its job will tell."""
+    """The digest of a file, or of all files in a recorder's folder. It leaves out what can't be read, which its job
+    will tell."""
     whole = hashlib.sha256()
     for one in _files(path):
         try:

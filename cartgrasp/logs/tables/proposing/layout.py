@@ -68,7 +68,7 @@ def _rows(cells: Sequence[tuple[int, list[str]]], decimal: str) -> tuple[list[tu
 
 
 def _share(row: Sequence[str], decimal: str) -> float:
-    """Of numbers among the cells that are not missing."""
+    """The share of numbers among the cells that are not missing."""
     cells = [cell for cell in row if cell.strip() not in MISSING]
     return sum(number(cell, decimal) is not None for cell in cells) / len(cells) if cells else 0.0
 
