@@ -21,8 +21,8 @@ ROUNDING = 12**-0.5
 
 
 def resolution(column: Array) -> float:
-    """Of values (n,), NaN where missing: the usual step after a repetition; where few repeat, the smallest of all; 0
-    where none differ."""
+    """The resolution of values (n,), NaN where missing: the usual step after a repetition; where few repeat, the
+    smallest of all; 0 where none differ."""
     steps = np.abs(np.diff(column[np.isfinite(column)]))
     moved = steps > TINY
     if not moved.any():

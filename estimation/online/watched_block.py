@@ -16,7 +16,7 @@ HEADINGS = (1.0, math.pi / 180, -1.0)
 SPACED = 0.015
 """s between velocities, up to which second differences are noise: a loop at 50 Hz moves a cart between samples."""
 MEDIAN = 0.6745
-"""Of the size of a normal number, in deviations."""
+"""The median magnitude of a standard normal number."""
 FEWEST = 8
 """Velocities that tell their noise."""
 LARGEST = 1e9
@@ -38,7 +38,7 @@ class Block(NamedTuple):
 
 
 def wrapped(angle: float) -> float:
-    """To [-pi, pi)."""
+    """The angle (rad) wrapped to [-pi, pi)."""
     return (angle + math.pi) % TURN - math.pi
 
 
@@ -74,7 +74,7 @@ def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, t
 def wrench_of(
     samples: Sequence[Measurement], contacts: Mapping[str, Array], arms: Sequence[str], yaws: Mapping[str, float]
 ) -> list[float] | None:
-    """Of all arms; None where one of them, or where it holds, is not known."""
+    """The mean wrench (3,) of all arms in {b}; None where the wrench or the contact of one of them is not known."""
     along = across = moment = 0.0
     for arm in arms:
         rows = _whole([m.wrenches[arm] for m in samples if arm in m.wrenches])

@@ -34,7 +34,7 @@ from .velocities import of_velocities
 from .wrenches import judged
 
 ANY = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
-"""Goes any way."""
+"""A cart that may go any way."""
 NO_CART = "no cart was given; say --cart cart.yaml"
 
 
@@ -47,7 +47,8 @@ class Sensors:
 
 
 def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
-    """Of poses, velocities and recorders; what wrenches do is seen in balances of that log (`of_wrenches`)."""
+    """Mends and judges poses, velocities and recorders; what wrenches do is seen in balances of the mended log
+    (`of_wrenches`)."""
     fresh = without_stale(log)
     clean, between = interpolated(fresh)
     right, of_speeds = of_velocities(clean)
@@ -66,7 +67,7 @@ class Look:
     unjudged: str = ""
 
     def as_dict(self) -> dict[str, Any]:
-        """As `cartgrasp check` says it."""
+        """The look as `cartgrasp check` says it."""
         fields = ("kind", "where", "probability", "factor", "words")
         told = [{name: getattr(one, name) for name in fields} for one in self.suspicions]
         return {**self.overview.as_dict(), "suspicions": told, "unjudged": self.unjudged}
@@ -96,7 +97,7 @@ def check_sensors(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
 
 
 def _motions(parts: Iterable[RunLog]) -> Iterator[Motion]:
-    """Of parts that are long enough."""
+    """The motions of the parts that are long enough."""
     for part in parts:
         with suppress(DataError):
             yield motion_of(put_right(part, None).log, ANY)

@@ -19,7 +19,7 @@ from .replay import replay
 FAR, FAR_SHARE = 3.0, 0.05
 """Combined standard deviations, and share of the larger value, beyond both of which two values are not one."""
 MOST_ROWS = 30_000
-"""Of a log that is looked at twice, which takes some seconds: five minutes at 100 Hz."""
+"""Largest number of rows of a log that is looked at twice, which takes some seconds: five minutes at 100 Hz."""
 
 
 def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, cart: CartModel) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ entry = cached_as(OWN, OPTIONS)
 """Entries hold code of the cart's kernels, too."""
 WITH_ARRAYS = OPTIONS | {"_nrt": True}
 row_entry = cached_as(OWN, WITH_ARRAYS)
-"""Of what is done ten times a second, and may make arrays."""
+"""Compiles what is called ten times a second, and may make arrays."""
 
 
 def compiled(function: F) -> F:

@@ -42,7 +42,7 @@ class Known(NamedTuple):
 
 
 def row_size(d: int) -> int:
-    """Of what a row tells of the motion."""
+    """The number of entries of a moment's row that are about the motion."""
     return 2 * d + 3 * d * d + 1
 
 
