@@ -291,7 +291,8 @@ def into_cone(multiplier: Array) -> Array:
 
 
 def active_limits(multipliers: Array, names: LimitNames) -> tuple[str, ...]:
-    """Those of the lower and upper limits, whose multipliers come first, that push back: above 1e-7 of the largest."""
+    """The names of the lower and upper limits that are active: with multipliers above 1e-7 of the largest. The limits'
+    multipliers come first."""
     lower, upper = names
     least, found = _least_active(multipliers), []
     for i in multipliers[: len(lower)].nonzero()[0].tolist():

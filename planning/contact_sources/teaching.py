@@ -40,7 +40,7 @@ LEAST, CANNOT = "least effort", "no contacts can drive the time ahead"
 
 @final
 class TeachingContacts:
-    """For the arms' points; segments are refused. `choosing` says what is asked for, and at which cost."""
+    """Chooses among the arms' points; segments are refused. `choosing` says what is asked for, and at which cost."""
 
     def __init__(
         self,

@@ -71,7 +71,7 @@ class Switching:
 
 @final
 class SwitchingCost:
-    """For every arm, or by arm's name (zero for those left out); in the objective's unit."""
+    """The cost of switching for every arm, or by arm's name (zero for those left out), in the objective's unit."""
 
     def __init__(self, cost: float | Mapping[str, float], names: Sequence[str]) -> None:
         by_arm = dict(cost) if isinstance(cost, Mapping) else dict.fromkeys(names, cost)

@@ -16,5 +16,5 @@ entry = cached_as(DIGEST, QUICK)
 
 
 def compiled(function: F) -> F:
-    """For kernels that kernels call."""
+    """Compiles a kernel that only kernels call."""
     return inner(function, QUICK)

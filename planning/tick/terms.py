@@ -128,7 +128,7 @@ class Terms:
         return factor if self.rate is None else self.rate.shrink(wrenches, factor)
 
     def reaching(self, names: Iterable[str]) -> list[tuple[str, Reach]]:
-        """Those of the named arms that have a reach, with it."""
+        """The named arms that have a reach, with it."""
         return [(arm.name, arm.reach) for arm in self.base.arms if arm.name in names and arm.reach is not None]
 
     def take_estimate(self, estimate: Estimate) -> bool:
@@ -211,7 +211,7 @@ def _within_reach(arm: Arm) -> ContactSet:
 
 
 def why_no_posture(arm: Arm, contact: ArrayLike) -> str:
-    """In words, why the arm can't hold at a contact (3,); empty if it can, or tells no postures."""
+    """Why the arm can't hold at a contact (3,), in words; empty if it can, or tells no postures."""
     try:
         arm.at(contact)
     except UsageError as error:
