@@ -24,7 +24,7 @@ MOST_SHOWN = 60
 
 
 def shown(value: Any) -> str:
-    """In one short line."""
+    """The `repr` of a value in one short line."""
     words = " ".join(repr(value).split())
     return words if len(words) <= MOST_SHOWN else f"{words[: MOST_SHOWN - 2]} …"
 
@@ -62,7 +62,7 @@ def listed(what: str, values: Any, kind: type, cure: str) -> tuple[Any, ...]:
 
 
 def number(what: str, value: Any, low: float = -math.inf, high: float = math.inf, cure: str = "") -> float:
-    """From `low` to `high`; text, truth values and NaN are no numbers."""
+    """The value as a number from `low` to `high`; text, truth values and NaN are no numbers."""
     try:
         found = math.nan if isinstance(value, str | bytes | bool) else float(value)
     except (TypeError, ValueError, OverflowError):
@@ -142,7 +142,7 @@ def brief(name: str, *parts: str) -> str:
 
 
 def digits(values: float | Sequence[float]) -> str:
-    """To four digits: `0.25`, `(1, 0, 0.5236)`."""
+    """Numbers to four digits: `0.25`, `(1, 0, 0.5236)`."""
     if isinstance(values, int | float):
         return f"{values:.4g}"
     return f"({', '.join(f'{value:.4g}' for value in values)})"

@@ -24,9 +24,9 @@ STABLE = 1.5
 
 
 class CompiledDynamics:
-    """For one structure: effects, wheels, the basis of free velocities (3, f), `sizes` (how much memory, how many
-    parameters). `floats` and `ints` are the workspace that kernels unpack; `n_sums` and `most_stictions` say how long a
-    row of `entries.effects` is."""
+    """Dynamics of one structure: effects, wheels, the basis of free velocities (3, f), `sizes` (how much memory, how
+    many parameters). `floats` and `ints` are the workspace that kernels unpack; `n_sums` and `most_stictions` say how
+    long a row of `entries.effects` is."""
 
     floats: Array
     ints: Ints

@@ -32,14 +32,14 @@ def digest_of(folder: Path) -> str:
 
 
 def inner(function: F, options: dict[str, Any]) -> F:
-    """For kernels that only kernels call."""
+    """Compiles a kernel that only kernels call."""
     given: Any = {"pipeline_class": InnerCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, **options}
     return njit(function, **given)  # type: ignore[no-any-return]
 
 
 def cached_as(name: str, options: dict[str, Any]) -> Callable[[F], F]:
-    """For kernels that Python calls: compiled once a machine, into numba's cache beside the source (or in the user's
-    cache), with all that they call. `name` is a digest of the sources of all of them."""
+    """A decorator for kernels that Python calls. They are compiled once a machine, with all that they call, into
+    numba's cache beside the source (or in the user's cache). `name` is a digest of the sources of all of them."""
 
     def entry(function: F) -> F:
         function.__qualname__ = f"{function.__qualname__}_{name}"

@@ -95,7 +95,7 @@ class ControlStep(Protocol):
 
 
 class Controller(Protocol):
-    """From what is sensed to what the arms do, once a `period` (s). `cart` is its first guess, and all that it
+    """Goes from what is sensed to what the arms do, once a `period` (s). `cart` is its first guess, and all that it
     believes where it does not learn."""
 
     @property

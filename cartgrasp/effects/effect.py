@@ -282,7 +282,7 @@ class ConstraintEffect(Effect):
 
     @abstractmethod
     def scaled(self, share: float) -> Self:
-        """The same with `share` times the velocity across the cart."""
+        """The same effect with `share` times the velocity across the cart."""
 
     @property
     def slip_compliance(self) -> float:

@@ -50,7 +50,7 @@ from .effect import Parameter, Setting
 ACTS_ON = ("forward_force", "lateral_force", "yaw_moment", "drag", "world_force", "viscous_drag")
 AT_A_LEVER, AHEAD = ("forward_force", "drag", "viscous_drag"), ("lateral_force", "world_force")
 OF = ("time", "travelled_distance", "heading", "speed", "yaw_rate", "place", "since_reversal")
-"""In the order in which the kernel counts them."""
+"""The variables, in the order in which the kernel counts them."""
 WAYS = ("travelled_distance", "since_reversal")
 """What is remembered."""
 ROUNDED = 0.25
@@ -145,7 +145,7 @@ class LearnedForce(CompiledForce):
 
     @property
     def cycle(self) -> float:
-        """After which the law repeats, in the variable's unit; 0 where it does not."""
+        """The period after which the law repeats, in the variable's unit; 0 where it does not."""
         return 2 * math.pi if self.of == "heading" else self.period
 
     @cached_property

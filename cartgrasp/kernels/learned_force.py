@@ -155,7 +155,7 @@ def _hat(knots: Array, k: int, x: float, width: float) -> tuple[float, float]:
 
 @compiled
 def _climb(low: float, high: float, x: float, width: float) -> tuple[float, float]:
-    """From 0 to 1 between two knots, and its derivative."""
+    """A ramp from 0 to 1 between two knots, and its derivative."""
     if x >= high + width:
         return 1.0, 0.0
     begun, begun_slope = smooth_ramp(x - low, width)

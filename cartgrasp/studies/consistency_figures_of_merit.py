@@ -80,7 +80,7 @@ def claims(runs: Sequence[dict[str, Trace]]) -> list[Claim]:
 
 
 def as_dict(runs: Sequence[dict[str, Trace]], model: str, square: str) -> dict[str, object]:
-    """For `--json`."""
+    """The consistency as `--json` has it."""
     found = consistency(runs, model, square)
     band = [found.low, found.high]
     return {"model": model, "square": square, "mean": float(found.mean.mean()), "band": band, "inside": found.inside}

@@ -117,8 +117,9 @@ def scaled(gains: Gains, by: float) -> Gains:
 
 @dataclass(frozen=True)
 class Paid:
-    """In one run: by how much its gains were scaled, the rms position error (m), rms of all hands' forces (N) and
-    moments (N·m) and the largest of one hand, mean effort (N²), regrasps; all infinite where the cart tips over."""
+    """What one run costs: by how much its gains were scaled, the rms position error (m), mean effort (N²) and regrasps.
+    Forces (N) and moments (N·m) are the rms of all hands', and the largest of one hand. All are infinite where the cart
+    tips over."""
 
     gain: float
     error: float

@@ -97,7 +97,7 @@ def claims(found: Sequence[Compared]) -> list[Claim]:
 
 
 def as_dict(one: Compared) -> dict[str, Any]:
-    """For `--json`."""
+    """The comparison as `--json` has it."""
     paid = {", ".join(way): vars(figures) for way, figures in one.paid.items()}
     return {**vars(one.job), "error": one.error, "paid": paid}
 

@@ -155,7 +155,7 @@ def _honesty(trials: Sequence[Trial], way: str) -> float:
 
 
 def as_dict(trial: Trial) -> dict[str, object]:
-    """For `--json`."""
+    """The trial as `--json` has it."""
     answers = {
         way: {
             "health": answer.health,

@@ -141,7 +141,7 @@ class Drive:
         ]
 
     def ticks(self, duration: float | None) -> Iterator[Tick]:
-        """To the end of the path, or for a duration, s."""
+        """The ticks to the end of the path, or for a duration, s."""
         seconds = self._reference.duration if duration is None else duration
         for _ in range(round(seconds / PERIOD)):
             yield self._tick()

@@ -22,7 +22,7 @@ from .table_map import TableFormat
 MISSING = (*BLANK, "NA", "N/A", "#N/A", "null", "None", "-", "--")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 DATE = re.compile(r"\d[-/.:]\d{1,2}[-/.:]\d")
-"""In a date, or in a time of the day."""
+"""A pattern found in a date, or in a time of the day."""
 PARQUET = ".parquet"
 
 

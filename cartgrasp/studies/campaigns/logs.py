@@ -91,7 +91,7 @@ def digest(path: Path) -> str:
 
 
 def _files(path: Path) -> list[Path]:
-    """Those that are the log; a folder that is none is not walked through, which might not end."""
+    """The files that are the log. A folder that is none is not walked through, which might not end."""
     if not os.path.isdir(path):
         return [path]
     try:

@@ -18,8 +18,9 @@ LOG_COLUMNS = ("parameter", "logs", "mean", "sd", "claimed sd")
 
 @dataclass(frozen=True)
 class ParameterSummary:
-    """Over the runs with a truth, at their ends: the error's mean and standard deviation, the mean of the deviations
-    that were claimed, the shares of runs within two of these and of those in which motion taught it."""
+    """Statistics of a parameter over the runs with a truth, at their ends. They are the error's mean and standard
+    deviation, and the mean of the claimed standard deviations. The shares are of runs within two of these, and of those
+    in which motion taught the parameter."""
 
     name: str
     unit: str

@@ -88,7 +88,7 @@ class FileColumns:
         return cls(path, layout, table, tuple(columns))
 
     def of_role(self, role: str) -> list[Column]:
-        """Those that no word tells from another part first."""
+        """The columns of a role; those that no word tells from another part come first."""
         return sorted((c for c in self.columns if c.role == role and c.span is not None), key=lambda c: bool(c.group))
 
     @cached_property

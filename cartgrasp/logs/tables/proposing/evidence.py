@@ -53,7 +53,7 @@ class Motion:
         return np.interp(self.time, time[there], column[there], left=np.nan, right=np.nan)
 
     def smoothed(self, time: Array, column: Array) -> Array:
-        """The same, smoothed as accelerations are."""
+        """A column (m,) of other times on the grid, smoothed as accelerations are."""
         return _derivative(self.on(time, column), float(self.time[1] - self.time[0]), 2 * SMOOTH, 0)
 
 

@@ -57,7 +57,8 @@ def layout_of(path: Path) -> Layout:
 
 
 def _rows(cells: Sequence[tuple[int, list[str]]], decimal: str) -> tuple[list[tuple[int, list[str]]], float]:
-    """Those of the commonest width of which half the cells that are not blank are numbers, and the share of numbers."""
+    """The rows of the commonest width in which at least half the cells that are not blank are numbers, and the share of
+    numbers."""
     widths = [len(row) for _, row in cells]
     width = max(set(widths), key=widths.count)
     if width < 2:
@@ -91,7 +92,7 @@ def _header(
 
 
 def _bare(row: list[str], width: int) -> list[str]:
-    """Without a sign of a comment that stands alone before the names."""
+    """The row without a comment sign that stands alone before the names."""
     return row[1:] if len(row) == width + 1 and row[0].strip() in ("#", "%") else row
 
 

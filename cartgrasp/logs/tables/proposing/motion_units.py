@@ -203,7 +203,7 @@ class MotionUnits:
         return None
 
     def heading_rad(self) -> Array | None:
-        """On the file's rows, as far as its unit is told."""
+        """Headings (rad) at the file's rows; None where their unit is not known."""
         column, unit = self.columns["theta"], self.heading.unit.value
         if column is None or unit is None:
             return None
@@ -254,7 +254,7 @@ class MotionUnits:
         return Entry(ref, Said(unit, is_sure, why), sign)
 
     def _rate(self, column: Column) -> Entry:
-        """Against differences of headings."""
+        """The entry of a yaw rate column, with its sign and unit against differences of headings."""
         heading = self.heading_rad()
         label, ref = column.unit, one_of_several(column, self.is_only["omega"])
         if heading is None or self.motion is None:

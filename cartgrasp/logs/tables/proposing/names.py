@@ -111,7 +111,7 @@ def _joined(words: Sequence[str]) -> list[str]:
 
 
 def _words(text: str) -> list[str]:
-    """In lower case: `posX_mm` is pos, x, mm; `FxLeft` is fx, left."""
+    """The words of a text in lower case: `posX_mm` is pos, x, mm; `FxLeft` is fx, left."""
     found = []
     for piece in re.split(r"[^\w°µ]+|_", text):
         if piece and (_is_unit(piece) or len(piece) <= 2):

@@ -86,7 +86,7 @@ def _ahead(units: MotionUnits) -> np.ndarray | None:
 
 
 def _siblings(main: FileColumns, others: Sequence[Path]) -> list[FileColumns]:
-    """Those of other files that hold what the main one lacks; where some are akin by name, those alone."""
+    """The other files that hold what the main one lacks; where some are akin by name, those alone."""
     akin = [path for path in others if is_akin(path, main.path)]
     found = []
     for path in akin or others:
