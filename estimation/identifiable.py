@@ -109,7 +109,7 @@ class _Known:
         return sorted({tuple(sorted(one)) for one in group.values()})
 
     def remedy(self, group: tuple[int, ...]) -> str | None:
-        """For the combination of the group that is known least, in shares of the first deviations."""
+        """The remedy for the combination of the group that is known least, in shares of the first deviations."""
         cart, here = self.estimate.structure, list(group)
         of_sensors = {key for effect, _ in cart.sensor_effects for key in effect.keys}
         if of_sensors & {self.names[i] for i in here}:

@@ -48,7 +48,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Piece:
-    """From rest to rest; `says` what to do."""
+    """A motion from rest to rest; `says` tells what to do."""
 
     says: str
     stretches: tuple[Stretch, ...] = field(repr=False)

@@ -136,7 +136,7 @@ def traced(belief: Belief, piece: Piece, begin: Place, hands: Hands, weights: Ar
 
 
 def _unit(form: Array) -> tuple[Array, float]:
-    """Its direction and size."""
+    """The direction of a form, and its size."""
     size = float(np.linalg.norm(form))
     return (form / size if size else form), size
 

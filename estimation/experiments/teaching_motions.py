@@ -53,7 +53,7 @@ def _motion(says: str, forward: ArrayLike = 0.0, aside: ArrayLike = 0.0, turning
 
 
 def teaching_motions() -> tuple[TeachingMotion, ...]:
-    """From the simplest on."""
+    """The motions, the simplest first."""
     time = np.arange(0.0, DURATION, PERIOD)
     wave, other = np.sin(2 * np.pi * time / 3.0), np.sin(2 * np.pi * time / 4.4)
     slow = np.sin(2 * np.pi * time / DURATION)

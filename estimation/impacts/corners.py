@@ -176,7 +176,7 @@ def reach_of(track: Track) -> float:
 
 
 def without_corner(found: Sequence[Corner], at: Array) -> tuple[Array, Array]:
-    """From when and until when (m,) the motion around instants (m,) has no corner."""
+    """The times (m,) from which and until which the motion around instants (m,) has no corner."""
     times = np.array([-np.inf, *sorted(corner.time for corner in found), np.inf])
     after = np.searchsorted(times[1:-1], at, side="right")
     return times[after] + SUDDEN / 2, times[after + 1] - SUDDEN / 2

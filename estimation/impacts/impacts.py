@@ -56,7 +56,7 @@ class Impact:
 
 
 def impacts(log: RunLog, cart: CartModel) -> tuple[Impact, ...]:
-    """In order of time. Of the cart, constraints and (roughly) inertia are taken."""
+    """The impacts in order of time. Only the cart's constraints and, roughly, its inertia are used."""
     poses = _poses(log)
     if len(poses.time) < 2:
         return ()
@@ -115,7 +115,7 @@ def _tracks(poses: _Poses, cart: CartModel) -> list[Track]:
 
 
 def _merged(found: Sequence[Corner]) -> list[Corner]:
-    """In order of time; of those that are one touch, the clearest."""
+    """The corners in order of time; where several are one touch, only the clearest."""
     kept: list[Corner] = []
     for corner in sorted(found, key=lambda one: -one.evidence):
         if all(abs(corner.time - other.time) >= SUDDEN for other in kept):

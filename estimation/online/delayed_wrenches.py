@@ -36,7 +36,7 @@ def delayed(core: LearningFilter, cart: CartModel) -> InTime:
 
 
 class DelayedWrenches:
-    """Around a core, whose wrenches all come as late as those of the cart's slowest sensor."""
+    """Wraps a core, whose wrenches all come as late as those of the cart's slowest sensor."""
 
     def __init__(self, core: LearningFilter, cart: CartModel) -> None:
         self.core, self._cart, self._delay = core, cart, longest_delay(cart)

@@ -58,7 +58,8 @@ def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[f
 
 
 def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, tuple[float, float] | None]:
-    """Their mean, and variances of their noise: from second differences, which motion has no share in."""
+    """The mean velocity, and the variances of its white noise: from second differences, which motion has no share
+    in."""
     rows = _whole([m.velocity for m in samples if m.velocity is not None])
     if rows is None:
         return None, None
@@ -88,7 +89,7 @@ def wrench_of(
 
 
 def _whole(rows: Sequence[Any]) -> Array | None:
-    """Those that are measurements (n, k), if any."""
+    """The rows that are measurements (n, k), if any."""
     found = np.array(rows, dtype=float)
     if len(found) and not np.abs(found).max() < LARGEST:
         found = found[(np.abs(found) < LARGEST).all(axis=1)]

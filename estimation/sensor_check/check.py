@@ -74,8 +74,8 @@ class Look:
 
 
 def look_at(log: RunLog, cart: CartModel | None) -> Look:
-    """Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest part is judged.
-    Raises DataError for a log that is too short to be looked at."""
+    """Looks at a log. Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest
+    part is judged. Raises DataError for a log that is too short to be looked at."""
     told, log = unread(log), without_marks(log)
     parts = unbroken(without_glitches(log), LONGEST_HOLE)
     longest = max(parts, key=len)

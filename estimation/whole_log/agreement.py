@@ -44,7 +44,7 @@ def against_identify(
 def disagreements(
     whole: Mapping[str, ParameterEstimate], online: Mapping[str, ParameterEstimate], health: str
 ) -> tuple[str, ...]:
-    """In words, of parameters that at least one of the two says it was taught."""
+    """Disagreements, in words, about parameters that at least one of the two says it was taught."""
     return tuple(
         f"{name}: identify, by least squares over the whole log, says {_words(whole[name])}, "
         f"the online filter {_words(one)} with health {health}; "

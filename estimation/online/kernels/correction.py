@@ -134,7 +134,7 @@ def _whitened(factor: Array, residual: Array, white: Array, m: int) -> float:
 
 @compiled
 def _solve(factor: Array, row: Array, m: int) -> None:
-    """In place."""
+    """Solves for a row in place, by the Cholesky factor."""
     for a in range(m):
         for b in range(a):
             row[a] -= factor[a, b] * row[b]

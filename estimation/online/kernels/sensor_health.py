@@ -18,7 +18,8 @@ POSE_MISSED, WRENCH_MISSED, OUTLYING = 1, 2, 4
 
 
 def noted(table: Array, time: float, ratios: Array) -> int:
-    """After a sample of each; returns what is said. A ratio that is not finite is of one that could not be used."""
+    """Updates the table after a sample of each sensor; returns what is said. A ratio that is not finite is of a sample
+    that could not be used."""
     for i in range(len(table)):
         note(table[i], time, ratios[i])
     return said_of(table)

@@ -207,7 +207,8 @@ def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Ar
 
 @compiled
 def _step_beside(back: Array, weight: float, covariance: Array, beside: Array, room: Array) -> None:
-    """From what a moment shares with the sum over later ones than the next, (d, f), to that with the next in it."""
+    """Steps `beside` (d, f) in place. It is the covariance of a moment with the sum over later ones than the next; it
+    becomes that with the next in it."""
     d, f = beside.shape
     total, room = carved(room, d, f)
     for a in range(d):

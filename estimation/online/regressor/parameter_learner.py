@@ -168,7 +168,7 @@ class ParameterLearner:
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
     def _believe(self) -> None:
-        """For the next wrenches."""
+        """Sets what is believed for the next wrenches."""
         self.believed = np.concatenate([part.ravel() for part in (self._sensing.by_parameters, self.theta, self._mass)])
 
     # --- rows ------------------------------------------------------------------------------------------------

@@ -148,7 +148,7 @@ class Trial:
 
     @property
     def _shares(self) -> Array:
-        """Their probabilities (1 + c,)."""
+        """The probabilities of the beliefs (1 + c,)."""
         odds = self._odds
         return np.asarray(np.exp(odds - np.logaddexp.reduce(odds)))
 
@@ -176,7 +176,7 @@ class Trial:
 
     @property
     def is_pushed(self) -> bool:
-        """In the last row."""
+        """Whether there was a push in the last row."""
         return self.pushed.rows == 0
 
     @property
