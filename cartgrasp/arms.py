@@ -161,7 +161,7 @@ def _contact_set(name: str, points: Sequence[ArrayLike], segment: Sequence[Array
 
 
 def _limits(what: str, values: Sequence[float], form: str) -> tuple[float, ...]:
-    """Of either sign, `inf` for none."""
+    """The limits (n,) on magnitudes, in either direction; `inf` stands for no limit."""
     found = numbers(what, values, form, 0.0)
     if any(LARGEST_NUMBER < value < np.inf for value in found):
         raise UsageError(f"{what}: {list(found)} has a number beyond {LARGEST_NUMBER:g}; for no limit, give inf")

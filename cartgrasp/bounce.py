@@ -21,7 +21,8 @@ from .frames import Array, body_to_world
 from .model import CartModel
 
 ALONG = 1e-6
-"""Of its speeds, what takes a cart towards a wall: one that rolls along it with less never gets there."""
+"""Least share of a cart's speeds that takes it towards a wall; below it, the cart rolls along the wall and never
+reaches it."""
 
 
 def walls_of(cart: CartModel) -> tuple[Wall, ...]:
@@ -64,8 +65,8 @@ def _against(cart: CartModel, wall: Wall, before: Array, after: Array, clock: tu
 
 
 def _reached(room: Array, way: Array, step: Any, first: Array, last: Array) -> tuple[Array, Array]:
-    """After what share of a step a way (m) that is longer than the room for it fills that, from the speed at its start,
-    under a steady acceleration; and how fast it is there, from the speeds at both ends."""
+    """The share of a step after which a way (m) that is longer than the room for it fills that, and the speed there.
+    The acceleration is steady; `first` and `last` are the speeds at both ends."""
     straight = step * first
     bend = way - straight
     root = np.sqrt(np.maximum(straight**2 + 4.0 * bend * room, 0.0))

@@ -87,7 +87,8 @@ class CartStructure(ABC):
         return self._with_numbers(Inertia.from_phi(parameters[:N_PHI]), effects)
 
     def _with_numbers(self, inertia: Inertia, effects: tuple[Effect, ...]) -> Self:
-        """The same structure, which both share: what one works out, the other has. Unless constraint effects change."""
+        """A cart with other numbers. Both share the structure and what is derived from it, unless constraint effects
+        change."""
         other = object.__new__(type(self))
         own = {name: self.__dict__[name] for name in self.__dataclass_fields__}
         other.__dict__.update(own, inertia=inertia, effects=effects)
@@ -137,7 +138,7 @@ class CartStructure(ABC):
 
     @SharedProperty
     def pose_indices(self) -> Sequence[int]:
-        """Of the parameters that move it."""
+        """Indices of the parameters that move {b} in the tracked frame."""
         return [i for effect, where in self.sensor_effects if effect.moves_pose for i in range(where.start, where.stop)]
 
     @cached_property
@@ -186,7 +187,7 @@ class CartStructure(ABC):
 
     @SharedProperty
     def memory_is_seen(self) -> Array:
-        """Of which memories (k,) the motion alone tells."""
+        """Mask (k,) of the memories that the motion alone determines."""
         return np.array(
             [e.memory_is_seen for e, _, own in self.force_effects for _ in range(own.start, own.stop)], bool
         )

@@ -18,13 +18,13 @@ LARGEST_ANGLE = 4 * math.pi
 FARTHEST = 50.0
 """m from {b}: what is farther is no part of a cart, nor where a hand holds it."""
 LARGEST_NUMBER = 1e12
-"""Of what isn't infinite: squares of larger ones mean nothing."""
+"""The largest finite number that is accepted: squares of larger ones mean nothing."""
 LARGEST_FLOAT = sys.float_info.max
 MOST_SHOWN = 60
 
 
 def shown(value: Any) -> str:
-    """In one short line."""
+    """The `repr` of a value in one short line."""
     words = " ".join(repr(value).split())
     return words if len(words) <= MOST_SHOWN else f"{words[: MOST_SHOWN - 2]} …"
 
@@ -52,7 +52,7 @@ def check_known(what: str, words: Iterable[str], known: Iterable[str]) -> None:
 
 
 def listed(what: str, values: Any, kind: type, cure: str) -> tuple[Any, ...]:
-    """Of one kind, in a list."""
+    """The values as a tuple, checked to be a list of one `kind`."""
     if isinstance(values, str | kind) or not isinstance(values, Iterable):
         raise UsageError(f"{what}: {shown(values)} is no list; {cure}")
     found = tuple(values)
@@ -62,7 +62,7 @@ def listed(what: str, values: Any, kind: type, cure: str) -> tuple[Any, ...]:
 
 
 def number(what: str, value: Any, low: float = -math.inf, high: float = math.inf, cure: str = "") -> float:
-    """From `low` to `high`; text, truth values and NaN are no numbers."""
+    """The value as a number from `low` to `high`; text, truth values and NaN are no numbers."""
     try:
         found = math.nan if isinstance(value, str | bytes | bool) else float(value)
     except (TypeError, ValueError, OverflowError):
@@ -81,8 +81,8 @@ def positive(what: str, value: Any, high: float, cure: str) -> float:
 
 
 def numbers(what: str, values: Any, form: str, low: float = -math.inf, high: float = math.inf) -> tuple[float, ...]:
-    """As many as `form` names in brackets: `(x, y, z) in {b}`. A set has no order, and what is read once holds nothing
-    the next time."""
+    """The numbers of `values`, checked to be as many as `form` names in brackets: `(x, y, z) in {b}`. Sets are refused,
+    as they have no order, and iterators, as they can be read only once."""
     try:
         if isinstance(values, Set | Mapping | Iterator):
             raise TypeError
@@ -142,7 +142,7 @@ def brief(name: str, *parts: str) -> str:
 
 
 def digits(values: float | Sequence[float]) -> str:
-    """To four digits: `0.25`, `(1, 0, 0.5236)`."""
+    """Numbers to four digits: `0.25`, `(1, 0, 0.5236)`."""
     if isinstance(values, int | float):
         return f"{values:.4g}"
     return f"({', '.join(f'{value:.4g}' for value in values)})"

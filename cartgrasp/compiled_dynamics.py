@@ -20,13 +20,13 @@ from .wheels import GRAVITY, WheelSet
 
 STAY = np.zeros(2)
 STABLE = 1.5
-"""Of step times stiffness, where `advanced` is stable: up to 2.78 in theory."""
+"""Largest product of step time and stiffness at which `advanced` is run; in theory it is stable up to 2.78."""
 
 
 class CompiledDynamics:
-    """For one structure: effects, wheels, the basis of free velocities (3, f), `sizes` (how much memory, how many
-    parameters). `floats` and `ints` are the workspace that kernels unpack; `n_sums` and `most_stictions` say how long a
-    row of `entries.effects` is."""
+    """Dynamics of one structure: effects, wheels, the basis of free velocities (3, f), `sizes` (how much memory, how
+    many parameters). `floats` and `ints` are the workspace that kernels unpack; `n_sums` and `most_stictions` say how
+    long a row of `entries.effects` is."""
 
     floats: Array
     ints: Ints

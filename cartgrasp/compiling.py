@@ -24,22 +24,22 @@ def digest(sources: list[bytes]) -> str:
 
 
 def digest_of(folder: Path) -> str:
-    """Of a folder's Python sources, and of how they are compiled. A kernel holds the code of those it calls, and
-    numba only looks whether its own file is new: so the name under which it is cached says what all of them were made
-    of."""
+    """The digest of a folder's Python sources, and of how they are compiled. A kernel holds the code of those it calls,
+    and numba only looks whether its own file is new. So the name under which it is cached says what all of them were
+    made of."""
     own = Path(__file__), Path(kernel_compiler.__file__)
     return digest([path.read_bytes() for path in (*own, *sorted(folder.glob("*.py")))])
 
 
 def inner(function: F, options: dict[str, Any]) -> F:
-    """For kernels that only kernels call."""
+    """Compiles a kernel that only kernels call."""
     given: Any = {"pipeline_class": InnerCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, **options}
     return njit(function, **given)  # type: ignore[no-any-return]
 
 
 def cached_as(name: str, options: dict[str, Any]) -> Callable[[F], F]:
-    """For kernels that Python calls: compiled once a machine, into numba's cache beside the source (or in the user's
-    cache), with all that they call. `name` is a digest of the sources of all of them."""
+    """A decorator for kernels that Python calls. They are compiled once a machine, with all that they call, into
+    numba's cache beside the source (or in the user's cache). `name` is a digest of the sources of all of them."""
 
     def entry(function: F) -> F:
         function.__qualname__ = f"{function.__qualname__}_{name}"

@@ -43,7 +43,7 @@ class WrenchNoise:
 
     @property
     def covariance(self) -> Array:
-        """Of a spatial wrench in {a}, (6, 6)."""
+        """Covariance (6, 6) of a spatial wrench in {a}."""
         return np.diag([self.force] * 3 + [self.moment] * 3) ** 2
 
 

@@ -24,14 +24,14 @@ class InnerLibrary(JITCodeLibrary):
         self._linking_libraries.append(library)
 
     def own_module(self) -> Any:
-        """Without what it calls; its functions may stand in several entries."""
+        """The module without what it calls; its functions may stand in several entries."""
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name == "external":
                 function.linkage = "linkonce_odr"
         return self._final_module
 
     def _get_module_for_linking(self) -> Any:
-        """With what it calls, for functions that numba compiles in its usual way."""
+        """The module with all that it calls, for functions that numba compiles in its usual way."""
         if self._shared_module is None:
             self._shared_module = self.own_module().clone()
             for library in _all_called(self._linking_libraries):
@@ -41,7 +41,7 @@ class InnerLibrary(JITCodeLibrary):
 
 
 class EntryLibrary(JITCodeLibrary):
-    """Of a kernel that Python calls, with all that it calls."""
+    """The library of a kernel that Python calls, with all that it calls."""
 
     def finalize(self) -> None:
         called = _all_called(self._linking_libraries)
@@ -57,8 +57,8 @@ def _module_of(library: Any) -> Any:
 
 
 def _all_called(libraries: list[Any]) -> list[Any]:
-    """With what those call that are not finished, each once and after all that call it: LLVM leaves out a function
-    that nothing linked so far asks for."""
+    """The libraries, and those they call that are not finished, each once and after all that call it. LLVM leaves out a
+    function that nothing linked so far asks for."""
     finished: dict[Any, None] = {}
 
     def visit(library: Any) -> None:

@@ -95,7 +95,7 @@ class ControlStep(Protocol):
 
 
 class Controller(Protocol):
-    """From what is sensed to what the arms do, once a `period` (s). `cart` is its first guess, and all that it
+    """Goes from what is sensed to what the arms do, once a `period` (s). `cart` is its first guess, and all that it
     believes where it does not learn."""
 
     @property
@@ -127,7 +127,7 @@ class Plant(Protocol):
     def motion(self) -> Motion: ...
 
     def acceleration(self, wrenches: ContactWrenches) -> Array:
-        """Of the free velocities (n_free,), at once, under such wrenches; asked where a sensor feels it."""
+        """The acceleration nu' (n_free,) at this instant, under such wrenches; asked for where a sensor feels it."""
         ...
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None: ...

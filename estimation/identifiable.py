@@ -55,8 +55,8 @@ class Identifiability:
 
 
 def identifiability(estimate: Estimate, prior: Prior | None = None) -> Identifiability:
-    """Of an estimate with a covariance, against the prior that it began with: by what its motion could teach, even
-    where the model does not fit it."""
+    """Identifiability of an estimate with a covariance, against the prior that it began with. It judges by what the
+    motion could teach, even where the model does not fit it."""
     if estimate.covariance is None:
         raise UsageError("identifiability: this estimate has no covariance")
     known = _Known.of(estimate, estimate.covariance, prior or Prior())
@@ -98,7 +98,7 @@ class _Known:
         return np.sqrt(np.maximum(np.diagonal(self.covariance), np.finfo(float).tiny))
 
     def groups(self) -> list[tuple[int, ...]]:
-        """Of those that were not taught, the ones that are connected by large correlations."""
+        """Groups (indices) of parameters that were not taught, each connected by large correlations."""
         members = [i for i, taught in enumerate(self.taught) if not taught]
         correlation = self.covariance / np.outer(self.std, self.std)
         group = {i: {i} for i in members}
@@ -109,7 +109,7 @@ class _Known:
         return sorted({tuple(sorted(one)) for one in group.values()})
 
     def remedy(self, group: tuple[int, ...]) -> str | None:
-        """For the combination of the group that is known least, in shares of the first deviations."""
+        """The remedy for the combination of the group that is known least, in shares of the first deviations."""
         cart, here = self.estimate.structure, list(group)
         of_sensors = {key for effect, _ in cart.sensor_effects for key in effect.keys}
         if of_sensors & {self.names[i] for i in here}:

@@ -64,7 +64,7 @@ class FilterNoise:
         return math.hypot(self.slip, SIDE_PUSH * cart.slip_compliance)
 
     def wrench_scale(self, cart: CartModel) -> Array:
-        """Of each part of the reduced wrench, for a force of 1 N: moments have the lever."""
+        """Scale of each component of the reduced wrench, for a force of 1 N: moments have the lever."""
         scale = {0: [1.0, 1.0, self.lever], 1: [1.0, self.lever], 2: [1.0]}
         return np.array(scale[cart.constraints.n_rows])
 
@@ -78,5 +78,5 @@ class FilterNoise:
 
     @property
     def wrench_covariance(self) -> Array:
-        """Of one arm's spatial wrench, (6, 6)."""
+        """Covariance (6, 6) of one arm's spatial wrench."""
         return np.diag([self.force] * 3 + [self.moment] * 3) ** 2

@@ -19,13 +19,13 @@ from .physical_set import EDGE, LEAST_INERTIA_SHARE, LEAST_MASS_SHARE
 from .prior import Prior, report_names, report_units
 
 AT = 2.0 * EDGE
-"""Of the first deviations: what is no farther from a bound is at it."""
+"""Share of the first standard deviation: a value that is no farther from a bound is at it."""
 IDENTIFIABLE_SHARE = 0.25
-"""Of the prior's standard deviation: what is known better than that was taught."""
+"""Share of the prior's standard deviation below which a parameter counts as taught."""
 
 
 class ParameterReport:
-    """Of a cart's parameters, against what was believed of them at first."""
+    """Reports a cart's parameters against what was believed of them at first."""
 
     def __init__(self, cart: CartModel, prior: Prior, limits: Sequence[tuple[float, float]] | None = None) -> None:
         """`limits` (low, high) of mass, CoM and inertia, where an estimator has its own."""
@@ -53,8 +53,8 @@ class ParameterReport:
         }
 
     def of_free(self, theta: Array, covariance: Array, free: np.ndarray, first: Array) -> dict[str, ParameterEstimate]:
-        """As `of`, where the free ones (indices) were believed with variances (f,) at first, and are estimated as they
-        are."""
+        """The parameters by name, as in `of`. The free ones (indices) were believed with variances (f,) at first, and
+        are estimated as they are."""
         share = np.ones(len(theta))
         share[free] = np.sqrt(np.maximum(np.diagonal(covariance)[free] / first, 0.0))
         return self.of(theta, covariance, share)
@@ -100,8 +100,9 @@ class WhenAsked(Mapping[str, ParameterEstimate]):
 
 
 def as_taught(parameters: Mapping[str, ParameterEstimate], learner: Health) -> Mapping[str, ParameterEstimate]:
-    """By an estimator that does so well. One that is inconsistent was taught nothing: its deviations hold for a model
-    that fits, and its values are of one that doesn't. Nor was one whose load may have changed: it begins anew."""
+    """The parameters as taught by an estimator of this health. One that is inconsistent was taught nothing: its
+    deviations hold for a model that fits, and its values are of one that doesn't. Nor was one whose load may have
+    changed: it begins anew."""
     if learner not in (Health.INCONSISTENT, Health.LOAD_CHANGED):
         return parameters
     return WhenAsked(lambda: {name: replace(one, identifiable=False) for name, one in parameters.items()})

@@ -75,8 +75,8 @@ class PhysicalSet:
             raise self._none() from error
 
     def _quickly(self, parameters: Array, lift: Array, metric: Array) -> Array | None:
-        """As `nearest`, of steps times `lift` (p, f), by bounds alone or one smooth limit beside them; None where that
-        does not settle."""
+        """The nearest parameters as in `nearest`, by steps times `lift` (p, f): by bounds alone, or with one smooth
+        limit beside them. None where that does not settle."""
         from scipy.optimize import Bounds, minimize
 
         low, high = np.full(len(parameters), -np.inf), np.full(len(parameters), np.inf)
@@ -101,7 +101,7 @@ class PhysicalSet:
         return nearest if self.holds(nearest) else None
 
     def _body(self, phi: Array, lift: Array) -> NonlinearConstraint:
-        """Of a step: that the moment of inertia about the CoM is large enough, by Schur's complement."""
+        """The constraint on a step that the moment of inertia about the CoM is large enough, by Schur's complement."""
 
         from scipy.optimize import NonlinearConstraint
 
@@ -121,7 +121,7 @@ class PhysicalSet:
         return nearest
 
     def _surely(self, parameters: Array, free: np.ndarray, metric: tuple[Array, Array]) -> Array:
-        """By a cone program, which proves what it finds."""
+        """The nearest parameters by a cone program, which proves what it finds."""
         import cvxpy as cp
 
         lift, information = metric

@@ -17,7 +17,7 @@ PHYSICAL_UNITS = ("kg", "m", "m", "kg·m²")
 
 
 SURE = 1e-3
-"""Of a usual deviation: what is known of a body whose mass is not, as only its moments enter linearly."""
+"""Share of a usual deviation, for what is known of a body whose mass is not: only its moments enter linearly."""
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,8 @@ class ChoiceProof(NamedTuple):
 
 
 class Figures(NamedTuple):
-    """Of a plan with wrenches: `effort` is `sum weight component²`, `active` are the limits that push back."""
+    """Figures of a plan that has wrenches: `effort` is `sum weight component²`, `active` names the limits whose
+    multipliers are not negligible."""
 
     effort: float | None = None
     active: tuple[str, ...] = ()
@@ -87,8 +88,8 @@ class Plan:
 
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Self:
-        """As the constructor, in a third of the time, from all fields that have no value by themselves, but for what is
-        left open."""
+        """Builds a plan as the constructor does, in a third of the time. `fields` must hold every field without a
+        default, except those that may be left open."""
         plan = object.__new__(cls)
         object.__setattr__(plan, "__dict__", fields)
         return plan
@@ -191,7 +192,7 @@ class Plan:
 
     @property
     def limiting_joints(self) -> tuple[str, ...]:
-        """Of the `active` limits those of joints: `left: joint A6 torque upper`."""
+        """The joint limits among the `active` ones, such as `left: joint A6 torque upper`."""
         if not any(arm.joints for arm in self.arms):
             return ()
         return tuple(name for name in self.active if "torque" in name.rpartition(":")[2].split())

@@ -29,7 +29,7 @@ OPTIMAL, INFEASIBLE, NUMERICAL = "optimal", "infeasible", "numerical"
 EQUALITY_TOLERANCE = 1e-9
 STATIONARITY_TOLERANCE = 1e-8
 LimitNames = tuple[tuple[str, ...], tuple[str, ...]]
-"""Of the lower and of the upper limits."""
+"""The names of the lower limits, and those of the upper limits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,8 @@ class QuadraticProgram:
         return self._but(gradient=gradient, constant=constant)
 
     def _but(self, **changes: Any) -> Self:
-        """As `dataclasses.replace`, but what is cached stays: each change keeps it true."""
+        """A copy with fields replaced, as `dataclasses.replace` makes it, that keeps cached values: no change made here
+        invalidates them."""
         program = object.__new__(type(self))
         program.__dict__.update(self.__dict__, **changes)
         return program
@@ -201,7 +202,7 @@ class Residuals(NamedTuple):
 
 
 NOTHING = Residuals(np.inf, np.inf, np.inf, np.inf)
-"""Of no answer."""
+"""Residuals where there is no answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,7 +275,7 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
 
 
 def highest(values: Array) -> float:
-    """As `values.max()`, NaN where there is one, at a fifth of its time on short rows."""
+    """The largest of `values`, or NaN where there is one: as `values.max()`, in a fifth of its time on short rows."""
     return float(values[values.argmax()])
 
 
@@ -290,7 +291,8 @@ def into_cone(multiplier: Array) -> Array:
 
 
 def active_limits(multipliers: Array, names: LimitNames) -> tuple[str, ...]:
-    """Those of the lower and upper limits, whose multipliers come first, that push back: above 1e-7 of the largest."""
+    """The names of the lower and upper limits that are active: with multipliers above 1e-7 of the largest. The limits'
+    multipliers come first."""
     lower, upper = names
     least, found = _least_active(multipliers), []
     for i in multipliers[: len(lower)].nonzero()[0].tolist():

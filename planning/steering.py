@@ -7,7 +7,7 @@ import math
 from cartgrasp.frames import Array
 
 STILL = 1e-3
-"""Of nu: slower than this nothing is meant to move."""
+"""Magnitude of a component of nu (m/s, rad/s) below which a reference counts as at rest."""
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]

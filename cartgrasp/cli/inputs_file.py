@@ -29,7 +29,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Of one report; `cart` is None where a data set brings its own, `topics` the map of all bags."""
+    """The inputs of one report; `cart` is None where a data set brings its own, `topics` is the map of all bags."""
 
     cart: Input | None
     logs: tuple[Input, ...]
@@ -52,7 +52,7 @@ class Sources:
     accepted: tuple[str, ...] = ()
 
     def summed(self, folder: Path) -> Inputs:
-        """As they are now, seen from a report's folder."""
+        """The inputs with the checksums of their files as they are now, and paths relative to a report's folder."""
 
         def told(path: Path) -> Input:
             return Input(os.path.relpath(path.resolve(), folder.resolve()), sum_of_all(path))
@@ -61,7 +61,8 @@ class Sources:
         return Inputs(cart, tuple(map(told, self.logs)), topics, self.coasting, self.accepted)
 
     def following(self, folder: Path) -> Sources:
-        """With the logs that an earlier report was made of before one's own, and its cart unless another is given."""
+        """The sources with the logs of an earlier report before one's own, and with its cart unless another is
+        given."""
         inputs = _read(folder / INPUTS)
         logs = tuple(_there(folder, one, "log") for one in inputs.logs)
         return Sources(

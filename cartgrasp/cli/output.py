@@ -22,8 +22,8 @@ def print_json(document: Any) -> None:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> None:
-    """As wide as the terminal at most (80 in a pipe); the first `left` columns are text, and only there, and in
-    headings, may a line break between words."""
+    """Prints a table at most as wide as the terminal (80 in a pipe). The first `left` columns are text; only there, and
+    in headings, may a line break between words."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.markup import escape
@@ -42,8 +42,8 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 
 
 def _widths(columns: Sequence[str], rows: Sequence[Sequence[str]], room: int) -> tuple[list[int], int]:
-    """Of the columns and of the gap between them. The widest columns are narrowed until all fit, none below its longest
-    word unless nothing else is left."""
+    """Widths of the columns, and of the gap between them. The widest columns are narrowed until all fit, none below its
+    longest word unless nothing else is left."""
     from rich.cells import cell_len
 
     cells = [[column, *(row[i] for row in rows)] for i, column in enumerate(columns)]

@@ -23,8 +23,8 @@ def check_accepted(kinds: Iterable[str]) -> None:
 
 
 def looked_at(log: RunLog, cart: CartModel | None) -> Look:
-    """Of no wrenches where nobody pushes. Raises DataError where it is too short, too long, or too odd to be looked
-    at."""
+    """The look at a log, without wrenches where nobody pushes. Raises DataError where the log is too short, too long,
+    or too odd to be looked at."""
     check_sizes(log)
     try:
         with np.errstate(all="ignore"):  # what sums up to more than a number holds is told as such

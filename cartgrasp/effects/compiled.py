@@ -46,7 +46,7 @@ class CompiledForce(ForceEffect):
         return dynamics.settled(point)
 
     def _contribution(self, situation: Situation, own: tuple[Array, Array], which: int) -> Contribution:
-        """Of the wrench (0), or of the memory's rate (1)."""
+        """The contribution to the wrench (`which` = 0), or to the memory's rate (1)."""
         dynamics, point = self._alone(situation, *own)
         _, _, wrench, rate, _ = dynamics.parts(dynamics.sums(point))
         parts = (wrench, rate)[which]

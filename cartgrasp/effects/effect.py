@@ -31,7 +31,7 @@ SMOOTHING_SPEED = 0.002
 
 
 USUAL_SPREAD = 0.5
-"""Of a memory, in its own unit: an angle in rad."""
+"""Usual spread of a memory about its first value, in its own unit: rad for an angle."""
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,8 @@ class Effect(ABC):
         return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
 
     def grids(self, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
-        """Of each parameter, where a search begins on a cart with these wheels; empty where there is none."""
+        """For each parameter, the values where a search begins on a cart with these wheels; empty where there are
+        none."""
         return tuple(parameter.grid for parameter in self.parameters)
 
     @property
@@ -281,7 +282,7 @@ class ConstraintEffect(Effect):
 
     @abstractmethod
     def scaled(self, share: float) -> Self:
-        """The same with `share` times the velocity across the cart."""
+        """The same effect with `share` times the velocity across the cart."""
 
     @property
     def slip_compliance(self) -> float:

@@ -20,8 +20,8 @@ class HandMotion(NamedTuple):
 
     @classmethod
     def of(cls, velocity_b: Array, rate_b: Array, contact_b: ArrayLike, yaw: ArrayLike = 0.0) -> HandMotion:
-        """Of a hand that holds at a point (..., 3) of {b}, which moves at (u, w, r) (..., 3) that change by `rate_b`
-        (..., 3), (u', w', r'). With q the point, `a = (u' - r w, w' + r u) + r' z x q - r² q`."""
+        """The motion of a hand that holds at a point (..., 3) of {b}. {b} moves at (u, w, r) (..., 3), and `rate_b`
+        (..., 3) is (u', w', r'). With q the point, `a = (u' - r w, w' + r u) + r' z x q - r² q`."""
         (u, w, r), (u_rate, w_rate, r_rate) = (np.moveaxis(part, -1, 0) for part in (velocity_b, rate_b))
         x, y, _ = np.moveaxis(np.asarray(contact_b, dtype=float), -1, 0)
         forward = u_rate - r * w - r_rate * y - r * r * x

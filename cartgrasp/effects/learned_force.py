@@ -50,17 +50,17 @@ from .effect import Parameter, Setting
 ACTS_ON = ("forward_force", "lateral_force", "yaw_moment", "drag", "world_force", "viscous_drag")
 AT_A_LEVER, AHEAD = ("forward_force", "drag", "viscous_drag"), ("lateral_force", "world_force")
 OF = ("time", "travelled_distance", "heading", "speed", "yaw_rate", "place", "since_reversal")
-"""In the order in which the kernel counts them."""
+"""The variables, in the order in which the kernel counts them."""
 WAYS = ("travelled_distance", "since_reversal")
 """What is remembered."""
 ROUNDED = 0.25
 TURN = 0.01
 """m: a reversal is told within some of it."""
 LONG_AGO = 2.0
-"""m: of a reversal that was before the cart came to be looked at."""
+"""m: way since a reversal that lies before the first observation."""
 MOST_HARMONIC, MOST_AMPLITUDES = 100.0, 400
 LEAST = 1e-6
-"""Of a period, and of a gap between knots, in the variable's unit."""
+"""Least period, and least gap between knots, in the variable's unit."""
 
 
 @final
@@ -145,7 +145,7 @@ class LearnedForce(CompiledForce):
 
     @property
     def cycle(self) -> float:
-        """After which the law repeats, in the variable's unit; 0 where it does not."""
+        """The period after which the law repeats, in the variable's unit; 0 where it does not."""
         return 2 * math.pi if self.of == "heading" else self.period
 
     @cached_property

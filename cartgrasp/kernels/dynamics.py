@@ -73,7 +73,8 @@ def reduced(m: Workspace, point: Point, acceleration: Array, wrench: Array, mass
 
 @compiled
 def taught(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Array, Array]) -> None:
-    """As `reduced`, and the wrench's partials by the parameters (f, p), if there is room for them."""
+    """Fills `out` as `reduced` does, and with the wrench's partials by the parameters (f, p), if there is room for
+    them."""
     wrench, mass, by_parameters = out
     rigid = rigid_body.regressor(lifted(m.basis, point.state[3:]), lifted(m.basis, acceleration))
     reduced(m, point, acceleration, wrench, mass)  # which may stand where nu' does
@@ -125,7 +126,7 @@ def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> No
 
 @compiled
 def rate_alone(m: Workspace, point: Point, push: Array, room: Array) -> None:
-    """As `forward`, the rate of the state (n,) and no partials."""
+    """Writes the rate of the state (n,) into `room`, as `forward` does, without any partials."""
     n, n_free = len(point.state), m.basis.shape[1]
     rest, mass = room[3 : 3 + n_free], room[n : n + n_free * n_free].reshape((n_free, n_free))
     rest[:] = 0.0
@@ -208,7 +209,7 @@ def situation(m: Workspace, point: Point, twist: Twist) -> Situation:
 
 @compiled
 def _carried(m: Workspace, point: Point, twist: Twist) -> Situation:
-    """With phi and loads as they stand in the workspace."""
+    """The situation with phi and loads as they stand in the workspace."""
     pose = point.state[:3]
     return Situation(point.time, pose, twist, m.phi, m.wheels, m.loads, m.carried, m.pivots, m.smoothing_speed)
 
@@ -251,7 +252,7 @@ def hold(m: Workspace, mass: Array) -> None:
 
 @compiled
 def sum_memory_rates(m: Workspace, point: Point, at: Situation) -> None:
-    """Of what `sum_effects` fills, the memory's rate alone."""
+    """Sums the memories' rates alone, without the other sums that `sum_effects` fills."""
     for e in range(len(m.effects)):
         kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
         if end > begin:

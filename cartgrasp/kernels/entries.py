@@ -144,7 +144,7 @@ def floors(floats: Array, ints: Ints, given: Array, found: Array) -> None:
 
 @compiled
 def _sizes(ints: Ints) -> tuple[int, int]:
-    """Of the state and the parameters."""
+    """The sizes of the state and of the parameters."""
     return 3 + ints[3] + ints[4], ints[5]
 
 

@@ -66,7 +66,7 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
 
 @compiled
 def stiction(at: Situation, own: Own, columns: Array) -> int:
-    """Of drag alone."""
+    """Fills the column of a law that is a drag, and returns 1; other laws have no column, and it returns 0."""
     if own.constants[ACTS_ON] != DRAG:
         return 0
     lever = own.constants[LEVER]
@@ -155,7 +155,7 @@ def _hat(knots: Array, k: int, x: float, width: float) -> tuple[float, float]:
 
 @compiled
 def _climb(low: float, high: float, x: float, width: float) -> tuple[float, float]:
-    """From 0 to 1 between two knots, and its derivative."""
+    """A ramp from 0 to 1 between two knots, and its derivative."""
     if x >= high + width:
         return 1.0, 0.0
     begun, begun_slope = smooth_ramp(x - low, width)

@@ -9,7 +9,7 @@ from .situation import Twist
 
 Row = tuple[float, float, float, float]
 MOST_SWINGING = 0.95
-"""Of the inertia along {b}'s x of a cart that nothing else holds, 1 / (M_b⁻¹)_xx."""
+"""Share of the inertia along {b}'s x of a cart that nothing else holds, 1 / (M_b⁻¹)_xx, that may swing at most."""
 
 
 @compiled

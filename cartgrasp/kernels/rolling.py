@@ -14,7 +14,7 @@ from .jit import compiled
 from .situation import Parts, Situation
 
 Place = tuple[float, float, float]
-"""Of a wheel: x, y and 1 for a caster, 0 for a fixed one."""
+"""The place of a wheel: x and y in {b}, m, and 1 for a caster or 0 for a fixed wheel."""
 
 
 @compiled

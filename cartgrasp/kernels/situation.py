@@ -39,7 +39,7 @@ class Situation(NamedTuple):
 
 
 class Own(NamedTuple):
-    """Of one effect: memory (k,), parameters (q,), and the numbers that it calls `constants`."""
+    """The numbers of one effect: memory (k,), parameters (q,), and those that it calls `constants`."""
 
     memory: Array
     parameters: Array

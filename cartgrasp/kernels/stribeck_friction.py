@@ -88,7 +88,7 @@ def _fade(unit_x: float, unit_y: float, norm: float, own: Own) -> float:
 
 @compiled
 def _total(at: Situation) -> tuple[float, tuple[float, float, float, float]]:
-    """Of all loads, N, with its partials by phi."""
+    """The sum of all wheel loads, N, with its partials by phi."""
     load, mass, first_x, first_y = 0.0, 0.0, 0.0, 0.0
     for wheel in range(len(at.wheels)):
         load += at.loads[wheel]

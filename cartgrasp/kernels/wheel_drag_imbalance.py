@@ -12,7 +12,7 @@ NARROW = 1e-6
 """m: wheels that are no farther apart stand in one place."""
 
 Share = tuple[float, float, float, float]
-"""Of a wheel: its drag and its moment for each N of `force` and each N·m of `moment`."""
+"""The share of a wheel: its drag, then its moment, each for 1 N of `force` and for 1 N·m of `moment`."""
 
 
 @compiled
@@ -54,7 +54,7 @@ def _track(at: Situation) -> tuple[float, float, Share, Share]:
 
 @compiled
 def _drag(at: Situation, y: float, share: Share, own: Own, out: Parts) -> None:
-    """Of a wheel at y, against its own rolling."""
+    """Adds the drag of a wheel at y, against its own rolling."""
     sign, slope = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
     force, moment = _strength(share, own)
     out.value[0] -= force * sign
@@ -77,6 +77,6 @@ def _hold(at: Situation, y: float, share: Share, own: Own, column: Array) -> Non
 
 @compiled
 def _strength(share: Share, own: Own) -> tuple[float, float]:
-    """Of a wheel's drag and its moment, when it rolls."""
+    """The drag (N) and the moment (N·m) of a wheel that rolls."""
     force, moment = own.parameters[0], own.parameters[1]
     return share[0] * force + share[1] * moment, share[2] * force + share[3] * moment

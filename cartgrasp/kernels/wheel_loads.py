@@ -75,6 +75,7 @@ def carry(wheels: Array, phi: Array, gravity: float, found: tuple[Array, Array, 
 
 @entry
 def stacked_loads(wheels: Array, gravity: float, phis: Array, found: tuple[Array, Array, Array]) -> None:
-    """Of each of `phis` (b, 4), into `found`: loads (b, n), their map (b, n, 4), and which wheels stand (b, n)."""
+    """Writes the loads for each of `phis` (b, 4) into `found`: loads (b, n), their map (b, n, 4), and which wheels
+    stand (b, n)."""
     for i in range(len(phis)):
         carry(wheels, phis[i], gravity, (found[0][i], found[1][i], found[2][i]))

@@ -15,7 +15,7 @@ from ..model import CartModel
 from .run_log import ArmLog, RunLog
 
 EARLIER = 1e-6
-"""Of a step: of two samples that are equally near, the earlier is taken, whatever rounding says."""
+"""Share of a step by which the earlier of two equally near samples is preferred, whatever rounding says."""
 FAR = 0.75
 """Steps: from here on a sample is another row's."""
 

@@ -24,7 +24,7 @@ def at_body(log: RunLog, cart: CartModel) -> RunLog:
 
 
 def _headings(log: RunLog) -> Array:
-    """Of all rows (n,), rad; NaN where none is known."""
+    """Headings at all rows (n,), rad, unwrapped; NaN where none is known."""
     known = np.isfinite(log.pose[:, 2])
     if not known.any():
         return np.full(len(log), np.nan)

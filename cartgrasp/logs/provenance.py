@@ -39,7 +39,7 @@ def sum_of(path: Path) -> str:
 
 
 def sum_of_all(source: Path) -> str:
-    """Of a file, or of all files of a recorder's folder."""
+    """The checksum of a file, or of all files in a recorder's folder."""
     sums = [sum_of(path) for path in _files(source)]
     return sums[0] if source.is_file() else hashlib.sha256("".join(sums).encode()).hexdigest()
 

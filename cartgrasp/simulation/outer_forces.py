@@ -14,7 +14,8 @@ from ..motion import Motion
 
 
 class OuterForces:
-    """Of some effects on a cart; their memory goes along. A motion is given with the full velocity (u, w, r) in {b}."""
+    """The wrench of some effects on a cart, whose memory goes along. A motion is given with the full velocity (u, w, r)
+    in {b}."""
 
     def __init__(self, cart: CartModel, effects: tuple[ForceEffect, ...], motion: Motion, time: float) -> None:
         self._cart = replace(cart, constraints=RollingConstraints(None), effects=effects)

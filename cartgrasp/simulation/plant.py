@@ -17,7 +17,8 @@ from .integrate import held
 
 MAX_STEP = 0.005
 RESOLVED = 0.2
-"""Of a step times how quick a force is that sets in: the energy of a touch is kept to a thousandth."""
+"""Largest product of a step and the quickness (1/s) of a force that sets in: it keeps the energy of a touch to a
+thousandth."""
 
 
 def brief_plant(plant: Plant, cart: CartModel) -> str:
@@ -103,8 +104,8 @@ class ModelPlant:
             raise PlantError(f"the simulated cart's state is not finite at t = {self._time:.3f} s")
 
     def _stable_steps(self, wrench_b: Array, duration: float) -> int:
-        """As many as keep smoothed Coulomb friction, which is stiff near standstill, inside the region where the
-        integrator is stable, and what may set in within a step."""
+        """The number of steps that keep smoothed Coulomb friction, which is stiff near standstill, in the integrator's
+        stable region. They also resolve forces that may set in within a step."""
         if not self.cart.effects:
             return 1
         stiffness = self.cart.stiffness(self._state, wrench_b, self._time) / STABLE

@@ -37,7 +37,8 @@ SQUARES = MOTION, PARAMETERS, POSE, VELOCITY
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """Of a run: each of SQUARES (n,) and its dimension, and the parameters' errors in standard deviations (n, p)."""
+    """The normalised errors of a run: each of SQUARES (n,) and its dimension, and the parameters' errors in standard
+    deviations (n, p)."""
 
     squares: dict[str, Array]
     dimensions: dict[str, int]
@@ -45,7 +46,7 @@ class Trace:
 
 
 def drawn_cart(seed: int) -> CartModel:
-    """From PRIOR around the guess; what is no cart is drawn again."""
+    """A cart drawn from PRIOR around the guess; what is no cart is drawn again."""
     random, first = np.random.default_rng(seed), guess()
     root = np.linalg.cholesky(PRIOR.covariance(first))
     while True:

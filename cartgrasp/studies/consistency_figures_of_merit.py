@@ -23,7 +23,8 @@ SCORE_COLUMNS = ("model", "parameter", *(f"{time:g} s" for time in SCORE_TIMES))
 
 @dataclass(frozen=True, eq=False)
 class Consistency:
-    """Of one square over the runs: mean by its dimension at each step that has one (n,), and the band of each."""
+    """The mean of one square over the runs, by its dimension, at each step that has one (n,), and the band of each
+    mean."""
 
     time: Array
     mean: Array
@@ -36,7 +37,7 @@ class Consistency:
 
 
 def consistency(runs: Sequence[dict[str, Trace]], model: str, square: str) -> Consistency:
-    """Of traces by model."""
+    """The consistency of one model by one square, from the runs' traces by model."""
     values = np.array([run[model].squares[square] for run in runs])
     size = runs[0][model].dimensions[square]
     seen = np.isfinite(values).all(axis=0)
@@ -46,7 +47,7 @@ def consistency(runs: Sequence[dict[str, Trace]], model: str, square: str) -> Co
 
 
 def rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
-    """By COLUMNS."""
+    """The rows of a table with COLUMNS."""
     return [_row(model, square, consistency(runs, model, square)) for model in MODELS for square in SQUARES]
 
 
@@ -79,7 +80,7 @@ def claims(runs: Sequence[dict[str, Trace]]) -> list[Claim]:
 
 
 def as_dict(runs: Sequence[dict[str, Trace]], model: str, square: str) -> dict[str, object]:
-    """For `--json`."""
+    """The consistency as `--json` has it."""
     found = consistency(runs, model, square)
     band = [found.low, found.high]
     return {"model": model, "square": square, "mean": float(found.mean.mean()), "band": band, "inside": found.inside}

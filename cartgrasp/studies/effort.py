@@ -67,13 +67,13 @@ START, STOP = (*speed_change(0.6), *pause(1.0)), (*speed_change(-0.6), *pause(1.
 BENDS = (*turn(np.pi / 3, 0.5), *pause(0.5), *turn(-np.pi / 3, 0.5), *pause(0.5))
 PATH = chain(START, STOP, START, BENDS, STOP)
 GAINS, SAME, CLOSE, TRIES, USUAL_SLOPE = (0.25, 8.0), 0.02, 1.6, 4, -1.5
-"""By how much gains are scaled; shares of an error that count as none, and as near; how many gains are tried; of the
-logarithm of the error by that of the gain."""
+"""Bounds of the factor on gains. Log ratio within which errors count as equal, and ratio within which they are near.
+Most gains tried. Usual log-log slope of the error by the gain."""
 FIGURES = ("gain", "error", "force", "moment", "largest_force", "largest_moment", "effort")
 
 
 def cart(mass: float, aside: float) -> CartModel:
-    """With its CoM so far to the left, m."""
+    """The truck with its CoM `aside` to the left, m."""
     inertia = Inertia(mass, (COM_X, aside), mass * GYRATION**2)
     drags = ViscousDrag(2.0, 0.4), RollingResistance(0.015)
     return CartModel(inertia, RollingConstraints(), drags, WHEELS, com_height=0.45, name=f"truck of {mass:g} kg")
@@ -117,8 +117,9 @@ def scaled(gains: Gains, by: float) -> Gains:
 
 @dataclass(frozen=True)
 class Paid:
-    """In one run: by how much its gains were scaled, the rms position error (m), rms of all hands' forces (N) and
-    moments (N·m) and the largest of one hand, mean effort (N²), regrasps; all infinite where the cart tips over."""
+    """What one run costs: by how much its gains were scaled, the rms position error (m), mean effort (N²) and regrasps.
+    Forces (N) and moments (N·m) are the rms of all hands', and the largest of one hand. All are infinite where the cart
+    tips over."""
 
     gain: float
     error: float
@@ -143,7 +144,7 @@ class Paid:
 
 
 def _rms_and_largest(parts: Array) -> tuple[float, float]:
-    """Of (n, T, 3): rms of all n together, and the largest of one."""
+    """The rms of all n vectors of (n, T, 3) together, and the largest of one."""
     sizes = np.linalg.norm(parts, axis=2)
     return float(np.sqrt((sizes**2).sum(axis=0).mean())), float(sizes.max())
 
@@ -257,7 +258,8 @@ def best_grips(truth: CartModel, hands: Sequence[Arm]) -> list[float]:
 
 
 def best_by_statics(aside: float, hands: int, moment_weight: float = 10.0) -> tuple[float, float]:
-    """Of the middle's rms force and effort, what is left in the best place along the exact path, without limits."""
+    """The rms force and the effort in the best place, as shares of those in the middle, along the exact path and
+    without limits."""
     truth, path = cart(40.0, aside), PathReference(PATH)
     family = ContactFamily.of(truth, arms(hands, None, moment_weight), NOISE, APART)
     lowest = family.ahead(truth, path, (0.0, path.duration)).lowest

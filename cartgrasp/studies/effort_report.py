@@ -58,7 +58,8 @@ def tables(found: Sequence[Compared]) -> list[tuple[str, tuple[str, ...], list[t
 
 
 def shares(found: Sequence[Compared], figure: str, way: tuple[str, str], aside: float = 0.0) -> list[float]:
-    """Of what the learned cart pays in the middle, for trucks that reach its error, CoM at least so far aside (m)."""
+    """A figure as shares of what the learned cart pays in the middle. Only trucks that reach its error count, with the
+    CoM at least so far aside (m)."""
     every = [one.share(figure, way, FIRST) for one in found if one.job.aside >= aside]
     return [share for share in every if isfinite(share)]
 
@@ -96,7 +97,7 @@ def claims(found: Sequence[Compared]) -> list[Claim]:
 
 
 def as_dict(one: Compared) -> dict[str, Any]:
-    """For `--json`."""
+    """The comparison as `--json` has it."""
     paid = {", ".join(way): vars(figures) for way, figures in one.paid.items()}
     return {**vars(one.job), "error": one.error, "paid": paid}
 

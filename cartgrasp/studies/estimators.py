@@ -143,7 +143,7 @@ def filter_noise(sensors: SensorNoise) -> FilterNoise:
 
 
 def answer(driven: Drive, way: str, noise: FilterNoise) -> Answer:
-    """Of one estimator."""
+    """The answer of one estimator to one drive."""
     log, begin = driven.log, time.process_time()
     if way == IDENTIFY:
         found = identify([log], guess(), noise=noise)

@@ -27,7 +27,7 @@ COLUMNS = (
 MOTION_COLUMNS = ("path, sensors", "estimator", "u mm/s", "r mrad/s", "µs a row")
 BETTER_COLUMNS = ("path", "sensors", *PHYSICAL, "u", "r", "parameters by", "motion by")
 CLEARLY = 1.15
-"""By what factor one must be better to be called so."""
+"""The factor by which one must be better to be called so."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Score:
 
 
 def score(trials: Sequence[Trial], way: str) -> Score:
-    """Of one estimator in trials of one case."""
+    """The score of one estimator in trials of one case."""
     true = physical_from_phi(truth().inertia.phi)
     found = [[trial.answers[way].parameters[name] for name in PHYSICAL] for trial in trials]
     errors = np.array([[p.value for p in row] for row in found]) - true
@@ -61,7 +61,7 @@ def score(trials: Sequence[Trial], way: str) -> Score:
 
 
 def _rms_score(errors: Array, deviations: Array) -> float:
-    """Of errors over deviations; the paper's filter may be sure of anything."""
+    """The rms of errors over their standard deviations; the paper's filter may be sure of anything."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return float(np.sqrt(((errors / deviations) ** 2).mean()))
 
@@ -71,7 +71,7 @@ def case(trials: Sequence[Trial], path: str, sensors: str) -> list[Trial]:
 
 
 def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
-    """By COLUMNS."""
+    """The rows of a table with COLUMNS."""
     told: list[tuple[str, ...]] = []
     for path, sensors, way, found in _scores(trials):
         mass, com_x, com_y, inertia = found.errors
@@ -81,7 +81,7 @@ def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
 
 
 def motion_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
-    """By MOTION_COLUMNS."""
+    """The rows of a table with MOTION_COLUMNS."""
     told: list[tuple[str, ...]] = []
     for path, sensors, way, found in _scores(trials):
         motion = ("" if np.isnan(error) else f"{1e3 * error:.3g}" for error in found.motion)
@@ -106,7 +106,7 @@ def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
 
 
 def better(ratio: Array) -> str:
-    """Of the filter's errors to the regressor's."""
+    """Which of the two is better, by the geometric mean of ratios of the filter's errors to the regressor's."""
     mean = float(np.exp(np.log(ratio).mean()))
     return REGRESSOR if mean > CLEARLY else FILTER if mean < 1 / CLEARLY else "as good"
 
@@ -155,7 +155,7 @@ def _honesty(trials: Sequence[Trial], way: str) -> float:
 
 
 def as_dict(trial: Trial) -> dict[str, object]:
-    """For `--json`."""
+    """The trial as `--json` has it."""
     answers = {
         way: {
             "health": answer.health,

@@ -38,7 +38,7 @@ from .scenario import Scenario, with_truth
 DWELL = 3.0
 FIXED, PERIODIC, CONTACTS = "fixed", "periodic", "chosen"
 E_MOTION, D_MOTION = "weaving, E", "weaving, D"
-"""Of these, `chosen` contacts keep to the path; the last two also weave by up to 3 cm."""
+"""The last three ways: `chosen` contacts keep to the path; the other two also weave by up to 3 cm."""
 WAYS = (FIXED, PERIODIC, CONTACTS, E_MOTION, D_MOTION)
 ALLOWANCES = {
     CONTACTS: Allowance(30.0, 0.0, E_OPTIMAL),
@@ -157,7 +157,7 @@ def taught(way: str) -> Array:
 
 
 def taught_by(plan: ExcitationPlan) -> Array:
-    """As `taught`, along a plan."""
+    """Information (p, p) at the end of a drive along a plan, the prior's included."""
     return _taught(plan.reference, plan)
 
 

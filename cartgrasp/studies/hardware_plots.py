@@ -14,7 +14,7 @@ from ..view.plots import OKABE_ITO, house_style
 from .hardware import Outcome
 
 WIDE = 0.4
-"""Of the mass, what is shown above and below it."""
+"""Share of the mass that is shown above and below it."""
 
 
 def draw_mass(axes: Axes, outcome: Outcome) -> None:

@@ -60,7 +60,8 @@ def _wrench_rows(cart: CartModel, motion: TrueMotion, noise: Array) -> tuple[Arr
 
 
 def _motion_rows(cart: CartModel, motion: TrueMotion, sensors: SensorNoise) -> csc_matrix:
-    """Of poses, of velocities, and of what ties the way to the velocity: by nu and way."""
+    """Whitened rows of velocities, of poses, and of the constraint that ties the way to the velocity; their columns are
+    nu and the way."""
     n, f = motion.velocity.shape
     s, one = sensors, np.eye(f)
     seen = [np.diag(1.0 / np.array(std)) @ cart.basis_b for std in _deviations(s)]

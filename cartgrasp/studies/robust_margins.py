@@ -75,8 +75,9 @@ def arms() -> tuple[Arm, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Tick:
-    """By way, in the order of WAYS: status, effort, how far the true cart is inside its limits (N; negative: beyond),
-    and whether a limit of the cart was active; the margins' largest `reserve` (N), and the filter's deviations."""
+    """One tick; sequences are in the order of WAYS. `room` is how far the true cart is inside its limits (N; negative:
+    beyond), `at_limit` whether a limit of the cart was active. Also the margins' largest `reserve` (N), and the
+    filter's deviations."""
 
     time: float
     statuses: tuple[str, ...]
@@ -140,7 +141,7 @@ class Drive:
         ]
 
     def ticks(self, duration: float | None) -> Iterator[Tick]:
-        """To the end of the path, or for a duration, s."""
+        """The ticks to the end of the path, or for a duration, s."""
         seconds = self._reference.duration if duration is None else duration
         for _ in range(round(seconds / PERIOD)):
             yield self._tick()
@@ -170,7 +171,7 @@ class Drive:
 
 
 def effort_of(plan: Plan) -> float:
-    """Of what is given, N²."""
+    """The effort of the wrenches that a plan gives, N²."""
     weights = {arm.name: np.array(arm.weights) for arm in arms()}
     return float(sum(w**2 @ weights[arm] for arm, w in plan.contact_wrenches.wrenches.items()))
 

@@ -95,7 +95,7 @@ def draw_parameter_of_tests(axes: Axes, results: Sequence[RowResult], name: str,
 
 
 def draw_mass_error(axes: Axes, results: Sequence[RowResult]) -> None:
-    """Of the true mass in %, with the 5 % that count as converged."""
+    """Draws the relative error of the mass in %, with the 5 % that count as converged."""
     for result in results:
         record = result.runs[LEARNING]
         mass = record.parameters["mass"]

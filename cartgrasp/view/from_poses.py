@@ -17,7 +17,7 @@ from ..wheels import CASTER, DEFAULT_TRAIL
 WINDOW = 0.1
 """s before and after an instant whose poses tell its velocity."""
 WAIT = 0.2
-"""Of the trail: a pivot that moved less waits, so that noise turns no caster at rest."""
+"""Share of the trail that a pivot must move before its caster turns, so that noise turns no caster at rest."""
 
 
 def velocity_of_poses(time: Array, pose: Array) -> Array:

@@ -109,7 +109,7 @@ def _arm(run: ShownRun, name: str, frames: np.ndarray) -> dict[str, Any]:
 
 
 def _correlation(run: ShownRun, frames: np.ndarray) -> Column:
-    """Of the CoM's estimated coordinates."""
+    """The correlation of the CoM's estimated coordinates."""
     if run.com_covariance is None:
         return None
     covariance = run.com_covariance[frames]

@@ -21,10 +21,10 @@ from .scene import HEIGHT, WIDTH, Scene
 from .shown_run import ShownRun
 
 LARGEST = 10_000
-"""Shapes in a picture."""
+"""Largest number of shapes in a picture."""
 SUFFIXES = (".png", ".gif")
 COLOURS = 96
-"""Of a GIF's frame."""
+"""The number of colours in a GIF's frame."""
 
 
 def write_scene(run: ShownRun, path: str | os.PathLike[str], progress: Callable[[float], None] | None = None) -> Path:
@@ -95,7 +95,7 @@ def offscreen() -> Any:
 
 
 def _window() -> Any:
-    """By EGL, which needs no display, unless MUJOCO_GL says otherwise."""
+    """The OpenGL context; on Linux by EGL, which needs no display, unless MUJOCO_GL says otherwise."""
     if sys.platform == "linux" and not os.environ.get("MUJOCO_GL"):
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
         from mujoco.egl import GLContext

@@ -128,7 +128,7 @@ class Scene:
 
 
 def _height(run: ShownRun) -> float:
-    """Of the body: up to the highest hand."""
+    """The height of the body, m: up to the highest hand."""
     held = [contact[np.isfinite(contact[:, 2]), 2] for contact in run.contacts.values()]
     highest = max((float(np.median(z)) for z in held if len(z)), default=0.0)
     return float(np.clip(highest, DECK + 0.2, 2.0)) if highest > 0 else USUAL_HEIGHT
@@ -184,7 +184,7 @@ def _rod(body: mujoco.MjsBody, start: tuple[float, ...], stop: tuple[float, ...]
 
 
 def _stretches(pose: Array | None) -> Iterator[tuple[Array, Array]]:
-    """Of a path on the floor; none where a pose is missing."""
+    """The stretches of a path on the floor, as their two ends (3,); none where a pose is missing."""
     if pose is None:
         return
     rows = np.unique(np.linspace(0, len(pose) - 1, SEGMENTS + 1).astype(int))

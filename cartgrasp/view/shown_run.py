@@ -121,7 +121,7 @@ class ShownRun:
 
     @property
     def outline(self) -> Outline:
-        """Of the cart's body as drawn."""
+        """The outline of the cart's body as drawn."""
         return body_outline(self.cart, self.contacts.values())
 
     def estimated_com(self, i: int) -> tuple[tuple[float, float], Array] | None:

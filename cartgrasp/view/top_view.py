@@ -19,7 +19,7 @@ from .shown_run import ShownRun
 BODY, EDGE, WHEEL = "#EEF1F4", "#7A8592", "#3C4654"
 FRONT = 4
 ARROW = 0.7
-"""Of the cart's length: how long an arrow the run's large forces have."""
+"""Length of an arrow for the run's large forces, as a share of the cart's length."""
 
 
 def draw_top_view(axes: Axes, run: ShownRun, i: int, mark_size: float = 4.0) -> list[Artist]:

@@ -17,9 +17,9 @@ from cartgrasp.reference_file import Stretch
 STEP = 0.02
 """s: ramps and holds are whole multiples, and motions are looked at so often."""
 HOLD, REST = 1.6, 0.3
-"""s."""
+"""How long a motion is held, and how long a rest lasts, s."""
 SLOW = 0.3
-"""Of the highest speed."""
+"""The slow speed, as a share of the highest one."""
 ACCELERATION, YAW_ACCELERATION = 0.6, 1.0
 FASTEST_TURN, TURN_PER_SPEED = 0.6, 0.8
 """rad/s; rad/m."""
@@ -29,7 +29,7 @@ COUNTED = ("", "twice", "three times", "four times")
 
 @dataclass(frozen=True)
 class Limits:
-    """Of a manoeuvre: its highest speed (m/s), and how long it may take (s)."""
+    """The limits of a manoeuvre: its highest speed (m/s), and how long it may take (s)."""
 
     speed: float = 0.8
     duration: float = 20.0
@@ -48,7 +48,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Piece:
-    """From rest to rest; `says` what to do."""
+    """A motion from rest to rest; `says` tells what to do."""
 
     says: str
     stretches: tuple[Stretch, ...] = field(repr=False)

@@ -1,4 +1,4 @@
-"""By how many deviations a motion tells one belief of a cart from another (Box and Hill, 1967; Atkinson and Fedorov,
+"""How many standard deviations apart a motion puts two beliefs of a cart (Box and Hill, 1967; Atkinson and Fedorov,
 1975).
 
 With d (n,) what two beliefs expect otherwise of the recorded rows, over their noise, J the slopes of what the second
@@ -27,7 +27,7 @@ from cartgrasp.rigid_body import regressor_b
 from .manoeuvres import STEP, Piece, Place, path, sampled
 
 LATENESS_STEP = 1e-4
-"""Of a parameter of a sensor effect."""
+"""The step in a sensor effect's parameter for finite differences of its lateness."""
 QUIETEST, STILLEST = 1e-2, 1e-5
 """N and N·m; m: simulated sensors may have no noise at all."""
 WINDOW = 0.5
@@ -94,7 +94,7 @@ class Evidence:
         return cls(0.0, np.zeros(k), np.zeros((k, k)))
 
     def more(self, truth: Trace, rival: Trace) -> Evidence:
-        """With another piece."""
+        """The sums with another piece added."""
         unit, size = _unit(truth.form)
         shrink = 1.0 - 1.0 / math.sqrt(1.0 + size * size)  # rows whose noise has the form's in it, whitened
         d, slopes = truth.rows - rival.rows, rival.slopes
@@ -136,7 +136,7 @@ def traced(belief: Belief, piece: Piece, begin: Place, hands: Hands, weights: Ar
 
 
 def _unit(form: Array) -> tuple[Array, float]:
-    """Its direction and size."""
+    """The direction of a form, and its size."""
     size = float(np.linalg.norm(form))
     return (form / size if size else form), size
 
@@ -154,7 +154,7 @@ def _across(cart: CartModel, nu: Array, nu_rate: Array) -> Array:
 
 
 def _lateness_slopes(cart: CartModel, arms: Collection[str]) -> Array:
-    """Of the mean lateness of arms by the parameters (p,)."""
+    """Partials (p,) of the arms' mean lateness by the cart's parameters."""
     slopes = np.zeros(len(cart.parameters))
     for effect, where in cart.sensor_effects:
         share = np.mean([effect.concerns(arm) for arm in arms])

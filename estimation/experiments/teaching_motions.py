@@ -15,7 +15,7 @@ from cartgrasp.motion import Estimate
 PERIOD, DURATION = 0.02, 12.0
 SPEED, YAW_RATE = 0.5, 0.5
 CLEARLY = 0.8
-"""Of a variance: from how much less left on a motion is better than a simpler one."""
+"""Largest share of a simpler motion's variance that a better motion may leave."""
 REACH = 0.3
 """m: levers of two hands at a handle."""
 
@@ -53,7 +53,7 @@ def _motion(says: str, forward: ArrayLike = 0.0, aside: ArrayLike = 0.0, turning
 
 
 def teaching_motions() -> tuple[TeachingMotion, ...]:
-    """From the simplest on."""
+    """The motions, the simplest first."""
     time = np.arange(0.0, DURATION, PERIOD)
     wave, other = np.sin(2 * np.pi * time / 3.0), np.sin(2 * np.pi * time / 4.4)
     slow = np.sin(2 * np.pi * time / DURATION)

@@ -108,14 +108,14 @@ class Windows:
         return max(float(y @ y - explained.max()), float(self.seen.sum() * self.noise**2))
 
     def squares(self, left: Array) -> Array:
-        """Of what is left (..., n): no fit is better than places are known."""
+        """Sums of squares of residuals (..., n), at least as large as the noise of the places makes them."""
         least = self.seen.sum(axis=-1) * self.noise**2
         return np.asarray(np.maximum((left**2).sum(axis=-1), least.reshape(-1, *[1] * (left.ndim - 2))))
 
 
 def _sizes(products: tuple[Array, Array, Array], ay: Array, by: Array) -> tuple[Array, Array]:
-    """Of two columns, from their `products` aa, bb and ab and those with what they fit; of two that are alike, all is
-    the first one's."""
+    """The least-squares sizes of two columns, from their `products` aa, bb and ab and those with what they fit. Where
+    both are alike, all is the first one's."""
     (aa, bb, ab), tiny = products, np.finfo(float).tiny
     first = ay / np.maximum(aa, tiny)
     rest = bb - ab**2 / np.maximum(aa, tiny)
@@ -124,8 +124,8 @@ def _sizes(products: tuple[Array, Array, Array], ay: Array, by: Array) -> tuple[
 
 
 def corners(track: Track, n_tracks: int = 1) -> list[Corner]:
-    """In order of time; `n_tracks` are looked at in all. The clearest is looked at first: it parts the track for the
-    rest."""
+    """The corners of a track in order of time; `n_tracks` are looked at in all. The clearest is looked at first: it
+    parts the track for the rest."""
     instants = track.time[np.unique((track.time - track.time[0]) // EVERY, return_index=True)[1]]
     least = math.log(n_tracks * len(instants) / FALSE)
     found, unsure = list[Corner](), list[Corner]()
@@ -151,7 +151,8 @@ def corners(track: Track, n_tracks: int = 1) -> list[Corner]:
 
 
 def _evidence_of_place(track: Track, corner: Corner, known: Sequence[Corner]) -> float:
-    """Of a place where several corners turn the motion the same way as this one does; 0 where they are few."""
+    """The evidence of a place where several corners turn the motion the same way as this one does; 0 where they are
+    few."""
     times = np.array([one.time for one in known])
     places = np.interp([corner.time, *times], track.time, track.place)
     alike = np.sign([one.jump for one in known]) == np.sign(corner.jump)
@@ -161,7 +162,7 @@ def _evidence_of_place(track: Track, corner: Corner, known: Sequence[Corner]) ->
 
 
 def jump_at(track: Track, time: float, lasts: float) -> float:
-    """By how much a speed changes at a time, over a while, where it is taken to; 0 where that can't be told."""
+    """The change of a speed at a time (s) over a while (s), where it is taken to be; 0 where that can't be told."""
     rows, windows = windows_around(track, np.array([time]), ())
     if not len(rows):
         return 0.0
@@ -175,7 +176,7 @@ def reach_of(track: Track) -> float:
 
 
 def without_corner(found: Sequence[Corner], at: Array) -> tuple[Array, Array]:
-    """From when and until when (m,) the motion around instants (m,) has no corner."""
+    """The times (m,) from which and until which the motion around instants (m,) has no corner."""
     times = np.array([-np.inf, *sorted(corner.time for corner in found), np.inf])
     after = np.searchsorted(times[1:-1], at, side="right")
     return times[after] + SUDDEN / 2, times[after + 1] - SUDDEN / 2

@@ -29,9 +29,10 @@ FAR = 20.0
 SAME = 1e-9
 """m, rad: values that differ by less are one value, written with other digits."""
 WHOLE = 1e-3
-"""Of a step: how near a whole multiple is to one."""
+"""Share of a step within which a difference is a whole multiple of it."""
 EXPLAINED = 0.1
-"""Of a corner, by a mass that is known roughly: what stops a cart pushes against the arms, not along with them."""
+"""Share of a corner from which the arms explain it, by a roughly known mass. What stops a cart pushes against the arms,
+not along with them."""
 LATE, WIDE = 0.05, 1.0
 """s by which the clocks of wrenches and poses may differ; s around a corner that tell what the arms did."""
 LONGEST, CURVED = 1.2, 2.0
@@ -49,13 +50,13 @@ class Impact:
     speed_after: float
 
     def as_dict(self) -> dict[str, Any]:
-        """As a report tells it."""
+        """The impact as a report tells it."""
         speeds = {"speed_before": self.speed_before, "speed_after": self.speed_after}
         return {"time": self.time, "pose": self.pose.tolist(), **speeds}
 
 
 def impacts(log: RunLog, cart: CartModel) -> tuple[Impact, ...]:
-    """In order of time. Of the cart, constraints and (roughly) inertia are taken."""
+    """The impacts in order of time. Only the cart's constraints and, roughly, its inertia are used."""
     poses = _poses(log)
     if len(poses.time) < 2:
         return ()
@@ -114,7 +115,7 @@ def _tracks(poses: _Poses, cart: CartModel) -> list[Track]:
 
 
 def _merged(found: Sequence[Corner]) -> list[Corner]:
-    """In order of time; of those that are one touch, the clearest."""
+    """The corners in order of time; where several are one touch, only the clearest."""
     kept: list[Corner] = []
     for corner in sorted(found, key=lambda one: -one.evidence):
         if all(abs(corner.time - other.time) >= SUDDEN for other in kept):
@@ -192,6 +193,6 @@ def _pushed(log: RunLog, cart: CartModel, mass: Array, at: float) -> list[Track]
 
 
 def _integral(time: Array, rates: Array) -> Array:
-    """Of rates (k, n) over times (n,), from 0 on."""
+    """The integral (k, n) of rates (k, n) over times (n,), which begins at 0."""
     steps = np.diff(time) * (rates[:, 1:] + rates[:, :-1]) / 2
     return np.concatenate([np.zeros((len(rates), 1)), np.cumsum(steps, axis=1)], axis=1)

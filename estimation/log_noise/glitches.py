@@ -21,7 +21,7 @@ from .resolution import ROUNDING, resolution
 FAR = 20.0
 """Times the noise."""
 MOST = 0.02
-"""Of the rows: what happens more often is no accident."""
+"""Largest share of the rows that are glitches: what happens more often is no accident."""
 
 
 def without_glitches(log: RunLog, far: float = FAR) -> RunLog:

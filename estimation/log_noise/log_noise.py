@@ -76,7 +76,8 @@ def noise_floor(channel: Array, usual: float = 0.0) -> float:
 
 
 def white_noise(channel: Array, usual: float = 0.0) -> float:
-    """Of a channel that does not jump, as a motion: of one that comes in steps, at least that of rounding."""
+    """Standard deviation of the white noise on a channel that does not jump, such as a motion. Where the channel comes
+    in steps, it is at least that of rounding."""
     return max(noise_floor(channel, usual), resolution(channel) * ROUNDING)
 
 
@@ -88,7 +89,7 @@ def pose_noise(pose: Array, usual: tuple[float, float] = (0.0, 0.0)) -> tuple[fl
 
 
 def _loudness(log: RunLog, cart: CartModel) -> float:
-    """Of recorded velocities; 1 for a cart that may go any way."""
+    """The loudness of recorded velocities; 1 for a cart that may go any way."""
     axle = cart.constraints.axle_x
     if axle is None or log.velocity is None:
         return 1.0

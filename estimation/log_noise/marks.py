@@ -14,7 +14,8 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import ArmLog, RunLog
 
 SIGNIFICANDS = (9.9, 9.99, 9.999, 9.9999, 9.99999, 3.2767, 3.2768, 6.5535, 2.147483647, 2.147483648)
-"""Of what recorders write: all nines, and the largest whole numbers of two and four bytes."""
+"""Significands of numbers that recorders write for no reading: all nines, and the largest whole numbers of two and four
+bytes."""
 BEYOND = 10.0
 """Times the span of all other values: no reading is so far from them."""
 SMALLEST = 1e-3

@@ -7,7 +7,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 ROWS = 9
-"""Of a window, of which the middle one is compared with the median: what is there for three rows is not the median."""
+"""Rows in a window whose middle one is compared with the median: what is there for three rows is not the median."""
 APART = 8.0
 """Times the usual distance from the median in the window."""
 

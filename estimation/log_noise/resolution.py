@@ -1,4 +1,4 @@
-"""In what steps a sensor's values come, read off where it repeats itself.
+"""The steps in which a sensor's values come, read off where it repeats itself.
 
 The smallest difference between values does not tell: what was resampled, averaged or printed again lies anywhere
 between two steps, and a sensor that rests still jumps from one to the next.
@@ -11,7 +11,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 TINY = 1e-12
-"""In units of the values: less is round-off."""
+"""Largest round-off, in units of the values."""
 USUAL = 0.75
 """Quantile of the steps after a repetition that is called one: a few are parts of one, none is more."""
 FEWEST = 8
@@ -21,8 +21,8 @@ ROUNDING = 12**-0.5
 
 
 def resolution(column: Array) -> float:
-    """Of values (n,), NaN where missing: the usual step after a repetition; where few repeat, the smallest of all; 0
-    where none differ."""
+    """The resolution of values (n,), NaN where missing: the usual step after a repetition; where few repeat, the
+    smallest of all; 0 where none differ."""
     steps = np.abs(np.diff(column[np.isfinite(column)]))
     moved = steps > TINY
     if not moved.any():

@@ -15,24 +15,25 @@ from scipy.optimize import nnls
 from cartgrasp.frames import Array
 
 LONGEST, FEWEST_LAGS, MOST_LAGS = 0.25, 8, 18
-"""s: of lags; how many of them, at least and at most."""
+"""The longest lag, s, and how many lags there are, at least and at most."""
 FEWEST = 200
 """Differences."""
 MEDIAN_OF_SQUARE = 0.4549
-"""Of a standard normal number."""
+"""The median of the square of a standard normal number."""
 
 
 @final
 @dataclass(frozen=True)
 class Variogram:
-    """At lags (l,), s."""
+    """The values of a variogram at lags (l,), s."""
 
     lag: Array
     value: Array
 
     @classmethod
     def of(cls, time: Array, series: Array, which: np.ndarray) -> Variogram | None:
-        """Of a series (n,) from the rows `which` (n,) on, by medians; None where there are too few."""
+        """The variogram of a series (n,) by medians, from differences that begin at the rows `which` (n,). None where
+        there are too few."""
         step = float(np.median(np.diff(time)))
         lags = np.unique(np.round(np.geomspace(1, max(FEWEST_LAGS, LONGEST / step), MOST_LAGS)).astype(int))
         found = []
@@ -52,7 +53,7 @@ class Variogram:
 
 
 def autoregression(lag: Array, time: float) -> Array:
-    """Of unit variance."""
+    """The variogram of an autoregression of unit variance, at lags (l,), s."""
     return np.asarray(1 - np.exp(-lag / time))
 
 

@@ -26,17 +26,17 @@ SAME = 1e-9
 
 
 def longest_delay(cart: CartModel) -> float:
-    """Of the wrenches of any arm, s."""
+    """The longest delay of the wrenches of any arm, s."""
     return max((cart.lateness(effect.label) for effect, _ in cart.sensor_effects), default=0.0)
 
 
 def delayed(core: LearningFilter, cart: CartModel) -> InTime:
-    """With wrenches where they were felt, where the cart says that they come late."""
+    """The core, wrapped so that wrenches count when they were felt, where the cart says that they come late."""
     return DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
 
 
 class DelayedWrenches:
-    """Around a core, whose wrenches all come as late as those of the cart's slowest sensor."""
+    """Wraps a core, whose wrenches all come as late as those of the cart's slowest sensor."""
 
     def __init__(self, core: LearningFilter, cart: CartModel) -> None:
         self.core, self._cart, self._delay = core, cart, longest_delay(cart)
@@ -96,7 +96,7 @@ class DelayedWrenches:
         return self._now
 
     def _felt_together(self, last: Measurement) -> dict[str, Array]:
-        """Of each arm, the sample that was felt when those of the slowest sensor were."""
+        """For each arm, the sample that was felt when those of the slowest sensor were."""
         felt = {}
         for arm in last.wrenches:
             wanted = self.time - self._delay + self._cart.lateness(arm)

@@ -78,7 +78,7 @@ class LearningFilter:
 
     @property
     def sizes(self) -> tuple[int, int]:
-        """Of a pose, and of a velocity that is projected."""
+        """The dimensions of a pose, and of a velocity that is projected onto nu."""
         return 3, self.cart.constraints.n_free
 
     def estimate(self) -> Estimate:

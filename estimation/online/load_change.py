@@ -11,7 +11,7 @@ from cartgrasp.model import CartModel
 from ..prior import Prior
 
 LOAD_SHARE = 0.3
-"""Of the mass: how large a load is usual (a standard deviation)."""
+"""Usual size of a load, as a standard deviation, in shares of the mass."""
 
 
 def load_covariance(cart: CartModel, prior: Prior, mass: float) -> Array:

@@ -44,7 +44,8 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
 
     @property
     def lateness(self) -> float:
-        """Of the wrenches, beyond being held from sample to sample, in sample periods; mere samples have -0.5."""
+        """Lateness of the wrenches in sample periods, beyond being held from sample to sample; mere samples have
+        -0.5."""
         return self._samples.state.lateness
 
     def _told(self) -> Estimate:

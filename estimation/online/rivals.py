@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..sensor_check.evidence import UNEXPLAINED
 
 KEPT = 1.0 - 1.0 / 40.0
-"""Of the sums at each new block: 10 s of motion are remembered."""
+"""Share of the sums that is kept at each new block: 10 s of motion are remembered."""
 LEAST_ROWS, SHARED = 7.0, 2.0
 """Rows of motion before anything is told, and how many of them count as one: neighbours share blocks."""
 EXPLAINED, SOUND = 0.25, 0.05

@@ -38,9 +38,9 @@ FASTEST = 40.0
 LENGTHS = {"m": 1.0, "mm": 1000.0, "cm": 100.0, "in": 39.37, "ft": 3.2808, "m, reversed": -1.0}
 """What a metre is recorded as."""
 FORCES = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0, "mN": 0.001}
-"""N."""
+"""N in each unit."""
 FRICTION_SPREAD = math.log(2.0)
-"""Of what friction takes, as guessed: the deviation of its logarithm, beside that of the mass."""
+"""Standard deviation of the logarithm of the friction as guessed, beside that of the mass."""
 UNSURE = 1e6
 """Variance of a logarithm that is not known."""
 LEAST_SPREAD, LEAST_SHARE = 0.02, 1e-9
@@ -83,7 +83,7 @@ class SensorWatch:
         """Variances of velocities, linear and yaw, over the declared ones, where they are larger."""
 
     def go_on(self, time: float, samples: Sequence[Measurement]) -> bool:
-        """With the last samples up to a time. Whether the loudness is now known to be another."""
+        """Goes on with the last samples up to a time (s); says whether the loudness is now known to be another."""
         before = self.loudness
         with np.errstate(all="ignore"):  # numbers may be beyond reason
             if self._work is None:
@@ -96,7 +96,7 @@ class SensorWatch:
     # --- a block ---------------------------------------------------------------------------------------------
 
     def _looks(self, samples: Sequence[Measurement]) -> Iterator[None]:
-        """In two pieces."""
+        """Looks at a block of samples, in two pieces."""
         few = samples[:: 1 + len(samples) // MOST]
         moved = poses_of(few)
         if moved is None:
@@ -151,7 +151,8 @@ class SensorWatch:
         self._lengths = self._lengths.and_then(off_by, u * u + v * v)
 
     def _compare_power(self, blocks: tuple[Block, ...]) -> None:
-        """Of recorded wrenches, and what inertia and friction of the first guess take on the same way."""
+        """Adds products of the recorded wrenches' power and that which inertia and friction of the first guess take on
+        the same way."""
         first, middle, last = blocks
         if first.wrench_b is None or middle.wrench_b is None or last.wrench_b is None:
             return
@@ -212,8 +213,8 @@ class SensorWatch:
             yield Suspicion("sign", "pose", reversed_, -1.0, "positions go against their velocities")
 
     def _of_wrenches(self) -> Iterator[Suspicion]:
-        """By what the first guess would take for inertia and for friction: the sign, whatever their sizes; and the
-        unit, by these."""
+        """Suspicions of wrenches, by what the first guess would take for inertia and for friction. Its sign tells of
+        theirs, whatever the sizes; the sizes tell of the unit."""
         ii, both, ff, inertial, friction, given = self._powers
         guessed, pull = ii + 2.0 * both + ff, inertial + friction
         if self._rows < LEAST_ROWS or not guessed > 0 or not given > 0:
@@ -259,7 +260,8 @@ class SensorWatch:
         return max(pull * pull / own for pull, own in alone)
 
     def _shares(self, sign: float) -> tuple[tuple[float, float], ...]:
-        """Of what the first guess would take for inertia and for friction, how much is given, and its deviation."""
+        """Shares of what the first guess would take for inertia and for friction that are given, each with its standard
+        deviation."""
         ii, both, ff, inertial, friction, given = self._powers
         ii, ff = ii * (1.0 + 1e-6) + 1e-12, ff * (1.0 + 1e-6) + 1e-12
         size = ii * ff - both * both

@@ -16,7 +16,7 @@ HEADINGS = (1.0, math.pi / 180, -1.0)
 SPACED = 0.015
 """s between velocities, up to which second differences are noise: a loop at 50 Hz moves a cart between samples."""
 MEDIAN = 0.6745
-"""Of the size of a normal number, in deviations."""
+"""The median magnitude of a standard normal number."""
 FEWEST = 8
 """Velocities that tell their noise."""
 LARGEST = 1e9
@@ -38,7 +38,7 @@ class Block(NamedTuple):
 
 
 def wrapped(angle: float) -> float:
-    """To [-pi, pi)."""
+    """The angle (rad) wrapped to [-pi, pi)."""
     return (angle + math.pi) % TURN - math.pi
 
 
@@ -58,7 +58,8 @@ def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[f
 
 
 def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, tuple[float, float] | None]:
-    """Their mean, and variances of their noise: from second differences, which motion has no share in."""
+    """The mean velocity, and the variances of its white noise: from second differences, which motion has no share
+    in."""
     rows = _whole([m.velocity for m in samples if m.velocity is not None])
     if rows is None:
         return None, None
@@ -74,7 +75,7 @@ def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, t
 def wrench_of(
     samples: Sequence[Measurement], contacts: Mapping[str, Array], arms: Sequence[str], yaws: Mapping[str, float]
 ) -> list[float] | None:
-    """Of all arms; None where one of them, or where it holds, is not known."""
+    """The mean wrench (3,) of all arms in {b}; None where the wrench or the contact of one of them is not known."""
     along = across = moment = 0.0
     for arm in arms:
         rows = _whole([m.wrenches[arm] for m in samples if arm in m.wrenches])
@@ -88,7 +89,7 @@ def wrench_of(
 
 
 def _whole(rows: Sequence[Any]) -> Array | None:
-    """Those that are measurements (n, k), if any."""
+    """The rows that are measurements (n, k), if any."""
     found = np.array(rows, dtype=float)
     if len(found) and not np.abs(found).max() < LARGEST:
         found = found[(np.abs(found) < LARGEST).all(axis=1)]

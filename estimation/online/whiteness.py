@@ -21,7 +21,7 @@ MEMORY = 10.0
 COLOURED, SURE = 2.0, 5.0
 """Times what white noise makes of squares of sums, and standard deviations of their mean, beyond which it is none."""
 SEEN = 1e-9
-"""Of the largest: information that is less than rounding."""
+"""Share of the largest eigenvalue below which information is rounding."""
 
 
 @dataclass(frozen=True)
@@ -37,14 +37,14 @@ class Whiteness:
     dimension: int = 1
 
     def and_then(self, time: float, pull: Array, variance: Array) -> Whiteness:
-        """With an innovation more."""
+        """The sums with one more innovation."""
         more = replace(self, pull=self.pull + pull, variance=self.variance + variance)
         if self.begun == -math.inf:
             return replace(more, begun=time)
         return more if time - self.begun < SPAN else more._over(time)
 
     def _over(self, time: float) -> Whiteness:
-        """After a stretch that ended."""
+        """The mean square with a stretch that has ended."""
         variance, pull = np.atleast_2d(self.variance), np.atleast_1d(self.pull)
         if not variance.any():
             return self.interrupted()
@@ -56,7 +56,7 @@ class Whiteness:
         return Whiteness(time, 0.0, 0.0, self.level + (square - self.level) / spans, spans, int(seen.sum()))
 
     def interrupted(self) -> Whiteness:
-        """Without what was summed since the last stretch: after it, something else is believed."""
+        """The sums without those since the last stretch: after it, something else is believed."""
         return replace(self, begun=-math.inf, pull=0.0, variance=0.0)
 
     @property

@@ -26,10 +26,11 @@ from cartgrasp.wheels import GRAVITY
 from .kernels.felt_wrench import MOST_FORCE
 
 UNUSED = slice(2, 5)
-"""Of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what does."""
+"""The unused components of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what
+does."""
 
 MOST_JUMP = 0.3
-"""Of the cart's weight, N and N·m."""
+"""Largest jump of the wrenches (N and N·m) from sample to sample, as a share of the cart's weight."""
 
 
 class SensedWrench(NamedTuple):
@@ -56,8 +57,8 @@ class Moving(NamedTuple):
 
 
 class Grip(NamedTuple):
-    """Of n arms: what takes their wrenches (6 n,) to the reduced one, beside the noise of that, in `matrix` (f, 6 n +
-    f); and room for these `wrenches`, with the `places` in it by arm."""
+    """The grip of n arms. `matrix` (f, 6 n + f) takes their wrenches (6 n,) to the reduced one, with the noise of that
+    beside it. `wrenches` is room for them, with the `places` in it by arm."""
 
     matrix: Array
     wrenches: Array
@@ -104,9 +105,9 @@ class WrenchSensing:
         self._holds[arm], self._grip = Hold(told, contact, reduced), None
 
     def gripped(self, recorded: Mapping[str, Array], parameters: Array, moving: Moving | None = None) -> Grip:
-        """With the arms' wrenches, as they were, in it; and their reduced partials in `by_parameters`. Of no arms where
-        an arm's wrench or contact is missing, or jumps beyond belief: the total is then not known. `moving` is the cart
-        where sensors feel it (None: at rest)."""
+        """The grip with the arms' wrenches in it, as they were felt; their reduced partials are in `by_parameters`. It
+        has no arms where an arm's wrench or contact is missing, or jumps beyond belief: the total is then not known.
+        `moving` is the cart where sensors feel it (None: at rest)."""
         if self._takes_all:
             self._note_arms(recorded)
         grip = self._grip = self._grip or self._gripped()
@@ -195,7 +196,8 @@ class WrenchSensing:
                 self._arms, self._grip = (*self._arms, arm), None
 
     def _gripped(self) -> Grip:
-        """Of no arms where there is none, or a contact is not known."""
+        """The grip of all arms, with zero wrenches; one of no arms where there is none, or where a contact is not
+        known."""
         holds = [self._holds.get(arm) for arm in self._arms]
         reduced = [hold.reduced for hold in holds if hold is not None]
         if len(reduced) < max(len(holds), 1):

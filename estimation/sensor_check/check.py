@@ -35,7 +35,7 @@ from .velocities import of_velocities
 from .wrenches import judged
 
 ANY = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
-"""Goes any way."""
+"""A cart that may go any way."""
 NO_CART = "no cart was given; say --cart cart.yaml"
 
 
@@ -48,7 +48,8 @@ class Sensors:
 
 
 def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
-    """Of poses, velocities and recorders; what wrenches do is seen in balances of that log (`of_wrenches`)."""
+    """Mends and judges poses, velocities and recorders; what wrenches do is seen in balances of the mended log
+    (`of_wrenches`)."""
     fresh = without_stale(log)
     clean, between = interpolated(fresh)
     right, of_speeds = of_velocities(clean)
@@ -67,15 +68,15 @@ class Look:
     unjudged: str = ""
 
     def as_dict(self) -> dict[str, Any]:
-        """As `cartgrasp check` says it."""
+        """The look as `cartgrasp check` says it."""
         fields = ("kind", "where", "probability", "factor", "words")
         told = [{name: getattr(one, name) for name in fields} for one in self.suspicions]
         return {**self.overview.as_dict(), "suspicions": told, "unjudged": self.unjudged}
 
 
 def look_at(log: RunLog, cart: CartModel | None) -> Look:
-    """Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest part is judged.
-    Raises DataError for a log that is too short to be looked at."""
+    """Looks at a log. Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest
+    part is judged. Raises DataError for a log that is too short to be looked at."""
     told, log = unread(log), without_marks(log)
     parts = unbroken(without_glitches(log), LONGEST_HOLE)
     longest = max(parts, key=len)
@@ -98,7 +99,7 @@ def check_sensors(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
 
 
 def _motions(parts: Iterable[RunLog]) -> Iterator[Motion]:
-    """Of parts that are long enough."""
+    """The motions of the parts that are long enough."""
     for part in parts:
         with suppress(DataError):
             yield motion_of(put_right(part, None).log, ANY)

@@ -1,4 +1,4 @@
-"""By how much recorded velocities are later, and larger, than poses say.
+"""How much later, and larger, recorded velocities are than poses say.
 
 With velocities v(t) = gain * v_true(t - lag), each window sees
 
@@ -24,11 +24,11 @@ from .windows import FEWEST, Sums, Track, Windows
 LONGEST, START = 0.4, 0.1
 """s: of lags that are looked for, and between those with which a search begins; half a start or stop."""
 ROUNDS, ENOUGH = 12, 1e-6
-"""Of Gauss and Newton, at most; s by which the lag still changes at the end."""
+"""Most rounds of Gauss and Newton; change of the lag (s) below which they end."""
 LOUD = 0.1
-"""Of what tells lags from scales that noise may make."""
+"""Share of what tells lags from scales that noise may make."""
 LEAST_SHARE = 0.5
-"""Of what poses do that velocities must explain before their clock can be told."""
+"""Least share of what poses do that velocities must explain before their clock can be told."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ class Rates:
 
     @classmethod
     def of(cls, track: Track, time: Array, rate: Array) -> Rates | None:
-        """Of linear velocities (m, 2) in {s}, or yaw rates (m, 1), NaN where missing; None where there is too
-        little."""
+        """The rates from linear velocities (m, 2) in {s}, or yaw rates (m, 1), NaN where missing; None where there are
+        too few."""
         there = np.asarray(np.isfinite(rate).all(axis=1))
         windows = Windows.over(track.time, time[there])
         if windows is None:
@@ -73,11 +73,11 @@ class Rates:
         return cls(windows, there, time[there], rate[there], seen, levers, sums.covered)
 
     def read_as(self, rate: Array) -> Rates:
-        """With other rates (n, d), at the same rows."""
+        """The same rows and poses with other rates (n, d)."""
         return replace(self, rate=rate[self.there])
 
     def on(self, lag: float) -> Sums:
-        """Of velocities that are `lag` s late."""
+        """The windows' sums over velocities that are `lag` s late."""
         return self.windows.on(self.time, lag)
 
     def by(self, sums: Sums) -> tuple[Array, Array, float] | None:
@@ -99,7 +99,8 @@ Best = tuple[float, Array, Array]
 
 
 def best_lags(readings: Sequence[Rates]) -> list[Best | None]:
-    """Of rates at the same rows, read in several ways: for each, of a coarse grid of lags the one that leaves least."""
+    """For rates at the same rows, read in several ways: the lag of a coarse grid that leaves least, for each
+    reading."""
     tried: list[list[tuple[float, Best]]] = [[] for _ in readings]
     for lag in np.arange(-LONGEST, LONGEST + START / 2, START).tolist():
         sums = readings[0].on(lag)

@@ -34,7 +34,7 @@ first."""
 MISALIGNED = 0.1
 """rad, within which an offset is one that an effect of the vocabulary tells (`wheel_misalignment`)."""
 WRONG_ODDS, ANY_OFFSET = 0.01, 2 * MISALIGNED / math.pi
-"""Of each: one log in a hundred; share of all offsets that lie so near to a known one."""
+"""Odds of each wrong reading: one log in a hundred; share of all offsets that lie so near to a known one."""
 
 
 def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:

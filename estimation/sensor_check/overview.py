@@ -17,9 +17,9 @@ from ..weak_form.motion import Motion
 
 @dataclass(frozen=True)
 class SensorRows:
-    """Of one sensor: how often whole rows of it come (Hz), the share of the log's rows without, its longest gap (s);
-    its noise and its largest size, of places (m), velocities (m/s) or forces (N), and of what turns (rad, rad/s, N·m).
-    None where too few rows tell, and of the size of poses."""
+    """Statistics of one sensor: how often whole rows of it come (Hz), the share of the log's rows without, its longest
+    gap (s). Its noise and its largest size are of places (m), velocities (m/s) or forces (N), and of what turns (rad,
+    rad/s, N·m). They are None where too few rows tell, and so is the size of poses."""
 
     where: str
     rate: float | None
@@ -30,7 +30,7 @@ class SensorRows:
 
     @classmethod
     def of(cls, where: str, time: Array, rows: Array, linear: int, has_size: bool = True) -> SensorRows:
-        """Of rows (n, k), of which the first are linear and the others turn."""
+        """Statistics of rows (n, k), of which the first `linear` columns are linear and the others turn."""
         whole = np.isfinite(rows).all(axis=1)
         steps, seen = np.diff(time[whole]), rows[whole]
         parts = seen[:, :linear], seen[:, linear:]
@@ -61,7 +61,7 @@ class Overview:
 
     @classmethod
     def of(cls, log: RunLog, motions: Sequence[Motion]) -> Overview:
-        """Of a log, with the motions of its parts."""
+        """The overview of a log, with the motions of its parts."""
         pose = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
         sensors = {"pose": (pose, 2)} | ({} if log.velocity is None else {"velocity": (log.velocity, 2)})
         sensors |= {name: (arm.wrench, 3) for name, arm in log.arms.items()}
@@ -85,7 +85,7 @@ class Overview:
 
 
 def _noise(columns: Array) -> float | None:
-    """Of the loudest column (n, k); None where none varies, as of what no sensor measured."""
+    """Noise of the loudest column (n, k); None where none varies, as where no sensor measured."""
     live = [column for column in columns.T if len(column) and np.ptp(column) > 0.0]
     return max(map(noise_floor, live), default=None)
 

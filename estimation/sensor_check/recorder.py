@@ -23,7 +23,8 @@ from .stale import local_change, repeats_fast
 from .suspicion import Suspicion
 
 STRAIGHT = 1e-3
-"""Of the usual bend: a bend of white noise is as small in a thousandth of the rows."""
+"""Share of the usual bend below which a row is straight: a bend of white noise is as small in a thousandth of the
+rows."""
 FEWEST = 20
 """Rows, and gaps between values."""
 WHOLE = 0.7
@@ -51,8 +52,8 @@ def unread(log: RunLog) -> tuple[Suspicion, ...]:
 
 
 def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
-    """Of poses and velocities of which the fresh log lacks those that repeat the ones before, as often as a recorder
-    writes them again."""
+    """Suspicions of poses and velocities that repeat the rows before, as often as a recorder writes them again. The
+    fresh log lacks such rows."""
     told = []
     pairs = {"pose": (log.pose, fresh.pose)}
     if log.velocity is not None and fresh.velocity is not None:

@@ -23,7 +23,7 @@ AROUND = 0.25
 FAST, REPEATED = 0.75, 0.05
 """Share of the rows that go slower than those called fast; share of the latter: fewer repeats are a hiccup."""
 SLOW = 0.25
-"""Of a fast row's speed: where nothing goes faster, a coarse sensor repeats itself."""
+"""Share of a fast row's speed below which a coarse sensor repeats itself, where nothing goes faster."""
 
 
 def without_stale(log: RunLog) -> RunLog:
@@ -44,7 +44,7 @@ def _often(again: np.ndarray, among: np.ndarray) -> bool:
 
 
 def local_change(rows: Array, time: Array) -> Array:
-    """By how much rows (n, k) change over `AROUND` on either side (n,), all columns together."""
+    """The change (n,) of rows (n, k) over `AROUND` on either side, all columns together."""
     first, last = (np.searchsorted(time, time + side).clip(0, len(time) - 1) for side in (-AROUND, AROUND))
     return np.asarray(np.abs(rows[last] - rows[first]).sum(axis=1))
 

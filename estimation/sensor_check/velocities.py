@@ -20,14 +20,15 @@ LATE, LATE_ODDS = (0.002, 0.05), 0.2
 """s by which sound velocities are late (what clocks of one machine differ by) and wrong ones (filters, buses, means
 over the last row); odds of the latter: one log in six."""
 LARGE, LARGE_ODDS = (0.005, 0.1), 0.1
-"""Of log gain: of sound velocities, from one calibrated device, and of wrong ones (worn or mistaken wheels)."""
+"""Spreads of the log gain of sound velocities, from one calibrated device, and of wrong ones (worn or mistaken wheels);
+odds of the latter."""
 WRONG_ODDS = 0.01
-"""Of each way in which axes are mistaken: one log in a hundred."""
+"""Odds of each way in which axes are mistaken: one log in a hundred."""
 UNITS = {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "ft/s": 0.3048}
 """What velocities are multiplied by to be m/s. Where places are in one of them and velocities aren't, its inverse."""
 TURNING_UNITS = {"deg/s": math.pi / 180}
 SAME_UNIT = 0.1
-"""Of log gain: what calibration leaves."""
+"""Spread of the log gain that calibration leaves."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ def of_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
 
 
 def _axes(velocity: Array, heading: Array, rates: Rates, sensor: Sensor) -> list[Suspicion]:
-    """Of a sensor's columns, by how much of what poses do each reading explains."""
+    """Suspicions of a sensor's columns, by how much of what poses do each reading explains."""
     readings, left, least = READINGS[sensor.where], [], (np.inf, np.zeros(1))
     for best in best_lags([rates.read_as(turn(velocity, heading)[:, sensor.columns]) for _, _, turn in readings]):
         if best is None or not best[1].any():

@@ -41,7 +41,7 @@ class Track:
 
     @classmethod
     def of(cls, log: RunLog, factor: float = 1.0) -> Track:
-        """With headings times a factor."""
+        """The track of a log, with headings times a factor."""
         there = np.isfinite(log.pose).all(axis=1)
         x, y, heading = log.pose[there].T
         return cls(log.time[there], x, y, np.unwrap(factor * heading))
@@ -49,8 +49,8 @@ class Track:
 
 @dataclass(frozen=True)
 class Sums:
-    """Of samples at times (n,): windows' values and slopes (k, n - 1) at the middles of intervals; which windows (k,)
-    samples cover."""
+    """Sums over samples at times (n,), by windows' values and slopes (k, n - 1) at the middles of intervals; which
+    windows (k,) samples cover."""
 
     step: Array
     value: csr_array
@@ -77,7 +77,7 @@ class Sums:
 
 @dataclass(frozen=True)
 class Windows:
-    """From the first to the last time (s)."""
+    """Windows from the first to the last time (s), with knots `step` (s) apart."""
 
     first: float
     last: float
@@ -85,7 +85,7 @@ class Windows:
 
     @classmethod
     def over(cls, *times: Array) -> Windows | None:
-        """Of sensors that were sampled at these times; None where that is too short or too slow."""
+        """The windows over sensors that were sampled at these times; None where that is too short or too slow."""
         if min(len(time) for time in times) < 2 * MEASURED:
             return None
         slowest = max(float(np.median(np.diff(time))) for time in times)
@@ -100,7 +100,7 @@ class Windows:
         return SplineBasis(self.first, self.step, int((self.last - self.first) / self.step) + DEGREE)
 
     def on(self, time: Array, late: float = 0.0) -> Sums:
-        """For samples at times (n,), each taken `late` s after what it tells."""
+        """The windows' sums over samples at times (n,), each taken `late` s after what it tells."""
         basis, steps, middle = self.basis, np.diff(time), _middles(time) - late
         inside = (middle >= self.first) & (middle <= self.first + self.step * (basis.count - DEGREE))
         whole = slice(DEGREE, basis.count - DEGREE)
@@ -111,7 +111,7 @@ class Windows:
 
 
 def _spread(design: csr_array, inside: np.ndarray, whole: slice) -> csr_array:
-    """Of a design (m, k) of the middles that are inside, the windows that are whole, over all middles."""
+    """The whole windows of a design (m, k), which is at the middles that are inside, as rows over all middles."""
     rows = csr_array(design[:, whole].T)
     at = np.flatnonzero(inside)
     return csr_array((rows.data, at[rows.indices], rows.indptr), shape=(rows.shape[0], len(inside)))

@@ -11,10 +11,10 @@ import numpy as np
 from cartgrasp.frames import PLANAR, Array
 
 COMMON_ODDS, RARE_ODDS = 0.005, 0.0003
-"""Against sound axes: of each of some twenty ways in which recorded z stays vertical (one log in ten in all), and of
-each of the 32 in which it doesn't (one in a hundred)."""
+"""Odds, against sound axes, of each wrong mounting. Some twenty keep recorded z vertical (one log in ten in all), and
+32 don't (one in a hundred)."""
 UNIT_ODDS = 0.01
-"""Of each unit of force, and of each of moments beside newtons: one log in a hundred."""
+"""Odds of each unit of force, and of each of moments beside newtons: one log in a hundred."""
 UNITS = {
     ("N", "N·m"): (1.0, 1.0),
     ("N", "N·cm"): (1.0, 0.01),
@@ -27,7 +27,7 @@ UNITS = {
     ("kN", "kN·m"): (1000.0, 1000.0),
     ("mN", "mN·m"): (0.001, 0.001),
 }
-"""Of forces and moments: what recorded numbers are multiplied by to be N and N·m; the sound one first."""
+"""For units of forces and moments, what recorded numbers are multiplied by to be N and N·m; the sound ones first."""
 COMPONENTS = ("fx", "fy", "fz", "tx", "ty", "tz", "along", "across")
 """What is recorded, and the force along and across {b}'s x if it was recorded in {s}."""
 

@@ -30,17 +30,18 @@ from .suspicion import SURE, TOLD, UNIT_TOLD, Suspicion
 from .wrench_readings import UNIT_ODDS, UNITS, Mounting, mountings
 
 ROW_STEPS = 0.4, 0.2
-"""s, of test functions (four times as long in all): models of pushed carts hold below a hertz or so; loads swing,
-handles give. Of a log that is too short for the former, the latter."""
+"""The step (s) of rows of test functions, which are four times as long in all. Models of pushed carts hold below a
+hertz or so; loads swing, handles give. The second step is for logs that are too short for the first."""
 FEWEST = 16
 """Rows beside the columns that are taken out."""
 MASS_SPREAD, INERTIA_SPREAD, SAME_GAIN = 0.5, 0.7, 0.1
-"""Of the log of a file's mass about the true one: 19 in 20 guesses are within a factor of 2.7. Of its yaw inertia,
-beside what the mass is off by. Of the mass that is felt sideways against the one felt ahead."""
+"""Spreads of logarithms. The first is of a file's mass about the true one: 19 in 20 guesses are within a factor of 2.7.
+The second is of its yaw inertia, beside what the mass is off by. The third is of the mass that is felt sideways against
+the one felt ahead."""
 NOISY = 2.0
 """Times the variance that white noise gives means over a row's step: of sixteen of them, in one case in a hundred."""
 TRACE = 1e-8
-"""Of the largest: smaller directions are rounding."""
+"""Share of the largest below which smaller directions are rounding."""
 FARTHEST = 5.0
 """m from {b}'s origin: nobody holds a cart there, but at about one metre: three hundred are millimetres."""
 KINDS = ("sign", "axes", "frame", "unit")
@@ -108,7 +109,7 @@ def of_wrenches(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
 
 
 def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], str]:
-    """With why they can't be judged, "" where they can, or nobody pushes."""
+    """Suspicions of wrenches, and why they can't be judged: "" where they can, or nobody pushes."""
     far = _far_contacts(balances)
     known = next((found for step in ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
     if far or known is None:

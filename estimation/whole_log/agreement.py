@@ -20,7 +20,7 @@ from .replay import replay
 FAR, FAR_SHARE = 3.0, 0.05
 """Combined standard deviations, and share of the larger value, beyond both of which two values are not one."""
 MOST_ROWS = 30_000
-"""Of a log that is looked at twice, which takes some seconds: five minutes at 100 Hz."""
+"""Largest number of rows of a log that is looked at twice, which takes some seconds: five minutes at 100 Hz."""
 
 
 def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, cart: CartModel) -> tuple[str, ...]:
@@ -45,7 +45,7 @@ def against_identify(
 def disagreements(
     whole: Mapping[str, ParameterEstimate], online: Mapping[str, ParameterEstimate], health: str
 ) -> tuple[str, ...]:
-    """In words, of parameters that at least one of the two says it was taught."""
+    """Disagreements, in words, about parameters that at least one of the two says it was taught."""
     return tuple(
         f"{name}: identify, by least squares over the whole log, says {_words(whole[name])}, "
         f"the online filter {_words(one)} with health {health}; "

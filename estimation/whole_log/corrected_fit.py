@@ -26,15 +26,15 @@ from ..weak_form.fit import coordinates, jacobian, with_coordinates
 ROUNDS, SETTLED = 12, 0.02
 """Steps, and standard deviations by which the last moves a parameter at most."""
 MOST_STEP = 1.0
-"""Of a logarithm, in one step."""
+"""Largest change of a logarithm in one step."""
 MOST_NOISE = 0.5
-"""Of the squares: a combination of which more is noise tells less than it hides."""
+"""Largest share of noise in the squares of a combination: one with more tells less than it hides."""
 LEAST_VARIANCE = 1e-300
 """Keeps fits of numbers beyond all reason finite."""
 DRAWN_ROWS, MOST_DRAWS = 400, 4
 """So many rows of noise tell its squares to a tenth; from shorter logs it is drawn several times."""
 TAUGHT = 0.25
-"""Of the first guess's standard deviation: what is known better than that was taught."""
+"""Share of the first guess's standard deviation below which a parameter counts as taught."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +53,8 @@ class CorrectedFit:
         return np.flatnonzero(self.model.prior.free)
 
     def between(self, bracket: float) -> CorrectedFit:
-        """With a mass in the middle of a bracket that a band leaves open (a share of it) beyond what scatters, and all
-        else as it goes with that."""
+        """The fit with the mass in the middle of a bracket (a share of it) that a band leaves open beyond what
+        scatters. All else goes along with the mass."""
         if not self.model.prior.free[0] or bracket**2 <= self.covariance[0, 0]:
             return self
         bracket = float(np.sqrt(bracket**2 - self.covariance[0, 0]))
@@ -92,7 +92,7 @@ class CorrectedFit:
 
 
 def corrected(model: Model) -> CorrectedFit:
-    """From a model that is fitted already."""
+    """The corrected fit, from a model that is fitted already."""
     model = replace(model, logs=tuple(balances.beside(None) for balances in model.logs))
     generator = np.random.default_rng(0)
     draws = int(np.clip(DRAWN_ROWS // len(model.rows), 1, MOST_DRAWS))
@@ -145,7 +145,7 @@ class _Equations:
         return np.where(share < MOST_NOISE, 1.0, 0.0), np.asarray(basis)
 
     def step(self) -> tuple[Array, Array]:
-        """To take (q,), and its covariance (q, q)."""
+        """The step to take (q,), and its covariance (q, q)."""
         q = len(self.prior_pull)
         told, basis = self._told()
         clean = (self.sums - self.noise).sum(axis=0)
@@ -170,13 +170,13 @@ class _Equations:
 
 
 def _deviations(covariance: Array, count: int) -> Array:
-    """Of the first few (count,); numbers beyond all reason leave rounding alone."""
+    """Standard deviations of the first few (count,); numbers beyond all reason leave rounding alone."""
     return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance)[:count], LEAST_VARIANCE)))
 
 
 def _runs(model: Model) -> np.ndarray:
-    """Of each block of the rows, the stretch and the direction in which it went: what a model lacks forwards and
-    backwards is not one error."""
+    """For each block of the rows, a number for its stretch and its direction: what a model lacks forwards and backwards
+    is not one error."""
     forward = [balances.integrated(balances.motion.velocity[:, 0]) for balances in model.logs]
     total = np.bincount(model.folds.block, np.concatenate(forward), len(model.folds.stretches))
     return np.asarray(2 * model.folds.stretches + (total > 0))

@@ -141,7 +141,7 @@ def _in_time(cart: CartModel) -> CartModel:
 
 
 def _late_again(found: Identification, cart: CartModel) -> Identification:
-    """With the delays as they were given."""
+    """The identification with the delays as they were given."""
     values, told = found.model_parameters.copy(), dict(found.parameters)
     for i, name in enumerate(report_names(cart)):
         if name.startswith(f"{TimeDelay.name}."):
@@ -207,7 +207,7 @@ def _held(logs: Sequence[RunLog], cart: CartModel, prior: Prior) -> set[str]:
 def _log_fits(
     logs: Sequence[RunLog], model: Model, parts: Sequence[LogPart], silent: dict[int, str]
 ) -> tuple[LogFit, ...]:
-    """Of a log that is cut, the longest part tells."""
+    """The fit of each log; of a log that is cut, the longest part tells."""
     excess, delays = _excess(model), model.score.fit[-len(parts) :]
     found = []
     for i, log in enumerate(logs):
@@ -222,7 +222,7 @@ def _log_fits(
 
 
 def _excess(model: Model) -> list[float]:
-    """Of each part the mean square of what is left, whitened by its sensors' noise alone: of the balance with most."""
+    """The mean square residual of each part, whitened by its sensors' noise alone, in the balance with most."""
     found, at = [], 0
     for balances in model.logs:
         left = model.left[at : at + len(balances.used)]

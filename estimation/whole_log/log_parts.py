@@ -23,7 +23,7 @@ from ..weak_form.flights import pieces, unbroken
 from ..weak_form.sensor_noise import MotionNoise
 
 FEWEST_ROWS = 3
-"""Of a log's balances: fewer say nothing of how large their noise is."""
+"""Fewest rows of a log's balances: fewer say nothing of how large their noise is."""
 
 OFF = 5.0
 """Times the noise from which on a sample that stands alone is off: one in two million is by chance."""

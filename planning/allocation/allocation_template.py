@@ -78,7 +78,7 @@ class AllocationTemplate:
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_arms(self, arms: tuple[Arm, ...], rows: CartRows) -> Self:
-        """The same for other arms of the same names, with rows for the cart's limits."""
+        """A template for other arms of the same names, with `rows` for the cart's limits."""
         other = type(self)(arms, self.basis_b, side_by_side(self.names, map(limits_of, arms)), self.objective, rows)
         same = {"names", "row_names", "looks_at_wheels"}
         if all(one.yaw == before.yaw for one, before in zip(arms, self.arms, strict=True)):
@@ -87,7 +87,8 @@ class AllocationTemplate:
         return other
 
     def with_cart_rows(self, rows: CartRows) -> Self:
-        """The same with other rows for the cart's limits; where these are like the old, what is cached stays."""
+        """A template with other rows for the cart's limits. Cached values stay where the new rows are like the old
+        ones."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, cart_rows=rows)
         if not rows.is_like(self.cart_rows):
@@ -96,7 +97,7 @@ class AllocationTemplate:
         return other
 
     def with_bounds(self, limits: LimitRows) -> Self:
-        """The same with other bounds on F, and all else of `limits` as it was."""
+        """A template with other bounds on F; the rest of `limits` must be unchanged."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, limits=limits)
         other.__dict__.pop("fixed", None)
@@ -135,7 +136,7 @@ class AllocationTemplate:
 
     @cached_property
     def _first_cost(self) -> Cost:
-        """Of the first tick, and of any where the objective looks neither back nor at the wheels."""
+        """The cost at the first tick, and at any tick where the objective looks neither back nor at the wheels."""
         return self._with_side_force(self.objective.cost(self.arms, np.zeros(self.n)), 0.0)
 
     @cached_property
@@ -176,14 +177,14 @@ class AllocationTemplate:
         return wide.followed_by(epigraph)
 
     def cost(self, previous: Array, straight: float = 0.0) -> Cost:
-        """After wrenches (6n,), where the fixed wheels take `straight` (N, to their left) of hands without any force
-        across them (`floor_reaction.straight_force`)."""
+        """The cost after wrenches (6n,), where the fixed wheels take `straight` from hands without any force across
+        them: N, to their left (`floor_reaction.straight_force`)."""
         if not (self.objective.looks_back or self.looks_at_wheels):
             return self._first_cost
         return self._with_side_force(self.objective.cost(self.arms, previous), straight)
 
     def second_cost(self, previous: Array, straight: float = 0.0) -> Cost:
-        """As `cost`, of the second in a lexicographic order."""
+        """The second cost of a lexicographic objective; arguments as for `cost`."""
         assert isinstance(self.objective, Lexicographic)
         return self._with_side_force(self.objective.second_cost(self.arms, previous), straight)
 

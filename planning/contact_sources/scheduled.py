@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..control.hand import RegraspTimes
 
 STAGES = 20
-"""Of a horizon."""
+"""The number of stages of a horizon."""
 
 
 @final

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ..control.hand import RegraspTimes
 
 LEAST_GAIN = 0.1
-"""By which the logarithm of the deviations' product must fall to be worth a regrasp."""
+"""The least decrease of the log of the product of standard deviations that is worth a regrasp."""
 SPARE = 1.0
 """N² that may be spent wherever nothing is needed."""
 SHORTEST = 0.2  # s of the reference that are worth a choice
@@ -40,7 +40,7 @@ LEAST, CANNOT = "least effort", "no contacts can drive the time ahead"
 
 @final
 class TeachingContacts:
-    """For the arms' points; segments are refused. `choosing` says what is asked for, and at which cost."""
+    """Chooses among the arms' points; segments are refused. `choosing` says what is asked for, and at which cost."""
 
     def __init__(
         self,
@@ -103,7 +103,7 @@ class TeachingContacts:
         return {name: std for name, std in self._choosing.asked.items() if name in told and told[name].std > std}
 
     def _deviations(self, estimate: Estimate, covariance: Array) -> Array:
-        """Of mass, CoM and inertia (..., 4), from the parameters' covariance (..., p, p)."""
+        """Standard deviations of mass, CoM and inertia (..., 4), from the parameters' covariance (..., p, p)."""
         partials = physical_jacobian(estimate.model_parameters[:N_PHI])
         variances = np.einsum("ij,...jk,ik->...i", partials, covariance[..., :N_PHI, :N_PHI], partials)
         return np.asarray(np.sqrt(np.maximum(variances, np.finfo(float).tiny)))

@@ -65,7 +65,7 @@ class Candidates:
         return cls(np.array(points), *_one_each(len(points)), distance)
 
     def with_point(self, arm: int, point: Array) -> Self:
-        """With one more option of an arm, its last."""
+        """The candidates with one more option `point` (3,) of an arm, as its last."""
         at, new = self.starts[arm + 1], len(self.vertices)
         starts = tuple(start + (i > arm) for i, start in enumerate(self.starts))
         return replace(
@@ -82,7 +82,7 @@ class Candidates:
 
     @cached_property
     def ends(self) -> Array:
-        """Of all options, (O, 2, 3)."""
+        """The two ends of each option, (O, 2, 3)."""
         return np.asarray(self.vertices[self.options])
 
     @property
@@ -216,7 +216,7 @@ class CutPool:
         table.n_cuts = len(self._cuts)
 
     def at(self, high: Array, low: Array) -> Array:
-        """Of cases (c, n, 3) without what options cost, by recent cuts, shape (c,): a range of contacts is bounded
+        """Bounds (c,) by recent cuts for cases (c, n, 3), without what options cost. A range of contacts is bounded
         where a cut is least."""
         rows = self._template.contact_rows(np.stack([high, low]))
         recent = range(max(0, len(self._cuts) - RECENT), len(self._cuts))

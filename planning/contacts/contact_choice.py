@@ -282,7 +282,8 @@ class ContactSearch:
         return late or self._solver.solved - self._before >= self._limit.solves
 
     def _push(self, bound: float, node: ChoiceTable | Box) -> None:
-        """Of equal bounds the last pushed goes first: depth first, until there is an incumbent."""
+        """Pushes a node. Of equal bounds the one pushed last is popped first: depth first, until there is an
+        incumbent."""
         if bound >= self._cutoff:
             self._leave(bound)
             return

@@ -46,14 +46,14 @@ class ContactRelaxation:
     shares: Mapping[str, Array]
 
     def gap(self, cost: float) -> float:
-        """Of a choice that costs so much, relative to max(1, cost)."""
+        """The optimality gap of a choice with this `cost`, relative to max(1, |cost|)."""
         return (cost - self.bound) / max(1.0, abs(cost))
 
 
 def relax_contact_choice(
     cart: CartModel, arms: Sequence[Arm], wrench_b: ArrayLike, cart_limits: Sequence[CartLimit] = ()
 ) -> ContactRelaxation:
-    """For the effort `sum w F²`, and a cart at rest."""
+    """Solves the relaxation for the effort `sum w F²` and a cart at rest."""
     import cvxpy
 
     template = AllocationTemplate.of(cart, arms, cart_limits=cart_limits)

@@ -25,8 +25,8 @@ LARGEST_COST = 1e9  # gaps are relative: beside more than this they would say no
 
 @dataclass(frozen=True, eq=False)
 class Switching:
-    """Over `candidates` an arm pays its of `costs` (n,) anywhere but at its row of `stay` (n, 3), which is NaN where it
-    can't stay."""
+    """The cost of switching: an arm at any contact but its row of `stay` (n, 3) pays its entry of `costs` (n,). A row
+    of `stay` is NaN where the arm can't stay."""
 
     candidates: Candidates
     stay: Array
@@ -34,8 +34,8 @@ class Switching:
 
     @classmethod
     def of(cls, candidates: Candidates, held: Array, costs: Array) -> Self:
-        """With contacts `held` (n, 3) as options of their own where they lie on a segment; NaN where there is none. An
-        arm's only contact counts as where it is."""
+        """Adds contacts `held` (n, 3) as options of their own where they lie on a segment; a row is NaN where nothing
+        is held. An arm with one contact only counts as holding there."""
         stay, ends, starts = held.copy(), candidates.ends, candidates.starts
         costs = np.where(np.isnan(held).any(axis=1), 0.0, costs)
         for arm, point in enumerate(held):
@@ -58,7 +58,7 @@ class Switching:
 
     @cached_property
     def charges(self) -> Array:
-        """Of each option, (O,)."""
+        """The switching cost of each option, (O,)."""
         arms = np.repeat(np.arange(len(self.costs)), np.diff(self.candidates.starts))
         moves = (self.candidates.ends != self.stay[arms, None]).any(axis=(1, 2))
         return np.asarray(self.costs[arms] * moves)
@@ -71,7 +71,7 @@ class Switching:
 
 @final
 class SwitchingCost:
-    """For every arm, or by arm's name (zero for those left out); in the objective's unit."""
+    """The cost of switching for every arm, or by arm's name (zero for those left out), in the objective's unit."""
 
     def __init__(self, cost: float | Mapping[str, float], names: Sequence[str]) -> None:
         by_arm = dict(cost) if isinstance(cost, Mapping) else dict.fromkeys(names, cost)

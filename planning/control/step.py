@@ -54,7 +54,7 @@ class Step:
 
     @property
     def health(self) -> str:
-        """Of the estimate, in one word."""
+        """The health of the estimate, in one word."""
         return self.estimate.health
 
     @property

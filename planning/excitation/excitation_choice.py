@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 E_OPTIMAL, D_OPTIMAL = "E", "D"
 ROUNDING = 1e-9
 DIGITS = 9
-"""Of the merit's logarithm; what teaches as much is ordered by effort."""
+"""Decimals to which the logarithm of the merit is rounded; motions that teach equally much are ordered by effort."""
 
 
 @dataclass(frozen=True)

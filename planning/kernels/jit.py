@@ -11,10 +11,10 @@ from cartgrasp.contacts import LARGEST_POSITION
 # Sums may be reordered, which lets loops be vectorised; infinite limits and NaN keep their meaning.
 QUICK: dict[str, Any] = {**OPTIONS, "fastmath": {"reassoc", "contract", "nsz"}}
 DIGEST = f"{digest_of(Path(__file__).parent)}_{digest([repr(LARGEST_POSITION).encode()])}"
-"""Of the sources, and of a number that they have from elsewhere."""
+"""The digest of the kernels' sources, and of a constant that they import."""
 entry = cached_as(DIGEST, QUICK)
 
 
 def compiled(function: F) -> F:
-    """For kernels that kernels call."""
+    """Compiles a kernel that only kernels call."""
     return inner(function, QUICK)

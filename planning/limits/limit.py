@@ -81,7 +81,7 @@ class LimitRows:
 
     @classmethod
     def _above_each_other(cls, parts: Sequence[LimitRows]) -> LimitRows:
-        """Their rows alone."""
+        """The rows of all parts, stacked, without their bounds and cones."""
         return cls(
             rows=np.concatenate([part.rows for part in parts]),
             limits=np.concatenate([part.limits for part in parts]),
@@ -101,5 +101,5 @@ class Limit(ABC):
 
 @lru_cache(maxsize=256)
 def _picked(names: tuple[tuple[str, ...], ...], picks: bytes) -> tuple[str, ...]:
-    """Of several names for each place, the one that an integer of `picks` says."""
+    """For each place, the name from the part of `names` that the integer in `picks` selects."""
     return tuple(names[i][j] for j, i in enumerate(np.frombuffer(picks, dtype=np.intp).tolist()))

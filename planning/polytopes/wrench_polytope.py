@@ -23,7 +23,7 @@ from ..limits import limits_of
 from .linear_program import maximizer
 
 PRICED = 1e-9
-"""Of the largest price (dual value): those below are of limits that touch and don't bind."""
+"""Share of the largest price (dual value) below which a limit only touches and doesn't bind."""
 
 
 class Farthest(NamedTuple):
@@ -45,7 +45,7 @@ class WrenchPolytope:
 
     @classmethod
     def of(cls, arm: Arm) -> WrenchPolytope:
-        """Of all that the arm states about itself; friction by a number of sides."""
+        """The polytope of all limits that the arm states about itself; its friction must have a number of sides."""
         stated = limits_of(arm)
         if stated.cones:
             raise UsageError(f"arm {arm.name}: a polytope needs friction with a number of sides, not an exact cone")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def estimate_of(entry: ProblemEntry, cart: CartModel, refuse: Refuse) -> Estimate | None:
-    """None where the file states neither."""
+    """The estimate that the file states; None where it states neither motion nor confidence."""
     if entry.motion is None and entry.confidence is None:
         return None
     names = cart.constraints.velocity_names
@@ -34,7 +34,8 @@ def estimate_of(entry: ProblemEntry, cart: CartModel, refuse: Refuse) -> Estimat
 
 
 def _covariance(entry: ConfidenceEntry, cart: CartModel, refuse: Refuse) -> Array:
-    """Of the model's parameters (p, p), from independent deviations of mass, CoM, inertia and effects' values."""
+    """Covariance (p, p) of the model's parameters, from independent standard deviations of mass, CoM, inertia and the
+    effects' values."""
     names = (*PHYSICAL_NAMES, *cart.parameter_names[len(PHYSICAL_NAMES) :])
     for name in entry.std:
         if name not in names:

@@ -37,7 +37,7 @@ class Options:
 
 @dataclass(frozen=True, eq=False)
 class RegraspGraph:
-    """For arms with `counts` candidates, and regrasps that take `stages` stages."""
+    """The graph of states and options for arms with `counts` candidates, and regrasps that take `stages` stages."""
 
     counts: tuple[int, ...]
     stages: int
@@ -117,7 +117,7 @@ class RegraspGraph:
 
 
 def _options(count: int, stages: int) -> Options:
-    """Of one arm."""
+    """The options of one arm with `count` candidates, for regrasps that take `stages` stages."""
     levels = max(1, stages)
     rows = [(grip * levels, grip * levels, grip, 0) for grip in range(count)]
     rows += [(grip * levels + j, grip * levels + j - 1, AWAY, 0) for grip in range(count) for j in range(1, levels)]
@@ -134,7 +134,7 @@ Sized = tuple[Options, tuple[int, int]]
 
 
 def _product(one: Sized, other: Sized) -> Sized:
-    """Of two groups of arms, every pair of options."""
+    """The joint options of two groups of arms: every pair of one's and the other's."""
     (a, (n_states, n_grips)), (b, (m_states, m_grips)) = one, other
     joint = Options(
         before=np.add.outer(a.before * m_states, b.before).ravel(),

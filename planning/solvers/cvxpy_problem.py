@@ -118,7 +118,7 @@ def _held(program: QuadraticProgram, what: tuple[str, Places, Any]) -> list[Side
 
 
 def _cost(program: QuadraticProgram, unknowns: Sequence[Unknown]) -> Any:
-    """Squares, where nothing is coupled."""
+    """The cost in cvxpy: a sum of squares where no unknowns are coupled."""
     hessian, diagonal = program.hessian, np.diagonal(program.hessian)
     if np.count_nonzero(hessian) == np.count_nonzero(diagonal):
         squares = [0.5 * diagonal[where] @ cvxpy.square(variable) for _, where, variable in unknowns]
@@ -132,7 +132,7 @@ def _cost(program: QuadraticProgram, unknowns: Sequence[Unknown]) -> Any:
 
 
 def _row_names(program: QuadraticProgram) -> list[str]:
-    """Of rows that are no equalities."""
+    """The names of the rows that are not equalities."""
     stop = len(program.lower) - program.n_equalities
     pairs = zip(program.lower_names[program.n : stop], program.upper_names[program.n : stop], strict=True)
     return [low or high for low, high in pairs]

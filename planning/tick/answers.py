@@ -106,7 +106,7 @@ class Answers:
 
 
 def proof_of(choice: Choice, solution: QPSolution) -> ChoiceProof:
-    """Of contacts that were chosen; `solution` is of the plan's own program, solved once more."""
+    """The proof for the contacts that were chosen; `solution` is that of the plan's own program, solved once more."""
     cost = solution.cost + choice.switching if solution.status == OPTIMAL else choice.value
     gap = max(0.0, cost - choice.bound) / max(1.0, abs(cost)) if np.isfinite(choice.bound) else np.inf
     return ChoiceProof(choice.bound, gap, choice.solved + 1, choice.switching)

@@ -36,8 +36,8 @@ N_RESIDUALS = len(Residuals._fields)
 
 
 class CompiledPlanning:
-    """For the candidates of `terms`; others need a new one. `last` are the wrenches (6n,) and contacts of the last
-    plan."""
+    """Plans for the candidates of `terms`; others need a new one. `last` are the wrenches (6n,) and contacts of the
+    last plan."""
 
     def __init__(self, terms: Terms, allocation: CompiledAllocation) -> None:
         self._terms, self._allocation, self._own = terms, allocation, terms.candidates
@@ -60,7 +60,7 @@ class CompiledPlanning:
         return None if allocation is None else cls(terms, allocation)
 
     def renewed(self) -> Self | None:
-        """For `terms`, whose arms are new, in the same workspace; None where they need another."""
+        """The planning for `terms` whose arms are new, in the same workspace; None where they need another."""
         if not self._allocation.fits(self._terms.template):
             return None
         return self if self._own is self._terms.candidates else type(self)(self._terms, self._allocation)
@@ -138,7 +138,7 @@ class CompiledPlanning:
     # --- answers ------------------------------------------------------------------------------------------
 
     def _plan(self, points: Array, wrench: Point, choice: ChoiceProof | None, start: float) -> Plan:
-        """Of what the allocation holds."""
+        """The plan from what the compiled allocation holds."""
         found = self._allocation
         answer = found.answer()
         answer.setflags(write=False)  # plans show it

@@ -25,7 +25,7 @@ class LastPlan:
         self.choice: Array | None = None
 
     def among(self, before: Sequence[str], names: Sequence[str]) -> Self:
-        """Of the arms `before`, what those have that are among `names`."""
+        """The last plan for the arms `names`: those that are among `before` keep their wrenches and contacts."""
         other = type(self)(len(names))
         for i, name in enumerate(names):
             if name in before:
@@ -37,7 +37,8 @@ class LastPlan:
     def started(
         self, names: Sequence[str], wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike]
     ) -> Self:
-        """With these wrenches (6,), of arms left out zero, and contacts (3,), of arms left out as they are."""
+        """A last plan with these wrenches (6,) and contacts (3,) by arm. An arm that is left out has a zero wrench, or
+        keeps its contact."""
         other = type(self)(len(names))
         other.wrenches, other.choice = read_start(wrenches, names), self.choice
         try:

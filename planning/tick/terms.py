@@ -99,7 +99,7 @@ class Terms:
         return True
 
     def cost(self, last: Array, asked: Sequence[float]) -> Cost:
-        """After wrenches (6n,), where the cart is to get a wrench (3,)."""
+        """The cost after wrenches (6n,), where the cart is to get a planar wrench (3,)."""
         if self.base.looks_at_wheels:
             slope, besides = self._straight_force
             self.straight = float(slope.dot(asked)) + besides
@@ -107,7 +107,8 @@ class Terms:
 
     @cached_property
     def _straight_force(self) -> tuple[Array, float]:
-        """Of the estimate given last."""
+        """The straight force (`floor_reaction.straight_force`) for the estimate given last, or for the cart at rest
+        before the first."""
         if self.estimate is None:
             return straight_force(self._pushed.cart)
         return straight_force(read_cart(self.estimate, self.base.basis_b), self.estimate.motion)
@@ -127,7 +128,7 @@ class Terms:
         return factor if self.rate is None else self.rate.shrink(wrenches, factor)
 
     def reaching(self, names: Iterable[str]) -> list[tuple[str, Reach]]:
-        """Those of the named arms that have a reach, with it."""
+        """The named arms that have a reach, with it."""
         return [(arm.name, arm.reach) for arm in self.base.arms if arm.name in names and arm.reach is not None]
 
     def take_estimate(self, estimate: Estimate) -> bool:
@@ -210,7 +211,7 @@ def _within_reach(arm: Arm) -> ContactSet:
 
 
 def why_no_posture(arm: Arm, contact: ArrayLike) -> str:
-    """In words, why the arm can't hold at a contact (3,); empty if it can, or tells no postures."""
+    """Why the arm can't hold at a contact (3,), in words; empty if it can, or tells no postures."""
     try:
         arm.at(contact)
     except UsageError as error:

@@ -145,7 +145,7 @@ def _pose_lines(pose: TopicContent, frames: Sequence[str]) -> list[str]:
 
 
 def _noise(pose: TopicContent) -> tuple[float, float] | None:
-    """Of position and heading, where there are samples enough and some noise."""
+    """Noise of position (m) and heading (rad); None where there are too few samples, or where one has no noise."""
     if len(pose.numbers) < FEWEST:
         return None
     numbers = np.array([numbers[:7] for numbers in pose.numbers])
@@ -176,7 +176,7 @@ def _arm_names(topics: Sequence[str]) -> dict[str, str]:
 
 
 def _quoted(word: str) -> str:
-    """As YAML takes it, whatever is in it."""
+    """The word as YAML takes it, whatever is in it."""
     import json
 
     is_plain = word.isascii() and word.replace("/", "").replace("_", "").isalnum() and not word[:1].isdigit()

@@ -17,7 +17,8 @@ ROWS = "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? ORDER BY
 
 
 def salvage_sqlite(path: Path, lost: list[str]) -> Iterator[Found]:
-    """From a copy in memory, whose pages that were cut off are blank; what stands in a `-wal` beside it is lost."""
+    """Recovers the data from a copy in memory, whose pages that were cut off are blank; what stands in a `-wal` beside
+    it is lost."""
     database = sqlite3.connect(":memory:")
     try:
         database.deserialize(_completed(path.read_bytes(), lost))
@@ -34,7 +35,7 @@ def salvage_sqlite(path: Path, lost: list[str]) -> Iterator[Found]:
 
 
 def _completed(data: bytes, lost: list[str]) -> bytes:
-    """Of its stated size, and without a log that would have to lie beside it."""
+    """The database padded to its stated size, and marked as one without a write-ahead log beside it."""
     size = stated_size(data[:HEADER])
     if size is None or not len(data) < size < LARGEST:
         size = len(data)

@@ -88,7 +88,7 @@ class TransformTree:
 
 
 def usual(counts: Mapping[Key, int]) -> set[Key]:
-    """Of the transforms to each frame the one that came most often."""
+    """For each child frame, the transform that came most often."""
     most: dict[str, Key] = {}
     for key in sorted(counts):
         child = key[1][1]
@@ -98,7 +98,7 @@ def usual(counts: Mapping[Key, int]) -> set[Key]:
 
 
 def frames_on(path: Iterable[Link]) -> list[str]:
-    """Those that a path goes through, in its order."""
+    """The frames that a path goes through, in its order."""
     found: list[str] = []
     for link in path:
         ends: Frames = (link.key[1][1], link.key[1][0]) if link.is_turned else link.key[1]

@@ -33,7 +33,8 @@ class Spline:
 
 
 def spline_at_noise(time: Array, values: Array, noise: float) -> Spline:
-    """Of samples (n,) at increasing times (n,), n >= 3, with the standard deviation `noise`."""
+    """The smoothing spline of samples (n,) at increasing times (n,), n >= 3, whose noise has the standard deviation
+    `noise`."""
     from scipy.optimize import minimize_scalar
 
     step = (time[-1] - time[0]) / (len(time) - 1)

@@ -133,7 +133,7 @@ class TableSource:
 
 
 def _time(table: Table, entry: TimeEntry, every: int) -> Array:
-    """Of each row (n,), s."""
+    """The time of each row (n,), s."""
     if entry.rate is not None:
         return np.asarray(np.arange(len(table.lines)) * (every / entry.rate))
     assert entry.column is not None

@@ -22,7 +22,7 @@ from .table_map import TableFormat
 MISSING = (*BLANK, "NA", "N/A", "#N/A", "null", "None", "-", "--")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 DATE = re.compile(r"\d[-/.:]\d{1,2}[-/.:]\d")
-"""In a date, or in a time of the day."""
+"""A pattern found in a date, or in a time of the day."""
 PARQUET = ".parquet"
 
 
@@ -43,7 +43,7 @@ class Table:
         return len(self.cells)
 
     def index(self, column: str | int) -> int:
-        """Of a column by name, or by number from 1; raises LogError."""
+        """The index, from 0, of a column that is named or numbered from 1; raises LogError."""
         if isinstance(column, int):
             if not 1 <= column <= self.width:
                 raise self.refuse(str(column), f"there is no such column; there are 1 to {self.width}")
@@ -133,7 +133,8 @@ def _parquet(path: Path, every: int) -> Table:
 
 
 def text_lines(path: Path) -> list[str]:
-    """As an editor counts them. Cells that span lines are refused later, as rows of another width."""
+    """The lines of a file as an editor counts them. Cells that span lines are refused later, as rows of another
+    width."""
     name = str(path)
     try:
         text = path.read_text(encoding="utf-8-sig")

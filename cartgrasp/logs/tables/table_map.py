@@ -245,6 +245,6 @@ def _of_unit(where: Location, unit: str | None, dimension: str) -> Iterator[Mist
 
 
 def dimension_of(name: str, value: ColumnEntry) -> str:
-    """Of what the column holds."""
+    """The dimension of what the column holds: with a `radius`, an angle for a length and a moment for a force."""
     dimension = DIMENSIONS[name]
     return OVER_A_RADIUS.get(dimension, dimension) if value.radius is not None else dimension

@@ -33,7 +33,7 @@ class Job(ABC):
     @property
     @abstractmethod
     def seed(self) -> list[int]:
-        """Of all that is drawn; empty where nothing is."""
+        """The seed of all that is drawn; empty where nothing is."""
 
     @abstractmethod
     def run(self) -> dict[str, Any]:

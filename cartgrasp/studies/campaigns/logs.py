@@ -79,7 +79,8 @@ def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
 
 
 def digest(path: Path) -> str:
-    """Of a file, or of all in a recorder's folder; of nothing where it can't be read, which its job will tell."""
+    """The digest of a file, or of all files in a recorder's folder. It leaves out what can't be read, which its job
+    will tell."""
     whole = hashlib.sha256()
     for one in _files(path):
         try:
@@ -90,7 +91,7 @@ def digest(path: Path) -> str:
 
 
 def _files(path: Path) -> list[Path]:
-    """Those that are the log; a folder that is none is not walked through, which might not end."""
+    """The files that are the log. A folder that is none is not walked through, which might not end."""
     if not os.path.isdir(path):
         return [path]
     try:

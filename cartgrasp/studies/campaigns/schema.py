@@ -31,7 +31,7 @@ class SwitchingEntry(StrictModel):
 
 
 class ChoosingEntry(StrictModel):
-    """As `Choosing`, whose noise is the filter's."""
+    """The settings of `Choosing`, whose noise is the filter's."""
 
     every: Positive = CHOOSING.every
     ahead: Positive = CHOOSING.ahead
@@ -42,7 +42,7 @@ class ChoosingEntry(StrictModel):
 
 
 class RegraspEntry(StrictModel):
-    """As `RegraspTimes`."""
+    """The settings of `RegraspTimes`."""
 
     speed: Positive = REGRASP.speed
     unload: NotNegative = REGRASP.unload
@@ -58,7 +58,7 @@ class GainsEntry(StrictModel):
 
 
 class SensorsEntry(StrictModel):
-    """As `SensorNoise`; a period of null is never."""
+    """The settings of `SensorNoise`; a period of null is never."""
 
     position: NotNegative = 0.0004
     heading: NotNegative = 0.0004
@@ -72,7 +72,7 @@ class SensorsEntry(StrictModel):
 
 
 class FilterEntry(StrictModel):
-    """As `FilterNoise`; what is left out is what the sensors have, or usual."""
+    """The settings of `FilterNoise`; what is left out is what the sensors have, or usual."""
 
     position: NotNegative | None = None
     heading: NotNegative | None = None
@@ -109,7 +109,7 @@ class ClosedLoopEntry(StrictModel):
 
 
 class DrawnEntry(StrictModel):
-    """Of a parameter of the true cart: low and high, or mean and standard deviation."""
+    """The distribution of a parameter of the true cart: low and high, or mean and standard deviation."""
 
     uniform: Pair | None = None
     normal: Pair | None = None

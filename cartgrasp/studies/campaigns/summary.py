@@ -18,8 +18,9 @@ LOG_COLUMNS = ("parameter", "logs", "mean", "sd", "claimed sd")
 
 @dataclass(frozen=True)
 class ParameterSummary:
-    """Over the runs with a truth, at their ends: the error's mean and standard deviation, the mean of the deviations
-    that were claimed, the shares of runs within two of these and of those in which motion taught it."""
+    """Statistics of a parameter over the runs with a truth, at their ends. They are the error's mean and standard
+    deviation, and the mean of the claimed standard deviations. The shares are of runs within two of these, and of those
+    in which motion taught the parameter."""
 
     name: str
     unit: str
@@ -47,14 +48,14 @@ class ParameterSummary:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """By PARAMETER_COLUMNS."""
+        """The cells of a table with PARAMETER_COLUMNS."""
         numbers = (f"{value:.3g}" for value in (self.mean_error, self.sd_error, self.mean_std))
         return f"{self.name}, {self.unit}", *numbers, f"{100 * self.coverage:.1f} %", f"{100 * self.taught:.0f} %"
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Of a number over the runs."""
+    """Statistics of a number over the runs."""
 
     mean: float
     sd: float
@@ -63,7 +64,7 @@ class Spread:
 
     @classmethod
     def of(cls, values: Iterable[float | None]) -> Spread | None:
-        """None where there is nothing."""
+        """The statistics of the values that are there; None where there is none."""
         given = np.array([value for value in values if value is not None], dtype=float)
         if not len(given):
             return None
@@ -72,8 +73,8 @@ class Spread:
 
 @dataclass(frozen=True)
 class RunsSummary:
-    """Of closed-loop runs; `failures` are the messages of those that came to nothing, `healths` what estimates said of
-    themselves at the end, each with how many."""
+    """The summary of closed-loop runs. `failures` counts the messages of those that came to nothing, `healths` what
+    estimates said of themselves at the end."""
 
     runs: int
     failures: dict[str, int]
@@ -97,7 +98,7 @@ class RunsSummary:
 
     @property
     def tracking_cells(self) -> list[tuple[str, ...]]:
-        """By TRACKING_COLUMNS."""
+        """The cells of a table with TRACKING_COLUMNS."""
         return [
             (name, *(f"{100 * value:.2f} cm" for value in (one.mean, one.sd, one.p95, one.largest)))
             for name, one in self.tracking.items()
@@ -109,7 +110,7 @@ class RunsSummary:
 
 @dataclass(frozen=True)
 class LogsSummary:
-    """Of logs: each parameter's values over those that have it, and what each log came to."""
+    """The summary of logs: each parameter's values over those that have it, and what each log came to."""
 
     logs: tuple[dict[str, Any], ...]
     failures: dict[str, int]
@@ -137,7 +138,7 @@ class LogsSummary:
 
     @property
     def parameter_cells(self) -> list[tuple[str, ...]]:
-        """By LOG_COLUMNS."""
+        """The cells of a table with LOG_COLUMNS."""
         return [
             (f"{name}, {p['unit']}", str(p["logs"]), *(f"{p[key]:.4g}" for key in ("mean", "sd", "mean_std")))
             for name, p in self.parameters.items()
@@ -148,13 +149,13 @@ class LogsSummary:
 
 
 def failures(results: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """By what they say."""
+    """The number of failures, by their message."""
     said = [str(one["failure"]) for one in results if "failure" in one]
     return {message: said.count(message) for message in dict.fromkeys(said)}
 
 
 def _parameters(good: Sequence[Mapping[str, Any]]) -> tuple[ParameterSummary, ...]:
-    """Of those that are estimated and have a truth in each run that reports them."""
+    """Summaries of the parameters that are estimated and have a truth, over the runs that report both."""
     found: dict[str, list[Mapping[str, Any]]] = {}
     for one in good:
         for name, parameter in one["parameters"].items():

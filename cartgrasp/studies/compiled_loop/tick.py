@@ -30,7 +30,8 @@ not finite."""
 TRACK, GIVE = range(2)
 """Where a step goes on: with the wrench wanted, or with one that is planned."""
 STEP, STAGE, MOMENTS, PLACE = range(4)
-"""Of `at`: the step, its stage, how many moments are tracked, and the place in the planner's workspace (-1: none)."""
+"""Entries of `at`: the step, its stage, how many moments are tracked, and the place in the planner's workspace (-1:
+none)."""
 
 Limits = tuple[float, float, float]
 """The period; the plant's longest step, and `stable` of step times stiffness."""
@@ -42,7 +43,7 @@ over = compiled(filtered_row.over)
 
 @entry
 def go_on(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints, limits: Limits) -> int:
-    """From where `at` (4,) is."""
+    """Runs the loop on from where `at` (4,) is; returns why it stops."""
     while at[STEP] < len(course.time):
         if at[STAGE] == TRACK:
             _want(course, blocks, held, at[STEP])
@@ -145,7 +146,8 @@ def _push(course: Course, blocks: Blocks, held: Held, k: int, limits: Limits) ->
 
 @compiled
 def _bound(matrix: Array) -> float:
-    """Of the largest eigenvalue: the smaller one of two norms; 0 where a number is not finite."""
+    """A bound on the magnitude of the largest eigenvalue: the smaller one of two norms; 0 where a number is not
+    finite."""
     n, by_rows, by_columns, total = len(matrix), 0.0, 0.0, 0.0
     for i in range(n):
         row = column = 0.0

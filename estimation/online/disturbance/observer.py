@@ -28,11 +28,12 @@ from ..first_motion import LOST_AFTER, first_motion
 from .filtering import exponential_step, innovation, predicted, updated
 
 SETTLED = 2.93
-"""Of w t: from there on the answer to a step is within 5 % of it."""
+"""The value of w t from which on the answer to a step is within 5 % of it."""
 USUAL_PUSH = 40.0
 """N: a standard deviation of what may set in at once; moments by the noise's lever."""
 SURPRISING = 20.5
-"""Of the normalised square of pose and velocity: five numbers of white noise are beyond it once in a thousand times."""
+"""Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
+in a thousand times."""
 LEAST_VELOCITY_NOISE = 5e-4
 MAX_STEP, USUAL_PERIOD = 0.02, 0.01
 FARTHEST = 1e9
@@ -60,7 +61,7 @@ class Observed:
         return Gaussian(self.belief.mean[part], self.belief.covariance[part, part])
 
     def state(self, memory: Array) -> Array:
-        """Of the cart, with what effects remember."""
+        """The state of the cart, with what effects remember."""
         return np.concatenate([self.belief.mean[: 3 + self.k], memory])
 
     def motion(self, memory: Array | None = None) -> Motion:
@@ -77,18 +78,19 @@ class DisturbanceObserver:
     response: float
 
     def start(self, time: float, pose: Array) -> Observed:
-        """At rest, with a pose (3,) that is finite."""
+        """The belief of a cart at rest, with a pose (3,) that is finite."""
         k = self.cart.constraints.n_free
         mean, variances = first_motion(self.cart, self.noise, pose)
         covariance = np.diag(np.concatenate([variances[: 3 + k], self._usual]))
         return Observed(time, Gaussian(np.append(mean[: 3 + k], np.zeros(k)), covariance), np.zeros(k), np.eye(k))
 
     def pushed(self, observed: Observed, wrench: Array, noise: Array) -> Observed:
-        """By the arms, from now on."""
+        """The observed state, pushed by this reduced wrench (k,) of the arms from now on."""
         return replace(observed, given=wrench, given_noise=noise)
 
     def advanced(self, observed: Observed, time: float, memory: Array, theta: Array) -> Observed:
-        """To a later time, with what effects remember and parameters (p,) as they are believed to be."""
+        """The observed state at a later time (s), with what effects remember and parameters (p,) as they are believed
+        to be."""
         gap = time - observed.time
         if not gap > 0.0:
             return observed
@@ -100,7 +102,7 @@ class DisturbanceObserver:
         return observed
 
     def seen(self, observed: Observed, pose: Array, velocity: Array) -> Observed:
-        """With a pose (3,) and a velocity (3,) in {s}, NaN where they are missing."""
+        """The observed state updated by a pose (3,) and a velocity (3,) in {s}, NaN where they are missing."""
         residual, rows, noise = self._measured(observed, pose, velocity)
         known = np.isfinite(residual) & (np.abs(residual) < FARTHEST)
         if not known.any():
@@ -127,7 +129,8 @@ class DisturbanceObserver:
 
     @property
     def deviation(self) -> float:
-        """Of the first direction of d, in closed form, N: of samples every 10 ms, and the first guess."""
+        """Standard deviation (N) of d along its first direction, in closed form, for samples every 10 ms and the first
+        guess."""
         root = math.sqrt(USUAL_PERIOD) * self._heard[0] * (SETTLED / self.response) ** 1.5
         return float(2**0.25 * self._inertias[0] * root)
 

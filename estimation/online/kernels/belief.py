@@ -21,7 +21,7 @@ foretold, and its covariance."""
 Limits = tuple[float, float, float]
 """The share kept of what is known, and the squares by component beyond which a row pulls less, and is none."""
 LEAST_SHARE = 1e-9
-"""Of a row's noise: what is taken as shared where nothing is."""
+"""Share of a row's noise that is taken as shared where nothing is."""
 
 
 @row_entry
@@ -43,7 +43,8 @@ def concluded(belief: Belief, theta: Array, free: Indices) -> tuple[Array, Array
 
 @row_entry
 def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits: Limits) -> tuple[Belief, Surprised]:
-    """With a row around parameters (p,), whose link is handed on. Of one that is none only the square is told."""
+    """The belief after a row around parameters (p,), whose link is handed on, and the row's surprise. A row that is no
+    measurement teaches nothing."""
     kept, gate, absurd = limits
     n, k = len(row.residual), len(free) + 1
     noise, slopes, value = row.noise + row.curvature, np.empty((n, k)), row.residual.copy()
@@ -87,7 +88,8 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
 
 @row_entry
 def evidence(since: Belief, root: Array) -> float:
-    """Of the most likely of n moments, for a load of covariance `root @ rootᵀ`, (f, m)."""
+    """The log evidence of a load of covariance `root @ rootᵀ`, root (f, m), that came at the most likely of n
+    moments."""
     information, pulls = since
     f, m = 0, root.shape[1]
     for a in range(len(root)):
@@ -133,7 +135,7 @@ def _linking(noise: Array, shared: Array, error: Array) -> Array:
 
 @row_compiled
 def _linked(belief: Belief, linking: Array) -> Belief:
-    """With further unknowns of a covariance."""
+    """The belief with further unknowns of mean zero and covariance `linking`."""
     information, pull = belief
     k, n = len(pull), len(linking)
     whole, more = np.zeros((k + n, k + n)), np.zeros(k + n)
@@ -145,7 +147,7 @@ def _linked(belief: Belief, linking: Array) -> Belief:
 
 @row_compiled
 def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief, kept: float) -> None:
-    """Of what the row asks, and never more than it answers."""
+    """Forgets, in place, some of the information about what the row asks, and never more than the row answers."""
     k, root = slopes.shape[1], noise.copy()
     factorise(root, len(root))
     for a in range(len(root)):
@@ -242,7 +244,7 @@ def _solved(matrix: Array, right: Array) -> Array:
 
 @row_compiled
 def _inverse(matrix: Array) -> Array:
-    """Of a positive definite one with mixed units."""
+    """The inverse of a positive definite matrix with mixed units."""
     n = len(matrix)
     scale, scaled, found = np.empty(n), np.empty((n, n)), np.eye(n)
     for i in range(n):

@@ -12,8 +12,8 @@ from cartgrasp.kernels.workspace import copy
 from .jit import compiled
 
 GATE = 25.0
-"""Of the normalised square a row: a sample beyond it counts as if its noise were larger; outliers pull, but can't
-tear."""
+"""Gate on the normalised square by component. A sample beyond it counts as if its noise were larger; outliers pull, but
+can't tear."""
 FLOOR = 1e-10
 """Variance that every row has at least."""
 UNSEEN = 1e12
@@ -134,7 +134,7 @@ def _whitened(factor: Array, residual: Array, white: Array, m: int) -> float:
 
 @compiled
 def _solve(factor: Array, row: Array, m: int) -> None:
-    """In place."""
+    """Solves for a row in place, by the Cholesky factor."""
     for a in range(m):
         for b in range(a):
             row[a] -= factor[a, b] * row[b]

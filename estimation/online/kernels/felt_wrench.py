@@ -37,7 +37,7 @@ class Felt(NamedTuple):
 
 
 def size(f: int, p: int) -> int:
-    """Of what a row tells of a wrench."""
+    """The number of entries of a moment's row that are about its wrench."""
     return 1 + f + f * f + f * p + p + f
 
 

@@ -39,12 +39,13 @@ smoothed."""
 
 
 class Weights(NamedTuple):
-    """Of the mean over blocks of some of n instants, which begin a little later and later: for a function that is
-    linear between instants (n,), for one that is held (n - 1,), and for means over the blocks' first and last instants
-    and what is new between them (3, n).
+    """Weights of n instants in the mean over blocks of some of them, which begin a little later and later. They are for
+    a function that is linear between instants (n,), and for one that is held (n - 1,). `of_motion` (3, n) is for means
+    over the blocks' first and last instants, and for what is new between them.
 
-    `of_white` is the variance, 1/s, of what it makes of white noise; `shared` the part of a row's noise that is white
-    and not of the motion which the next row has, too: half of it at most, for the row before has as much."""
+    `of_white` is the variance, 1/s, of what the mean makes of white noise. `shared` is the part of a row's noise that
+    is white, and not of the motion, and that the next row has, too. It is half at most, for the row before has as
+    much."""
 
     linear: Array
     held: Array
@@ -126,9 +127,9 @@ class FilteredRow(NamedTuple):
 
 
 def over(rows: Array) -> tuple[int, int]:
-    """Of the first block of n moments, and of those that begin up to WIDTH later (of the first alone where no moment
-    comes so soon after it): how many moments come before the second of them, and how many there are; 0 where they have
-    not been over for the LAG."""
+    """The number of moments before the next block, and the number in the first block and those that begin up to WIDTH
+    later. The first block is alone where no moment comes so soon after it. Both are 0 where the blocks have not been
+    over for the LAG."""
     n, k, end = len(rows), 0, 0
     first, last = rows[0, 0], rows[n - 1, 0]
     if last - first < BLOCK + LAG - 1e-6:
@@ -165,7 +166,7 @@ def smoothed(rows: Array, weights: Array, known: Array, f: int) -> Smoothed:
 
 @row_entry
 def weights(time: Array, width: int) -> Weights:
-    """Of blocks of n - width steps that begin at each of the first `width` instants."""
+    """The weights of blocks that begin at each of the first `width` of n instants, and have n - width steps each."""
     n, last = len(time) - width, time[len(time) - 1]
     linear, held, of_motion = np.zeros(n + width), np.empty(n + width - 1), np.zeros((3, n + width))
     sums, fade = np.zeros(width + 1), 0.0
@@ -233,7 +234,7 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
 
 @row_entry
 def row(weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
-    """Of what `begun` asked for."""
+    """The filtered row, from what was found where `begun` asked for it."""
     return _row(weighing, rise, found, block, given, left_out)
 
 
@@ -300,7 +301,8 @@ def worked_out(
 
 @compiled
 def _find(floats: Array, ints: Indices, asked: Asked, found: Found, taught_at: tuple[int, int]) -> None:
-    """From the one on and up to the other with partials by the parameters, else without."""
+    """Fills `found`, with partials by the parameters from the first index of `taught_at` up to the second, else
+    without."""
     m, _ = unpack(floats, ints)
     for i in range(len(asked.time)):
         point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
@@ -310,7 +312,8 @@ def _find(floats: Array, ints: Indices, asked: Asked, found: Found, taught_at: t
 
 @compiled
 def _find_stuck(cart: tuple[Array, Indices], asked: tuple[Array, Array, Array], found: Array, columns: Array) -> None:
-    """Of states (n, s), times (n,) and parameters (p,)."""
+    """Adds to `found` the reduced forces (n, f, c) that may hold a cart at states (n, s), times (n,) and parameters
+    (p,)."""
     m, _ = unpack(cart[0], cart[1])
     states, time, parameters = asked
     for i in range(len(time) if len(columns) > 0 else 0):

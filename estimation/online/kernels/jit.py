@@ -16,15 +16,15 @@ entry = cached_as(OWN, OPTIONS)
 """Entries hold code of the cart's kernels, too."""
 WITH_ARRAYS = OPTIONS | {"_nrt": True}
 row_entry = cached_as(OWN, WITH_ARRAYS)
-"""Of what is done ten times a second, and may make arrays."""
+"""Compiles what is called ten times a second, and may make arrays."""
 
 
 def compiled(function: F) -> F:
-    """For kernels that kernels call, and that make no arrays."""
+    """Compiles a kernel that only kernels call, and that makes no arrays."""
     return inner(function, OPTIONS)
 
 
 def row_compiled(function: F) -> F:
-    """For kernels that those of rows call. They may call those that make no arrays, but for what these give back: only
-    numbers are safe, since nobody counts references to arrays."""
+    """Compiles a kernel that those of rows call. It may call those that make no arrays, but for what these give back:
+    only numbers are safe, since nobody counts references to arrays."""
     return inner(function, WITH_ARRAYS)

@@ -17,7 +17,7 @@ SPACING = 0.1
 STILL = 3.0
 """Standard deviations of nu within which a cart may stand still, or be as fast as asked."""
 FLOOR_SHARE = 0.002
-"""Of the wrench: what a model leaves out."""
+"""Standard deviation of what a model leaves out, as a share of the wrench."""
 STANDS_OUT = 2.0
 """Standard deviations of B[nu'], and of nu, that teach nothing."""
 PERSISTS = 4.0
@@ -57,7 +57,7 @@ def at_most(theta: Array, covariance: Array) -> Array:
 
 @row_compiled
 def part_beyond(value: float, variance: float, deviations: float) -> float:
-    """Of a number, what stands out of so many deviations."""
+    """The part of a number that stands out of so many standard deviations."""
     return max(1.0 - deviations**2 * variance / max(value**2, 1e-300), 0.0) * value
 
 
@@ -121,7 +121,7 @@ def noise_of_wrenches(held: Array, wrenches: Array, f: int) -> Array:
 
 @row_compiled
 def add_root(root: Array, scale: float, noise: Array) -> None:
-    """Of a noise with one direction (f,)."""
+    """Adds the covariance of a noise with one direction (f,), times a scale, to `noise` (f, f)."""
     for a in range(len(root)):
         for b in range(len(root)):
             noise[a, b] += scale * root[a] * root[b]

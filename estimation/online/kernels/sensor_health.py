@@ -11,13 +11,15 @@ from cartgrasp.frames import Array
 TIME_OUT = 0.5
 """s without a usable sample after which a sensor that spoke before is missed."""
 OUTLYING_SHARE, SMOOTHING = 0.1, 0.05
-"""Of the last samples: from how many beyond their gate on outliers are called so."""
+"""Share of the last samples beyond their gate from which on outliers are reported; and the weight of a new sample in
+it."""
 POSE_MISSED, WRENCH_MISSED, OUTLYING = 1, 2, 4
 """What is said of them all, as a sum."""
 
 
 def noted(table: Array, time: float, ratios: Array) -> int:
-    """After a sample of each; returns what is said. A ratio that is not finite is of one that could not be used."""
+    """Updates the table after a sample of each sensor; returns what is said. A ratio that is not finite is of a sample
+    that could not be used."""
     for i in range(len(table)):
         note(table[i], time, ratios[i])
     return said_of(table)

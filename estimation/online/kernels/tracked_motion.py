@@ -42,7 +42,7 @@ class Known(NamedTuple):
 
 
 def row_size(d: int) -> int:
-    """Of what a row tells of the motion."""
+    """The number of entries of a moment's row that are about the motion."""
     return 2 * d + 3 * d * d + 1
 
 
@@ -207,7 +207,8 @@ def _look_back(here: Moment, after: Moment, found: tuple[Array, Array], back: Ar
 
 @compiled
 def _step_beside(back: Array, weight: float, covariance: Array, beside: Array, room: Array) -> None:
-    """From what a moment shares with the sum over later ones than the next, (d, f), to that with the next in it."""
+    """Steps `beside` (d, f) in place. It is the covariance of a moment with the sum over later ones than the next; it
+    becomes that with the next in it."""
     d, f = beside.shape
     total, room = carved(room, d, f)
     for a in range(d):

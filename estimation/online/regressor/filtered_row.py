@@ -60,7 +60,7 @@ def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
 
 
 def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, left_out: LeftOut) -> FilteredRow:
-    """Of a block around the parameters (p,) that are known by now, to within `spread @ z`, (p, q).
+    """The filtered row of a block, around the parameters (p,) that are known by now, to within `spread @ z`, (p, q).
 
     Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they are
     believed, a swivel torque would be learned away while casters just trail."""

@@ -15,13 +15,13 @@ from cartgrasp.model import CartModel
 from ..kernels.filtered_row import Smoothed
 
 MOST_SPREADS = 2.0
-"""Of a memory: how far it is off at first, and at most; 1 rad of a caster."""
+"""Standard deviation of a memory at first, and at most, in multiples of its spread: 1 rad for a caster."""
 
 
 @dataclass(frozen=True)
 class FollowedMemory:
-    """Of a cart, with process noise `swivel` (rad/√s of a caster); `mean` and `std` (k,) at the moment from which the
-    motion goes on, None where nothing is known."""
+    """The memory of a cart, with process noise `swivel` (rad/√s of a caster). `mean` and `std` (k,) are at the moment
+    from which the motion goes on; `at` is None where nothing is known."""
 
     cart: CartModel
     swivel: float
@@ -39,7 +39,7 @@ class FollowedMemory:
         return moved._replace(memory=mean, memory_std=np.sqrt(0.5 * (off[0] ** 2 + off[1] ** 2)))
 
     def after(self, moved: Smoothed, k: int) -> FollowedMemory:
-        """At the k-th moment of a motion with its memory."""
+        """The memory followed up to the k-th moment of a motion with its memory."""
         if not self.cart.memory_names:
             return self
         spread, step = self.cart.memory_spread, float(moved.time[k] - moved.time[0])
@@ -49,7 +49,7 @@ class FollowedMemory:
 
     @cached_property
     def mean(self) -> Array:
-        """(k,), of a cart at rest where nothing is known."""
+        """The mean (k,) of the memory; that of a cart at rest where nothing is known."""
         return self.cart.state()[self.cart.memory_slice] if self.at is None else self.at[0]
 
     def lost(self) -> FollowedMemory:

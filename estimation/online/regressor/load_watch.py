@@ -20,9 +20,9 @@ from .regression_belief import GATE, Surprise
 from .trial import Trial
 
 ROWS = 10
-"""Of a block of the test: a second of rows."""
+"""Rows of the chi-squared test: a second."""
 FALSE_ALARM, FALSE_LOAD = 1e-3, 1e-2
-"""Of the one test, each row; of the other, for each moment."""
+"""Probabilities of a false alarm: of the chi-squared test in each row, and of the other test for each moment."""
 STARTS = 60
 """Rows over which a change is looked for."""
 SETTLING_ROWS = 20
@@ -104,7 +104,7 @@ class LoadWatch:
         self.health = said if self._fits else Health.INCONSISTENT
 
     def _evidence(self, root: Array) -> float:
-        """Of the most likely moment."""
+        """The log evidence of a load at the most likely moment."""
         return kernels.evidence(self._since, root)
 
     def go_on(self, time: float) -> None:

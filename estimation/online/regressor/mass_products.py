@@ -35,8 +35,8 @@ class Told(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MassProducts:
-    """Those of the parameters at `scaled` with the mass, which is taken to be `least` at least (kg); `usual` are the
-    factors' usual sizes."""
+    """The products of the parameters at `scaled` with the mass, which is taken to be at least `least` (kg). `usual` are
+    the factors' usual sizes."""
 
     scaled: Indices
     least: float
@@ -52,13 +52,13 @@ class MassProducts:
         return cls(scaled, LEAST_MASS_SHARE * cart.inertia.mass, usual)
 
     def products(self, theta: Array) -> Array:
-        """Instead of the factors, (p,)."""
+        """The parameters (p,) with products in place of the factors."""
         found = theta.copy()
         found[self.scaled] *= max(theta[MASS], self.least)
         return found
 
     def factors(self, products: Array) -> Array:
-        """Instead of the products, (p,)."""
+        """The parameters (p,) with factors in place of the products."""
         found = products.copy()
         found[self.scaled] /= max(products[MASS], self.least)
         return found
@@ -70,21 +70,21 @@ class MassProducts:
         return found
 
     def jacobian(self, theta: Array) -> Array:
-        """Of the factors by the products, (p, p), at factors (p,)."""
+        """Partials (p, p) of the factors by the products, at factors (p,)."""
         found, scaled, mass = np.eye(len(theta)), self.scaled, max(theta[MASS], self.least)
         found[scaled, scaled] = 1.0 / mass
         found[scaled, MASS] = -theta[scaled] / mass
         return found
 
     def by_factors(self, theta: Array) -> Array:
-        """Of the products by the factors, (p, p): its inverse."""
+        """Partials (p, p) of the products by the factors: the inverse of `jacobian`."""
         found, scaled = np.eye(len(theta)), self.scaled
         found[scaled, scaled] = max(theta[MASS], self.least)
         found[scaled, MASS] = theta[scaled]
         return found
 
     def of_row(self, row: FilteredRow, theta: Array) -> FilteredRow:
-        """By the products."""
+        """The row with its slopes by the products."""
         if not len(self.scaled):
             return row
         n = len(theta)
@@ -93,7 +93,7 @@ class MassProducts:
         return row._replace(slopes=row.slopes @ found)
 
     def told(self, believed: Told) -> Told:
-        """Of the factors."""
+        """What is told of the factors, from what is believed of the products."""
         if not len(self.scaled):
             return believed
         theta = self.factors(believed.theta)
@@ -101,7 +101,7 @@ class MassProducts:
         return Told(theta, by @ believed.covariance @ by.T, by @ believed.root)
 
     def belief(self, factors: Gaussian, free: Indices, theta: Array) -> Gaussian:
-        """Of the free products (f,), from what is believed of the free factors; the others are `theta` (p,)."""
+        """The belief of the free products (f,), from that of the free factors; the others are `theta` (p,)."""
         whole, places = theta.copy(), np.ix_(free, free)
         whole[free] = factors.mean
         by = self.by_factors(whole)[places]

@@ -50,7 +50,7 @@ class MotionTracker:
 
     @property
     def time(self) -> Array:
-        """Of the moments (n,)."""
+        """Times of the moments (n,), s."""
         return self._rows[: self._n, 0].copy()
 
     @property
@@ -59,11 +59,11 @@ class MotionTracker:
         return self._rows, self._known
 
     def followed(self, moments: int) -> None:
-        """So many are in the rows by now."""
+        """Notes that so many moments are in the rows by now."""
         self._n, self.last_time = moments, float(self._rows[moments - 1, 0])
 
     def make_room(self, moments: int) -> None:
-        """For so many."""
+        """Makes room for so many moments."""
         while len(self._rows) < moments:
             self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
 
@@ -74,7 +74,7 @@ class MotionTracker:
         return Gaussian(last.mean.copy(), last.covariance.copy())
 
     def start(self, time: float, pose: Array) -> None:
-        """Anew, with a pose that may be NaN in parts."""
+        """Begins anew, with a pose that may be NaN in parts."""
         known, first = np.isfinite(pose), self._rows[0]
         variance = np.square(np.repeat(UNKNOWN, [3, self._free, self._free]))
         variance[:3] = np.where(known, kernels.known_of(self._known, self._free).variances[:3], variance[:3])
@@ -96,7 +96,7 @@ class MotionTracker:
         return said
 
     def hear(self, variances: Array) -> None:
-        """Those of velocities (3,) from now on."""
+        """Sets the variances of velocities (3,) from now on."""
         kernels.known_of(self._known, self._free).variances[3:] = variances
 
     @property
@@ -105,7 +105,7 @@ class MotionTracker:
         return self._rows[self._n - 1, 1:]
 
     def wrenches(self, k: int) -> Array:
-        """Of the first k moments, (k, width), as in `felt_wrench.py`."""
+        """The wrenches of the first k moments, (k, width), as in `felt_wrench.py`."""
         return self._rows[:k, 1 : 1 + self._wrench].copy()
 
     def copy(self) -> Self:
@@ -115,8 +115,8 @@ class MotionTracker:
         return other
 
     def over(self) -> tuple[int, int]:
-        """Of the block that has been over for long enough, how many moments come before the next, and how many there
-        are; 0 where there is none."""
+        """For the block that has been over for long enough: how many moments come before the next, and how many it has.
+        Both are 0 where there is none."""
         return over(self._rows[: self._n])
 
     def smoothed(self, weights: Array) -> Smoothed:

@@ -123,7 +123,7 @@ class ParameterLearner:
 
     @property
     def motion(self) -> Motion:
-        """As poses and velocities alone tell it."""
+        """The motion as poses and velocities alone tell it."""
         now = self.tracker.now.mean
         return Motion(now[:3], now[self.cart.velocity_slice])
 
@@ -153,7 +153,8 @@ class ParameterLearner:
 
     @property
     def lateness(self) -> float:
-        """Of the wrenches, beyond being held from sample to sample, in sample periods; mere samples have -0.5."""
+        """Lateness of the wrenches in sample periods, beyond being held from sample to sample; mere samples have
+        -0.5."""
         return self._belief.lateness
 
     # --- moments ---------------------------------------------------------------------------------------------
@@ -167,7 +168,7 @@ class ParameterLearner:
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
     def _believe(self) -> None:
-        """For the next wrenches."""
+        """Sets what is believed for the next wrenches."""
         self.believed = np.concatenate([part.ravel() for part in (self._sensing.by_parameters, self.theta, self._mass)])
 
     # --- rows ------------------------------------------------------------------------------------------------

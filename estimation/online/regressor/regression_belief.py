@@ -24,9 +24,10 @@ from ..kernels.jit import Indices
 from .mass_products import MassProducts, Told
 
 LATENESS, LATENESS_STD = -0.25, 0.3
-"""Of a sample period, beyond a wrench that is held to the next: that has 0, a mere sample -0.5."""
+"""First mean and standard deviation of the lateness, in sample periods. A wrench that is held to the next has 0, a mere
+sample -0.5."""
 KEPT = 0.9992
-"""Of the information about what a row asks; with ten rows a second, 2 min are remembered."""
+"""Share that is kept of the information about what a row asks; with ten rows a second, 2 min are remembered."""
 GATE = 12.0
 """Normalised squares, by component, beyond which a row pulls less."""
 ABSURD = 1e6
@@ -34,8 +35,9 @@ ABSURD = 1e6
 
 
 class Surprise(NamedTuple):
-    """Of a row: its normalised square, and what it says of a change of the free parameters (f,) since before it, as
-    information (f, f) and its product with the change; its news (n,), which were not foretold, and their covariance."""
+    """The surprise of a row: its normalised square, and its innovation `news` (n,) with the covariance `spread`. What
+    it says of a change of the free parameters (f,) since before it is information (f, f) and its product with the
+    change."""
 
     square: float
     pull: Array
@@ -44,8 +46,8 @@ class Surprise(NamedTuple):
     spread: Array
 
     def log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
-        """But for a constant, with something (n,) and its covariance (n, n) beside; of what is beyond the gate, with
-        the noise widened to it."""
+        """The log-likelihood but for a constant, with something of this mean (n,) and covariance (n, n) beside. Beyond
+        the gate, the noise is widened to it."""
         news, spread, n = self.news - mean, self.spread + more, len(self.news)
         square = float(news @ np.linalg.solve(spread, news))
         scale = max(1.0, square / (GATE * n))
@@ -88,7 +90,7 @@ class RegressionBelief:
 
     @property
     def solved(self) -> Gaussian:
-        """Of the free parameters, the lateness and the link, if there is one."""
+        """The belief of the free parameters, the lateness and the link, if there is one."""
         information, pull = self._known
         covariance = _inverse(information)
         return Gaussian(covariance @ pull, covariance)
@@ -120,13 +122,14 @@ class RegressionBelief:
         self.believe(now.mean, covariance)
 
     def believe(self, mean: Array, covariance: Array) -> None:
-        """Instead of what was."""
+        """Replaces what was believed."""
         information = _inverse(covariance)
         self._known = information, information @ mean
 
 
 def mixture(beliefs: Sequence[RegressionBelief], shares: Array, told: int) -> RegressionBelief:
-    """Of several, with shares: the mean of the one that is `told`, and the spread of all about it; without a link."""
+    """The mixture of several beliefs with shares: the mean of the one that is `told`, and the spread of all about it;
+    without a link."""
     found = [one.copy() for one in beliefs]
     for one in found:
         one.unlink()
@@ -140,7 +143,7 @@ def mixture(beliefs: Sequence[RegressionBelief], shares: Array, told: int) -> Re
 
 
 def _inverse(matrix: Array) -> Array:
-    """Of a positive definite one with mixed units."""
+    """The inverse of a positive definite matrix with mixed units."""
     scale = np.sqrt(np.diagonal(matrix))
     found = np.linalg.inv(matrix / np.outer(scale, scale)) / np.outer(scale, scale)
     return np.asarray((found + found.T) / 2)

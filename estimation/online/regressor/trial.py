@@ -21,7 +21,7 @@ from ..kernels.filtered_row import FilteredRow
 from .regression_belief import RegressionBelief, Surprise, mixture
 
 DECIDED = math.log(1000.0)
-"""Of the odds, beyond which one of them is left."""
+"""The log odds beyond which only one of the beliefs is left."""
 LEAST, LONGEST = 15, 60
 """Blocks before which no load is told for sure, since a push may last so long; and rows after which what is still not
 told apart is one belief, as wide as both."""
@@ -30,7 +30,7 @@ SETTING_IN = 2
 OVER = 5
 """Rows in a row without a push after which it is over."""
 STEADY = 0.25
-"""Of a push's usual size, by how much it changes from row to row."""
+"""Standard deviation of a push's change from row to row, as a share of its usual size."""
 
 
 class Taken(NamedTuple):
@@ -51,7 +51,8 @@ class Pushed(NamedTuple):
     evidence: float = 0.0
 
     def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[Pushed, float, Surprise]:
-        """With a row, and its log-likelihood. Of one in which a push is likelier nothing is learned."""
+        """The belief after a row, the row's log-likelihood, and its surprise. Nothing is learned from a row in which a
+        push is likelier."""
         belief, gain = self.belief.copy(), 1.0 - row.fade
         surprise = belief.absorb(row, at)
         mean, covariance = (self.force, STEADY**2 * usual) if self.rows == 0 else (np.zeros(len(usual)), usual)
@@ -72,13 +73,13 @@ class Changed(NamedTuple):
     odds: float = 0.0
 
     def and_then(self, row: FilteredRow, at: Array, of_push: float) -> tuple[Changed, Surprise]:
-        """With a row, of which a push makes a log-likelihood."""
+        """The belief after a row, which has the log-likelihood `of_push` under a push, and the row's surprise."""
         belief = self.belief.copy()
         surprise = belief.absorb(row, at)
         return self._replace(belief=belief, odds=self.odds + surprise.log_likelihood() - of_push), surprise
 
     def unlinked(self) -> Changed:
-        """With a row that tells nothing of it."""
+        """The belief after a row that tells nothing of the change."""
         belief = self.belief.copy()
         belief.unlink()
         return self._replace(belief=belief)
@@ -99,8 +100,8 @@ class Trial:
 
     @classmethod
     def since(cls, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> Trial:
-        """From the first of the last rows in which a push is likely on, for loads and floors of covariances (f, f); of
-        floors none where nothing goes with the weight."""
+        """The trial from the first of the last rows in which a push is likely on, for loads and floors of covariances
+        (f, f). There is no belief of another floor where nothing goes with the weight."""
         pushed, left = Pushed(taken[0].before.copy(), np.zeros(len(usual))), list(taken)
         while True:
             following, _, surprise = pushed.and_then(left[0].row, left[0].at, usual)
@@ -118,7 +119,7 @@ class Trial:
         return found
 
     def and_then(self, row: FilteredRow, at: Array) -> Trial:
-        """With one row more."""
+        """The trial with one more row."""
         pushed, of_push, surprise = self.pushed.and_then(row, at, self.usual)
         if self.rows < SETTING_IN:
             changed = tuple(one.unlinked() for one in self.changed)
@@ -129,7 +130,7 @@ class Trial:
         return replace(self, pushed=pushed, changed=tuple(c for c, _ in both), rows=self.rows + 1, surprise=said)
 
     def unlinked(self, *, is_still: bool) -> Trial:
-        """With a block that brought no row, since the cart stood still or for another reason."""
+        """The trial after a block that brought no row, since the cart stood still or for another reason."""
         pushed = self.pushed.belief.copy()
         pushed.unlink()
         return replace(
@@ -147,7 +148,7 @@ class Trial:
 
     @property
     def _shares(self) -> Array:
-        """Their probabilities (1 + c,)."""
+        """The probabilities of the beliefs (1 + c,)."""
         odds = self._odds
         return np.asarray(np.exp(odds - np.logaddexp.reduce(odds)))
 
@@ -175,7 +176,7 @@ class Trial:
 
     @property
     def is_pushed(self) -> bool:
-        """In the last row."""
+        """Whether there was a push in the last row."""
         return self.pushed.rows == 0
 
     @property

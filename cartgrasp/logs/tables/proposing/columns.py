@@ -88,12 +88,12 @@ class FileColumns:
         return cls(path, layout, table, tuple(columns))
 
     def of_role(self, role: str) -> list[Column]:
-        """Those that no word tells from another part first."""
+        """The columns of a role; those that no word tells from another part come first."""
         return sorted((c for c in self.columns if c.role == role and c.span is not None), key=lambda c: bool(c.group))
 
     @cached_property
     def arms(self) -> dict[str, dict[str, Column]]:
-        """By the words that tell arms apart, each one's components of a wrench; and of contact points that it has."""
+        """Each arm's components of a wrench and of a contact point, by the words that tell arms apart."""
         found: dict[str, dict[str, Column]] = {}
         for column in self.columns:
             if column.role in WRENCH_COLUMNS:
@@ -110,7 +110,7 @@ class FileColumns:
 
     @property
     def yaw(self) -> Column | None:
-        """Of a quaternion whose four components are there, or the two that a yaw alone has; headings in rad."""
+        """The heading, rad, of a quaternion whose four components are there, or the two that a yaw alone has."""
         found = {role: self.of_role(role) for role in QUATERNION}
         names = [role for role in QUATERNION if found[role]]
         if not {"qz", "qw"} <= set(names):

@@ -20,7 +20,7 @@ SMOOTH = 0.4
 """s: window of the parabolas that velocities are read off; accelerations take twice of it."""
 FEWEST = 40
 MOVING = 0.15
-"""Of the 95th percentile of the speed: below, no direction of travel is read."""
+"""Share of the 95th percentile of the speed below which no direction of travel is read."""
 CLEAR = 0.3
 """What one reading of headings lacks to agree (1 less its agreement) is at most so much of what any other lacks."""
 AGREES = 0.9
@@ -53,7 +53,7 @@ class Motion:
         return np.interp(self.time, time[there], column[there], left=np.nan, right=np.nan)
 
     def smoothed(self, time: Array, column: Array) -> Array:
-        """The same, smoothed as accelerations are."""
+        """A column (m,) of other times on the grid, smoothed as accelerations are."""
         return _derivative(self.on(time, column), float(self.time[1] - self.time[0]), 2 * SMOOTH, 0)
 
 
@@ -122,8 +122,9 @@ def _clearest(found: Sequence[Heading]) -> Heading | None:
 
 @dataclass(frozen=True)
 class Velocities:
-    """Of the axes along which columns are velocities (`world` or `cart`): how well they agree with differences of
-    positions (0 to 1), and by what each is too large (with its sign); `is_clear` where the other frame agrees less."""
+    """The frame (`world` or `cart`) along whose axes columns are velocities, and how well they agree with differences
+    of positions (0 to 1). `factors` say by what each is too large (with its sign); `is_clear` where the other frame
+    agrees less."""
 
     frame: str
     agreement: float
@@ -162,7 +163,7 @@ def velocities(motion: Motion, time: Array, vx: Array, vy: Array, heading: Array
 
 
 def scale(recorded: Array, truth: Array) -> tuple[float, float]:
-    """By what a column is larger than another, and how well they agree (-1 to 1)."""
+    """The factor by which a column is larger than another, and how well they agree (-1 to 1)."""
     seen = np.isfinite(recorded) & np.isfinite(truth)
     a, b = recorded[seen], truth[seen]
     if seen.sum() < FEWEST or not b.any() or not a.any():
@@ -186,8 +187,8 @@ class Push:
 
 
 def push(motion: Motion, heading: Array, force: Array) -> Push | None:
-    """Of a force (n,) along the cart on the motion's grid, smoothed as its acceleration is: a regression on
-    acceleration, speed, direction and a constant."""
+    """Regression of a force (n,) along the cart on acceleration, speed, direction and a constant. The force is on the
+    motion's grid, smoothed as its acceleration is. None where the rows tell too little."""
     c, s = np.cos(heading), np.sin(heading)
     along = motion.acceleration @ [1, 0] * c + motion.acceleration @ [0, 1] * s
     speed = motion.velocity @ [1, 0] * c + motion.velocity @ [0, 1] * s

@@ -43,7 +43,7 @@ class Arm:
     yaw: Said = NONE
     latency: Said = NONE
     likely: str = "N"
-    """Of forces without a label: so that a mass comes out that may be."""
+    """The unit assumed for forces without a label: one with which the mass is plausible."""
     length: str = "m"
 
     @property
@@ -55,7 +55,7 @@ class Arm:
         return {name: self.columns[name] for name in ("px", "py", "pz") if name in self.columns}
 
     def unit(self, component: str) -> Said:
-        """By its label, else in SI units, which is asked."""
+        """The unit that a component's label states, else a usual one that is to be confirmed."""
         column, dimension = self.columns[component], DIMENSIONS[component]
         if column.odd:
             return Said(None, False, f"its label says {column.odd}")
@@ -84,7 +84,7 @@ class Arm:
 
 
 def arms_of(files: Sequence[FileColumns]) -> list[Arm]:
-    """Of all files, with names that differ."""
+    """The arms in all files, with names that differ."""
     found: list[Arm] = []
     for file in files:
         column = time_of(file)
@@ -168,7 +168,8 @@ def _sign(fx: Push) -> Said:
 
 
 def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> Said:
-    """Of a clock of its own that begins at zero as the other does: whether forces fit the motion best without a lag."""
+    """The latency (s) of an arm with a clock of its own that begins at zero as the other does. It is sure to be 0 where
+    forces fit the motion best without a lag."""
     begins = float(np.nanmin(arm.time)), float(np.nanmin(time))
     if (
         arm.time is time

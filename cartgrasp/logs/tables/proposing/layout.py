@@ -57,7 +57,8 @@ def layout_of(path: Path) -> Layout:
 
 
 def _rows(cells: Sequence[tuple[int, list[str]]], decimal: str) -> tuple[list[tuple[int, list[str]]], float]:
-    """Those of the commonest width of which half the cells that are not blank are numbers, and the share of numbers."""
+    """The rows of the commonest width in which at least half the cells that are not blank are numbers, and the share of
+    numbers."""
     widths = [len(row) for _, row in cells]
     width = max(set(widths), key=widths.count)
     if width < 2:
@@ -68,7 +69,7 @@ def _rows(cells: Sequence[tuple[int, list[str]]], decimal: str) -> tuple[list[tu
 
 
 def _share(row: Sequence[str], decimal: str) -> float:
-    """Of numbers among the cells that are not missing."""
+    """The share of numbers among the cells that are not missing."""
     cells = [cell for cell in row if cell.strip() not in MISSING]
     return sum(number(cell, decimal) is not None for cell in cells) / len(cells) if cells else 0.0
 
@@ -91,7 +92,7 @@ def _header(
 
 
 def _bare(row: list[str], width: int) -> list[str]:
-    """Without a sign of a comment that stands alone before the names."""
+    """The row without a comment sign that stands alone before the names."""
     return row[1:] if len(row) == width + 1 and row[0].strip() in ("#", "%") else row
 
 

@@ -20,7 +20,7 @@ SPEEDS = (0.005, 15.0)
 """m/s: the 95th percentile of a pushed cart's speed; likely up to `LIKELY`."""
 LIKELY = 4.0
 NEAR = 0.1
-"""By how much a factor may be off a unit's, of one."""
+"""Largest relative difference between a factor and a unit that is taken for it."""
 STRAIGHT = 0.26
 """rad: an offset that small is a tracker that is a little turned, told later."""
 
@@ -48,7 +48,8 @@ def near(factor: float, dimension: str) -> str | None:
 
 
 def time_unit(column: Column) -> Said:
-    """By its label, else the only one with which rows come at a rate and for a time that logs have."""
+    """The clock's unit: the one of its label, else the only one with which rows come at a rate and for a time that logs
+    have."""
     times = column.said[np.isfinite(column.said)]
     steps = np.diff(times)
     if len(times) < 2 or not (steps > 0).any():
@@ -127,7 +128,8 @@ class MotionUnits:
         return _length_by_size(top)
 
     def _length_by_speed(self, motion: Motion) -> Said | None:
-        """Of velocities with labels, along either frame: their size is that of differences of positions."""
+        """The unit of length with which differences of positions are as large as labelled velocities, along either
+        frame; None where they don't tell."""
         vx, vy = self.columns["vx"], self.columns["vy"]
         if vx is None or vx.unit is None or not self.time_unit.is_sure:
             return None
@@ -201,7 +203,7 @@ class MotionUnits:
         return None
 
     def heading_rad(self) -> Array | None:
-        """On the file's rows, as far as its unit is told."""
+        """Headings (rad) at the file's rows; None where their unit is not known."""
         column, unit = self.columns["theta"], self.heading.unit.value
         if column is None or unit is None:
             return None
@@ -235,7 +237,8 @@ class MotionUnits:
         return frame, entries
 
     def _speed(self, column: Column, factor: float, first: Column) -> Entry:
-        """By how much it is larger than differences of positions."""
+        """The entry of a velocity column, with its sign and unit by how much it is larger than differences of
+        positions."""
         label, ref = column.unit or first.unit, one_of_several(column, self.is_only[column.role])
         sign = Said(1) if factor > 0 else Said(-1, False, "it falls where the cart goes the other way")
         size = abs(factor)
@@ -251,7 +254,7 @@ class MotionUnits:
         return Entry(ref, Said(unit, is_sure, why), sign)
 
     def _rate(self, column: Column) -> Entry:
-        """Against differences of headings."""
+        """The entry of a yaw rate column, with its sign and unit against differences of headings."""
         heading = self.heading_rad()
         label, ref = column.unit, one_of_several(column, self.is_only["omega"])
         if heading is None or self.motion is None:

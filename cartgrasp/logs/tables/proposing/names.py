@@ -57,7 +57,7 @@ class Meaning:
 
 
 def meaning_of(name: str, unit: str = "") -> Meaning | None:
-    """Of a column by its name, and by the unit that stands below it, if any."""
+    """The meaning of a column by its name, and by the unit that stands below it, if any."""
     rest, inside = re.sub(BRACKETS, " ", name), re.findall(BRACKETS, name)
     labels = [word for word in (*inside, unit) if word.strip() and _is_unit(word)]
     odd = [word for word in (*re.findall(r"\[([^\]]*)\]", name), unit) if _is_odd(word)]
@@ -77,7 +77,7 @@ def meaning_of(name: str, unit: str = "") -> Meaning | None:
 
 
 def _labelled(words: Sequence[str], label: str) -> Meaning | None:
-    """Of an axis alone the unit says whether it is a force, and of a yaw whether it is a moment."""
+    """The meaning of words with a unit: it says whether an axis alone is a force, and whether a yaw is a moment."""
     if unit_of(label, "force"):
         words = [AXES.get(word, word) for word in words]
     found = _role(words)
@@ -106,12 +106,12 @@ def _is_odd(word: str) -> bool:
 
 
 def _joined(words: Sequence[str]) -> list[str]:
-    """As a unit may be written over several words."""
+    """The spellings of a unit that may be written over several words."""
     return ["".join(words), "/".join(word for word in words if word != "per")]
 
 
 def _words(text: str) -> list[str]:
-    """In lower case: `posX_mm` is pos, x, mm; `FxLeft` is fx, left."""
+    """The words of a text in lower case: `posX_mm` is pos, x, mm; `FxLeft` is fx, left."""
     found = []
     for piece in re.split(r"[^\w°µ]+|_", text):
         if piece and (_is_unit(piece) or len(piece) <= 2):

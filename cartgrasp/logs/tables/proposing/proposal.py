@@ -59,7 +59,8 @@ class _Writer:
 
 
 def propose(path: Path, others: Sequence[Path] = ()) -> Proposal:
-    """Of a file, with `others` in its folder where it lacks poses or forces. Raises LogError where it is no table."""
+    """The proposal of a map for a file, with `others` in its folder where it lacks poses or forces. Raises LogError
+    where it is no table."""
     main = FileColumns.of(path)
     files = [main, *_siblings(main, others)]
     posed = next((file for file in files if file.has_pose), main)
@@ -85,7 +86,7 @@ def _ahead(units: MotionUnits) -> np.ndarray | None:
 
 
 def _siblings(main: FileColumns, others: Sequence[Path]) -> list[FileColumns]:
-    """Those of other files that hold what the main one lacks; where some are akin by name, those alone."""
+    """The other files that hold what the main one lacks; where some are akin by name, those alone."""
     akin = [path for path in others if is_akin(path, main.path)]
     found = []
     for path in akin or others:
@@ -148,7 +149,7 @@ def _gap(units: MotionUnits, arms: Sequence[Arm]) -> float:
 
 
 def _file(writer: _Writer, indent: str, file: FileColumns, main: FileColumns) -> None:
-    """Of a sensor with a file of its own."""
+    """Writes the lines of a sensor with a file of its own."""
     is_sure = is_akin(file.path, main.path)
     said = Said(file.path.name, is_sure, "" if is_sure else "in the same folder; is it of the same run?")
     writer.value(indent, "file", said)
