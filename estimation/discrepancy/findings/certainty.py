@@ -50,7 +50,7 @@ SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
 SIZE_SHARE = 0.03
 """Share of an effect's size that its form leaves open, which no length of a log makes less."""
 CASTER_SHARE = 0.05
-"""The same share of rolling resistance on casters: they swing round, and touch the floor a trail behind their pivots."""
+"""The same share of rolling resistance on casters: they swing round, and touch the floor behind their pivots."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ import ruptures
 from cartgrasp.frames import Array
 
 PENALTY = 3.0
-"""Penalty of a change, times log n, in chi-squared: for a place and a size, by Schwarz's criterion, and as much again
-for the search."""
+"""Penalty of a change, times log n, in chi-squared: two for its place and its size, by Schwarz's criterion, and one for
+the search."""
 MOST = 400
 """Most places that are looked at: in longer residuals every second, third, ... one."""
 
