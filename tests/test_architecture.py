@@ -164,6 +164,19 @@ def unsafe(tree_of: Mapping[str, str]) -> list[str]:
     return wrong
 
 
+def fragments(tree_of: Mapping[str, str]) -> list[str]:
+    """Docstrings, and strings below constants, that leave out what they are of."""
+    return [
+        f"{module}:{node.lineno}"
+        for module, source in tree_of.items()
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+        and node.value.value.startswith("Of ")
+    ]
+
+
 def too_long(files: Mapping[str, str]) -> list[str]:
     counts = {name: len(source.splitlines()) for name, source in files.items()}
     return [f"{name}: {count} lines" for name, count in counts.items() if count > LONGEST]
@@ -199,6 +212,11 @@ def test_hidden_circles_stay_within_a_package():
 @pytest.mark.long
 def test_nothing_runs_code_that_came_as_data():
     assert not unsafe(TREE)
+
+
+def test_docstrings_name_what_they_describe():
+    assert not fragments(TREE)
+    assert fragments({"a": 'X = 1\n"""Of a log: its rows."""\n', "b": '"""Rows of a log."""\n'}) == ["a:2"]
 
 
 def test_no_file_is_too_long():

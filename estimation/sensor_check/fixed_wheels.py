@@ -20,7 +20,7 @@ from .windows import Track
 from .wrenches import ROW_STEPS, balances_of
 
 ASIDE = 0.05
-"""Of the way: how far a cart on fixed wheels may seem to go sideways, by slip and noise."""
+"""Largest share of its way by which a cart on fixed wheels seems to go sideways, by slip and noise."""
 WRONG_ODDS = 0.2
 """That a cart which goes like that, by a file without constraints, has fixed wheels."""
 ALIKE, UNLIKE = (0.0, 1.0), (3.0, 2.5)
