@@ -8,6 +8,7 @@ elsewhere. To and fro look alike, so psi is one of half a turn.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,7 +49,7 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
         part = seen[factor]
         if part is None:
             return ()
-        along, across, size = part
+        along, across, size = part[:3]
         psi = _best(along, across)
         if known is not None:
             right = known + float(cart.rolling.angle)
@@ -71,8 +72,19 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     return tuple(told)
 
 
-def displacements(track: Track) -> tuple[Array, Array, float] | None:
-    """Along and across (k,) beside what turns, and the sum of squares of all; None where too little is seen."""
+class Displacements(NamedTuple):
+    """Displacements (k,) of windows along and across the heading, beside what turns about a point; the sum of squares
+    of all; where on the heading's axis that point is (m), which hardly goes sideways, and its standard deviation."""
+
+    along: Array
+    across: Array
+    size: float
+    axle: float
+    axle_std: float
+
+
+def displacements(track: Track) -> Displacements | None:
+    """None where too little is seen. Where nothing turns, the point may be anywhere."""
     windows = Windows.over(track.time)
     if windows is None:
         return None
@@ -81,12 +93,15 @@ def displacements(track: Track) -> tuple[Array, Array, float] | None:
     along = sums.along(track.x, c) + sums.along(track.y, s)
     across = sums.along(track.y, c) - sums.along(track.x, s)
     both, turned = np.column_stack([along, across])[kept], sums.along(track.heading)[kept]
-    size = float((both**2).sum())
+    size, turning = float((both**2).sum()), float(turned @ turned)
     if kept.sum() < FEWEST or size <= 0:
         return None
-    if turned @ turned > 0:
-        both = both - np.outer(turned, turned @ both) / (turned @ turned)
-    return both[:, 0], both[:, 1], size
+    if turning <= 0:
+        return Displacements(both[:, 0], both[:, 1], size, 0.0, math.inf)
+    beside = turned @ both / turning
+    both = both - np.outer(turned, beside)
+    left, rows = float(both[:, 1] @ both[:, 1]), max(independent_rows(both[:, 1]), 1.0)
+    return Displacements(both[:, 0], both[:, 1], size, -float(beside[1]), math.sqrt(left / rows / turning))
 
 
 def _best(along: Array, across: Array) -> float:
