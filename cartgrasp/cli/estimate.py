@@ -31,6 +31,8 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "regressor": RegressorEstimator,
     "paper": PaperFilter,
 }
+ROUNDING = 1e-9
+"""Share of its standard deviation below which a value is printed as nought."""
 
 
 def run(
@@ -124,7 +126,13 @@ def print_parameters(
 ) -> None:
     """A table; `taught` heads its last column."""
     rows = [
-        [name, f"{p.value:.5g}", f"{p.std:.2g}", p.unit, taught_word(p.identifiable, health)]
+        [
+            name,
+            f"{0.0 if abs(p.value) < ROUNDING * p.std else p.value:.5g}",
+            f"{p.std:.2g}",
+            p.unit,
+            taught_word(p.identifiable, health),
+        ]
         for name, p in parameters.items()
     ]
     print_table(title, ["parameter", "value", "sd", "unit", taught], rows)

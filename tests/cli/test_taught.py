@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cartgrasp.cli import demo
+from cartgrasp.cli.estimate import print_parameters
 from cartgrasp.cli.run_tables import print_run
 from cartgrasp.cli.taught import taught_word
+from cartgrasp.motion import ParameterEstimate
 from cartgrasp.studies.run_figures import RunFigures
 
 
@@ -35,3 +37,9 @@ def test_the_demo_says_what_leaving_effects_out_does_to_the_estimate(capsys):
     assert "health of the estimate" in shown
     assert "inconsistent" in shown
     assert "does not fit this log, so it taught nothing" in shown
+
+
+def test_what_rounding_left_is_printed_as_nought(capsys):
+    print_parameters("cart", {"drag": ParameterEstimate(2.2e-16, 4.4, "N·s/m", False)}, "taught")
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("drag")]
+    assert row.split()[:3] == ["drag", "0", "4.4"]
