@@ -24,6 +24,7 @@ from ..prior import Prior
 from ..sensor_check.evidence import probabilities
 from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
+from .axle_watch import AxleWatch
 from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SHARED, SOUND, Rivals
 from .watched_block import HEADINGS, TURN, Block, poses_of, velocities_of, wrapped, wrench_of
 
@@ -73,7 +74,7 @@ class SensorWatch:
         self._work: Iterator[None] | None = None
         self._blocks: tuple[Block, ...] = ()
         self._sideways = self._turning = Rivals((0.0,) * len(HEADINGS))
-        self._first_heading = math.nan
+        self._first_heading, self._axle = math.nan, AxleWatch()
         self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
         self._powers, self._rows = (0.0,) * 6, 0.0
         self._sure, self._heard = 0, 0.0
@@ -140,8 +141,9 @@ class SensorWatch:
             for begun, turn in zip(first.headings, turns, strict=True):
                 cosine, sine = math.cos(begun + 0.5 * turn), math.sin(begun + 0.5 * turn)
                 off = by_x * (cosine * x + sine * y) + by_y * (cosine * y - sine * x) + by_turn * turn
-                slipped.append(off * off)
-            self._sideways = self._sideways.and_then(slipped, distance)
+                slipped.append(off)
+            self._sideways = self._sideways.and_then([off * off for off in slipped], distance)
+            self._axle = self._axle.and_then(turns[0], slipped[0] / by_y, distance)
         self._fast = self._fast.and_then([(FASTEST * span) ** 2], distance)
         if first.velocity is None or last.velocity is None:
             return
@@ -176,6 +178,8 @@ class SensorWatch:
 
     def _conclude(self) -> None:
         found = [*self._of_headings(), *self._of_lengths()]
+        if not found and self._slip is not None:
+            found = [*self._of_axle()]
         if not found and self._sideways.left[0] <= EXPLAINED * self._sideways.whole:
             found += self._of_wrenches()
         stay = {(one.kind, one.where) for one in self.suspicions}
@@ -211,6 +215,11 @@ class SensorWatch:
             yield Suspicion("unit", "pose", 1.0, None, f"positions move at {speed:.0f} m/s: look at their unit")
         if reversed_ > KEEPS:
             yield Suspicion("sign", "pose", reversed_, -1.0, "positions go against their velocities")
+
+    def _of_axle(self) -> Iterator[Suspicion]:
+        axle = self._cart.rolling.axle_x
+        if axle is not None and (one := self._axle.suspicion(float(axle), KEEPS)) is not None:
+            yield one
 
     def _of_wrenches(self) -> Iterator[Suspicion]:
         """Suspicions of wrenches, by what the first guess would take for inertia and for friction. Its sign tells of

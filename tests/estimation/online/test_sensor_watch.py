@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import FloorSlope, TimeDelay, ViscousDrag
 from cartgrasp.first_guess import FirstGuess
 from cartgrasp.inertia import Inertia
@@ -51,6 +52,20 @@ FAULTS = {
         ("unit", "pose"),
     ),
 }
+
+
+@pytest.mark.parametrize("axle_x", [-0.4, 0.15, 0.0, 0.03])
+def test_an_axle_that_is_elsewhere_is_told_with_where_it_is(axle_x):
+    """From where poses say that nothing goes sideways; a few centimetres may be the tracker's."""
+    cart = replace(GUESS, constraints=RollingConstraints(axle_x=axle_x))
+    told = replay(run(), CartFilter(cart, noise=NOISY)).last.suspicions
+    if abs(axle_x) < 0.1:
+        assert not told
+    else:
+        (one,) = told
+        assert (one.kind, one.where) == ("offset", "pose")
+        assert one.factor == pytest.approx(-axle_x, abs=0.01)
+        assert f"the file has the axle at {axle_x:g} m" in one.words
 
 
 @pytest.mark.some(10)

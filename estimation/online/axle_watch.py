@@ -1,0 +1,43 @@
+"""Where a cart that can't slip sideways turns about, while it moves: the middle of its axle, if its file is right."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..sensor_check.evidence import wider
+from ..sensor_check.fixed_wheels import ASIDE, ELSEWHERE_ODDS, FAR, NEAR
+from ..sensor_check.suspicion import Suspicion
+from .rivals import KEPT, LEAST_ROWS, SHARED
+
+
+class AxleWatch(NamedTuple):
+    """Sums, forgotten as `Rivals` are, of squares of turns (rad²), of turns times slips that the file's axle leaves
+    (rad m), of squares of such slips and of ways (m²), and of rows."""
+
+    turned: float = 0.0
+    pulled: float = 0.0
+    slipped: float = 0.0
+    way: float = 0.0
+    rows: float = 0.0
+
+    def and_then(self, turn: float, slip: float, way: float) -> AxleWatch:
+        """With a turn (rad), a slip (m) and the square of a way (m²) more."""
+        new = turn * turn, slip * turn, slip * slip, way, 1.0
+        return AxleWatch(*(KEPT * old + more for old, more in zip(self, new, strict=True)))
+
+    def suspicion(self, axle_x: float, least: float) -> Suspicion | None:
+        """`offset` of the pose, where it is as probable at least; None where too little is seen to turn, or the cart
+        slips whatever it turns about."""
+        if self.rows < LEAST_ROWS or not self.turned > 0.0:
+            return None
+        off = -self.pulled / self.turned
+        left = self.slipped - self.pulled * self.pulled / self.turned
+        if not 0.0 <= left <= ASIDE**2 * self.way:
+            return None
+        std = math.sqrt(left * SHARED / self.rows / self.turned)
+        probability = wider(off, std, NEAR, FAR, ELSEWHERE_ODDS)
+        if probability < least:
+            return None
+        words = f"what never goes sideways is at x = {axle_x + off:.2f} m, and the file has the axle at {axle_x:g} m"
+        return Suspicion("offset", "pose", probability, off, words)
