@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
 from .axle_watch import AxleWatch
 from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SHARED, SOUND, Rivals
-from .watched_block import HEADINGS, TURN, Block, poses_of, velocities_of, wrapped, wrench_of
+from .watched_block import HEADINGS, TURN, Block, poses_of, velocities_of, wrapped, wrenches_of
 
 SPAN = 0.25
 """s, of a block."""
@@ -76,7 +77,7 @@ class SensorWatch:
         self._sideways = self._turning = Rivals((0.0,) * len(HEADINGS))
         self._first_heading, self._axle = math.nan, AxleWatch()
         self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
-        self._powers, self._rows = (0.0,) * 6, 0.0
+        self._products, self._rows = np.zeros((2, 2)), 0.0
         self._sure, self._heard = 0, 0.0
         self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
@@ -110,7 +111,7 @@ class SensorWatch:
             self._contacts.update(measurement.contacts)
         if self._takes_all:
             self._arms = tuple(dict.fromkeys([*self._arms, *[arm for m in few for arm in m.wrenches]]))
-        block = Block(*moved, velocity, wrench_of(few, self._contacts, self._arms, self._yaws), noise)
+        block = Block(*moved, velocity, wrenches_of(few, self._contacts, self._arms, self._yaws), noise)
         if math.isnan(self._first_heading):
             self._first_heading = block.headings[0]
         if self._blocks and not 0.5 * SPAN < block.time - self._blocks[-1].time < 2.0 * SPAN:
@@ -153,10 +154,10 @@ class SensorWatch:
         self._lengths = self._lengths.and_then(off_by, u * u + v * v)
 
     def _compare_power(self, blocks: tuple[Block, ...]) -> None:
-        """Adds products of the recorded wrenches' power and that which inertia and friction of the first guess take on
-        the same way."""
+        """Adds products of the power of each arm's recorded wrench and that which inertia and friction of the first
+        guess take on the same way."""
         first, middle, last = blocks
-        if first.wrench_b is None or middle.wrench_b is None or last.wrench_b is None:
+        if first.wrenches_b is None or middle.wrenches_b is None or last.wrenches_b is None:
             return
         before, after = _twist(first, middle), _twist(middle, last)
         step = 0.5 * (last.time - first.time)
@@ -167,11 +168,15 @@ class SensorWatch:
         needed = self._cart.required_wrench(state, self._along @ rate, time=middle.time)
         inertial = float(twist @ self._mass_matrix @ rate)
         friction = float(needed @ nu) - inertial
-        forces = zip(first.wrench_b, middle.wrench_b, last.wrench_b, twist.tolist(), strict=True)
-        given = sum([(begun + 4.0 * held + ended) * speed for begun, held, ended, speed in forces]) / 6.0
-        own = inertial * inertial, inertial * friction, friction * friction
-        new = *own, inertial * given, friction * given, given * given
-        self._powers = tuple([KEPT * old + more for old, more in zip(self._powers, new, strict=True)])
+        arms = zip(first.wrenches_b, middle.wrenches_b, last.wrenches_b, strict=False)
+        given = [
+            sum([(a + 4.0 * b + c) * speed for a, b, c, speed in zip(*held, twist.tolist(), strict=True)]) / 6.0
+            for held in arms
+        ]
+        powers = np.array([inertial, friction, *given])
+        if len(powers) != len(self._products):
+            self._products, self._rows = np.zeros((len(powers), len(powers))), 0.0
+        self._products = KEPT * self._products + np.outer(powers, powers)
         self._rows = KEPT * self._rows + 1.0
 
     # --- what follows ----------------------------------------------------------------------------------------
@@ -224,17 +229,24 @@ class SensorWatch:
     def _of_wrenches(self) -> Iterator[Suspicion]:
         """Suspicions of wrenches, by what the first guess would take for inertia and for friction. Its sign tells of
         theirs, whatever the sizes; the sizes tell of the unit."""
-        ii, both, ff, inertial, friction, given = self._powers
-        guessed, pull = ii + 2.0 * both + ff, inertial + friction
-        if self._rows < LEAST_ROWS or not guessed > 0 or not given > 0:
+        powers = Powers.of(self._products)
+        guessed, pull = powers.ii + 2.0 * powers.both + powers.ff, powers.inertial + powers.friction
+        if self._rows < LEAST_ROWS or not guessed > 0 or not powers.given > 0:
             return
-        left = tuple([given - self._explained(sign) for sign in (1.0, -1.0)])
-        signs = np.array(Rivals(left, given, self._rows).evidence)
-        _, reversed_ = probabilities(signs, np.array([1.0, COMMON_ODDS])).tolist()
-        if reversed_ > KEEPS:
+        one_reversed = [Powers.of(self._products, arm) for arm in range(len(self._arms))] if len(self._arms) > 1 else []
+        shares = [powers.left(sign, self._rows) for sign in (1.0, -1.0)]
+        shares += [other.left(1.0, self._rows) for other in one_reversed]
+        odds = np.array([1.0, COMMON_ODDS, *[COMMON_ODDS] * len(one_reversed)])
+        _, *wrong = probabilities(np.array(Rivals(tuple(shares), 1.0, self._rows).evidence), odds).tolist()
+        if sum(wrong) > KEEPS:  # the likeliest stands for all
+            where = ("wrench", *self._arms)[wrong.index(max(wrong))]
             words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
-            yield Suspicion("sign", "wrench", reversed_, -1.0, words)
-        scales = np.array(self._logs_of_units(math.copysign(1.0, pull)))
+            if where != "wrench":
+                words = f"{where}: its wrench works against the cart while others push: its sign is reversed"
+            yield Suspicion("sign", where, sum(wrong), -1.0, words)
+            if where != "wrench":
+                return
+        scales = np.array(self._logs_of_units(powers, math.copysign(1.0, pull)))
         sound, *units = probabilities(scales, np.array([1.0, *[SELDOM] * (len(FORCES) - 1)])).tolist()
         self._sure = self._sure + 1 if sound < 1.0 - SURE else 0
         stays = any(one.kind == "unit" and one.where == "wrench" for one in self.suspicions)
@@ -244,9 +256,9 @@ class SensorWatch:
             words = f"wrenches are {size}: they seem to be in {name}, not N"
             yield Suspicion("unit", "wrench", sum(units), FORCES[name], words)
 
-    def _logs_of_units(self, sign: float) -> list[float]:
+    def _logs_of_units(self, powers: Powers, sign: float) -> list[float]:
         """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
-        (moved, moved_by), (rubbed, rubbed_by) = self._shares(sign)
+        (moved, moved_by), (rubbed, rubbed_by) = powers.shares(sign, self._rows)
         of_mass = self._spread**2 + LEAST_SPREAD**2
         first, last = of_mass + UNSURE, of_mass + UNSURE
         if moved > LEAST_SHARE:
@@ -259,32 +271,58 @@ class SensorWatch:
             found.append(-0.5 * (last * x * x - 2.0 * of_mass * x * y + first * y * y) / size)
         return found
 
-    def _explained(self, sign: float) -> float:
-        """How much of the square of the power, by any inertia and any friction that is not negative."""
-        ii, _, ff, inertial, friction, _ = self._powers
-        (moved, _), (rubbed, _) = self._shares(sign)
-        if moved > 0 and rubbed > 0:
-            return sign * (moved * inertial + rubbed * friction)
-        alone = ((max(sign * pull, 0.0), own + 1e-12) for pull, own in ((inertial, ii), (friction, ff)))
-        return max(pull * pull / own for pull, own in alone)
-
-    def _shares(self, sign: float) -> tuple[tuple[float, float], ...]:
-        """Shares of what the first guess would take for inertia and for friction that are given, each with its standard
-        deviation."""
-        ii, both, ff, inertial, friction, given = self._powers
-        ii, ff = ii * (1.0 + 1e-6) + 1e-12, ff * (1.0 + 1e-6) + 1e-12
-        size = ii * ff - both * both
-        moved, rubbed = sign * (ff * inertial - both * friction) / size, sign * (ii * friction - both * inertial) / size
-        left = max(given - sign * (moved * inertial + rubbed * friction), 0.0)
-        variance = left / max(self._rows / SHARED - 2.0, 1.0) / size
-        return (moved, math.sqrt(variance * ff)), (rubbed, math.sqrt(variance * ii))
-
     def _of_noise(self) -> Iterator[Suspicion]:
         for where, variance in zip(("velocity", "yaw_rate"), self.loudness.tolist(), strict=True):
             if variance > 1.0:
                 times = math.sqrt(variance)
                 words = f"the {where} is {times:.1f} times as noisy as declared, and taken as such"
                 yield Suspicion("noise", where, 1.0, times, words)
+
+
+class Powers(NamedTuple):
+    """Sums of products of what inertia (i) and friction (f) of the first guess take, and of these with what wrenches
+    give."""
+
+    ii: float
+    both: float
+    ff: float
+    inertial: float
+    friction: float
+    given: float
+
+    @classmethod
+    def of(cls, products: Array, reversed_arm: int | None = None) -> Powers:
+        """With the wrench of one arm the other way round; of products (2 + arms, 2 + arms)."""
+        signs = np.ones(len(products) - 2)
+        if reversed_arm is not None:
+            signs[reversed_arm] = -1.0
+        (ii, both), (_, ff) = products[:2, :2].tolist()
+        inertial, friction = (products[:2, 2:] @ signs).tolist()
+        return cls(ii, both, ff, inertial, friction, float(signs @ products[2:, 2:] @ signs))
+
+    def left(self, sign: float, rows: float) -> float:
+        """The share of the square of the power that is given which no inertia and no friction that are not negative
+        explain, if wrenches are of a sign."""
+        if not self.given > 0.0:
+            return 1.0
+        (moved, _), (rubbed, _) = self.shares(sign, rows)
+        if moved > 0 and rubbed > 0:
+            explained = sign * (moved * self.inertial + rubbed * self.friction)
+        else:
+            alone = ((self.inertial, self.ii), (self.friction, self.ff))
+            explained = max(max(sign * pull, 0.0) ** 2 / (own + 1e-12) for pull, own in alone)
+        return max(self.given - explained, 0.0) / self.given
+
+    def shares(self, sign: float, rows: float) -> tuple[tuple[float, float], ...]:
+        """Shares of what the first guess would take for inertia and for friction that are given, each with its standard
+        deviation."""
+        ii, ff = self.ii * (1.0 + 1e-6) + 1e-12, self.ff * (1.0 + 1e-6) + 1e-12
+        size = ii * ff - self.both * self.both
+        moved = sign * (ff * self.inertial - self.both * self.friction) / size
+        rubbed = sign * (ii * self.friction - self.both * self.inertial) / size
+        left = max(self.given - sign * (moved * self.inertial + rubbed * self.friction), 0.0)
+        variance = left / max(rows / SHARED - 2.0, 1.0) / size
+        return (moved, math.sqrt(variance * ff)), (rubbed, math.sqrt(variance * ii))
 
 
 def _twist(first: Block, last: Block) -> tuple[float, float, float]:

@@ -26,14 +26,14 @@ TURN = 2.0 * math.pi
 
 class Block(NamedTuple):
     """Mean time (s) of the poses; where {b} was (2,), and the heading by HEADINGS (3,). The mean velocity (3,) in {s},
-    and the mean wrench (3,) of all arms in {b}, or None; and variances (2,) of white noise of a sample's velocity,
+    and the mean wrenches (3,) of the arms in {b}, or None; and variances (2,) of white noise of a sample's velocity,
     linear and yaw, None where they can't be told."""
 
     time: float
     place: list[float]
     headings: list[float]
     velocity: list[float] | None
-    wrench_b: list[float] | None
+    wrenches_b: list[list[float]] | None
     noise: tuple[float, float] | None
 
 
@@ -72,11 +72,11 @@ def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, t
     return _mean(rows), noise
 
 
-def wrench_of(
+def wrenches_of(
     samples: Sequence[Measurement], contacts: Mapping[str, Array], arms: Sequence[str], yaws: Mapping[str, float]
-) -> list[float] | None:
-    """The mean wrench (3,) of all arms in {b}; None where the wrench or the contact of one of them is not known."""
-    along = across = moment = 0.0
+) -> list[list[float]] | None:
+    """The mean planar wrench (3,) of each arm in {b}; None where one of them, or where it holds, is not known."""
+    found = list[list[float]]()
     for arm in arms:
         rows = _whole([m.wrenches[arm] for m in samples if arm in m.wrenches])
         if rows is None or arm not in contacts:
@@ -84,8 +84,8 @@ def wrench_of(
         (fx, fy, _, _, _, tz), (x, y, *_) = _mean(rows), contacts[arm]
         cosine, sine = math.cos(yaws.get(arm, 0.0)), math.sin(yaws.get(arm, 0.0))
         fx, fy = cosine * fx - sine * fy, sine * fx + cosine * fy
-        along, across, moment = along + fx, across + fy, moment + float(x * fy - y * fx) + tz
-    return [along, across, moment] if arms else None
+        found.append([fx, fy, float(x * fy - y * fx) + tz])
+    return found or None
 
 
 def _whole(rows: Sequence[Any]) -> Array | None:

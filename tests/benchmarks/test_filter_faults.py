@@ -1,5 +1,7 @@
 """The online filter among faults, on two logs; the whole table takes some minutes."""
 
+import math
+
 import pytest
 
 from benchmarks.filter_faults import FAULTS, IN_TIME, MASS, NEES, drawn, noise, told
@@ -13,8 +15,11 @@ def test_faults_are_told_and_sound_logs_are_not_suspected(seed):
     assert not sound.others
     for name, fault in FAULTS.items():
         found = told(run, fault)
-        if name.startswith(("lbf", "contacts", "one wrench", "the left", "the right")):
+        if name.startswith(("lbf", "contacts", "one wrench")):
             continue  # which a wide guess explains as well, or nobody tells
+        if name.startswith("the "):  # in time in eleven of twelve runs
+            assert math.isfinite(found.after), name
+            continue
         assert not found.others, name
         if not fault.kinds:
             assert abs(found.off - sound.off) < 1e-12

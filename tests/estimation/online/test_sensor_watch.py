@@ -15,10 +15,10 @@ from cartgrasp.model import CartModel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.health import Health
 from estimation.online.sensor_watch import SensorWatch
-from estimation.online.watched_block import HEADINGS, poses_of, velocities_of, wrench_of
+from estimation.online.watched_block import HEADINGS, poses_of, velocities_of, wrenches_of
 from estimation.whole_log.replay import replay
 
-from ..runs import simulate
+from ..runs import simulate, simulate_two_hands
 
 PLANT = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.01)
 GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0),))
@@ -52,6 +52,17 @@ FAULTS = {
         ("unit", "pose"),
     ),
 }
+
+
+@pytest.mark.parametrize("wrong", ["left", "right"])
+def test_one_arm_of_two_that_is_reversed_is_told_by_its_name(wrong):
+    log = simulate_two_hands(PLANT, 4, duration=10.0)
+    arm = log.arms[wrong]
+    reversed_one = replace(log, arms=log.arms | {wrong: ArmLog(arm.contact, -arm.wrench)})
+    sound, found = (replay(one, CartFilter(GUESS, ["left", "right"])).estimates for one in (log, reversed_one))
+    assert not any(one.suspicions for one in sound)
+    assert {(one.kind, one.where) for one in found[-1].suspicions} == {("sign", wrong)}
+    assert found[-1].health == Health.INCONSISTENT
 
 
 @pytest.mark.parametrize("axle_x", [-0.4, 0.15, 0.0, 0.03])
@@ -158,7 +169,8 @@ def test_block_means():
     arm = log.arms["hand"]
     x, y, _ = arm.contact[0]
     fx, fy, tau = arm.wrench[300:325][:, [0, 1, 5]].mean(axis=0)
-    assert wrench_of(rows, {"hand": arm.contact[0]}, ["hand"], {}) == pytest.approx([fx, fy, tau + x * fy - y * fx])
+    (wrench_b,) = wrenches_of(rows, {"hand": arm.contact[0]}, ["hand"], {})
+    assert wrench_b == pytest.approx([fx, fy, tau + x * fy - y * fx])
 
 
 def test_it_takes_two_calls_a_block():
