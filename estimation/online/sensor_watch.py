@@ -183,10 +183,10 @@ class SensorWatch:
 
     def _conclude(self) -> None:
         found = [*self._of_headings(), *self._of_lengths()]
-        if not found and self._slip is not None:
-            found = [*self._of_axle()]
-        if not found and self._sideways.left[0] <= EXPLAINED * self._sideways.whole:
-            found += self._of_wrenches()
+        if not found:
+            found += self._of_axle()
+            if self._sideways.left[0] <= EXPLAINED * self._sideways.whole:
+                found += self._of_wrenches()
         stay = {(one.kind, one.where) for one in self.suspicions}
         told = [one for one in found if one.probability >= (KEEPS if (one.kind, one.where) in stay else SURE)]
         self.suspicions = (*told, *self._of_noise())
@@ -233,13 +233,14 @@ class SensorWatch:
         guessed, pull = powers.ii + 2.0 * powers.both + powers.ff, powers.inertial + powers.friction
         if self._rows < LEAST_ROWS or not guessed > 0 or not powers.given > 0:
             return
-        one_reversed = [Powers.of(self._products, arm) for arm in range(len(self._arms))] if len(self._arms) > 1 else []
+        arms = self._arms[: len(self._products) - 2]
         shares = [powers.left(sign, self._rows) for sign in (1.0, -1.0)]
-        shares += [other.left(1.0, self._rows) for other in one_reversed]
-        odds = np.array([1.0, COMMON_ODDS, *[COMMON_ODDS] * len(one_reversed)])
+        if len(arms) > 1:
+            shares += [Powers.of(self._products, k).left(1.0, self._rows) for k in range(len(arms))]
+        odds = np.array([1.0, *[COMMON_ODDS] * (len(shares) - 1)])
         _, *wrong = probabilities(np.array(Rivals(tuple(shares), 1.0, self._rows).evidence), odds).tolist()
         if sum(wrong) > KEEPS:  # the likeliest stands for all
-            where = ("wrench", *self._arms)[wrong.index(max(wrong))]
+            where = ("wrench", *arms)[wrong.index(max(wrong))]
             words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
             if where != "wrench":
                 words = f"{where}: its wrench works against the cart while others push: its sign is reversed"

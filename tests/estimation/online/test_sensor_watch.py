@@ -65,6 +65,16 @@ def test_one_arm_of_two_that_is_reversed_is_told_by_its_name(wrong):
     assert found[-1].health == Health.INCONSISTENT
 
 
+def test_an_arm_that_comes_later_is_looked_at_from_then_on():
+    log = simulate_two_hands(PLANT, 4, duration=12.0)
+    cart_filter, found = CartFilter(GUESS), []
+    for measurement in log.measurements():
+        if measurement.time < 3.0:
+            measurement = replace(measurement, wrenches={"left": measurement.wrenches["left"]})
+        found.append(cart_filter.update(measurement))
+    assert not found[-1].suspicions
+
+
 @pytest.mark.parametrize("axle_x", [-0.4, 0.15, 0.0, 0.03])
 def test_an_axle_that_is_elsewhere_is_told_with_where_it_is(axle_x):
     """From where poses say that nothing goes sideways; a few centimetres may be the tracker's."""
