@@ -148,6 +148,11 @@ def digits(values: float | Sequence[float]) -> str:
     return f"({', '.join(f'{value:.4g}' for value in values)})"
 
 
+def unrounded(value: float, size: float) -> float:
+    """The value to be printed: nought where it is only what rounding left beside numbers of a size."""
+    return 0.0 if abs(value) < 1e-9 * size else value
+
+
 def _kind_of(values: Any) -> str:
     is_array = isinstance(values, np.ndarray)
     return f"an array of {values.dtype}" if is_array else shown(values)

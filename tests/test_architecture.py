@@ -226,21 +226,31 @@ def test_no_file_is_too_long():
     assert not too_long({str(path.relative_to(ROOT)): path.read_text() for path in paths})
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_importing_a_package_is_light(package):
-    """Heavy libraries are imported where they are used: `cartgrasp --help` stays under a second."""
-    heavy = f"[m for m in {HEAVY!r} if m in sys.modules]"
-    program = f"import sys, {package}; print(*{heavy})"
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+def loaded(program: str) -> list[str]:
+    """What a program prints, in a process of its own."""
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", program],
         capture_output=True,
         text=True,
-        env=environment,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.split() == []
+    return done.stdout.split()
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_importing_a_package_is_light(package):
+    """Heavy libraries are imported where they are used: `cartgrasp --help` stays under a second."""
+    assert loaded(f"import sys, {package}; print(*[m for m in {HEAVY!r} if m in sys.modules])") == []
+
+
+def test_a_filter_loads_nothing_that_is_for_whole_logs():
+    rooms = ("estimation.weak_form", "estimation.discrepancy", "estimation.whole_log")
+    program = (
+        f"import sys; from estimation import CartFilter; print(*[m for m in sys.modules if m.startswith({rooms!r})])"
+    )
+    assert loaded(program) == []
 
 
 @pytest.mark.parametrize("name", [*PACKAGES, "cartgrasp.simulation"])

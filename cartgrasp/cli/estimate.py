@@ -9,12 +9,12 @@ from typing import Any
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
 from estimation.health import Health
 from estimation.log_noise.log_noise import noise_of_log
-from estimation.log_noise.marks import without_marks
 from estimation.whole_log.agreement import against_identify
-from estimation.whole_log.coasting import body_as_given, with_known_wrench
-from estimation.whole_log.replay import Replay, replay
+from estimation.whole_log.coasting import body_as_given
+from estimation.whole_log.replay import Replay, as_replayed, replay
 
 from ..cart_file import load_cart
+from ..checks import unrounded
 from ..errors import DataError, UsageError
 from ..logs import RunLog, coasts, read_log, said_to_coast
 from ..logs.coasting import check_pushed, check_said
@@ -31,8 +31,6 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "regressor": RegressorEstimator,
     "paper": PaperFilter,
 }
-ROUNDING = 1e-9
-"""Share of its standard deviation below which a value is printed as nought."""
 
 
 def run(
@@ -102,7 +100,7 @@ def tell_given(logs: Sequence[RunLog], cart: CartModel) -> None:
 
 
 def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
-    thinned = with_known_wrench(without_marks(log).thinned())
+    thinned = as_replayed(log)
     noise, prior = noise_of_log(thinned, cart), body_as_given([log])
     estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, tell, until=float(log.time[-1]))
@@ -128,7 +126,7 @@ def print_parameters(
     rows = [
         [
             name,
-            f"{0.0 if abs(p.value) < ROUNDING * p.std else p.value:.5g}",
+            f"{unrounded(p.value, p.std):.5g}",
             f"{p.std:.2g}",
             p.unit,
             taught_word(p.identifiable, health),

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..sensor_check.evidence import wider
-from ..sensor_check.fixed_wheels import ASIDE, ELSEWHERE_ODDS, FAR, NEAR
+from ..sensor_check.axle import ASIDE, elsewhere
 from ..sensor_check.suspicion import Suspicion
 from .rivals import KEPT, LEAST_ROWS, SHARED
 
@@ -36,8 +35,4 @@ class AxleWatch(NamedTuple):
         if not 0.0 <= left <= ASIDE**2 * self.way:
             return None
         std = math.sqrt(left * SHARED / self.rows / self.turned)
-        probability = wider(off, std, NEAR, FAR, ELSEWHERE_ODDS)
-        if probability < least:
-            return None
-        words = f"what never goes sideways is at x = {axle_x + off:.2f} m, and the file has the axle at {axle_x:g} m"
-        return Suspicion("offset", "pose", probability, off, words)
+        return elsewhere(axle_x + off, axle_x, std, least)

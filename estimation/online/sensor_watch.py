@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,7 +25,8 @@ from ..sensor_check.evidence import probabilities
 from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
 from .axle_watch import AxleWatch
-from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SHARED, SOUND, Rivals
+from .powers import Powers
+from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SOUND, Rivals
 from .watched_block import HEADINGS, TURN, Block, poses_of, velocities_of, wrapped, wrenches_of
 
 SPAN = 0.25
@@ -242,9 +242,8 @@ class SensorWatch:
         if sum(wrong) > KEEPS:  # the likeliest stands for all
             where = ("wrench", *arms)[wrong.index(max(wrong))]
             words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
-            if where != "wrench":
-                words = f"{where}: its wrench works against the cart while others push: its sign is reversed"
-            yield Suspicion("sign", where, sum(wrong), -1.0, words)
+            of_one = f"{where}: its wrench works against the cart while others push: its sign is reversed"
+            yield Suspicion("sign", where, sum(wrong), -1.0, words if where == "wrench" else of_one)
             if where != "wrench":
                 return
         scales = np.array(self._logs_of_units(powers, math.copysign(1.0, pull)))
@@ -278,52 +277,6 @@ class SensorWatch:
                 times = math.sqrt(variance)
                 words = f"the {where} is {times:.1f} times as noisy as declared, and taken as such"
                 yield Suspicion("noise", where, 1.0, times, words)
-
-
-class Powers(NamedTuple):
-    """Sums of products of what inertia (i) and friction (f) of the first guess take, and of these with what wrenches
-    give."""
-
-    ii: float
-    both: float
-    ff: float
-    inertial: float
-    friction: float
-    given: float
-
-    @classmethod
-    def of(cls, products: Array, reversed_arm: int | None = None) -> Powers:
-        """With the wrench of one arm the other way round; of products (2 + arms, 2 + arms)."""
-        signs = np.ones(len(products) - 2)
-        if reversed_arm is not None:
-            signs[reversed_arm] = -1.0
-        (ii, both), (_, ff) = products[:2, :2].tolist()
-        inertial, friction = (products[:2, 2:] @ signs).tolist()
-        return cls(ii, both, ff, inertial, friction, float(signs @ products[2:, 2:] @ signs))
-
-    def left(self, sign: float, rows: float) -> float:
-        """The share of the square of the power that is given which no inertia and no friction that are not negative
-        explain, if wrenches are of a sign."""
-        if not self.given > 0.0:
-            return 1.0
-        (moved, _), (rubbed, _) = self.shares(sign, rows)
-        if moved > 0 and rubbed > 0:
-            explained = sign * (moved * self.inertial + rubbed * self.friction)
-        else:
-            alone = ((self.inertial, self.ii), (self.friction, self.ff))
-            explained = max(max(sign * pull, 0.0) ** 2 / (own + 1e-12) for pull, own in alone)
-        return max(self.given - explained, 0.0) / self.given
-
-    def shares(self, sign: float, rows: float) -> tuple[tuple[float, float], ...]:
-        """Shares of what the first guess would take for inertia and for friction that are given, each with its standard
-        deviation."""
-        ii, ff = self.ii * (1.0 + 1e-6) + 1e-12, self.ff * (1.0 + 1e-6) + 1e-12
-        size = ii * ff - self.both * self.both
-        moved = sign * (ff * self.inertial - self.both * self.friction) / size
-        rubbed = sign * (ii * self.friction - self.both * self.inertial) / size
-        left = max(self.given - sign * (moved * self.inertial + rubbed * self.friction), 0.0)
-        variance = left / max(rows / SHARED - 2.0, 1.0) / size
-        return (moved, math.sqrt(variance * ff)), (rubbed, math.sqrt(variance * ii))
 
 
 def _twist(first: Block, last: Block) -> tuple[float, float, float]:

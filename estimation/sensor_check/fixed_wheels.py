@@ -11,18 +11,15 @@ import math
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
-from .evidence import independent_rows, wider
+from .axle import ASIDE, elsewhere
+from .evidence import independent_rows
 from .heading import Displacements, displacements
 from .suspicion import TOLD, Suspicion
 from .windows import Track
 from .wrenches import ROW_STEPS, balances_of
 
-ASIDE = 0.05
-"""Largest share of its way by which a cart on fixed wheels seems to go sideways, by slip and noise."""
 WRONG_ODDS = 0.2
 """That a cart which goes like that, by a file without constraints, has fixed wheels."""
-NEAR, FAR, ELSEWHERE_ODDS = 0.02, 0.3, 0.05
-"""Standard deviations (m) of how far a sound file's axle is from where it is, and a wrong one's; one file in twenty."""
 ALIKE, UNLIKE = (0.0, 1.0), (3.0, 2.5)
 """Mean and standard deviation of the log of what sideways forces leave over what forward ones do, as squares: of
 a cart that goes any way, by as good sensors, and of one that its wheels hold."""
@@ -34,21 +31,11 @@ def of_wheels(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     seen = displacements(Track.of(balances.log))
     if seen is None or cart.constraints.no_rotation or float(seen.across @ seen.across) > ASIDE**2 * seen.size:
         return ()
-    if cart.constraints.axle_x is not None:
-        return _elsewhere(seen, float(cart.constraints.axle_x))
+    told_x = cart.constraints.axle_x
+    if told_x is not None:
+        found = elsewhere(seen.axle, float(told_x), seen.axle_std, TOLD)
+        return () if found is None else (found,)
     return _lacking(seen, balances, cart) if math.isfinite(seen.axle_std) else ()
-
-
-def _elsewhere(seen: Displacements, axle: float) -> tuple[Suspicion, ...]:
-    off = seen.axle - axle
-    probability = wider(off, seen.axle_std, NEAR, FAR, ELSEWHERE_ODDS)
-    if probability < TOLD:
-        return ()
-    words = (
-        f"what never goes sideways is at x = {round(seen.axle, 3) + 0.0:g} m, and the file has the axle at {axle:g} m: "
-        f"mend no_lateral_slip, or where {{b}} is in the frame that is tracked ({off:+.3f} m)"
-    )
-    return (Suspicion("offset", "pose", probability, off, words),)
 
 
 def _lacking(seen: Displacements, balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:

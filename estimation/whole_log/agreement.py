@@ -11,11 +11,10 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from ..log_noise.log_noise import noise_of_log
-from ..log_noise.marks import without_marks
 from ..online.cart_filter import CartFilter
-from .coasting import body_as_given, with_known_wrench
+from .coasting import body_as_given
 from .identification import identify
-from .replay import replay
+from .replay import as_replayed, replay
 
 FAR, FAR_SHARE = 3.0, 0.05
 """Combined standard deviations, and share of the larger value, beyond both of which two values are not one."""
@@ -25,7 +24,7 @@ MOST_ROWS = 30_000
 
 def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, cart: CartModel) -> tuple[str, ...]:
     """Where the online filter says something else of a log than `identify` did; of no log that is long."""
-    thinned = with_known_wrench(without_marks(log).thinned())
+    thinned = as_replayed(log)
     if len(thinned) > MOST_ROWS:
         return ()
     online = CartFilter(cart, list(thinned.arms), noise=noise_of_log(thinned, cart), prior=body_as_given([log]))

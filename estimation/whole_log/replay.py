@@ -18,6 +18,7 @@ from cartgrasp.roles import Estimator
 
 from ..log_noise.marks import without_marks
 from ..online.paper_filter import DIVERGED
+from .coasting import with_known_wrench
 
 
 class CartEstimator(Estimator, Protocol):
@@ -54,6 +55,12 @@ class Replay:
                 cells += [_cell(parameter.value), _cell(parameter.std)]
             lines.append(",".join([*cells, str(estimate.health)]))
         return "\n".join(lines) + "\n"
+
+
+def as_replayed(log: RunLog) -> RunLog:
+    """The log as online estimators take it: without numbers that stand for no reading, thinned, and with its wrench
+    written out where nobody pushes."""
+    return with_known_wrench(without_marks(log).thinned())
 
 
 def replay(

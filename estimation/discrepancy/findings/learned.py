@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cartgrasp.checks import unrounded
 from cartgrasp.effects import LearnedForce
 from cartgrasp.effects.learned_force import AT_A_LEVER
 from cartgrasp.frames import Array
@@ -84,7 +85,7 @@ class LearnedLaw:
     def _between(self) -> str:
         """The force's range in words, in which what rounding makes of nought is nought."""
         whole = max(map(abs, self.range))
-        low, high = (0.0 if abs(end) < 1e-9 * whole else end for end in self.range)
+        low, high = (unrounded(end, whole) for end in self.range)
         return f"between {low:.2g} and {high:.2g} {self.effect.parameters[0].unit}"
 
     def is_beside(self, other: LearnedLaw) -> bool:
