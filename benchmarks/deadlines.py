@@ -21,7 +21,9 @@ TICKS = 100_000
 EDGES = (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0)
 """µs."""
 CART = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), effects=(ViscousDrag(5.0, 2.0),))
-LOG_LENGTH, LOADED_AT, LOAD = 2000, 1000, 2.0
+DURATION, LOADED_AT, LOAD = 20.0, 10.0, 2.0
+RATES = (100.0, 500.0)
+"""Hz, of a filter's samples."""
 Tick = Callable[[], str]
 """Does one, and says what came of it."""
 
@@ -83,27 +85,31 @@ def _stale() -> Tick:
     return lambda: planner.plan_or_hold((20.0, 0.0, 0.0), estimate=now._replace(time=1.0)).status
 
 
-def _updates() -> Tick:
+def _updates(rate: float) -> Callable[[], Tick]:
     """Over a log again and again, whose load doubles halfway; each time a new filter begins."""
-    log = list(_log())
 
-    def outcomes() -> Iterator[str]:
-        while True:
-            online = CartFilter(CART)
-            for measurement in log:
-                yield str(online.update(measurement).health)
+    def make() -> Tick:
+        log = list(_log(rate))
 
-    CartFilter(CART).warm_up()
-    walk = outcomes()
-    return lambda: next(walk)
+        def outcomes() -> Iterator[str]:
+            while True:
+                online = CartFilter(CART)
+                for measurement in log:
+                    yield str(online.update(measurement).health)
+
+        CartFilter(CART).warm_up()
+        walk = outcomes()
+        return lambda: next(walk)
+
+    return make
 
 
-def _log() -> Iterator[Measurement]:
+def _log(rate: float) -> Iterator[Measurement]:
     random = np.random.default_rng(0)
-    for i in range(LOG_LENGTH):
-        time_s, (felt, off) = 0.01 * i, random.normal(size=(2, 6))
+    for time_s in np.arange(0.0, DURATION, 1.0 / rate).tolist():
+        felt, off = random.normal(size=(2, 6))
         speed, x = 0.3 + 0.2 * np.sin(time_s), 0.3 * time_s + 0.2 * (1.0 - np.cos(time_s))
-        mass = 24.0 * (LOAD if i > LOADED_AT else 1.0)
+        mass = 24.0 * (LOAD if time_s > LOADED_AT else 1.0)
         wrench = np.array([mass * 0.2 * np.cos(time_s) + 5.0 * speed, 0.0, 0.0, 0.0, 0.0, 0.0]) + 0.5 * felt
         pose, velocity = np.array([x, 0.0, 0.0]) + 0.0005 * off[:3], np.array([speed, 0.0, 0.0]) + 0.005 * off[3:]
         yield Measurement(time_s, pose, velocity, {"hand": wrench}, {"hand": np.array([-0.25, 0.0, 1.0])})
@@ -118,7 +124,7 @@ KINDS: dict[str, Callable[[], Tick]] = {
     "plan_or_hold, contacts chosen, beyond": _planning(500.0, OTHER),
     "plan_or_hold, not a number": _planning(np.nan),
     "plan_or_hold, stale": _stale,
-    "update": _updates,
+    **{f"update, {rate:g} Hz": _updates(rate) for rate in RATES},
 }
 
 SELDOM = {"plan_or_hold, beyond, relaxed": 20}

@@ -42,7 +42,7 @@ class Listening(Rewindable, Protocol):
         ...
 
 
-T = TypeVar("T", bound=Rewindable)
+T = TypeVar("T", bound=Listening)
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,11 @@ class LateSamples(Generic[T]):
     def last(self) -> list[Measurement]:
         """The samples of the last moments, in order."""
         return self._samples
+
+    def hear(self, loudness: Array) -> None:
+        """Says to the state, and to those that it may go back to, how noisy velocities are."""
+        for state in (self.state, *(kept.state for kept in self._kept)):
+            state.hear(loudness)
 
     def _take(self, measurement: Measurement) -> bool:
         if measurement.time >= self.state.time - 1e-9:

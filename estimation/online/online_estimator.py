@@ -19,6 +19,9 @@ from .given import Given, check_measurement
 from .late_samples import LateSamples, Listening
 from .sensor_watch import SensorWatch
 
+AT_ONCE = 0.02
+"""s between samples: a loop that is slower has time for all that is to be done with each."""
+
 C = TypeVar("C", bound=Listening)
 
 
@@ -42,12 +45,14 @@ class OnlineEstimator(ABC, Generic[C]):
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         samples, watch = self._samples, self._watch
         try:
-            seen = self._tracked.at_body(measurement)
-            self._clock.note(seen)
+            seen, before = self._tracked.at_body(measurement), samples.state.time
             is_taken = samples.take(seen)
+            self._clock.note(seen)
             now = measurement.time + samples.ahead
-            if now >= watch.due and not samples.state.worked and watch.go_on(now, samples.last):
-                samples.state.hear(watch.loudness)
+            is_slow = not now - before < AT_ONCE
+            is_free = now >= watch.due and (is_slow or not samples.state.worked)
+            if is_free and watch.go_on(now, samples.last, at_once=is_slow):
+                samples.hear(watch.loudness)
         except (TypeError, ValueError, AttributeError):
             check_measurement(measurement)
             raise

@@ -59,7 +59,7 @@ NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 16.0, 6.0, 1.5
 
 
 class SensorWatch:
-    """Looks at the samples of each block, from the time when it is `due` on, in two calls."""
+    """Looks at the samples of each block, from the time when it is `due` on, by one piece in a call."""
 
     def __init__(
         self, cart: CartModel, arms: Sequence[str] | None, noise: FilterNoise, prior: Prior, yaws: Mapping[str, float]
@@ -84,29 +84,35 @@ class SensorWatch:
         self.loudness = np.ones(2)
         """Variances of velocities, linear and yaw, over the declared ones, where they are larger."""
 
-    def go_on(self, time: float, samples: Sequence[Measurement]) -> bool:
-        """Goes on with the last samples up to a time (s); says whether the loudness is now known to be another."""
+    def go_on(self, time: float, samples: Sequence[Measurement], *, at_once: bool) -> bool:
+        """Goes on with the last samples up to a time (s), by a piece or `at_once`; says whether the loudness is now
+        known to be another."""
         before = self.loudness
         with np.errstate(all="ignore"):  # numbers may be beyond reason
             if self._work is None:
                 self._work = self._looks([one for one in samples if one.time > self._begun])
                 self._begun = time
-            if next(self._work, self) is self:
+            for _ in self._work:
+                if not at_once:
+                    break
+            else:
                 self._work, self.due = None, self._begun + SPAN
         return self.loudness is not before
 
     # --- a block ---------------------------------------------------------------------------------------------
 
     def _looks(self, samples: Sequence[Measurement]) -> Iterator[None]:
-        """Looks at a block of samples, in two pieces."""
+        """Looks at a block of samples, in pieces."""
         few = samples[:: 1 + len(samples) // MOST]
         moved = poses_of(few)
         if moved is None:
             self._blocks = ()
             return
+        yield
         velocity, noise = velocities_of(samples[:MOST])
         if noise is not None:
             self._listen(noise)
+        yield
         for measurement in few:
             self._contacts.update(measurement.contacts)
         if self._takes_all:
@@ -120,8 +126,10 @@ class SensorWatch:
         yield
         if len(blocks) > 1:
             self._compare_motion(blocks[-2], blocks[-1])
+        yield
         if len(blocks) > 2:
             self._compare_power(blocks)
+            yield
             self._conclude()
 
     def _listen(self, noise: tuple[float, float]) -> None:

@@ -23,7 +23,7 @@ from cartgrasp.motion import Measurement
 from cartgrasp.shallow import shallow
 from cartgrasp.wheels import GRAVITY
 
-from .kernels.felt_wrench import MOST_FORCE
+from .kernels.felt_wrench import HELD, MOST_FORCE
 
 UNUSED = slice(2, 5)
 """The unused components of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what
@@ -73,6 +73,7 @@ class WrenchSensing:
         self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
+        self._last: dict[str, tuple[float, Array]] = {}  # by arm: when, and what it recorded
         self._accepted, self._doubted = list[float](), list[float]()  # wrenches (6 n,): the last, and one that jumped
         self._farthest = MOST_JUMP * GRAVITY * cart.inertia.mass
         self._no_grip = Grip(np.zeros((cart.constraints.n_free, cart.constraints.n_free)), np.zeros(0), {})
@@ -81,7 +82,7 @@ class WrenchSensing:
 
     def copy(self) -> Self:
         other = shallow(self)
-        other._holds = dict(self._holds)
+        other._holds, other._last = dict(self._holds), dict(self._last)
         return other
 
     def note_contacts(self, measurement: Measurement) -> None:
@@ -104,13 +105,17 @@ class WrenchSensing:
         reduced = self.cart.basis_b.T @ grasp_map_planar(contact, self.yaws.get(arm, 0.0))
         self._holds[arm], self._grip = Hold(told, contact, reduced), None
 
-    def gripped(self, recorded: Mapping[str, Array], parameters: Array, moving: Moving | None = None) -> Grip:
+    def gripped(self, measurement: Measurement, parameters: Array, moving: Moving | None = None) -> Grip:
         """The grip with the arms' wrenches in it, as they were felt; their reduced partials are in `by_parameters`. It
         has no arms where an arm's wrench or contact is missing, or jumps beyond belief: the total is then not known.
-        `moving` is the cart where sensors feel it (None: at rest)."""
+        Arms may come in samples of their own: a wrench is held for as long as all of them are. `moving` is the cart
+        where sensors feel it (None: at rest)."""
+        recorded = measurement.wrenches
         if self._takes_all:
             self._note_arms(recorded)
         grip = self._grip = self._grip or self._gripped()
+        if len(grip.places) > 1 and recorded:
+            recorded = self._held(measurement.time, recorded)
         for arm, place in grip.places.items():
             wrench = recorded.get(arm)
             if wrench is None:
@@ -130,8 +135,17 @@ class WrenchSensing:
                 self._correct(grip, parameters)
         return grip
 
+    def _held(self, time: float, recorded: Mapping[str, Array]) -> Mapping[str, Array]:
+        """With what other arms recorded last, where that was not long ago."""
+        for arm, wrench in recorded.items():
+            self._last[arm] = time, np.array(wrench, dtype=float)
+        return {arm: wrench for arm, (since, wrench) in self._last.items() if time - since <= HELD}
+
     def _has_jumped(self, recorded: list[float]) -> bool:
-        """Further than a hand goes from one sample to the next. What the next sample confirms is no spike."""
+        """Further than a hand goes from one sample to the next. What the next sample confirms is no spike; where one is
+        missing, the last that was there counts."""
+        if not math.isfinite(sum(recorded)):
+            return False
         before, self._accepted = self._accepted, recorded
         if len(before) != len(recorded) or not (jump := math.dist(recorded, before)) > self._farthest:
             return False
@@ -143,7 +157,7 @@ class WrenchSensing:
 
     def sense(self, measurement: Measurement, parameters: Array, moving: Moving | None = None) -> SensedWrench | None:
         """What all arms do together; None where that is not known."""
-        grip = self.gripped(measurement.wrenches, parameters, moving)
+        grip = self.gripped(measurement, parameters, moving)
         n = len(grip.wrenches)
         if n == 0:
             return None

@@ -95,7 +95,7 @@ class _Run:
         self._begin(state)
         self.blocks = self._blocks(allocation)
         self.held = self._held(state)
-        self.at: Ints = np.array([0, tick.TRACK, 1, -1])
+        self.at: Ints = np.array([0, tick.TRACK, 1, -1, 0])
         self.statuses = ["optimal"] * len(self.course.time)
         self.known = [Known(0, core.learner.theta, core.learner.covariance)]
 
@@ -119,6 +119,7 @@ class _Run:
         """What `LearningFilter.take` does with a row, and with what it teaches."""
         k, learner = int(self.at[tick.STEP]), self.core.learner
         self.at[tick.MOMENTS] = learner.followed(int(self.at[tick.MOMENTS]), float(self.course.time[k - 1]))
+        self.at[tick.UNFINISHED] = learner.is_unfinished
         self.core.motion.learn(learner.theta, learner.covariance)
         if learner.theta is not self.known[-1].theta:
             self.held.theta[:], self.held.believed[:] = learner.theta, learner.believed

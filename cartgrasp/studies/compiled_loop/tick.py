@@ -29,9 +29,9 @@ DONE, ROW, UNPLANNED, FAILED = range(4)
 not finite."""
 TRACK, GIVE = range(2)
 """Where a step goes on: with the wrench wanted, or with one that is planned."""
-STEP, STAGE, MOMENTS, PLACE = range(4)
-"""Entries of `at`: the step, its stage, how many moments are tracked, and the place in the planner's workspace (-1:
-none)."""
+STEP, STAGE, MOMENTS, PLACE, UNFINISHED = range(5)
+"""Entries of `at`: the step, its stage, how many moments are tracked, the place in the planner's workspace (-1: none),
+and whether a row is left unfinished (1)."""
 
 Limits = tuple[float, float, float]
 """The period; the plant's longest step, and `stable` of step times stiffness."""
@@ -43,7 +43,7 @@ over = compiled(filtered_row.over)
 
 @entry
 def go_on(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints, limits: Limits) -> int:
-    """Runs the loop on from where `at` (4,) is; returns why it stops."""
+    """Runs the loop on from where `at` (5,) is; returns why it stops."""
     while at[STEP] < len(course.time):
         if at[STAGE] == TRACK:
             _want(course, blocks, held, at[STEP])
@@ -60,7 +60,7 @@ def go_on(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints, 
         at[STEP] += 1
         if at[STEP] < len(course.time):
             _see(course, blocks, held, series, at)
-            if over(blocks.rows[: at[MOMENTS]])[0] > 0:
+            if at[UNFINISHED] or over(blocks.rows[: at[MOMENTS]])[0] > 0:
                 return ROW
     return DONE
 

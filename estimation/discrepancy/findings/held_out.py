@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import wraps
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -27,11 +29,26 @@ MOST_MOVED = 1.0
 """Largest change of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
 
 
+def once(ask: Callable[[Model], Rollouts]) -> Callable[[Model], Rollouts]:
+    """Asks once of each model, which never changes: several findings look at the same rollouts."""
+    known = WeakKeyDictionary[Model, Rollouts]()
+
+    @wraps(ask)
+    def asked(model: Model) -> Rollouts:
+        if model not in known:
+            known[model] = ask(model)
+        return known[model]
+
+    return asked
+
+
+@once
 def file_rollouts(model: Model) -> Rollouts:
     """Rollouts with the first guess."""
     return joined([rollouts(balances, model.guess, starts(balances)) for balances in model.logs])
 
 
+@once
 def held_out_rollouts(model: Model) -> Rollouts:
     """Rollouts of each stretch with a cart that was fitted to the others."""
     carts = fold_carts(model)
@@ -65,12 +82,13 @@ def _folds_at(times: Array, balances: Balances, own: np.ndarray) -> np.ndarray:
     return np.asarray(own[np.clip(np.searchsorted(balances.time, times), 0, len(own) - 1)])
 
 
+@once
 def floor_rollouts(model: Model) -> Rollouts:
     """Rollouts of what noise alone would do to a right model."""
     generator, found, whole = np.random.default_rng(0), [], model.whole
     for balances in model.logs:
         noise = fast_noise(balances, whole)
-        found += [noise_rollouts(balances, model.cart, noise, generator) for _ in range(DRAWS)]
+        found.append(noise_rollouts(balances, model.cart, noise, generator, DRAWS))
     return joined(found)
 
 

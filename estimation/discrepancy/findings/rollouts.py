@@ -21,7 +21,7 @@ EVERY = 0.5
 """Time (s) between the starts of rollouts."""
 STEP = 0.01
 """Step (s) of the integrator, where nothing is stiff."""
-STABLE = 0.5
+STABLE = 1.0
 """Largest product of a step and the fastest rate: inside the region where the integrator is stable."""
 MOST_STILL = 0.2
 """Largest share of a rollout's time at rest: where a cart stands longer, anything may have held it."""
@@ -113,17 +113,21 @@ def rollouts(balances: Balances, cart: CartModel, first: np.ndarray) -> Rollouts
     return Rollouts(_in_body(measured, rolled_out(balances, cart, first)))
 
 
-def noise_rollouts(balances: Balances, cart: CartModel, noise: Array, generator: np.random.Generator) -> Rollouts:
+def noise_rollouts(
+    balances: Balances, cart: CartModel, noise: Array, generator: np.random.Generator, n_draws: int
+) -> Rollouts:
     """Rollouts of what errors of the smooth motion, and white noise of the wrenches, (f,) N/√Hz, N·m/√Hz, do to a right
-    model."""
+    model, drawn so many times."""
     motion, first, f = balances.motion, starts(balances), cart.constraints.n_free
     rate = motion.rate_std[[0, 2] if f == 2 else list(range(f))]
     std = np.concatenate([motion.pose_std, rate])
-    start = generator.standard_normal((len(first), len(std))) * std
-    wrench = generator.standard_normal((len(motion.time), f)) * noise / motion.step**0.5
-    right, wrong = rolled_out(balances, cart, first), rolled_out(balances, cart, first, (start, wrench))
-    end = generator.standard_normal(right.shape) * motion.pose_std
-    return Rollouts(_in_body(right, wrong + end))
+    right, found = rolled_out(balances, cart, first), []
+    for _ in range(n_draws):
+        start = generator.standard_normal((len(first), len(std))) * std
+        wrench = generator.standard_normal((len(motion.time), f)) * noise / motion.step**0.5
+        wrong = rolled_out(balances, cart, first, (start, wrench))
+        found.append(_in_body(right, wrong + generator.standard_normal(right.shape) * motion.pose_std))
+    return Rollouts(np.concatenate(found))
 
 
 def joined(parts: Sequence[Rollouts]) -> Rollouts:

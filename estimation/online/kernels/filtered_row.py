@@ -130,14 +130,24 @@ def over(rows: Array) -> tuple[int, int]:
     """The number of moments before the next block, and the number in the first block and those that begin up to WIDTH
     later. The first block is alone where no moment comes so soon after it. Both are 0 where the blocks have not been
     over for the LAG."""
-    n, k, end = len(rows), 0, 0
+    n, k = len(rows), 0
     first, last = rows[0, 0], rows[n - 1, 0]
     if last - first < BLOCK + LAG - 1e-6:
         return 0, 0
-    while k < n and rows[k, 0] < first + BLOCK - 1e-6:
-        k += 1
-    while end < n and rows[end, 0] < first + BLOCK + WIDTH - 1e-6:
-        end += 1
+    end = n
+    while k < end:
+        middle = (k + end) // 2
+        if rows[middle, 0] < first + BLOCK - 1e-6:
+            k = middle + 1
+        else:
+            end = middle
+    low, end = k, n
+    while low < end:
+        middle = (low + end) // 2
+        if rows[middle, 0] < first + BLOCK + WIDTH - 1e-6:
+            low = middle + 1
+        else:
+            end = middle
     end = max(end, k + 1)
     if last - rows[min(end, n) - 1, 0] < LAG - 1e-6:
         return 0, 0
@@ -145,23 +155,16 @@ def over(rows: Array) -> tuple[int, int]:
 
 
 @row_entry
-def smoothed(rows: Array, weights: Array, known: Array, f: int) -> Smoothed:
-    """The first n moments of all that are tracked, each with what was measured after it, and the covariances of sums by
-    weights (q, n); without a memory."""
-    (q, end), d = weights.shape, 3 + 2 * f
-    mean, covariance, sums = np.empty((len(rows), d)), np.empty((len(rows), d, d)), np.empty((q, f + d, f))
-    smooth(rows, mean, covariance, weights, sums, known)
-    nu = covariance[:end, 3 : 3 + f, 3 : 3 + f].copy()
-    return Smoothed(
-        rows[:end, 0].copy(),
-        mean[:end, :3].copy(),
-        mean[:end, 3 : 3 + f].copy(),
-        mean[:end, 3 + f :].copy(),
-        nu,
-        sums[:, :f].copy(),
-        np.zeros((end, 0)),
-        np.zeros((end, 0)),
-    )
+def smooth_span(
+    rows: Array,
+    weights: Array,
+    known: Array,
+    found: tuple[Array, Array],
+    sums: Array,
+    span: tuple[int, int],
+) -> None:
+    """`tracked_motion.smooth`."""
+    smooth(rows, found, weights, sums, known, span)
 
 
 @row_entry

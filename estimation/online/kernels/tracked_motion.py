@@ -158,14 +158,17 @@ def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, flo
 
 
 @compiled
-def smooth(rows: Array, means: Array, covariances: Array, weights: Array, sums: Array, known: Array) -> None:
-    """Each row with what was measured after it, too (Rauch, Tung and Striebel 1965), into `means` (n, d) and
-    `covariances` (n, d, d); and into the first f rows of `sums` (q, f + d, f) the covariances of sums of nu over the
-    first rows, by `weights` (q, m). The others are room."""
-    (n, d), f = means.shape, sums.shape[2]
+def smooth(
+    rows: Array, found: tuple[Array, Array], weights: Array, sums: Array, known: Array, span: tuple[int, int]
+) -> None:
+    """Each row of a span, from its last to its first, with what was measured after it, too (Rauch, Tung and Striebel
+    1965), into `means` (n, d) and `covariances` (n, d, d). Later spans come first. Adds to the first f rows of `sums`
+    (q, f + d, f) the covariances of sums of nu over the first rows, by `weights` (q, m); the others are what is carried
+    from row to row."""
+    (means, covariances), f = found, sums.shape[2]
+    n, d = means.shape
     back, room = carved(_known_of(known, f).room, d, d)
-    sums[:] = 0.0
-    for i in range(n - 1, -1, -1):
+    for i in range(span[1] - 1, span[0] - 1, -1):
         here = _moment(rows[i], d)
         copy(here.mean, means[i])
         for a in range(d):

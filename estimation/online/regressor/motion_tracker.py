@@ -8,6 +8,7 @@ are kept beside it, and say only when there may be a jolt, which white jerk woul
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -20,7 +21,7 @@ from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ..kernels import tracked_motion as kernels
 from ..kernels.felt_wrench import size
-from ..kernels.filtered_row import Smoothed, over, smoothed
+from ..kernels.filtered_row import Smoothed, over, smooth_span
 from ..kernels.recorded_moment import LATER, record
 
 JERK = 3.0
@@ -30,6 +31,36 @@ UNKNOWN = (10.0, 1.0, 3.0)
 LEAST_VARIANCE = 1e-10
 ROOM = 64
 """Moments that there is room for at first."""
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """Moments on their way to be smoothed, the last ones first: times, means and covariances (n, ...), of which the
+    first `left` are not there yet; and the covariances of sums by weights (q, m), with what is carried on."""
+
+    time: Array
+    weights: Array
+    means: Array
+    covariances: Array
+    sums: Array
+    left: int
+
+    @property
+    def smoothed(self) -> Smoothed:
+        """The first m moments, each with what was measured after it, too, and without a memory; and the covariances of
+        the sums."""
+        m, f = self.weights.shape[1], self.sums.shape[2]
+        mean, nu, none = self.means[:m], slice(3, 3 + f), np.zeros((m, 0))
+        return Smoothed(
+            time=self.time[:m],
+            pose=mean[:, :3].copy(),
+            velocity=mean[:, nu].copy(),
+            acceleration=mean[:, 3 + f :].copy(),
+            covariance=self.covariances[:m, nu, nu].copy(),
+            of_sums=self.sums[:, :f].copy(),
+            memory=none,
+            memory_std=none,
+        )
 
 
 class MotionTracker:
@@ -119,10 +150,19 @@ class MotionTracker:
         Both are 0 where there is none."""
         return over(self._rows[: self._n])
 
-    def smoothed(self, weights: Array) -> Smoothed:
-        """The first n moments, each with what was measured after it, too, and without a memory; and the covariances of
-        sums by weights (q, n)."""
-        return smoothed(self._rows[: self._n], weights, self._known, self._free)
+    def smoothing(self, weights: Array) -> Smoothing:
+        """Begins to smooth all moments, with covariances of sums of the first m by weights (q, m)."""
+        n, d, f = self._n, self._d, self._free
+        sums = np.zeros((len(weights), f + d, f))
+        return Smoothing(self.time, weights, np.empty((n, d)), np.empty((n, d, d)), sums, n)
+
+    def smoothed_on(self, smoothing: Smoothing, moments: int) -> Smoothing:
+        """So many moments more; it has to be before any are dropped."""
+        first, sums = max(smoothing.left - moments, 0), smoothing.sums.copy()
+        found = smoothing.means, smoothing.covariances
+        span = first, smoothing.left
+        smooth_span(self._rows[: len(smoothing.time)], smoothing.weights, self._known, found, sums, span)
+        return replace(smoothing, sums=sums, left=first)
 
     def is_torn(self, k: int) -> bool:
         """Whether, up to the k-th moment, more samples missed their gate than not: no motion is then known."""

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from ...parameter_report import ParameterReport, WhenAsked, as_taught
 from ...physical_set import PhysicalSet
 from ...prior import Prior
 from ..disturbance.observer import USUAL_PUSH
-from ..kernels.filtered_row import FilteredRow, weights
+from ..kernels.filtered_row import FilteredRow, Weights, weights
 from ..kernels.recorded_moment import DUE, FELT
 from ..load_change import load_covariance, root_of
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
@@ -38,12 +38,48 @@ from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .followed_memory import FollowedMemory
 from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
-from .motion_tracker import MotionTracker
-from .regression_belief import RegressionBelief
-from .trial import Taken, Trial
+from .motion_tracker import MotionTracker, Smoothing
+from .regression_belief import RegressionBelief, Surprise
+from .trial import Beginning, Taken, Trial
 
 LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
+SLICED = 0.004
+"""s between samples: a loop that is faster has a row worked out in slices, one with each sample."""
+
+
+A_SLICE = 32
+"""Moments that are smoothed in one."""
+
+
+class Begun(NamedTuple):
+    """A block of `end` moments, of which the next one has not the first k, while they are smoothed."""
+
+    k: int
+    end: int
+    weights: Weights
+    smoothing: Smoothing
+
+
+class RowOf(NamedTuple):
+    """The row of a block that ends at a time (s)."""
+
+    time: float
+    row: FilteredRow
+
+
+class TakenIn(NamedTuple):
+    """A row of a time (s) that the belief has taken in: its surprise, or the trial that went on with it."""
+
+    time: float
+    told: Surprise | Trial
+
+
+class Decided(NamedTuple):
+    """A row after which it is known what to believe."""
+
+
+Unfinished = Begun | Block | RowOf | TakenIn | Beginning | Decided
 
 
 class ParameterLearner:
@@ -81,7 +117,8 @@ class ParameterLearner:
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self.theta = cart.parameters
         self._seen, self._started, self._has_wrench = Seen(), False, False
-        self.worked = False  # whether the last sample brought a row, which takes long
+        self._unfinished: Unfinished | None = None  # how far a row is worked out
+        self.worked = False  # whether something of a row was worked out with the last sample, which takes long
         self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
         self._seen_until = -math.inf  # time of the last pose or velocity
         self._conclude()
@@ -98,14 +135,12 @@ class ParameterLearner:
         if is_seen:
             self._seen_until = time
         moving = self._moving(time) if sensing.feels_motion else None
-        grip = sensing.gripped(measurement.wrenches, self.theta, moving)
+        grip = sensing.gripped(measurement, self.theta, moving)
         if sensing.corrects:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
-        self.time = self.tracker.last_time
-        self.worked = said & DUE > 0
-        if self.worked:
-            self._take_row()
+        before, self.time = self.time, self.tracker.last_time
+        self._work(self.time - before, is_due=said & DUE > 0)
         self._watch.go_on(time)
         if said & FELT:
             self.felt, self._has_wrench = self.tracker.felt, True
@@ -161,6 +196,7 @@ class ParameterLearner:
 
     def _start(self, time: float) -> None:
         """Motion starts anew; the parameters stay."""
+        self._finish()
         pose = self.seen[:3]
         self.tracker.start(time, pose)
         self._memory = self._memory.lost()
@@ -173,13 +209,54 @@ class ParameterLearner:
 
     # --- rows ------------------------------------------------------------------------------------------------
 
+    @property
+    def is_unfinished(self) -> bool:
+        """Whether the next sample goes on with a row."""
+        return self._unfinished is not None
+
+    def _work(self, since: float, *, is_due: bool) -> None:
+        """Goes on with a row, `since` (s) the last sample: in slices, where that is short."""
+        self.worked = is_due or self.is_unfinished
+        if is_due and not isinstance(self._unfinished, Begun):
+            self._finish()
+            self._take_row()
+        else:
+            self._go_on()
+        if not since < SLICED:
+            self._finish()
+
+    def _go_on(self) -> None:
+        """The next slice of a row, if one is left."""
+        part, self._unfinished = self._unfinished, None
+        match part:
+            case Begun() if part.smoothing.left:
+                self._unfinished = part._replace(smoothing=self.tracker.smoothed_on(part.smoothing, A_SLICE))
+            case Begun():
+                self._unfinished = self._block_of(part)
+            case Block():
+                self._unfinished = self._row_of(part)
+            case RowOf():
+                self._unfinished = self._taken_in(*part)
+            case TakenIn():
+                self._unfinished = self._decide(*part)
+            case Beginning():
+                self._unfinished = self._begin(part.go_on())
+            case Decided():
+                self._conclude()
+
+    def _finish(self) -> None:
+        while self.is_unfinished:
+            self._go_on()
+
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one and motion was seen after it."""
         k, end = self.tracker.over()
         if not k:
             return
         if self.tracker.time[end - 1] <= self._seen_until:
-            self._take_block(k, end)
+            weighing = weights(self.tracker.time[:end], end - k)
+            self._unfinished = Begun(k, end, weighing, self.tracker.smoothing(weighing.of_motion))
+            self._go_on()
         elif self.time - self._seen_until > LONG_GAP:
             self._unlink()
             self._memory = self._memory.lost()
@@ -192,54 +269,67 @@ class ParameterLearner:
         self.time, self._has_wrench = self.tracker.last_time, True
         self._seen_until = max(self._seen_until, self.tracker.seen_until)
         self._watch.go_on(before)
-        self._take_row()
+        self._work(self.time - before, is_due=self.tracker.over()[0] > 0)
         return len(self.tracker.time)
 
-    def _take_block(self, k: int, end: int) -> None:
-        """The first `end` moments, of which k are dropped."""
+    def _block_of(self, begun: Begun) -> Block | None:
+        """A block that teaches something; none where the cart stood still, or nobody knows how it moved."""
+        k, end, weighing, smoothing = begun
         tracker = self.tracker
-        weighing = weights(tracker.time[:end], end - k)
-        moved, wrenches = tracker.smoothed(weighing.of_motion), tracker.wrenches(end - 1)
-        moved = self._memory.along(moved, self.theta)
+        moved, wrenches = self._memory.along(smoothing.smoothed, self.theta), tracker.wrenches(end - 1)
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
         is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
         is_still = stands_still(moved, self.cart)
-        if is_whole and not is_slow and not is_still:
-            self._learn(Block(weighing, moved, wrenches))
-        else:
-            self._unlink(is_still=bool(is_whole and is_still))
         self._memory = self._memory.after(moved, k)
         tracker.drop(k)
+        if is_whole and not is_slow and not is_still:
+            return Block(weighing, moved, wrenches)
+        self._unlink(is_still=bool(is_whole and is_still))
+        return None
 
     def _unlink(self, *, is_still: bool = False) -> None:
         """The next block does not begin where the last one ended, or stood still."""
+        self._finish()
         self._belief.unlink()
         self._taken = ()
         if self._trial is not None:
             self._settle(self._trial.unlinked(is_still=is_still), self.time)
             self._conclude()
 
-    def _learn(self, block: Block) -> None:
+    def _row_of(self, block: Block) -> RowOf:
         known = Gaussian(self.theta, self.covariance)
         row = filtered_row(self.cart, known, self._spread, block, self._left_out)
-        time = float(block.moved.time[-1])
-        if self._trial is None:
-            self._take_in(row, time)
-        else:
-            trial = self._trial.and_then(row, self.theta)
-            self._watch.follow(time, trial.surprise, is_pushed=trial.is_pushed)
-            self._settle(trial, time)
-        self._conclude()
+        return RowOf(float(block.moved.time[-1]), row)
 
-    def _take_in(self, row: FilteredRow, time: float) -> None:
+    def _taken_in(self, time: float, row: FilteredRow) -> TakenIn:
+        """What the belief, or a trial, makes of a row."""
+        if self._trial is not None:
+            return TakenIn(time, self._trial.and_then(row, self.theta))
         before = self._belief.copy()
-        root = (self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free]
         surprise = self._belief.absorb(row, self.theta)
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
-        if self._watch.note(time, surprise, root):
-            floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
-            self._settle(Trial.since(self._taken, root @ root.T, floor, self._push), time)
-            self._taken = ()
+        return TakenIn(time, surprise)
+
+    def _decide(self, time: float, told: Surprise | Trial) -> Decided | Beginning:
+        """What a row says of loads and pushes."""
+        if isinstance(told, Trial):
+            self._watch.follow(time, told.surprise, is_pushed=told.is_pushed)
+            self._settle(told, time)
+            return Decided()
+        root = (self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free]
+        if not self._watch.note(time, told, root):
+            return Decided()
+        floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
+        beginning = Beginning.of(time, self._taken, root @ root.T, floor, self._push)
+        self._taken = ()
+        return beginning
+
+    def _begin(self, beginning: Beginning) -> Decided | Beginning:
+        """A trial on its way over the last rows, or at the last."""
+        if beginning.left or beginning.trial is None:
+            return beginning
+        self._settle(beginning.trial, beginning.time)
+        return Decided()
 
     def _settle(self, trial: Trial, time: float) -> None:
         """What is believed while a push and a load both are, and whether that is decided."""

@@ -98,26 +98,6 @@ class Trial:
     still: int = 0
     without: int = 0
 
-    @classmethod
-    def since(cls, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> Trial:
-        """The trial from the first of the last rows in which a push is likely on, for loads and floors of covariances
-        (f, f). There is no belief of another floor where nothing goes with the weight."""
-        pushed, left = Pushed(taken[0].before.copy(), np.zeros(len(usual))), list(taken)
-        while True:
-            following, _, surprise = pushed.and_then(left[0].row, left[0].at, usual)
-            if following.rows == 0 or len(left) == 1:
-                break
-            pushed, left = following, left[1:]
-        changed = []
-        for added, is_load in ((load, True), (floor, False)):
-            if added.any():
-                changed.append(Changed(pushed.belief.copy(), is_load))
-                changed[-1].belief.open(added)
-        found = cls(pushed, tuple(changed), usual, surprise)
-        for one in left:
-            found = found.and_then(one.row, one.at)
-        return found
-
     def and_then(self, row: FilteredRow, at: Array) -> Trial:
         """The trial with one more row."""
         pushed, of_push, surprise = self.pushed.and_then(row, at, self.usual)
@@ -207,3 +187,37 @@ class Trial:
         """Which of them is meanwhile: the likeliest without a load."""
         loads = np.array([False, *(one.is_load for one in self.changed)])
         return int(np.argmax(np.where(loads, -1.0, self._shares)))
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """The way to a trial over the last rows, of which some are `left`: from the first in which a push is likely on all
+    beliefs take them in. It was at a `time` (s) that one was needed. Loads and floors have covariances (f, f). There is
+    no belief of another floor where nothing goes with the weight."""
+
+    time: float
+    pushed: Pushed
+    left: tuple[Taken, ...]
+    load: Array
+    floor: Array
+    usual: Array
+    trial: Trial | None = None
+
+    @classmethod
+    def of(cls, time: float, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> Beginning:
+        return cls(time, Pushed(taken[0].before.copy(), np.zeros(len(usual))), tuple(taken), load, floor, usual)
+
+    def go_on(self) -> Beginning:
+        """With one more row."""
+        one, *later = self.left
+        if self.trial is not None:
+            return replace(self, left=tuple(later), trial=self.trial.and_then(one.row, one.at))
+        following, _, surprise = self.pushed.and_then(one.row, one.at, self.usual)
+        if following.rows > 0 and later:
+            return replace(self, pushed=following, left=tuple(later))
+        changed = []
+        for added, is_load in ((self.load, True), (self.floor, False)):
+            if added.any():
+                changed.append(Changed(self.pushed.belief.copy(), is_load))
+                changed[-1].belief.open(added)
+        return replace(self, trial=Trial(self.pushed, tuple(changed), self.usual, surprise))

@@ -226,6 +226,14 @@ def test_densities_add_up_as_van_loan_says():
 UNFELT = np.zeros(0), np.zeros((2, 2)), np.zeros(2 * 4 + 4 + 4)  # no wrenches, of a cart with four parameters
 
 
+def smoothed(tracker, weights, moments=7):
+    """By so many moments at once."""
+    smoothing = tracker.smoothing(weights)
+    while smoothing.left:
+        smoothing = tracker.smoothed_on(smoothing, moments)
+    return smoothing.smoothed
+
+
 def test_tracking_and_smoothing_are_the_batch_solution():
     """Straight ahead all is linear: least squares over all states at once give the same means and covariances."""
     random = np.random.default_rng(1)
@@ -236,7 +244,7 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     for k in range(30):
         tracker.record(0.01 * (k + 1), np.array([x[k], 0.0, 0.0, np.nan, np.nan, np.nan]), *UNFELT)
     weights = np.concatenate([random.standard_normal((2, 20)), np.zeros((2, 3))], axis=1)
-    found = tracker.smoothed(weights), tracker.smoothed(np.zeros((1, 31)))
+    found = smoothed(tracker, weights), smoothed(tracker, np.zeros((1, 31)))
     n, h, jerk = 31, 0.01, 9.0
     block = np.array([[h**5 / 20, h**4 / 8, h**3 / 6], [h**4 / 8, h**3 / 3, h**2 / 2], [h**3 / 6, h**2 / 2, h]]) * jerk
     block[0, 0] += PATH_FLOOR**2
@@ -266,9 +274,9 @@ def test_a_tracker_makes_room_and_forgets():
     tracker.start(0.0, np.zeros(3))
     for k in range(200):
         tracker.record(0.01 * (k + 1), np.array([0.005 * (k + 1), 0.0, 0.0, 0.5, 0.0, 0.0]), *UNFELT)
-    whole = tracker.smoothed(np.zeros((1, 201)))
+    whole = smoothed(tracker, np.zeros((1, 201)), 60)
     tracker.drop(150)
-    kept = tracker.smoothed(np.zeros((1, 51)))
+    kept = smoothed(tracker, np.zeros((1, 51)))
     assert len(kept.time) == 51
     np.testing.assert_allclose(kept.pose, whole.pose[150:], atol=1e-12)
     np.testing.assert_allclose(kept.covariance, whole.covariance[150:], atol=1e-15)

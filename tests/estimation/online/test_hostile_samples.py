@@ -9,10 +9,12 @@ from hypothesis import strategies as st
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ContactOffset, ForceMisalignment, ViscousDrag
+from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator
+from estimation.health import Health
 from estimation.online.late_samples import REACH, LateSamples
 
 from ..runs import integrate, record, simulate, simulate_two_hands
@@ -49,7 +51,14 @@ class Diary:
         self.told = (*self.told, measurement)
 
     def copy(self):
-        return Diary(self.told)
+        other = Diary(self.told)
+        other.heard = self.heard
+        return other
+
+    heard, worked = None, False
+
+    def hear(self, loudness):
+        self.heard = loudness
 
 
 @given(st.lists(st.tuples(st.integers(0, 2000), st.integers(0, int(1200 * REACH))), min_size=1, max_size=60))
@@ -75,6 +84,68 @@ def test_what_is_refused_leaves_the_reach_as_it_is():
         assert kept.take(Measurement(0.01 * k))
         assert not kept.take(Measurement(0.01 * k - 0.5))
     assert kept.take(Measurement(2.0 - REACH))
+
+
+def test_what_was_heard_of_noise_stays_where_time_goes_back():
+    kept = LateSamples(Diary())
+    for k in range(30):
+        assert kept.take(Measurement(0.01 * k))
+    kept.hear(2.0)
+    assert kept.take(Measurement(0.155))
+    assert kept.state.heard == 2.0
+
+
+@pytest.mark.parametrize("arms", [["left", "right"], None])
+def test_arms_in_samples_of_their_own(arms):
+    """As from two drivers: each arm's wrench counts until its next one."""
+    log = simulate_two_hands(TRUTH, 5, duration=14.0, noise=(0.0004, 0.005, 1.0))
+    both, each = (CartFilter(guess(), arms, noise=replace(NOISE, force=1.0, moment=0.05), prior=KNOWN) for _ in "12")
+    for m in log.measurements():
+        whole = both.update(m)
+        each.update(Measurement(m.time, m.pose, m.velocity))
+        for late, arm in ((0.001, "left"), (0.003, "right")):
+            own = {arm: m.wrenches[arm]}
+            estimate = each.update(Measurement(m.time + late, wrenches=own, contacts={arm: m.contacts[arm]}))
+    assert estimate.health == whole.health == Health.OK
+    assert estimate.parameters["mass"].value == pytest.approx(24.0, rel=0.03)
+    assert estimate.parameters["mass"].value == pytest.approx(whole.parameters["mass"].value, rel=0.01)
+
+
+def test_an_arm_that_falls_silent_makes_the_total_unknown():
+    log = simulate_two_hands(TRUTH, 5, duration=4.0)
+    cart_filter = CartFilter(guess(), ["left", "right"], prior=KNOWN)
+    for m in log.measurements():
+        wrenches = {"left": m.wrenches["left"]} if m.time > 3.0 else m.wrenches
+        estimate = cart_filter.update(replace(m, wrenches=wrenches))
+    assert estimate.health == Health.NO_WRENCH
+
+
+@ONLINE
+def test_a_spike_after_a_gap_is_a_spike(online):
+    log, _ = simulate(TRUTH, 3, duration=5.0, noise=(0.0004, 0.005, 1.0))
+    noise, found = replace(NOISE, force=1.0, moment=0.05), []
+    for spiked in (False, True):
+        estimator = online(guess(), ["hand"], noise=noise, prior=KNOWN)
+        for k, m in enumerate(log.measurements()):
+            if k == 300:
+                m = replace(m, wrenches={"hand": np.full(6, np.nan)})
+            if k == 301 and spiked:
+                m = replace(m, wrenches={"hand": m.wrenches["hand"] + 2000.0})
+            estimate = estimator.update(m)
+        found.append(estimate.model_parameters)
+    np.testing.assert_allclose(*found, rtol=0.02)
+
+
+def test_a_time_that_is_refused_blinds_no_watch():
+    log, _ = simulate(TRUTH, 3, duration=3.0)
+    cart_filter = CartFilter(guess(), ["hand"], prior=KNOWN)
+    for k, m in enumerate(log.measurements()):
+        if k == 100:
+            with pytest.raises(UsageError, match="time"):
+                cart_filter.update(replace(m, time=np.inf))
+        estimate = cart_filter.update(m)
+    assert estimate.health != Health.STALE
+    assert cart_filter.update(replace(m, time=m.time + 30.0)).health == Health.STALE
 
 
 @pytest.mark.long

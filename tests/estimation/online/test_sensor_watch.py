@@ -10,7 +10,7 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import FloorSlope, TimeDelay, ViscousDrag
 from cartgrasp.first_guess import FirstGuess
 from cartgrasp.inertia import Inertia
-from cartgrasp.logs import ArmLog
+from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.health import Health
@@ -52,6 +52,16 @@ FAULTS = {
         ("unit", "pose"),
     ),
 }
+
+
+@pytest.mark.parametrize("every", [1, 5, 10])
+def test_slow_sensors_are_looked_at_too(every):
+    """At 100, 20 and 10 Hz: at the last each sample brings a row of the regression."""
+    log = simulate(PLANT, 4, duration=20.0, noise=(0.0004, 0.005, 0.3))[0]
+    log = RunLog.from_measurements(list(log.measurements())[::every], ["hand"])
+    sound, found = (replay(one, CartFilter(GUESS)).estimates[-1] for one in (log, with_wrenches(log, -1.0)))
+    assert not sound.suspicions
+    assert ("sign", "wrench") in {(one.kind, one.where) for one in found.suspicions}
 
 
 @pytest.mark.parametrize("wrong", ["left", "right"])
@@ -183,12 +193,13 @@ def test_block_means():
     assert wrench_b == pytest.approx([fx, fy, tau + x * fy - y * fx])
 
 
-def test_it_takes_two_calls_a_block():
+@pytest.mark.parametrize(("at_once", "calls"), [(True, 1), (False, 6)])
+def test_a_block_takes_few_calls(at_once, calls):
     """And nothing in between: who asks `due` first pays a comparison."""
     watch = SensorWatch(GUESS, ["hand"], NOISY, CartFilter(GUESS).prior, {})
-    rows, calls = list(run().measurements()), 0
+    rows, found = list(run().measurements()), 0
     for i, row in enumerate(rows[:500]):
         if row.time >= watch.due:
-            watch.go_on(row.time, rows[max(i - 30, 0) : i + 1])
-            calls += 1
-    assert calls <= 2 * 500 // 25 + 2
+            watch.go_on(row.time, rows[max(i - 30, 0) : i + 1], at_once=at_once)
+            found += 1
+    assert 500 // 25 <= found <= calls * (500 // 25 + 1)

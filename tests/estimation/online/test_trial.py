@@ -24,8 +24,8 @@ from estimation.online.regressor.trial import (
     OVER,
     SETTING_IN,
     STEADY,
+    Beginning,
     Taken,
-    Trial,
 )
 from estimation.whole_log.replay import replay
 
@@ -57,7 +57,10 @@ def row(rise, force):
 def trial(rows):
     """Begun with the first row."""
     at = np.zeros(1)
-    found = Trial.since([Taken(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
+    beginning = Beginning.of(0.0, [Taken(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
+    while beginning.left:
+        beginning = beginning.go_on()
+    found = beginning.trial
     for one in rows[1:]:
         found = found.and_then(one, at)
     return found

@@ -1,0 +1,42 @@
+"""A row that is worked out in slices, as in fast loops, teaches what it teaches at once: a little later."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from estimation import FilterNoise
+from estimation.online.cart_filter import core_of
+from estimation.online.given import given
+from estimation.online.regressor import parameter_learner
+
+from ..runs import simulate_two_hands
+from .test_cart_filter import KNOWN, guess
+
+TRUTH, LOADED = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0), (36.0, 0.28, 0.06, 3.0, 3.0, 1.2, 0.0)
+NOISE = FilterNoise(0.0005, 0.0005, 0.005, 0.005, 3.0, 0.15, disturbance=0.02)
+LATER = 5
+"""Samples from the first slice to the last: smoothed, a block, its row, taken in, decided, concluded."""
+MOST = LATER + 2 * 11
+"""With a trial, which begins over so many rows, each of which may be looked at twice."""
+
+
+def changes(log):
+    """Steps at which other parameters are believed, and the parameters."""
+    core, found = core_of(given(guess(), None, NOISE, KNOWN, None)), []
+    for sample in log.measurements():
+        core.take(sample)
+        found.append(core.learner.theta)
+    return [(k + 1, after) for k, (before, after) in enumerate(pairwise(found)) if after is not before]
+
+
+def test_slices_teach_the_same_a_little_later(monkeypatch):
+    log = simulate_two_hands(TRUTH, duration=16.0, change=(8.0, LOADED))
+    at_once = changes(log)
+    monkeypatch.setattr(parameter_learner, "SLICED", 1.0)
+    sliced = changes(log)
+    assert len(at_once) == len(sliced) > 100
+    for (_, theta), (_, same) in zip(at_once, sliced, strict=True):
+        np.testing.assert_allclose(same, theta, rtol=1e-9, atol=1e-12)
+    later = np.array([then - first for (first, _), (then, _) in zip(at_once, sliced, strict=True)])
+    assert np.median(later) == later.min() == LATER
+    assert LATER < later.max() <= MOST, "no load was thought of: this test asks less than it means to"
