@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import NoneType
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, numbers
+from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, listed, numbers
 from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
 from .errors import UsageError
 from .frames import Array
@@ -20,6 +21,13 @@ from .shallow import shallow
 from .soft_finger import SoftFinger
 
 FORCES, MOMENTS, WRENCH = (f"({', '.join(WRENCH_NAMES[part])})" for part in (slice(3), slice(3, 6), slice(6)))
+
+
+@runtime_checkable
+class OwnLimit(Protocol):
+    """A limit that the library doesn't know: a `planning.Limit`."""
+
+    def rows(self, arm: Arm) -> Any: ...
 
 
 @dataclass(frozen=True, init=False)
@@ -41,6 +49,7 @@ class Arm:
         wrench_rate: Of change, (6,), N/s and N·m/s.
         joints: What its joints bear at its posture, or what says so wherever it holds, such as `UrdfPostures`.
         reach: Where it can hold at all.
+        limits: More limits of yours, each with a method `rows` as `planning.Limit` has it.
 
     Raises:
         UsageError: A value is of the wrong kind, out of bounds, or of another length.
@@ -66,6 +75,7 @@ class Arm:
     reach: Reach | None
     soft_finger: SoftFinger | None
     postures: PostureSource | None
+    limits: tuple[OwnLimit, ...]
 
     def __init__(
         self,
@@ -84,6 +94,7 @@ class Arm:
         joints: JointTorques | PostureSource | None = None,
         reach: Reach | None = None,
         soft_finger: SoftFinger | None = None,
+        limits: Sequence[OwnLimit] = (),
     ) -> None:
         if not isinstance(name, str) or not name or "." in name or ":" in name:
             raise UsageError(f"arm: name {name!r} must be a word without a dot or a colon")
@@ -114,6 +125,7 @@ class Arm:
             "reach": reach,
             "soft_finger": soft_finger,
             "postures": joints if isinstance(joints, PostureSource) else None,
+            "limits": listed(f"{where}: limits", limits, OwnLimit, "write limits=[MyLimit()], a planning.Limit each"),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .embedded import EmbeddedProblem, export_c
     from .excitation.excitation_choice import Allowance, ExcitationChooser
     from .excitation.excitation_plan import plan_excitation
-    from .limits import InternalForce, SideForce, Skid, TipOver
+    from .limits import CartLimit, CartRows, InternalForce, Limit, LimitRows, Pushed, SideForce, Skid, TipOver
     from .objectives import (
         LeastInternalForce,
         LeastJointTorque,
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Allocation",
     "Allowance",
+    "CartLimit",
+    "CartRows",
     "Caution",
     "Choosing",
     "Controller",
@@ -55,11 +57,14 @@ __all__ = [
     "LeastJointTorque",
     "LeastSideForce",
     "Lexicographic",
+    "Limit",
+    "LimitRows",
     "LoadShare",
     "Nothing",
     "Objective",
     "PathReference",
     "Plan",
+    "Pushed",
     "QPSolution",
     "QuadraticProgram",
     "RegraspCost",
@@ -100,7 +105,7 @@ _HOMES = {
     "embedded": "EmbeddedProblem export_c",
     "excitation.excitation_choice": "Allowance ExcitationChooser",
     "excitation.excitation_plan": "plan_excitation",
-    "limits": "InternalForce SideForce Skid TipOver",
+    "limits": "CartLimit CartRows InternalForce Limit LimitRows Pushed SideForce Skid TipOver",
     "objectives": "LeastInternalForce LeastJointTorque LeastSideForce Lexicographic LoadShare Nothing Objective "
     "Smoothness WeightedWrench WorstArm",
     "plan": "Plan",

@@ -1,5 +1,5 @@
-"""The vocabulary of effects: one file each, with its physics in `cartgrasp/kernels/`; a new effect is a new file in
-both, one line here, and its branch in `kernels/vocabulary.py`."""
+"""The vocabulary of effects: one file each, with its physics in `cartgrasp/kernels/`. `docs/extending.md` lists what a new
+one takes."""
 
 from .caster_realignment import CasterRealignment
 from .contact_offset import ContactOffset

@@ -14,5 +14,5 @@ by parameters (f, p) | memory's rate (k,) | by state (k, n) | by parameters (k, 
 It is kept for the next process under a name that holds `jit.DIGEST` beside a digest of its own sources
 (`compiling.cached_as`).
 
-To add an effect: its class in `effects/`, its kernel here, its number and branches in `vocabulary.py`.
+`docs/extending.md` lists what a new effect takes.
 """

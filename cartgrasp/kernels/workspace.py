@@ -82,7 +82,8 @@ def pack(
     end = 0
     for effect in effects:
         if effect.name not in KINDS:
-            raise UsageError(f"effects: {effect.name} has no kernel; an effect in numpy derives from ForceEffect")
+            cure = "derive an effect in numpy from ForceEffect; one with a kernel needs its row of vocabulary.KINDS"
+            raise UsageError(f"effects: {effect.name} has no kernel; {cure}")
     for row, effect in zip(ints[N_SIZES:].reshape(-1, N_EFFECT), effects, strict=True):
         own, memory, begin, end = effect.parameters, effect.memory, end, end + len(effect.constants)
         row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop, begin, end

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from .duality import Cut, farkas_cut
 from .effective_rows import in_words
 from .projection import Projection
 
-FORCE_WORDS = frozenset({"fx", "fy", "fz", "payload", "force"})
 SINGLE_DIRECTIONS = {
     "fx": "forward force",
     "-fx": "backward force",
@@ -35,6 +34,13 @@ SINGLE_DIRECTIONS = {
     "tau": "counter-clockwise moment",
     "-tau": "clockwise moment",
 }
+
+
+class Bound(NamedTuple):
+    """A limit's value, and its unit: that of the components of wrenches that it adds up; empty of a mixture."""
+
+    value: float
+    unit: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,46 +138,54 @@ def certify(template: AllocationTemplate, contacts: Array, projection: Projectio
     if margin <= 1e-12 * max(1.0, float(np.abs(target).max())):
         return None
     direction = template.basis_b @ normal
-    limits = conflicting_limits(template, contacts, cut, projection.normal_solution)
-    words = _words(limits, direction, (asked, asked - margin))
+    bounds = conflicting_limits(template, contacts, cut, projection.normal_solution)
+    words = _words(bounds, direction, (asked, asked - margin))
+    limits = {name: bound.value for name, bound in bounds.items()}
     return Certificate(words, asked, asked - margin, tuple(direction.tolist()), limits)
 
 
 def conflicting_limits(
     template: AllocationTemplate, contacts: Array, cut: Cut, solution: QPSolution
-) -> dict[str, float]:
-    """Names and values of the limits that hold the arms back in the direction of a ray."""
-    fixed, cart, found = template.fixed, template.cart_rows, dict[str, float]()
+) -> dict[str, Bound]:
+    """The limits that hold the arms back in the direction of a ray, by name."""
+    fixed, cart, found = template.fixed, template.cart_rows, dict[str, Bound]()
     slope = (cut.linear + cut.multipliers @ template.contact_rows(contacts)).ravel()
     smallest = 1e-7 * float(np.abs(slope).max())
     for j in np.flatnonzero(np.abs(slope) > smallest):
         names, values = (fixed.lower_names, fixed.lower) if slope[j] > 0 else (fixed.upper_names, fixed.upper)
-        found[names[j]] = float(values[j])
+        found[names[j]] = Bound(float(values[j]), _unit(np.eye(len(slope))[j], template.n))
     smallest = 1e-7 * float(np.abs(solution.multipliers).max())
     dual = solution.multipliers[len(solution.x) :][: len(fixed.limits) + len(cart.low)]
     lows = zip(fixed.low_names + cart.low_names, [*fixed.low_limits, *cart.low], strict=True)
     highs = zip(fixed.names + cart.high_names, [*fixed.limits, *cart.high], strict=True)
-    for y, low, high in zip(dual, lows, highs, strict=True):
+    units = [_unit(row, template.n) for row in fixed.rows] + ["N"] * len(cart.low)
+    for y, low, high, unit in zip(dual, lows, highs, units, strict=True):
         if abs(y) > smallest:
             name, value = high if y > 0 else low
-            found[name] = float(value)
+            found[name] = Bound(float(value), unit)
     cone_names = [cone.name for cone in fixed.cones] + [cone.name for cone in cart.cones]
     pairs = zip(cone_names, solution.cone_multipliers, strict=True)
-    found.update({name: 0.0 for name, z in pairs if z[0] > smallest})
+    found.update({name: Bound(0.0, "N") for name, z in pairs if z[0] > smallest})
     return found
 
 
-def _words(limits: Mapping[str, float], direction: Array, numbers: tuple[float, float]) -> str:
+def _unit(row: Array, n: int) -> str:
+    """Unit of a row over all unknowns, of which the first n are the arms' wrenches."""
+    parts = row[:n].reshape(-1, 6)
+    units = [unit for unit, part in (("N", parts[:, :3]), ("N·m", parts[:, 3:])) if part.any()]
+    return units[0] if len(units) == 1 else ""
+
+
+def _words(bounds: Mapping[str, Bound], direction: Array, numbers: tuple[float, float]) -> str:
     name = in_words(direction)
     unit = " N" if not direction[2] else " N·m" if not direction[:2].any() else ""
     of_what = SINGLE_DIRECTIONS.get(name, f"{name}" if unit else f"{name} (fx, fy in N, tau in N·m)")
     parts = []
-    for limit, value in limits.items():
-        words = limit.rpartition(":")[2].split()  # an arm may be called "force"
-        is_force = "torque" not in words and FORCE_WORDS.intersection(words)  # nor may a joint
-        number = value if "rate" in words else abs(value)  # about the last wrench, which has a sign
-        bound = f" {number:.6g} {'N' if is_force else 'N·m'}" if words[-1] in ("lower", "upper") else ""
-        parts.append(limit + bound)
+    for limit, bound in bounds.items():
+        words = limit.rpartition(":")[2].split()  # an arm may be called "torque"
+        number = bound.value if "rate" in words else abs(bound.value)  # about the last wrench, which has a sign
+        of = "N·m" if "torque" in words else bound.unit  # of a joint, by all components
+        parts.append(f"{limit} {number:.6g} {of}".strip() if words[-1] in ("lower", "upper") else limit)
     asked, most = (f"{round(number, 9) + 0.0:.6g}{unit}" for number in numbers)
     subject = "together they give" if len(parts) > 1 else "it gives"
     return f"{'; '.join(parts)}: {subject} at most {most} of {of_what}, {asked} is asked"

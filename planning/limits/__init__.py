@@ -13,6 +13,7 @@ from .friction_pyramid import FrictionPyramid
 from .internal_force import InternalForce
 from .joint_torque import JointTorque
 from .limit import Limit, LimitRows
+from .own_limit import own_rows
 from .payload import Payload
 from .push_only import PushOnly
 from .side_by_side import side_by_side
@@ -50,7 +51,9 @@ __all__ = [
 
 def limits_of(arm: Arm) -> LimitRows:
     """All that an arm states about itself, as one set of rows; its rate is about the last wrench, see `WrenchRate`."""
-    return LimitRows.all_of([limit.rows(arm) for limit in _stated(arm)])
+    return LimitRows.all_of(
+        [*(limit.rows(arm) for limit in _stated(arm)), *(own_rows(limit, arm) for limit in arm.limits)]
+    )
 
 
 def _stated(arm: Arm) -> list[Limit]:

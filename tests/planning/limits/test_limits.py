@@ -10,7 +10,7 @@ from cartgrasp.arms import Friction
 from cartgrasp.errors import UsageError
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.soft_finger import SoftFinger
-from planning import allocate
+from planning import allocate, limits
 from planning.limits import (
     FrictionCone,
     FrictionPyramid,
@@ -67,6 +67,12 @@ def violated(rows, wrench):
         s = cone.offset + cone.rows @ wrench
         broken += [cone.name] if np.linalg.norm(s[1:]) > s[0] else []
     return broken
+
+
+def test_every_limit_sits_it():
+    """Whoever adds a limit: give it a row of BOUNDARIES."""
+    known = {thing for thing in vars(limits).values() if isinstance(thing, type) and issubclass(thing, limits.Limit)}
+    assert known - {limits.Limit} == {type(limit) for limit, *_ in BOUNDARIES}
 
 
 @pytest.mark.parametrize(("limit", "owner", "boundary", "name"), BOUNDARIES)
