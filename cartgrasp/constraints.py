@@ -2,7 +2,7 @@
 
 In body components a constraint is a constant row, `Lambda_b @ (u, w, r) = 0`; in world components
 `Lambda(theta) = Lambda_b @ R(theta)ᵀ`, which is (3) of the paper for an axle through {b}'s origin and
-`[-sin, cos, a]` for an axle at x = a (physics 2). The free velocities `nu` span its null space:
+`[-sin, cos, a]` for an axle at x = a (physics.md). The free velocities `nu` span its null space:
 `(u, w, r) = S_b @ nu`, with nu = (u, w, r), (u, r) or (u) for 0, 1 or 2 rows. Where the wheels roll at an angle to
 {b}'s x, the first of them is their speed along that direction.
 """

@@ -2,7 +2,7 @@
 
 A contact frame {a} sits at a point of {b}, turned about z by a yaw. Its spatial wrench `F_a` becomes the cart's
 `wrench_b = (fx, fy, tau)` by the planar grasp map `G_ba = Bᵀ Ad_{g_ab}ᵀ`, 3 x 6, which for parallel axes is
-`[1 0 0 0 0 0; 0 1 0 0 0 0; -py px 0 0 0 1]` (physics 6, correcting (22)-(24)).
+`[1 0 0 0 0 0; 0 1 0 0 0 0; -py px 0 0 0 1]` (physics.md, correcting (22)-(24)).
 """
 
 from __future__ import annotations

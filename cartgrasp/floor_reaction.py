@@ -1,4 +1,4 @@
-"""What the floor gives a cart: wheel loads, and the lateral force of its fixed wheels (physics 5).
+"""What the floor gives a cart: wheel loads, and the lateral force of its fixed wheels (physics.md).
 
 Both are affine in the sum W (6,) of the hands' spatial wrenches about {b}'s origin, which is on the floor. With w
 the planar part of W, e the effects (taken to act at the floor), b the bias and S the free velocities, the cart's

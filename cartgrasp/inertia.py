@@ -1,7 +1,7 @@
 """Planar inertial parameters.
 
 `phi = (m, m dx, m dy, J)` with `J = I + m (dx² + dy²)` enters the dynamics linearly (paper, II.B). It is physical
-when `m > 0` and `J m > |m d|²`: the planar pseudo-inertia is positive definite (physics 18).
+when `m > 0` and `J m > |m d|²`: the planar pseudo-inertia is positive definite (physics.md).
 """
 
 from __future__ import annotations

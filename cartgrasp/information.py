@@ -6,7 +6,7 @@ Where the motion is known well, a recorded reduced wrench is `z = required_wrenc
 
 with Y the partials of the required wrench by the parameters, and N the covariance of one arm's recorded wrench. Where
 the arms hold enters through R alone: a force's noise comes into the moment by its lever arm. With exact wrenches and
-the same motion a contact teaches nothing (physics 13).
+the same motion a contact teaches nothing (physics.md).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """`CartModel`: how a cart of an inertia, rolling constraints and effects moves.
 
-With S the basis of the free velocities, the reduced dynamics are (physics 4)
+With S the basis of the free velocities, the reduced dynamics are (physics.md)
 
     Sᵀ M_b S nu' = Sᵀ (wrench_b + effects - bias),    pose' = R(theta) S nu,
 

@@ -1,4 +1,4 @@
-"""The planar rigid body in body components, linear in phi (physics 4).
+"""The planar rigid body in body components, linear in phi (physics.md).
 
 With `a = (u' - w r, w' + u r)` the acceleration of {b}'s origin and r' the yaw acceleration,
 

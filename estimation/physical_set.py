@@ -1,6 +1,6 @@
 """The most likely parameters that a cart can have: a quadratic cost, bounds, and a linear matrix inequality.
 
-A body is physical when its planar pseudo-inertia is positive definite (physics 18). With the second moments' trace J,
+A body is physical when its planar pseudo-inertia is positive definite (physics.md). With the second moments' trace J,
 that is `[[m, m dᵀ], [m d, J 1]] > 0`: by Schur's complement, `J m > |m d|²`.
 """
 

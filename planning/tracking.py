@@ -1,7 +1,7 @@
 """From the error against a reference to the planar wrench that the cart should feel.
 
 A cart with one rolling constraint has two inputs for three coordinates, so the lateral error is steered
-(physics 12; correcting (26)-(28)): Kanayama's velocity law at the axle,
+(physics.md; correcting (26)-(28)): Kanayama's velocity law at the axle,
 
     u_c = u_d cos e_h + k_x e_x,    r_c = r_d + u_d k_y e_y sinc(e_h) + k_h e_h,
 

@@ -1,4 +1,4 @@
-"""Casters that swing round after a change of direction (physics 17; the paper's experiment E5).
+"""Casters that swing round after a change of direction (physics.md; the paper's experiment E5).
 
 A caster at pivot p trails its wheel by b. Its heading delta in {b} is a memory; the wheel does not slip
 sideways at its patch p - b (cos delta, sin delta), so

@@ -2,7 +2,7 @@
 
     w_axle = |v| F / cornering_stiffness,    F = -lambda,
 
-with v the wheels' rolling speed and lambda the force by which the floor holds them (physics 5). The creep moves the
+with v the wheels' rolling speed and lambda the force by which the floor holds them (physics.md). The creep moves the
 pose (`creep.py`); accelerations are those of wheels that hold, as it is slow and changes slowly. At rest nothing
 creeps. Simulated sensors of velocity leave it out; estimators take it for noise of the path, as they don't carry the
 side force of the hands.

@@ -1,4 +1,4 @@
-"""Rolling resistance: each wheel drags against its own rolling in proportion to its load (physics 16).
+"""Rolling resistance: each wheel drags against its own rolling in proportion to its load (physics.md).
 
 A fixed wheel rolls along {b}'s x, a caster along the velocity of its pivot. Loads are the static ones
 (`wheels.py`), so the force depends on m, m dx and m dy too.

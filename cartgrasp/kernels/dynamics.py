@@ -1,7 +1,7 @@
 """A cart's dynamics at one state, with all partials.
 
 State (n,) is `(pose | nu | memory)`, parameters (p,) are `(phi | effects' values)`, as `CartModel` orders them.
-Inverse dynamics are what is written down (physics 4); forward dynamics follow by solving for nu':
+Inverse dynamics are what is written down (physics.md); forward dynamics follow by solving for nu':
 
     Sᵀ wrench_b = Sᵀ (Y(v, S nu') phi - effects).
 

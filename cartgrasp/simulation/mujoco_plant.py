@@ -225,7 +225,7 @@ class MujocoPlant:
         self._data.qvel[:] = 0.0
 
     def _set_velocity(self, velocity_b: Array, headings: Array) -> None:
-        """Sets the chassis, and every wheel as it rolls and every fork as it swivels with it (physics 17)."""
+        """Sets the chassis, and every wheel as it rolls and every fork as it swivels with it (physics.md)."""
         u, w, r = velocity_b
         rates = self._data.qvel
         if not self._cart.wheels:

@@ -1,7 +1,7 @@
 """What margins are worth while a load is learned: the same pushes planned without margins, with them, and by the truth.
 
 Two arms hold a cart by a handle above its load, so that its casters unload when it is braked. They stop it hard four
-times: twice on a straight line, which can't teach where along x its load lies (physics 13), then twice in curves, which
+times: twice on a straight line, which can't teach where along x its load lies (physics.md), then twice in curves, which
 do. Each seed draws another cart from what is believed at first, so the share of plans that break a true limit can be
 held against the stated confidence. All ways answer the same wanted wrench at the same tick; the one with margins is
 carried out, and the filter learns from it.

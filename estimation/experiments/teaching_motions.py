@@ -1,4 +1,4 @@
-"""Motions that a person can ask of a cart, and what each would teach of its parameters (physics 13)."""
+"""Motions that a person can ask of a cart, and what each would teach of its parameters (physics.md)."""
 
 from __future__ import annotations
 

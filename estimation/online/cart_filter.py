@@ -1,4 +1,4 @@
-"""The online filter: `learning_filter.py` behind the interface that all online estimators share."""
+"""The online filter: `learning_filter.py` behind the interface that it shares with the regressor."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class CartFilter(OnlineEstimator[InTime]):
         or compiled, in a minute, the very first time on a machine. What this one has learned stays."""
         import scipy.optimize  # noqa: F401  for estimates that are no body
 
-        other = type(self)(self.cart, self.arms, noise=self.noise, prior=self.prior)
+        other = type(self)(self.cart, self.arms, noise=self.noise, prior=self.prior)  # others compile nothing else
         if self.cart.is_compiled:
             self.cart.dynamics.warm_up()
         if self.cart.wheels:

@@ -1,7 +1,7 @@
 """The filter: a regression learns the parameters, and the recorded wrench drives the motion.
 
 An augmented EKF (8)-(20) takes noise of the wrench that drives it for motion that it did not make, and learns a mass
-that is too large, too surely (errors in variables, physics 11). So the two are kept apart. Parameters are learned by
+that is too large, too surely (errors in variables, physics.md). So the two are kept apart. Parameters are learned by
 `ParameterLearner`, whose rows have the wrench's noise on one side; motion is a Kalman filter that the recorded wrench
 drives, with what is not known of wrench and parameters in its covariance, and no gain of its own on the latter
 (Schmidt 1966). Where a new estimate of the parameters takes the motion, its slopes by them tell.
@@ -24,6 +24,7 @@ from ..gaussian import Gaussian
 from ..health import SensorHealth, by_sensor, said
 from .driven_motion import DrivenMotion
 from .first_motion import LOST_AFTER
+from .kernels.sensor_health import POSE_MISSED
 from .regressor.parameter_learner import ParameterLearner
 from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
 
@@ -83,7 +84,8 @@ class LearningFilter:
 
     def estimate(self) -> Estimate:
         learner, motion = self.learner, self.motion
-        return learner.estimate(motion.motion, said(motion.said, learner.health))
+        of_sensors = motion.said if self._started else motion.said | POSE_MISSED
+        return learner.estimate(motion.motion, said(of_sensors, learner.health))
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:

@@ -1,7 +1,7 @@
 """The paper's filter as printed, kept so that its failure can be shown. Nobody should use it.
 
 State `(x, y, theta, xd, yd, thetad, phi)` of (8); `qdd = M^-1 P (Gamma - C qd - N)` of (5)-(9), whose projection drops
-`Lambdadot qd` (physics 3); world wrench `R(theta) Gamma_b`; Euler steps (16), (17); standard update (18)-(20); all
+`Lambdadot qd` (physics.md); world wrench `R(theta) Gamma_b`; Euler steps (16), (17); standard update (18)-(20); all
 six velocities and poses measured (10); the wrench taken as exact. `M' = P M` of (7) has no inverse, so M's is used.
 """
 

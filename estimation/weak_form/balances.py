@@ -4,7 +4,7 @@ Each balance is multiplied by a test function and integrated,
 
     ∫ φ (Sᵀ wrench_b - w(pose, nu, nu'; theta)) dt = noise,
 
-with w the reduced wrench that the motion takes (physics 4). Test functions are cubic B-splines, a tenth of a second or
+with w the reduced wrench that the motion takes (physics.md). Test functions are cubic B-splines, a tenth of a second or
 more apart. The motion's acceleration is the second derivative of a spline with twice their knots, so that the integral
 is that of the recorded motion against their slope, whatever its noise: nothing is differentiated. Where an axle must
 not go sideways, its speed across the wheels is one more balance.

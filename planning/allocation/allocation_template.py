@@ -1,7 +1,7 @@
 """What stays the same from tick to tick: arms, limits, objective and the cart's effective rows.
 
 With S the basis of the free velocities, k = n_free, and G_i the grasp map of arm i at its contact, the
-equality is `Sᵀ sum_i G_i F_i = Sᵀ wrench_b` (physics 8): k rows of full rank, free of the cart's parameters.
+equality is `Sᵀ sum_i G_i F_i = Sᵀ wrench_b` (physics.md): k rows of full rank, free of the cart's parameters.
 
 A contact enters the effective rows only where there is a moment, and linearly. So where contacts may vary over a
 convex set with vertices v, the wrenches within reach are the union over pairs of vertices (high, low) of

@@ -1,4 +1,4 @@
-"""The fixed wheels roll and don't skid: their lateral force stays within friction of what they carry (physics 5),
+"""The fixed wheels roll and don't skid: their lateral force stays within friction of what they carry (physics.md),
 
     |lambda| <= friction · (load of the fixed wheels),   lambda = m (u r + dx r' - dy r²) - fy on the axle,
 

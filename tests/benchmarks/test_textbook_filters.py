@@ -32,7 +32,7 @@ def test_partials():
 
 @pytest.mark.parametrize("kind", [TextbookEkf, TextbookUkf])
 def test_right_where_wrenches_are_nearly_exact(kind, monkeypatch):
-    """A textbook's assumption; 3 N of noise is what it can't stand (physics 11)."""
+    """A textbook's assumption; 3 N of noise is what it can't stand (physics.md)."""
     monkeypatch.setitem(SENSORS, "exact", replace(SENSORS["quiet"], force=0.02, moment=0.001))
     cart = drawn_cart(1)
     log = drive_cart(cart, Job("curves", "exact", 1), 4.0).log

@@ -1,4 +1,4 @@
-"""The reduced dynamics against the paper's full constrained form, in world components (physics 1 to 5).
+"""The reduced dynamics against the paper's full constrained form, in world components (physics.md).
 
 This file knows nothing of S, nu or the body-frame matrices. It takes the kinetic energy (1) and derives (2)
 from it by complex steps, writes the constraints (3) as velocities of a point of the axle, and solves (4) with
@@ -146,7 +146,7 @@ def check_acceleration(cart, pose, nu, wrench_b):
 
 @given(inertia=inertias(), pose=poses(), velocity=vectors(2, -2, 2), wrench_b=wrenches())
 def test_lateral_force_of_the_axle(inertia, pose, velocity, wrench_b):
-    """physics 5: `m (u r + dx r' - dy r²) - fy` is the multiplier of the constrained equations."""
+    """physics.md: `m (u r + dx r' - dy r²) - fy` is the multiplier of the constrained equations."""
     constraints = CONSTRAINTS["axle at the origin"]
     cart = CartModel(inertia, constraints)
     r_rate = cart.rate(cart.state(pose, velocity), wrench_b).value[4]
@@ -179,7 +179,7 @@ def test_inertial_forces_do_no_work(inertia, velocity):
 @pytest.mark.parametrize("axle", ["axle at the origin", "axle ahead", "axle behind"])
 @given(inertia=inertias(), nu=vectors(2, -2, 2))
 def test_reduced_matrices_of_one_row(axle, inertia, nu):
-    """physics 4, told from the axle: with d measured from there, Mr = [[m, -m dy], [-m dy, J]],
+    """physics.md, told from the axle: with d measured from there, Mr = [[m, -m dy], [-m dy, J]],
     Cr = m dx r [[0, -1], [1, 0]] (skew, as Mrdot = 0), det Mr = m (I + m dx²) > 0."""
     constraints = CONSTRAINTS[axle]
     m, (dx, dy), about_com = inertia.mass, inertia.com, inertia.about_com
@@ -228,7 +228,7 @@ def test_energy_balance_of_a_run(constraints):
 
 
 def test_the_term_that_the_paper_drops_is_metres():
-    """physics 3, under the wrench that holds a circle of u = 1 m/s, r = 0.3 rad/s: with Λ qdd = 0 instead of
+    """physics.md, under the wrench that holds a circle of u = 1 m/s, r = 0.3 rad/s: with Λ qdd = 0 instead of
     -Λdot qd the cart is metres off after 10 s; with the term both roads end where the circle does."""
     inertia, constraints = Inertia(20.0, (0.3, 0.0), 2.0), CONSTRAINTS["axle at the origin"]
     wrench_b = 20.0 * 0.3 * np.array([-(0.3**2), 0.0, 1.0 * 0.3])

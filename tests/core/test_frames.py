@@ -36,7 +36,7 @@ def adjoint_of(g):
 
 @given(p=points, yaw=yaws)
 def test_planar_grasp_map_is_the_composition_of_22_and_23(p, yaw):
-    """G = Bᵀ Ad_{g_ab}ᵀ with g_ab the inverse of g_ba: (22) to (24) with frames that compose (physics 6)."""
+    """G = Bᵀ Ad_{g_ab}ᵀ with g_ab the inverse of g_ba: (22) to (24) with frames that compose (physics.md)."""
     g_ab = np.linalg.inv(transformation(p, yaw))
     np.testing.assert_allclose(grasp_map_spatial(p, yaw), adjoint_of(g_ab).T, atol=1e-12)
     np.testing.assert_allclose(grasp_map_planar(p, yaw), PLANAR_BASIS.T @ adjoint_of(g_ab).T, atol=1e-12)

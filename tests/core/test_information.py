@@ -1,4 +1,4 @@
-"""Fisher information against finite differences, a Monte-Carlo of least squares, and physics 13."""
+"""Fisher information against finite differences, a Monte-Carlo of least squares, and physics.md."""
 
 import numpy as np
 import pytest
@@ -115,7 +115,7 @@ def test_monte_carlo_of_least_squares():
 
 
 def test_what_a_straight_line_can_teach():
-    """Only m and m dy; at constant speed nothing; turning with speed, all four (physics 13)."""
+    """Only m and m dy; at constant speed nothing; turning with speed, all four (physics.md)."""
     states, accelerations = weaving(r=(0.0, 1.0))
     straight = standard_deviations(information(PLAIN, states, accelerations, [(-0.25, 0.0, 1.0)]))
     assert np.isfinite(straight[[0, 2]]).all()

@@ -1,4 +1,4 @@
-"""Casters that swing round, against the trail model in closed form (physics 17).
+"""Casters that swing round, against the trail model in closed form (physics.md).
 
 With the wheel's heading psi against the velocity v: `tan(psi/2) = tan(psi0/2) exp(-v t / b)`, so the way it
 takes is `b ln(tan(psi0/2) / tan(psi1/2))`, and the swivel torque T takes the energy `T |psi0 - psi1|`.

@@ -34,7 +34,7 @@ def learned(curved, cart=None, prior=None):
 
 @pytest.mark.long
 def test_a_straight_push_asks_for_curves_and_curves_teach():
-    """d/d(com_x) and d/dJ of the equations vanish where r = 0 and r' = 0 (physics 13)."""
+    """d/d(com_x) and d/dJ of the equations vanish where r = 0 and r' = 0 (physics.md)."""
     found = identifiability(learned(curved=False, cart=guess(DRAGS[:1])))
     untaught = {name for one in found.untaught for name in one.parameters}
     assert {"com_x", "inertia", "viscous_drag.angular"} <= untaught

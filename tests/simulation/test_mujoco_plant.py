@@ -293,7 +293,7 @@ def test_a_curve_with_the_axle_off_the_origin():
 
 
 def test_lateral_force_of_the_axle_and_its_velocity():
-    """lambda = m (u r + dx r' - dy r²) - fy (physics 5) in a steady turn with a side push at the axle."""
+    """lambda = m (u r + dx r' - dy r²) - fy (physics.md) in a steady turn with a side push at the axle."""
     com = (0.3, 0.05)
     cart = shopping_cart(ViscousDrag(8.0, 4.0), com=com)
     plant = MujocoPlant(cart)
@@ -345,7 +345,7 @@ def reversal(torque, off=0.05):
 
 
 def test_casters_swing_round_after_a_reversal_along_the_trail_model():
-    """tan(psi / 2) falls by 1/e a trail (physics 17): from pi - 0.05 to 0.05 it takes 7.4 trails."""
+    """tan(psi / 2) falls by 1/e a trail (physics.md): from pi - 0.05 to 0.05 it takes 7.4 trails."""
     rows = reversal(0.0)
     turned = np.abs(rows[:, 1:3])
     way = np.interp(np.pi - 0.05, turned[:, 0], rows[:, 0])

@@ -69,7 +69,7 @@ def follow(pose_r: np.ndarray, velocity_r: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def needed_wrench(cart: CartModel, velocity: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """(fx, tau) of the reduced dynamics (physics 4), under viscous drag."""
+    """(fx, tau) of the reduced dynamics (physics.md), under viscous drag."""
     (u, r), (du, dr) = velocity.T, rate.T
     m, m_dx, m_dy, J = cart.inertia.phi
     fx = m * du - m_dy * dr - m_dx * r**2 + DRAG[0] * u

@@ -16,7 +16,7 @@ from .candidates import amplitudes_of
 from .laws import seen_values
 
 ODDS = {"rolling_resistance": 4.0}
-"""Log of how much more usual an effect is than others: every wheel resists (physics 16)."""
+"""Log of how much more usual an effect is than others: every wheel resists (physics.md)."""
 USUAL = ("rolling_resistance", "time_delay")
 """What every cart has, or every chain of sensors: however little it is beside another, it is not that one's form."""
 LEAST_SIZE = 0.1

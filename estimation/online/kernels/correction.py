@@ -1,4 +1,4 @@
-"""A measurement taken in, by Joseph's form `(I - K H) P (I - K H)ᵀ + K R Kᵀ` (physics 9). Kernels make no arrays: what
+"""A measurement taken in, by Joseph's form `(I - K H) P (I - K H)ᵀ + K R Kᵀ` (physics.md). Kernels make no arrays: what
 they need on the way they carve out of `room`."""
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Rows of the filtered regression: both sides of the reduced dynamics through `F = rate / (s + rate)`, once a block.
 
-The wrench is `Mr nu' + g(nu)`, and Mr is constant in the body frame (physics 4), so that no velocity is differentiated:
+The wrench is `Mr nu' + g(nu)`, and Mr is constant in the body frame, so that no velocity is differentiated:
 `F[Mr nu'] = Mr rate (nu - F[nu])`. Successive values of a filter share their noise. What is new after a block of T,
 `F_k - exp(-rate T) F_(k-1)`, is an integral over the block alone,
 
@@ -10,7 +10,7 @@ whose wrench noise no other block has; what is wrong with nu_k stands in two nei
 what is wrong with nu at one moment is fast, while poses tell where it went in the mean, a row is the mean over blocks
 that begin a little later and later: nu_k is then a mean, too, and neighbours share some of the wrench's noise.
 
-Noise in B[nu'] is in a row's slopes and in its residual alike (errors in variables, physics 11). So slopes are worked
+Noise in B[nu'] is in a row's slopes and in its residual alike (errors in variables, physics.md). So slopes are worked
 out at what the row and the motion together say of B[nu'] (`row_parts.likeliest`).
 """
 
@@ -36,7 +36,7 @@ from ..kernels.row_parts import STILL
 @dataclass(frozen=True)
 class Block:
     """What a row is worked out from: n smoothed moments, and wrenches, each held to the next moment, as rows (n - 1) of
-    `RecordedWrenches`."""
+    `kernels/felt_wrench.py`."""
 
     weights: Weights
     moved: Smoothed

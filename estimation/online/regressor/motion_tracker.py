@@ -1,7 +1,7 @@
 """Pose, nu and nu' while they happen, from poses and velocities alone: a Kalman filter with white jerk, and its
 smoothing over the last moments.
 
-Wrenches stay out: what they are regressed on has then no share in their noise (errors in variables, physics 11). They
+Wrenches stay out: what they are regressed on has then no share in their noise (errors in variables, physics.md). They
 are kept beside it, and say only when there may be a jolt, which white jerk would smooth away.
 """
 

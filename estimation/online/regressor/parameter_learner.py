@@ -1,4 +1,4 @@
-"""The parameters, learned by recursive least squares with both sides through `rate / (s + rate)` (physics 11).
+"""The parameters, learned by recursive least squares with both sides through `rate / (s + rate)` (physics.md).
 
 Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
 block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`). Force noise stands on one side

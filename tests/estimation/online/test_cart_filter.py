@@ -135,7 +135,7 @@ def test_learns_the_load_and_the_drags(online):
 
 @ONLINE
 def test_a_straight_push_teaches_neither_com_x_nor_inertia(online):
-    """d/d(com_x) and d/dJ of the equations vanish where r = 0 and r' = 0 (physics 13)."""
+    """d/d(com_x) and d/dJ of the equations vanish where r = 0 and r' = 0 (physics.md)."""
     cart = (24.0, 0.28, 0.0, 2.2, 3.0, 1.2, 0.0)
     log, _ = simulate(cart, 4, curved=False)
     last = replay(log, online(guess(), ["hand"], noise=NOISE, prior=KNOWN)).last
@@ -151,7 +151,7 @@ def test_a_straight_push_teaches_neither_com_x_nor_inertia(online):
 @pytest.mark.some(1)
 @ONLINE
 def test_noisy_forces_do_not_inflate_the_mass(online):
-    """3 N of noise: taken as exact inputs they bias the mass by kilograms (physics 11)."""
+    """3 N of noise: taken as exact inputs they bias the mass by kilograms (physics.md)."""
     noise = replace(NOISE, force=3.0, moment=0.15, disturbance=0.05)
     scores = []
     for seed in range(4):

@@ -1,4 +1,4 @@
-"""Motions that are written down, with the wrenches that they take by hand (physics 4)."""
+"""Motions that are written down, with the wrenches that they take by hand (physics.md)."""
 
 import numpy as np
 from scipy.integrate import cumulative_simpson

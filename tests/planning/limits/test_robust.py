@@ -100,7 +100,7 @@ def breaks(plan, phi, motion):
 
 
 def floor_under(plan, phi, motion):
-    """Loads and lateral force of many carts phi (n, 4): by the accelerations of each (physics 4), and moments on it."""
+    """Loads and lateral force of many carts phi (n, 4): by the accelerations of each, and moments on it."""
     (m, mx, my, J), (u, r) = phi.T, motion.velocity
     W = sum(grasp_map_spatial(plan.contacts[name]) @ wrench for name, wrench in plan.wrenches.items())
     push, turn, determinant = W[0] + mx * r**2, W[5] - mx * u * r, m * J - my**2
