@@ -18,11 +18,11 @@ from ..health import SensorHealth
 from ..noise import FilterNoise
 from ..prior import Prior
 from .delayed_wrenches import InTime, delayed
-from .driven_motion import DrivenMotion
 from .given import Given, given
 from .learning_filter import LearningFilter
 from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
+from .schmidt_filter import SchmidtFilter
 from .warming import made_up_push
 
 
@@ -30,7 +30,7 @@ def core_of(made_of: Given, least_speed: float = 0.0) -> LearningFilter:
     """The filter behind a `CartFilter`, which takes samples in order."""
     cart, _, noise, prior, _ = made_of
     with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-        return LearningFilter(ParameterLearner(*made_of, least_speed), DrivenMotion(cart, noise, prior.free(cart)))
+        return LearningFilter(ParameterLearner(*made_of, least_speed), SchmidtFilter(cart, noise, prior.free(cart)))
 
 
 @final

@@ -65,8 +65,8 @@ class DelayedWrenches:
             if felt > core.time - SAME:
                 core.take(Measurement(max(felt, core.time), wrenches=self._felt_together(measurement)))
 
-    def hear(self, loudness: Array) -> None:
-        self.core.hear(loudness)
+    def scale_noise(self, noise_factors: Array) -> None:
+        self.core.scale_noise(noise_factors)
 
     def copy(self) -> Self:
         other = shallow(self)

@@ -29,7 +29,7 @@ class Rewindable(Protocol):
     def copy(self) -> Self: ...
 
 
-class Listening(Rewindable, Protocol):
+class SampleFilter(Rewindable, Protocol):
     """What is told how noisy velocities are."""
 
     @property
@@ -37,12 +37,12 @@ class Listening(Rewindable, Protocol):
         """Whether the last sample took longer than most."""
         ...
 
-    def hear(self, loudness: Array) -> None:
+    def scale_noise(self, noise_factors: Array) -> None:
         """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
         ...
 
 
-T = TypeVar("T", bound=Listening)
+T = TypeVar("T", bound=SampleFilter)
 
 
 @dataclass(frozen=True)
@@ -88,10 +88,10 @@ class LateSamples(Generic[T]):
         """The samples of the last moments, in order."""
         return self._samples
 
-    def hear(self, loudness: Array) -> None:
+    def scale_noise(self, noise_factors: Array) -> None:
         """Says to the state, and to those that it may go back to, how noisy velocities are."""
         for state in (self.state, *(kept.state for kept in self._kept)):
-            state.hear(loudness)
+            state.scale_noise(noise_factors)
 
     def _take(self, measurement: Measurement) -> bool:
         if measurement.time >= self.state.time - 1e-9:

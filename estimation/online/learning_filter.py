@@ -22,17 +22,17 @@ from cartgrasp.shallow import shallow
 
 from ..gaussian import Gaussian
 from ..health import SensorHealth, by_sensor, said
-from .driven_motion import DrivenMotion
 from .first_motion import LOST_AFTER
 from .kernels.sensor_health import POSE_MISSED
 from .regressor.parameter_learner import ParameterLearner
+from .schmidt_filter import SchmidtFilter
 from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
 
 
 class LearningFilter:
     """Samples come in order."""
 
-    def __init__(self, learner: ParameterLearner, motion: DrivenMotion) -> None:
+    def __init__(self, learner: ParameterLearner, motion: SchmidtFilter) -> None:
         self.learner, self.motion = learner, motion
         self.time = -math.inf  # of the last sample
         self._started = False
@@ -62,12 +62,12 @@ class LearningFilter:
             seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
         elif time - motion.time > LOST_AFTER:
             motion.coast(time)
-        motion.advance(time, seen, felt, self.learner.surprise)
+        motion.advance(time, seen, felt, self.learner.gate_ratio)
 
-    def hear(self, loudness: Array) -> None:
+    def scale_noise(self, noise_factors: Array) -> None:
         """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
-        self.learner.hear(loudness)
-        self.motion.hear(loudness)
+        self.learner.scale_noise(noise_factors)
+        self.motion.scale_noise(noise_factors)
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, and learned nothing."""

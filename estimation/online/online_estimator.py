@@ -16,13 +16,13 @@ from ..parameter_report import as_taught
 from ..sensor_check.suspicion import REFUSED, Suspicion
 from .clock_watch import ClockWatch
 from .given import Given, check_measurement
-from .late_samples import LateSamples, Listening
+from .late_samples import LateSamples, SampleFilter
 from .sensor_watch import SensorWatch
 
 AT_ONCE = 0.02
 """s between samples: a loop that is slower has time for all that is to be done with each."""
 
-C = TypeVar("C", bound=Listening)
+C = TypeVar("C", bound=SampleFilter)
 
 
 class OnlineEstimator(ABC, Generic[C]):
@@ -52,7 +52,7 @@ class OnlineEstimator(ABC, Generic[C]):
             is_slow = not now - before < AT_ONCE
             is_free = now >= watch.due and (is_slow or not samples.state.worked)
             if is_free and watch.go_on(now, samples.last, at_once=is_slow):
-                samples.hear(watch.loudness)
+                samples.scale_noise(watch.noise_factors)
         except (TypeError, ValueError, AttributeError):
             check_measurement(measurement)
             raise

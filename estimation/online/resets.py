@@ -1,13 +1,9 @@
-"""When a load was taken to have changed, and what that says of the estimator's health."""
+"""When a load was taken to have changed."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-
-from ..health import Health
-from .kernels.sensor_health import OUTLYING_SHARE
-from .whiteness import Whiteness
 
 HOLD_OFF = 1.5
 """s after a reset in which a load is called changed, and nothing is reset again."""
@@ -38,18 +34,15 @@ class Resets:
     def are_allowed(self) -> bool:
         return sum(self.now - t < MEMORY for t in self.times) < MOST_RESETS and not self._is_recent
 
-    def health_beside(self, outlying: float, innovations: Whiteness) -> Health:
-        """With a share of samples that are outliers, and innovations that a right model leaves white."""
-        said = self.health
-        if innovations.is_coloured:
-            return Health.INCONSISTENT
-        return Health.OUTLIERS if said is Health.OK and outlying > OUTLYING_SHARE else said
+    @property
+    def are_too_many(self) -> bool:
+        """For a model that fits."""
+        return len(self.times) >= MOST_RESETS
 
     @property
-    def health(self) -> Health:
-        if len(self.times) >= MOST_RESETS:
-            return Health.INCONSISTENT
-        return Health.LOAD_CHANGED if self.now - self.load < HOLD_OFF else Health.OK
+    def has_new_load(self) -> bool:
+        """Since a short while."""
+        return self.now - self.load < HOLD_OFF
 
     @property
     def _is_recent(self) -> bool:

@@ -54,7 +54,7 @@ SELDOM = 0.003
 as heavy as it was guessed to be."""
 BEYOND_A_TURN = 100.0
 """Odds of degrees where headings begin beyond a turn: a sensor of radians has to have been turning before."""
-NOISE_BLOCKS, FIRST_BLOCKS, LOUD = 16.0, 6.0, 1.5
+NOISE_BLOCKS, FIRST_BLOCKS, NOISY_BY = 16.0, 6.0, 1.5
 """Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
 
 
@@ -78,16 +78,16 @@ class SensorWatch:
         self._first_heading, self._axle = math.nan, AxleWatch()
         self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
         self._products, self._rows = np.zeros((2, 2)), 0.0
-        self._sure, self._heard = 0, 0.0
+        self._sure, self._noise_blocks = 0, 0.0
         self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
-        self.loudness = np.ones(2)
+        self.noise_factors = np.ones(2)
         """Variances of velocities, linear and yaw, over the declared ones, where they are larger."""
 
     def go_on(self, time: float, samples: Sequence[Measurement], *, at_once: bool) -> bool:
-        """Goes on with the last samples up to a time (s), by a piece or `at_once`; says whether the loudness is now
-        known to be another."""
-        before = self.loudness
+        """Goes on with the last samples up to a time (s), by a piece or `at_once`; says whether the noise is now known
+        to be another."""
+        before = self.noise_factors
         with np.errstate(all="ignore"):  # numbers may be beyond reason
             if self._work is None:
                 self._work = self._looks([one for one in samples if one.time > self._begun])
@@ -97,7 +97,7 @@ class SensorWatch:
                     break
             else:
                 self._work, self.due = None, self._begun + SPAN
-        return self.loudness is not before
+        return self.noise_factors is not before
 
     # --- a block ---------------------------------------------------------------------------------------------
 
@@ -111,7 +111,7 @@ class SensorWatch:
         yield
         velocity, noise = velocities_of(samples[:MOST])
         if noise is not None:
-            self._listen(noise)
+            self._note_noise(noise)
         yield
         for measurement in few:
             self._contacts.update(measurement.contacts)
@@ -132,12 +132,12 @@ class SensorWatch:
             yield
             self._conclude()
 
-    def _listen(self, noise: tuple[float, float]) -> None:
-        self._heard = heard = min(self._heard + 1.0, NOISE_BLOCKS)
+    def _note_noise(self, noise: tuple[float, float]) -> None:
+        self._noise_blocks = blocks = min(self._noise_blocks + 1.0, NOISE_BLOCKS)
         rows = zip(self._ratios, noise, self._declared, strict=True)
-        linear, yaw = self._ratios = tuple([old + (new / told - old) / heard for old, new, told in rows])
-        if heard >= FIRST_BLOCKS and (max(linear, yaw) > LOUD**2 or self.loudness.max() > 1.0):
-            self.loudness = np.array([one if one > LOUD**2 else 1.0 for one in (linear, yaw)])
+        linear, yaw = self._ratios = tuple([old + (new / told - old) / blocks for old, new, told in rows])
+        if blocks >= FIRST_BLOCKS and (max(linear, yaw) > NOISY_BY**2 or self.noise_factors.max() > 1.0):
+            self.noise_factors = np.array([one if one > NOISY_BY**2 else 1.0 for one in (linear, yaw)])
 
     def _compare_motion(self, first: Block, last: Block) -> None:
         """Poses against the way that wheels roll, and against velocities."""
@@ -280,7 +280,7 @@ class SensorWatch:
         return found
 
     def _of_noise(self) -> Iterator[Suspicion]:
-        for where, variance in zip(("velocity", "yaw_rate"), self.loudness.tolist(), strict=True):
+        for where, variance in zip(("velocity", "yaw_rate"), self.noise_factors.tolist(), strict=True):
             if variance > 1.0:
                 times = math.sqrt(variance)
                 words = f"the {where} is {times:.1f} times as noisy as declared, and taken as such"

@@ -10,7 +10,7 @@ import numpy as np
 
 from estimation.health import said
 from estimation.online.cart_filter import core_of
-from estimation.online.kernels.filtered_row import BLOCK, LAG, WIDTH
+from estimation.online.kernels.row_algebra import BLOCK, LAG, WIDTH
 from estimation.online.kernels.sensor_health import said_of
 from estimation.online.learning_filter import LearningFilter
 from planning.allocation.allocation_template import AllocationTemplate

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from estimation.online.kernels import driven_motion, filtered_row, recorded_moment, tracked_motion
-from estimation.online.kernels.driven_block import parts
+from estimation.online.kernels import recorded_moment, row_algebra, schmidt_steps, tracked_motion
 from estimation.online.kernels.felt_wrench import Felt, feel
+from estimation.online.kernels.schmidt_block import parts
 from planning import steering
 from planning.kernels.allocation import allocate
 from planning.kernels.workspace import views
@@ -38,7 +38,7 @@ Limits = tuple[float, float, float]
 
 error_b, steered = compiled(steering.error_b), compiled(steering.steered)
 unpack_driven, unpack_planner, known_of = compiled(parts), compiled(views), compiled(tracked_motion.known_of)
-over = compiled(filtered_row.over)
+over = compiled(row_algebra.over)
 
 
 @entry
@@ -118,7 +118,7 @@ def _feel(course: Course, blocks: Blocks, held: Held, felt: Array, at: Ints) -> 
         felt[j] += held.wrenches[j]
     room = known_of(blocks.known, len(grip)).room
     if feel(blocks.rows, i, time, Felt(felt, grip, held.believed), room):
-        driven_motion.push(unpack_driven(blocks.driven, blocks.plan), time, blocks.rows[i, 1:])
+        schmidt_steps.push(unpack_driven(blocks.driven, blocks.plan), time, blocks.rows[i, 1:])
 
 
 @compiled
@@ -183,6 +183,6 @@ def _see(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints) -
     recorded_moment.go_on(blocks.rows, blocks.known, i, time, Felt(held.wrenches, course.grip[0], held.believed))
     tracked_motion.take(blocks.rows, i, blocks.known, seen, f)
     at[MOMENTS] = i + 1
-    driven_motion.drive(
+    schmidt_steps.drive(
         blocks.cart, blocks.cart_ints, blocks.driven, blocks.plan, before, time, seen, held.unfelt, math.nan
     )

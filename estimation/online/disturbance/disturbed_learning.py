@@ -80,10 +80,10 @@ class DisturbedLearning:
         self._known = self._careful.estimate()
         self._observe(measurement, self._known)
 
-    def hear(self, loudness: Array) -> None:
+    def scale_noise(self, noise_factors: Array) -> None:
         for one in (self._careful, self._open):
             if one is not None:
-                one.hear(loudness)
+                one.scale_noise(noise_factors)
 
     def copy(self) -> Self:
         other = shallow(self)

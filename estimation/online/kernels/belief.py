@@ -10,8 +10,8 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
 from .correction import eliminate, factorise, put
-from .filtered_row import FilteredRow
 from .jit import Indices, row_compiled, row_entry
+from .row_algebra import FilteredRow
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
@@ -43,7 +43,7 @@ def concluded(belief: Belief, theta: Array, free: Indices) -> tuple[Array, Array
 
 @row_entry
 def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits: Limits) -> tuple[Belief, Surprised]:
-    """The belief after a row around parameters (p,), whose link is handed on, and the row's surprise. A row that is no
+    """The belief after a row around parameters (p,), whose link is handed on, and its innovation. A row that is no
     measurement teaches nothing."""
     kept, gate, absurd = limits
     n, k = len(row.residual), len(free) + 1
@@ -66,14 +66,14 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
             before[a, k + b] = -row.fade * row.ends[a, b]
     alone, linking = noise - 2.0 * row.shared, _linking(noise, row.shared, row.after)
     own = alone + _congruence(after, linking)
-    news, spread = value - _times(before, mean), _congruence(before, covariance) + own
-    square = _square(news, spread)
+    innovation, spread = value - _times(before, mean), _congruence(before, covariance) + own
+    square = _square(innovation, spread)
     if not square < absurd * n:
-        return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), news, spread)
+        return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), innovation, spread)
     scale = max(1.0, square / (gate * n))
     taught = slopes[:, : k - 1].copy()
     asked = _turned(_solved(scale * spread, taught))
-    surprised = square, _times(asked, news), _product(asked, taught), news, spread
+    told = square, _times(asked, innovation), _product(asked, taught), innovation, spread
     whole, more = _linked((information, pull), linking)
     _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))
@@ -83,7 +83,7 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
     whole += _product(weighed, wide)
     more += _times(weighed, value)
     left, pulled = _without(whole, more, k, k + 2 * n)
-    return (left, pulled), surprised
+    return (left, pulled), told
 
 
 @row_entry
@@ -166,10 +166,10 @@ def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief,
 
 
 @row_compiled
-def _square(news: Array, spread: Array) -> float:
-    whitened, square = _solved(spread, news.reshape((len(news), 1))), 0.0
-    for i in range(len(news)):
-        square += news[i] * whitened[i, 0]
+def _square(innovation: Array, spread: Array) -> float:
+    whitened, square = _solved(spread, innovation.reshape((len(innovation), 1))), 0.0
+    for i in range(len(innovation)):
+        square += innovation[i] * whitened[i, 0]
     return square
 
 

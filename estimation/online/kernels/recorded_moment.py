@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from cartgrasp.frames import Array
 
-from . import filtered_row
+from . import row_algebra
 from .felt_wrench import Felt, feel, hold, size
 from .jit import compiled, entry
 from .tracked_motion import follow, known_of, take
@@ -15,7 +15,7 @@ LATER, FELT, DUE = 1, 2, 4
 SAME = 1e-9
 """s."""
 
-_known_of, _size, _over = compiled(known_of), compiled(size), compiled(filtered_row.over)
+_known_of, _size, _over = compiled(known_of), compiled(size), compiled(row_algebra.over)
 
 
 @entry

@@ -26,10 +26,10 @@ from cartgrasp.model import CartModel
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ...standstill import LEVER, STILL_SPEED
-from ..kernels import filtered_row as kernels
+from ..kernels import row_algebra as kernels
 from ..kernels import row_parts
-from ..kernels.filtered_row import FilteredRow, Found, LeftOut, Smoothed, Weights
 from ..kernels.jit import Indices
+from ..kernels.row_algebra import FilteredRow, Found, LeftOut, Smoothed, Weights
 from ..kernels.row_parts import STILL
 
 

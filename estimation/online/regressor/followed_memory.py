@@ -12,7 +12,7 @@ from cartgrasp.effects.effect import USUAL_SPREAD
 from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
-from ..kernels.filtered_row import Smoothed
+from ..kernels.row_algebra import Smoothed
 
 MOST_SPREADS = 2.0
 """Standard deviation of a memory at first, and at most, in multiples of its spread: 1 rad for a caster."""

@@ -14,9 +14,10 @@ from cartgrasp.frames import Array
 
 from ...health import Health
 from ..kernels import belief as kernels
+from ..kernels.sensor_health import OUTLYING_SHARE
 from ..resets import Resets
 from ..whiteness import Whiteness
-from .regression_belief import GATE, Surprise
+from .regression_belief import GATE, Innovation
 from .trial import Trial
 
 ROWS = 10
@@ -55,13 +56,13 @@ class LoadWatch:
         self._white = Whiteness()
         self.ratio, self.health = 0.0, Health.OK
 
-    def note(self, time: float, surprise: Surprise, root: Array) -> bool:
+    def note(self, time: float, innovation: Innovation, root: Array) -> bool:
         """Whether a load has to be thought of now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
         changes."""
-        self.follow(time, surprise)
-        self._since = _followed(self._since, (surprise.information, surprise.pull))
+        self.follow(time, innovation)
+        self._since = _followed(self._since, (innovation.information, innovation.pull))
         self._seen += 1
-        self._squares = (*self._squares, min(surprise.square, GATE * self._n))[-ROWS:]
+        self._squares = (*self._squares, min(innovation.square, GATE * self._n))[-ROWS:]
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed and self._fits
         is_suspected = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
         if is_suspected:
@@ -80,14 +81,14 @@ class LoadWatch:
             self._resets = self._resets.one_more(time, is_load=trial.is_loaded)
         self._say()
 
-    def follow(self, time: float, surprise: Surprise, *, is_pushed: bool = False) -> None:
+    def follow(self, time: float, innovation: Innovation, *, is_pushed: bool = False) -> None:
         """Health after a row; whether a push is said to be in it."""
         self._resets = self._resets.at(time)
-        self.ratio = surprise.square / (GATE * self._n)
+        self.ratio = innovation.square / (GATE * self._n)
         self._odd += (float(is_pushed or self.ratio > 1.0) - self._odd) / LASTING
         self._outliers += SMOOTHING * (float(self.ratio > 1.0) - self._outliers)
         if self.ratio <= 1.0:
-            self._white = self._white.and_then(time, surprise.pull, surprise.information)
+            self._white = self._white.and_then(time, innovation.pull, innovation.information)
         if self._unfit is not None:
             fitting = self._unfit + 1 if self.ratio <= 1.0 else 0
             self._unfit = fitting if fitting < FITTING else None
@@ -98,10 +99,13 @@ class LoadWatch:
         return self._unfit is None and self._odd < ODD_SHARE
 
     def _say(self) -> None:
-        said = self._resets.health_beside(self._outliers, self._white)
-        if self._is_tried and said in (Health.OUTLIERS, Health.OK):
-            said = Health.LOAD_CHANGED
-        self.health = said if self._fits else Health.INCONSISTENT
+        """Sets the health: the first that holds."""
+        if not self._fits or self._resets.are_too_many or self._white.is_coloured:
+            self.health = Health.INCONSISTENT
+        elif self._is_tried or self._resets.has_new_load:
+            self.health = Health.LOAD_CHANGED
+        else:
+            self.health = Health.OUTLIERS if self._outliers > OUTLYING_SHARE else Health.OK
 
     def _evidence(self, root: Array) -> float:
         """The log evidence of a load at the most likely moment."""

@@ -18,8 +18,8 @@ from cartgrasp.model import CartModel
 
 from ...gaussian import Gaussian
 from ...physical_set import LEAST_MASS_SHARE
-from ..kernels.filtered_row import FilteredRow
 from ..kernels.jit import Indices
+from ..kernels.row_algebra import FilteredRow
 
 MASS = 0
 """Its place among the parameters."""

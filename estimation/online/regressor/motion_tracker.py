@@ -21,8 +21,8 @@ from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ..kernels import tracked_motion as kernels
 from ..kernels.felt_wrench import size
-from ..kernels.filtered_row import Smoothed, over, smooth_span
 from ..kernels.recorded_moment import LATER, record
+from ..kernels.row_algebra import Smoothed, over, smooth_span
 
 JERK = 3.0
 """m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""
@@ -126,7 +126,7 @@ class MotionTracker:
             self._n, self.last_time = n + 1, time
         return said
 
-    def hear(self, variances: Array) -> None:
+    def scale_noise(self, variances: Array) -> None:
         """Sets the variances of velocities (3,) from now on."""
         kernels.known_of(self._known, self._free).variances[3:] = variances
 

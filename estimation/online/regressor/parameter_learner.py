@@ -29,8 +29,8 @@ from ...parameter_report import ParameterReport, WhenAsked, as_taught
 from ...physical_set import PhysicalSet
 from ...prior import Prior
 from ..disturbance.observer import USUAL_PUSH
-from ..kernels.filtered_row import FilteredRow, Weights, weights
 from ..kernels.recorded_moment import DUE, FELT
+from ..kernels.row_algebra import FilteredRow, Weights, weights
 from ..load_change import load_covariance, root_of
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..wrench_sensing import Moving, WrenchSensing
@@ -39,7 +39,7 @@ from .followed_memory import FollowedMemory
 from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker, Smoothing
-from .regression_belief import RegressionBelief, Surprise
+from .regression_belief import Innovation, RegressionBelief
 from .trial import Beginning, Taken, Trial
 
 LONG_GAP = 0.3
@@ -69,10 +69,10 @@ class RowOf(NamedTuple):
 
 
 class TakenIn(NamedTuple):
-    """A row of a time (s) that the belief has taken in: its surprise, or the trial that went on with it."""
+    """A row of a time (s) that the belief has taken in: its innovation, or the trial that went on with it."""
 
     time: float
-    told: Surprise | Trial
+    told: Innovation | Trial
 
 
 class Decided(NamedTuple):
@@ -147,9 +147,9 @@ class ParameterLearner:
         else:
             self.felt = NOTHING_FELT
 
-    def hear(self, loudness: Array) -> None:
+    def scale_noise(self, noise_factors: Array) -> None:
         """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
-        self.tracker.hear(np.diag(self.noise.velocity_covariance) * loudness[[0, 0, 1]])
+        self.tracker.scale_noise(np.diag(self.noise.velocity_covariance) * noise_factors[[0, 0, 1]])
 
     def _moving(self, time: float) -> Moving:
         """The cart as it was seen last, with memories as they were at the beginning of the block."""
@@ -167,7 +167,7 @@ class ParameterLearner:
         return self._watch.health if self._has_wrench else Health.NO_WRENCH
 
     @property
-    def surprise(self) -> float:
+    def gate_ratio(self) -> float:
         """The last row's normalised square over the gate beyond which it counts less."""
         return self._watch.ratio
 
@@ -200,7 +200,7 @@ class ParameterLearner:
         pose = self.seen[:3]
         self.tracker.start(time, pose)
         self._memory = self._memory.lost()
-        self._unlink()
+        self._drop_link()
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
     def _believe(self) -> None:
@@ -258,7 +258,7 @@ class ParameterLearner:
             self._unfinished = Begun(k, end, weighing, self.tracker.smoothing(weighing.of_motion))
             self._go_on()
         elif self.time - self._seen_until > LONG_GAP:
-            self._unlink()
+            self._drop_link()
             self._memory = self._memory.lost()
             self.tracker.drop(k)
 
@@ -284,16 +284,16 @@ class ParameterLearner:
         tracker.drop(k)
         if is_whole and not is_slow and not is_still:
             return Block(weighing, moved, wrenches)
-        self._unlink(is_still=bool(is_whole and is_still))
+        self._drop_link(is_still=bool(is_whole and is_still))
         return None
 
-    def _unlink(self, *, is_still: bool = False) -> None:
+    def _drop_link(self, *, is_still: bool = False) -> None:
         """The next block does not begin where the last one ended, or stood still."""
         self._finish()
-        self._belief.unlink()
+        self._belief.drop_link()
         self._taken = ()
         if self._trial is not None:
-            self._settle(self._trial.unlinked(is_still=is_still), self.time)
+            self._settle(self._trial.without_link(is_still=is_still), self.time)
             self._conclude()
 
     def _row_of(self, block: Block) -> RowOf:
@@ -306,14 +306,14 @@ class ParameterLearner:
         if self._trial is not None:
             return TakenIn(time, self._trial.and_then(row, self.theta))
         before = self._belief.copy()
-        surprise = self._belief.absorb(row, self.theta)
+        innovation = self._belief.update(row, self.theta)
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
-        return TakenIn(time, surprise)
+        return TakenIn(time, innovation)
 
-    def _decide(self, time: float, told: Surprise | Trial) -> Decided | Beginning:
+    def _decide(self, time: float, told: Innovation | Trial) -> Decided | Beginning:
         """What a row says of loads and pushes."""
         if isinstance(told, Trial):
-            self._watch.follow(time, told.surprise, is_pushed=told.is_pushed)
+            self._watch.follow(time, told.innovation, is_pushed=told.is_pushed)
             self._settle(told, time)
             return Decided()
         root = (self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free]

@@ -19,8 +19,8 @@ from cartgrasp.shallow import shallow
 
 from ...gaussian import Gaussian
 from ..kernels import belief as kernels
-from ..kernels.filtered_row import FilteredRow
 from ..kernels.jit import Indices
+from ..kernels.row_algebra import FilteredRow
 from .mass_products import MassProducts, Told
 
 LATENESS, LATENESS_STD = -0.25, 0.3
@@ -34,22 +34,22 @@ ABSURD = 1e6
 """And beyond which it is no measurement."""
 
 
-class Surprise(NamedTuple):
-    """The surprise of a row: its normalised square, and its innovation `news` (n,) with the covariance `spread`. What
+class Innovation(NamedTuple):
+    """The innovation of a row, of a `value` (n,) with its covariance, and its normalised square. What
     it says of a change of the free parameters (f,) since before it is information (f, f) and its product with the
     change."""
 
     square: float
     pull: Array
     information: Array
-    news: Array
-    spread: Array
+    value: Array
+    covariance: Array
 
     def log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
         """The log-likelihood but for a constant, with something of this mean (n,) and covariance (n, n) beside. Beyond
         the gate, the noise is widened to it."""
-        news, spread, n = self.news - mean, self.spread + more, len(self.news)
-        square = float(news @ np.linalg.solve(spread, news))
+        value, spread, n = self.value - mean, self.covariance + more, len(self.value)
+        square = float(value @ np.linalg.solve(spread, value))
         scale = max(1.0, square / (GATE * n))
         return -0.5 * (square / scale + n * math.log(scale) + float(np.linalg.slogdet(spread)[1]))
 
@@ -95,16 +95,16 @@ class RegressionBelief:
         covariance = _inverse(information)
         return Gaussian(covariance @ pull, covariance)
 
-    def absorb(self, row: FilteredRow, at: Array) -> Surprise:
+    def update(self, row: FilteredRow, at: Array) -> Innovation:
         """Takes in a row around parameters (p,)."""
         row, at = self._products.of_row(row, at), self._products.products(at)
-        self._known, surprised = kernels.absorbed(self._known, row, at, self._free, (KEPT, GATE, ABSURD))
-        surprise = Surprise(*surprised)
-        if not surprise.square < ABSURD * self._n:
-            self.unlink()
-        return surprise
+        self._known, told = kernels.absorbed(self._known, row, at, self._free, (KEPT, GATE, ABSURD))
+        innovation = Innovation(*told)
+        if not innovation.square < ABSURD * self._n:
+            self.drop_link()
+        return innovation
 
-    def unlink(self) -> None:
+    def drop_link(self) -> None:
         """The next row does not begin where the last one ended."""
         if len(self._known[1]) > self._k:
             (information, pull), k = self._known, self._k
@@ -132,7 +132,7 @@ def mixture(beliefs: Sequence[RegressionBelief], shares: Array, told: int) -> Re
     without a link."""
     found = [one.copy() for one in beliefs]
     for one in found:
-        one.unlink()
+        one.drop_link()
     each = [one.solved for one in found]
     mean = each[told].mean
     spread = np.zeros_like(each[0].covariance)

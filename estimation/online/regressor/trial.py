@@ -17,8 +17,8 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from ..kernels.filtered_row import FilteredRow
-from .regression_belief import RegressionBelief, Surprise, mixture
+from ..kernels.row_algebra import FilteredRow
+from .regression_belief import Innovation, RegressionBelief, mixture
 
 DECIDED = math.log(1000.0)
 """The log odds beyond which only one of the beliefs is left."""
@@ -50,19 +50,19 @@ class Pushed(NamedTuple):
     rows: int = 1
     evidence: float = 0.0
 
-    def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[Pushed, float, Surprise]:
-        """The belief after a row, the row's log-likelihood, and its surprise. Nothing is learned from a row in which a
-        push is likelier."""
+    def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[Pushed, float, Innovation]:
+        """The belief after a row, the row's log-likelihood, and its innovation. Nothing is learned from a row in which
+        a push is likelier."""
         belief, gain = self.belief.copy(), 1.0 - row.fade
-        surprise = belief.absorb(row, at)
+        innovation = belief.update(row, at)
         mean, covariance = (self.force, STEADY**2 * usual) if self.rows == 0 else (np.zeros(len(usual)), usual)
-        without, beside = surprise.log_likelihood(), surprise.log_likelihood(gain * mean, gain**2 * covariance)
+        without, beside = innovation.log_likelihood(), innovation.log_likelihood(gain * mean, gain**2 * covariance)
         if without >= beside:
-            return self._replace(belief=belief, rows=self.rows + 1), without, surprise
+            return self._replace(belief=belief, rows=self.rows + 1), without, innovation
         belief = self.belief.copy()
-        belief.unlink()
+        belief.drop_link()
         gained = self.evidence + beside - without
-        return Pushed(belief, surprise.news / gain, 0, gained), beside, surprise
+        return Pushed(belief, innovation.value / gain, 0, gained), beside, innovation
 
 
 class Changed(NamedTuple):
@@ -72,51 +72,52 @@ class Changed(NamedTuple):
     is_load: bool
     odds: float = 0.0
 
-    def and_then(self, row: FilteredRow, at: Array, of_push: float) -> tuple[Changed, Surprise]:
-        """The belief after a row, which has the log-likelihood `of_push` under a push, and the row's surprise."""
+    def and_then(self, row: FilteredRow, at: Array, of_push: float) -> tuple[Changed, Innovation]:
+        """The belief after a row, which has the log-likelihood `of_push` under a push, and the row's innovation."""
         belief = self.belief.copy()
-        surprise = belief.absorb(row, at)
-        return self._replace(belief=belief, odds=self.odds + surprise.log_likelihood() - of_push), surprise
+        innovation = belief.update(row, at)
+        return self._replace(belief=belief, odds=self.odds + innovation.log_likelihood() - of_push), innovation
 
-    def unlinked(self) -> Changed:
+    def without_link(self) -> Changed:
         """The belief after a row that tells nothing of the change."""
         belief = self.belief.copy()
-        belief.unlink()
+        belief.drop_link()
         return self._replace(belief=belief)
 
 
 @dataclass(frozen=True)
 class Trial:
-    """All beliefs, and the surprise of the last row under the likeliest; how many rows there were, blocks in which the
-    cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual pushes."""
+    """All beliefs, and the innovation of the last row under the likeliest; how many rows there were, blocks in which
+    the cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual
+    pushes."""
 
     pushed: Pushed
     changed: tuple[Changed, ...]
     usual: Array
-    surprise: Surprise
+    innovation: Innovation
     rows: int = 0
     still: int = 0
     without: int = 0
 
     def and_then(self, row: FilteredRow, at: Array) -> Trial:
         """The trial with one more row."""
-        pushed, of_push, surprise = self.pushed.and_then(row, at, self.usual)
+        pushed, of_push, innovation = self.pushed.and_then(row, at, self.usual)
         if self.rows < SETTING_IN:
-            changed = tuple(one.unlinked() for one in self.changed)
-            return replace(self, pushed=pushed, changed=changed, rows=self.rows + 1, surprise=surprise)
+            changed = tuple(one.without_link() for one in self.changed)
+            return replace(self, pushed=pushed, changed=changed, rows=self.rows + 1, innovation=innovation)
         both = [one.and_then(row, at, of_push) for one in self.changed]
         likelier = [pair for pair in both if pair[0].odds > 0.0]
-        said = max(likelier, key=lambda pair: pair[0].odds)[1] if likelier else surprise
-        return replace(self, pushed=pushed, changed=tuple(c for c, _ in both), rows=self.rows + 1, surprise=said)
+        said = max(likelier, key=lambda pair: pair[0].odds)[1] if likelier else innovation
+        return replace(self, pushed=pushed, changed=tuple(c for c, _ in both), rows=self.rows + 1, innovation=said)
 
-    def unlinked(self, *, is_still: bool) -> Trial:
+    def without_link(self, *, is_still: bool) -> Trial:
         """The trial after a block that brought no row, since the cart stood still or for another reason."""
         pushed = self.pushed.belief.copy()
-        pushed.unlink()
+        pushed.drop_link()
         return replace(
             self,
             pushed=self.pushed._replace(belief=pushed),
-            changed=tuple(one.unlinked() for one in self.changed),
+            changed=tuple(one.without_link() for one in self.changed),
             still=self.still + is_still,
             without=self.without + 1,
         )
@@ -212,7 +213,7 @@ class Beginning:
         one, *later = self.left
         if self.trial is not None:
             return replace(self, left=tuple(later), trial=self.trial.and_then(one.row, one.at))
-        following, _, surprise = self.pushed.and_then(one.row, one.at, self.usual)
+        following, _, innovation = self.pushed.and_then(one.row, one.at, self.usual)
         if following.rows > 0 and later:
             return replace(self, pushed=following, left=tuple(later))
         changed = []
@@ -220,4 +221,4 @@ class Beginning:
             if added.any():
                 changed.append(Changed(self.pushed.belief.copy(), is_load))
                 changed[-1].belief.open(added)
-        return replace(self, trial=Trial(self.pushed, tuple(changed), self.usual, surprise))
+        return replace(self, trial=Trial(self.pushed, tuple(changed), self.usual, innovation))

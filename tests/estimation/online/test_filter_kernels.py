@@ -14,10 +14,10 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.wheels import Wheel
 from estimation import FilterNoise, Prior
-from estimation.online.driven_motion import DrivenMotion
 from estimation.online.kernels import correction
 from estimation.online.kernels.tracked_motion import PATH_FLOOR
 from estimation.online.regressor.motion_tracker import MotionTracker
+from estimation.online.schmidt_filter import SchmidtFilter
 from estimation.online.seen import Seen
 from tests.kernels_called import called
 
@@ -113,7 +113,7 @@ def pushed(motion, wrench, covariance):
 
 
 def started(noise=QUIET, free=None, cart=CART):
-    motion = DrivenMotion(cart, noise, np.arange(len(cart.parameters)) if free is None else free)
+    motion = SchmidtFilter(cart, noise, np.arange(len(cart.parameters)) if free is None else free)
     motion.start(0.0, np.array([0.2, -0.1, 0.4]))
     motion.now.mean[cart.velocity_slice] = 0.6, 0.3
     motion.now.own[:] = 0.0
@@ -209,7 +209,7 @@ def test_densities_add_up_as_van_loan_says():
     """A linear cart: the covariance after many steps against the integral of exponentials."""
     cart = CartModel(Inertia(10.0, (0.0, 0.0), 1.0), effects=(ViscousDrag(3.0, 1.2),))
     noise = FilterNoise(disturbance=0.4, slip=0.0)
-    motion = DrivenMotion(cart, noise, np.arange(0))
+    motion = SchmidtFilter(cart, noise, np.arange(0))
     motion.start(0.0, np.zeros(3))
     motion.now.own[:] = 0.0
     for k in range(100):

@@ -52,13 +52,13 @@ class Diary:
 
     def copy(self):
         other = Diary(self.told)
-        other.heard = self.heard
+        other.factors = self.factors
         return other
 
-    heard, worked = None, False
+    factors, worked = None, False
 
-    def hear(self, loudness):
-        self.heard = loudness
+    def scale_noise(self, noise_factors):
+        self.factors = noise_factors
 
 
 @given(st.lists(st.tuples(st.integers(0, 2000), st.integers(0, int(1200 * REACH))), min_size=1, max_size=60))
@@ -86,13 +86,13 @@ def test_what_is_refused_leaves_the_reach_as_it_is():
     assert kept.take(Measurement(2.0 - REACH))
 
 
-def test_what_was_heard_of_noise_stays_where_time_goes_back():
+def test_what_is_known_of_noise_stays_where_time_goes_back():
     kept = LateSamples(Diary())
     for k in range(30):
         assert kept.take(Measurement(0.01 * k))
-    kept.hear(2.0)
+    kept.scale_noise(2.0)
     assert kept.take(Measurement(0.155))
-    assert kept.state.heard == 2.0
+    assert kept.state.factors == 2.0
 
 
 @pytest.mark.parametrize("arms", [["left", "right"], None])

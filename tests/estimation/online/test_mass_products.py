@@ -10,7 +10,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive_cart, filter_noise
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import Gaussian
-from estimation.online.kernels.filtered_row import Smoothed, weights
+from estimation.online.kernels.row_algebra import Smoothed, weights
 from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
 from estimation.online.regressor.mass_products import MassProducts, Told
 

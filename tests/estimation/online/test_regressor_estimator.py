@@ -15,14 +15,14 @@ from cartgrasp.model import CartModel
 from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.log_noise.log_noise import noise_of_log
-from estimation.online.kernels.filtered_row import RATE, FilteredRow, Smoothed, weights
+from estimation.online.kernels.row_algebra import RATE, FilteredRow, Smoothed, weights
 from estimation.online.kernels.row_parts import STANDS_OUT, likeliest, standing_out
 from estimation.online.load_change import root_of
 from estimation.online.regressor import regression_belief
 from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
 from estimation.online.regressor.load_watch import LoadWatch
 from estimation.online.regressor.mass_products import MassProducts
-from estimation.online.regressor.regression_belief import LATENESS, LATENESS_STD, RegressionBelief, Surprise
+from estimation.online.regressor.regression_belief import LATENESS, LATENESS_STD, Innovation, RegressionBelief
 from estimation.whole_log.replay import replay
 
 from ..runs import integrate, push, simulate, simulate_two_hands, wrench_rows
@@ -190,7 +190,7 @@ def test_rows_add_up_to_generalised_least_squares(monkeypatch):
     monkeypatch.setattr(regression_belief, "KEPT", 1.0)
     rows, found = list(drawn_rows(30, np.random.default_rng(1))), belief()
     for row in rows:
-        found.absorb(row, np.array([4.0]))
+        found.update(row, np.array([4.0]))
     L = np.zeros((30, 31))
     for k in range(30):
         L[k, k], L[k, k + 1] = 0.7 * 8.0, -8.0
@@ -210,7 +210,7 @@ def test_noise_in_the_regressors_does_not_make_light(force_noise):
     for is_naive in (False, True):
         found = belief()
         for row in drawn_rows(3000, np.random.default_rng(2), 0.15, 1.0, 5.0, force_noise, is_naive):
-            found.absorb(row, np.array([5.0]))
+            found.update(row, np.array([5.0]))
         masses.append(found.parameters)
     assert 5.0 - masses[1].mean[0] > 0.05
     assert abs(masses[0].mean[0] - 5.0) < 2.5 * masses[0].covariance[0, 0] ** 0.5
@@ -220,7 +220,7 @@ def test_noise_in_the_regressors_does_not_make_light(force_noise):
 def test_noise_alone_teaches_next_to_nothing(force_noise):
     found = belief()
     for row in drawn_rows(30, np.random.default_rng(3), 0.03, 0.0, 4.0, force_noise):
-        found.absorb(row, np.array([4.0]))
+        found.update(row, np.array([4.0]))
     assert found.parameters.covariance[0, 0] ** 0.5 > 1.5
 
 
@@ -238,10 +238,10 @@ def test_only_what_is_excited_is_forgotten():
         slopes = np.zeros((1, 3))
         slopes[0, asked] = 1.0
         row = one._replace(slopes=slopes, residual=np.zeros(1))
-        found.unlink()
+        found.drop_link()
         before = found.parameters.covariance[1, 1] ** 0.5
         for _ in range(times):
-            found.absorb(row, np.array([4.0, 4.0]))
+            found.update(row, np.array([4.0, 4.0]))
     own = 0.09 + 1.0 + 0.49
     assert found.parameters.covariance[1, 1] ** 0.5 == pytest.approx(before, rel=1e-6)
     lasting = 1 / (1 - regression_belief.KEPT)
@@ -350,7 +350,7 @@ def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
         slopes, news, spread = random.standard_normal((2, 3)), random.standard_normal(2), np.diag([0.5, 2.0])
         rows.append((slopes, news, spread))
         asked = np.linalg.solve(spread, slopes).T
-        watch.note(0.0, Surprise(1.0, asked @ news, asked @ slopes, news, spread), root_of(load))
+        watch.note(0.0, Innovation(1.0, asked @ news, asked @ slopes, news, spread), root_of(load))
     ratios = []
     for first in range(5):
         slopes, news, spreads = (list(part) for part in zip(*rows[first:], strict=True))

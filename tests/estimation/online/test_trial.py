@@ -15,7 +15,7 @@ from cartgrasp.studies.estimators import HANDS, PERIOD, SENSORS, Job, drive_cart
 from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.gaussian import Gaussian
-from estimation.online.kernels.filtered_row import FilteredRow
+from estimation.online.kernels.row_algebra import FilteredRow
 from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import RegressionBelief, mixture
 from estimation.online.regressor.trial import (
@@ -110,8 +110,8 @@ def test_a_load_goes_on_and_a_push_ends():
     assert endless.is_endless
     early = trial([row(r, 26.0 * r + e) for r, e in zip(rises[: LEAST - 1], noise, strict=False)])
     assert not early.is_over  # a push may last so long
-    assert early.unlinked(is_still=True).is_over  # nothing more is learned
-    assert not early.unlinked(is_still=False).is_over
+    assert early.without_link(is_still=True).is_over  # nothing more is learned
+    assert not early.without_link(is_still=False).is_over
 
 
 @pytest.mark.parametrize("told", [0, 1])

@@ -1,4 +1,4 @@
-"""Pose, nu and effect memory as the recorded wrench drives them, parameters considered: `kernels/driven_motion.py`."""
+"""Pose, nu and effect memory as the recorded wrench drives them, parameters considered: `kernels/schmidt_steps.py`."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from ..gaussian import Gaussian
 from ..health import no_health
 from ..noise import FilterNoise
 from .first_motion import first_motion
-from .kernels import driven_motion as kernels
-from .kernels.driven_block import Driven, new_block, parts
-from .kernels.driven_motion import MAX_STEP
+from .kernels import schmidt_steps as kernels
 from .kernels.felt_wrench import HELD
 from .kernels.jit import Indices
+from .kernels.schmidt_block import Considered, new_block, parts
+from .kernels.schmidt_steps import MAX_STEP
 from .kernels.sensor_health import noted
 from .seen import NOTHING_FELT, NOTHING_SEEN
 
@@ -29,7 +29,7 @@ UNKNOWN_FORCE = 100.0
 """N: of a wrench of which nothing is known."""
 
 
-class DrivenMotion:
+class SchmidtFilter:
     """What is believed of the state: `mean + slopes @ (parameters - theirs) ± own`, over `(pose, nu, memory)`."""
 
     def __init__(self, cart: CartModel, noise: FilterNoise, free: np.ndarray) -> None:
@@ -41,7 +41,7 @@ class DrivenMotion:
         most = 3 * cart.dynamics.most_stictions if self._sticks else 0
         self._plan = np.array([n, k, m, len(cart.parameters), len(free), most, *free], np.int64)
         self._block = new_block(self._plan)
-        self._now: Driven | None = None
+        self._now: Considered | None = None
         self._seen = self._block[:3], self._block[self._nu], self._block[cart.memory_slice]
         self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
@@ -66,7 +66,7 @@ class DrivenMotion:
         return self._block, self._plan
 
     @property
-    def now(self) -> Driven:
+    def now(self) -> Considered:
         """Views of the block."""
         if self._now is None:
             self._now = parts(self._block, self._plan)
@@ -84,10 +84,10 @@ class DrivenMotion:
         other._seen = other._block[:3], other._block[self._nu], other._block[self.cart.memory_slice]
         return other
 
-    def hear(self, loudness: Array) -> None:
+    def scale_noise(self, noise_factors: Array) -> None:
         """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
         declared = np.diag(self._noise.velocity_covariance)
-        self.now.variances[3:] = declared * loudness[[0, 0, 1]]
+        self.now.variances[3:] = declared * noise_factors[[0, 0, 1]]
 
     def start(self, time: float, pose: Array) -> None:
         """From a pose that may be NaN in parts, with any velocity."""
@@ -121,18 +121,18 @@ class DrivenMotion:
         self._theta = theta
 
     def advance(
-        self, time: float, seen: Array = NOTHING_SEEN, felt: Array = NOTHING_FELT, surprise: float = 0.0
+        self, time: float, seen: Array = NOTHING_SEEN, felt: Array = NOTHING_FELT, gate_ratio: float = 0.0
     ) -> None:
         """With nothing measured on the way but the last push; then takes in what is `seen` (6,) at that time: pose and
         velocity, NaN where missing; and what is `felt` from then on, from the time of a sample on as in
-        `kernels/felt_wrench.py`, with its `surprise`."""
+        `kernels/felt_wrench.py`, with its `gate_ratio`."""
         block, plan = self._block, self._plan
         if self._in_kernels:
             floats, ints = self._workspace
-            self.said = kernels.drive(floats, ints, block, plan, self.time, time, seen, felt, surprise)
+            self.said = kernels.drive(floats, ints, block, plan, self.time, time, seen, felt, gate_ratio)
         else:
             self._go(self.time, time)
-            self.said = kernels.take(block, plan, time, seen, felt, surprise)
+            self.said = kernels.take(block, plan, time, seen, felt, gate_ratio)
         self.time = time
 
     def _go(self, begin: float, end: float) -> None:

@@ -1,4 +1,4 @@
-"""What stands where in the block of a driven motion: a call then hands over one array, and a copy is one, too."""
+"""What stands where in the block of a motion with parameters considered: a call hands over one array, and copies it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ N_SIZES = 6
 and free ones, and how many numbers stiction has at most."""
 
 
-class Driven(NamedTuple):
+class Considered(NamedTuple):
     """Believed: mean (n,), own covariance (n, n), slopes by the free parameters (n, f); how poised each memory is (m,);
     the last NIS (2,), and how sensors do (3, 4), as in `sensor_health.py`. Of others: parameters (p,) and the free
     ones' covariance (f, f). The last push: its time and that of the one before (2,), the reduced wrench (k,) and its
@@ -56,7 +56,7 @@ def new_block(plan: Indices) -> Array:
     return np.zeros(kept + room)
 
 
-def parts(block: Array, plan: Indices) -> Driven:
+def parts(block: Array, plan: Indices) -> Considered:
     """Views."""
     n, k, m, p, f = plan[0], plan[1], plan[2], plan[3], plan[4]
     mean, at = block[:n], n
@@ -78,7 +78,7 @@ def parts(block: Array, plan: Indices) -> Driven:
     rest, at = block[at : at + n], at + n
     creep, at = block[at : at + 2], at + 2
     spread, at = block[at : at + m], at + m
-    return Driven(
+    return Considered(
         mean,
         own,
         slopes,

@@ -1,7 +1,7 @@
 """A step of the motion that recorded wrenches drive, with the parameters considered: known to within a covariance,
 and not taught by it (Schmidt 1966).
 
-All that is believed and known stands in one block of memory, as in `driven_block.py`. Where a cart's effects all have
+All that is believed and known stands in one block of memory, as in `schmidt_block.py`. Where a cart's effects all have
 kernels, `drive` asks them for the rate, so that a sample is one call; `predict` and `take` are for those whose rate
 comes from elsewhere.
 """
@@ -17,9 +17,9 @@ from cartgrasp.kernels.workspace import unpack as unpack_cart
 
 from . import sensor_health
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
-from .driven_block import N_SIZES, Driven, parts
 from .felt_wrench import HELD
 from .jit import Indices, compiled, entry
+from .schmidt_block import N_SIZES, Considered, parts
 
 MAX_STEP = 0.01
 POISED = 12.0
@@ -38,7 +38,7 @@ def drive(
     end: float,
     seen: Array,
     felt: Array,
-    surprise: float,
+    gate_ratio: float,
 ) -> int:
     """From a time to another with nothing measured on the way but the last push; then as `take`. `floats` and `ints`
     are the cart's workspace."""
@@ -64,7 +64,7 @@ def drive(
             settled = room[: len(d.poise)]
             settle_all(cart, point, situation(cart, point, lifted(cart.basis, d.mean[3:])), settled)
             _topple(d, settled)
-    return _take(d, end, seen, felt, surprise)
+    return _take(d, end, seen, felt, gate_ratio)
 
 
 @entry
@@ -78,10 +78,10 @@ def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float)
 
 
 @entry
-def take(block: Array, plan: Indices, time: float, seen: Array, felt: Array, surprise: float) -> int:
+def take(block: Array, plan: Indices, time: float, seen: Array, felt: Array, gate_ratio: float) -> int:
     """What is `seen` (6,), a pose and a velocity, NaN where missing; then what is felt from now on, from the time of a
-    sample on as in `felt_wrench.py`, or NaN. Returns how sensors do; `surprise` is the ratio of the wrench's."""
-    return _take(unpack(block, plan), time, seen, felt, surprise)
+    sample on as in `felt_wrench.py`, or NaN. Returns how sensors do; `gate_ratio` is the ratio of the wrench's."""
+    return _take(unpack(block, plan), time, seen, felt, gate_ratio)
 
 
 @entry
@@ -91,7 +91,7 @@ def topple(block: Array, plan: Indices, settled: Array) -> None:
 
 
 @compiled
-def _let_go(d: Driven) -> None:
+def _let_go(d: Considered) -> None:
     """From now on the push may be any."""
     d.pushed[0] = d.pushed[1] = -math.inf
     d.push[:] = 0.0
@@ -100,7 +100,7 @@ def _let_go(d: Driven) -> None:
 
 
 @compiled
-def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, room: Array) -> None:
+def _predict(d: Considered, flow: Array, stuck: Array, free: Indices, step: float, room: Array) -> None:
     """The step is `(I - F h/2)⁻¹ h f` and the transition `(I - F h/2)⁻¹ (I + F h/2)`: of second order, and stable where
     F is stiff."""
     n, p, f, k = len(d.mean), len(d.theta), len(free), len(d.push)
@@ -153,7 +153,7 @@ def _predict(d: Driven, flow: Array, stuck: Array, free: Indices, step: float, r
 
 
 @compiled
-def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Array, room: Array) -> None:
+def _add_noise(d: Considered, by_wrench: Array, stuck: Array, time: float, noise: Array, room: Array) -> None:
     """Puts into `noise` (n, n) what disturbances, stiction, slip and swivel add in a time."""
     disturbance, room = carved(room, 3, 3)
     for i in range(3):
@@ -173,7 +173,7 @@ def _add_noise(d: Driven, by_wrench: Array, stuck: Array, time: float, noise: Ar
 
 
 @compiled
-def _is_poised(d: Driven) -> bool:
+def _is_poised(d: Considered) -> bool:
     longest = 0.0
     for a in range(len(d.poise)):
         longest = max(longest, d.poise[a])
@@ -181,7 +181,7 @@ def _is_poised(d: Driven) -> bool:
 
 
 @compiled
-def _topple(d: Driven, settled: Array) -> None:
+def _topple(d: Considered, settled: Array) -> None:
     """A caster doesn't stay turned against its way: a memory believed poised for too long is where it settles."""
     for a in range(len(d.poise)):
         if d.poise[a] > POISED:
@@ -193,20 +193,20 @@ def _topple(d: Driven, settled: Array) -> None:
 
 
 @compiled
-def _take(d: Driven, time: float, seen: Array, felt: Array, surprise: float) -> int:
+def _take(d: Considered, time: float, seen: Array, felt: Array, gate_ratio: float) -> int:
     believed, is_felt = Believed(d.mean, d.own, d.slopes, d.beside), math.isfinite(felt[0])
     d.nis[0] = take_pose(believed, seen[:3], d.variances[:3], d.room)
     d.nis[1] = take_velocity(believed, seen[3:], d.variances[3:], d.project, d.room)
     note(d.health[0], time, d.nis[0] / (3 * GATE))
     note(d.health[1], time, d.nis[1] / (len(d.push) * GATE))
-    note(d.health[2], time, surprise if is_felt else math.nan)
+    note(d.health[2], time, gate_ratio if is_felt else math.nan)
     if is_felt:
         push(d, time, felt)
     return said_of(d.health)
 
 
 @compiled
-def push(d: Driven, time: float, felt: Array) -> None:
+def push(d: Considered, time: float, felt: Array) -> None:
     k = len(d.push)
     d.pushed[1], d.pushed[0] = d.pushed[0], time
     copy(felt[1:], d.push)
