@@ -231,6 +231,10 @@ def _first(document: Any, errors: Sequence[Any]) -> Any:
 def _why(error: Any) -> str:
     given, context = error.get("input"), error.get("ctx", {}).get
     many = f"{context('actual_length')} given, but at"
+    is_key = isinstance(given, str) and given.isidentifier()
+    no_mapping = f"{given!r} is not a mapping `key: value`" + (
+        f"; write `{given}: {{}}` if it has none" if is_key else ""
+    )
     reasons = {
         "missing": "is missing; add it",
         "finite_number": f"{given} is not a finite number",
@@ -240,9 +244,9 @@ def _why(error: Any) -> str:
         "string_type": f"{given!r} is not text",
         "list_type": f"{given!r} is not a list `[a, b]`",
         "tuple_type": f"{given!r} is not a list",
-        "dict_type": f"{given!r} is not a mapping `key: value`",
-        "model_type": f"{given!r} is not a mapping `key: value`",
-        "model_attributes_type": f"{given!r} is not a mapping `key: value`",
+        "dict_type": no_mapping,
+        "model_type": no_mapping,
+        "model_attributes_type": no_mapping,
         "bool_type": f"{given!r} is neither true nor false",
         "too_short": f"{many} least {context('min_length')} are needed",
         "too_long": f"{many} most {context('max_length')} are allowed",

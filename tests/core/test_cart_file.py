@@ -153,7 +153,7 @@ MISTAKES = [
     (SHORT + "com_height: -1\n", 4, 1, "com_height", "below the floor"),
     (SHORT + "name: 5\n", 4, 1, "name", "5 is not text"),
     (SHORT + "constraints: {x: 0}\n", 4, 1, "constraints", "is not a list"),
-    (SHORT + "constraints:\n  - no_rotation\n", 5, 5, "constraints.0", "is not a mapping"),
+    (SHORT + "constraints:\n  - no_rotation\n", 5, 5, "constraints.0", "mapping `key: value`; write `no_rotation: {}`"),
     (SHORT + "constraints:\n  - no_slip: {}\n", 5, 5, "constraints.0", "no_slip: each entry is"),
     (SHORT + "constraints:\n  - no_rotation: {}\n", 4, 1, "constraints", "needs no_lateral_slip beside it"),
     (
