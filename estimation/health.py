@@ -51,7 +51,7 @@ def by_sensor(table: Array) -> Mapping[str, SensorHealth]:
 
 def said(of_sensors: int, learner: Health) -> Health:
     """The first that holds, of what is said of the sensors and by what learns from them."""
-    if of_sensors & POSE_MISSED:
+    if of_sensors & POSE_MISSED or learner is Health.STALE:
         return Health.STALE
     if of_sensors & WRENCH_MISSED:
         return Health.NO_WRENCH

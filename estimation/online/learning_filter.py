@@ -23,7 +23,6 @@ from cartgrasp.shallow import shallow
 from ..gaussian import Gaussian
 from ..health import SensorHealth, by_sensor, said
 from .first_motion import LOST_AFTER
-from .kernels.sensor_health import POSE_MISSED
 from .regressor.parameter_learner import ParameterLearner
 from .schmidt_filter import SchmidtFilter
 from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
@@ -84,8 +83,7 @@ class LearningFilter:
 
     def estimate(self) -> Estimate:
         learner, motion = self.learner, self.motion
-        of_sensors = motion.said if self._started else motion.said | POSE_MISSED
-        return learner.estimate(motion.motion, said(of_sensors, learner.health))
+        return learner.estimate(motion.motion, said(motion.said, learner.health))
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:

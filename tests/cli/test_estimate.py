@@ -154,7 +154,7 @@ def test_nothing_but_holes(capsys, tmp_path, weaving, method):
     found = parameters(answer)
     assert found["mass"]["value"] == pytest.approx(18)
     assert not any(p["identifiable"] for p in found.values())
-    assert answer.json["health"] == "no_wrench"
+    assert answer.json["health"] == "stale"
 
 
 @ONLINE

@@ -164,6 +164,8 @@ class ParameterLearner:
 
     @property
     def health(self) -> Health:
+        if not self._started:
+            return Health.STALE
         return self._watch.health if self._has_wrench else Health.NO_WRENCH
 
     @property
