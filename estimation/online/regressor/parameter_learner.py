@@ -40,7 +40,7 @@ from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker, Smoothing
 from .regression_belief import Innovation, RegressionBelief
-from .trial import Beginning, Taken, Trial
+from .trial import Beginning, Taken, Trial, TrialRow
 
 LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
@@ -68,6 +68,17 @@ class RowOf(NamedTuple):
     row: FilteredRow
 
 
+class Tried(NamedTuple):
+    """A row of a time (s) on its way through a trial."""
+
+    time: float
+    row: TrialRow
+
+    def go_on(self) -> Tried | TakenIn:
+        row = self.row.go_on()
+        return self._replace(row=row) if row.trial is None else TakenIn(self.time, row.trial)
+
+
 class TakenIn(NamedTuple):
     """A row of a time (s) that the belief has taken in: its innovation, or the trial that went on with it."""
 
@@ -79,7 +90,7 @@ class Decided(NamedTuple):
     """A row after which it is known what to believe."""
 
 
-Unfinished = Begun | Block | RowOf | TakenIn | Beginning | Decided
+Unfinished = Begun | Block | RowOf | Tried | TakenIn | Beginning | Decided
 
 
 class ParameterLearner:
@@ -239,6 +250,8 @@ class ParameterLearner:
                 self._unfinished = self._row_of(part)
             case RowOf():
                 self._unfinished = self._taken_in(*part)
+            case Tried():
+                self._unfinished = part.go_on()
             case TakenIn():
                 self._unfinished = self._decide(*part)
             case Beginning():
@@ -303,10 +316,10 @@ class ParameterLearner:
         row = filtered_row(self.cart, known, self._spread, block, self._left_out)
         return RowOf(float(block.moved.time[-1]), row)
 
-    def _taken_in(self, time: float, row: FilteredRow) -> TakenIn:
+    def _taken_in(self, time: float, row: FilteredRow) -> TakenIn | Tried:
         """What the belief, or a trial, makes of a row."""
         if self._trial is not None:
-            return TakenIn(time, self._trial.and_then(row, self.theta))
+            return Tried(time, self._trial.with_row(row, self.theta)).go_on()
         before = self._belief.copy()
         innovation = self._belief.update(row, self.theta)
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]

@@ -99,16 +99,9 @@ class Trial:
     still: int = 0
     without: int = 0
 
-    def and_then(self, row: FilteredRow, at: Array) -> Trial:
-        """The trial with one more row."""
-        pushed, of_push, innovation = self.pushed.and_then(row, at, self.usual)
-        if self.rows < SETTING_IN:
-            changed = tuple(one.without_link() for one in self.changed)
-            return replace(self, pushed=pushed, changed=changed, rows=self.rows + 1, innovation=innovation)
-        both = [one.and_then(row, at, of_push) for one in self.changed]
-        likelier = [pair for pair in both if pair[0].odds > 0.0]
-        said = max(likelier, key=lambda pair: pair[0].odds)[1] if likelier else innovation
-        return replace(self, pushed=pushed, changed=tuple(c for c, _ in both), rows=self.rows + 1, innovation=said)
+    def with_row(self, row: FilteredRow, at: Array) -> TrialRow:
+        """The way to a trial with one more row."""
+        return TrialRow(self, row, at)
 
     def without_link(self, *, is_still: bool) -> Trial:
         """The trial after a block that brought no row, since the cart stood still or for another reason."""
@@ -190,6 +183,42 @@ class Trial:
         return int(np.argmax(np.where(loads, -1.0, self._shares)))
 
 
+class TrialRow(NamedTuple):
+    """A row around parameters (p,) that one belief of a trial takes in after the other: first the one of a push, with
+    its log-likelihood and innovation, then those of changes, with theirs."""
+
+    before: Trial
+    row: FilteredRow
+    at: Array
+    pushed: tuple[Pushed, float, Innovation] | None = None
+    changed: tuple[tuple[Changed, Innovation], ...] = ()
+
+    def go_on(self) -> TrialRow:
+        """With one belief more."""
+        before = self.before
+        if self.pushed is None:
+            return self._replace(pushed=before.pushed.and_then(self.row, self.at, before.usual))
+        after = before.changed[len(self.changed)].and_then(self.row, self.at, self.pushed[1])
+        return self._replace(changed=(*self.changed, after))
+
+    @property
+    def trial(self) -> Trial | None:
+        """The trial after the row; None while a belief is left."""
+        before = self.before
+        if self.pushed is None:
+            return None
+        pushed, _, innovation = self.pushed
+        if before.rows < SETTING_IN:
+            changed = tuple(one.without_link() for one in before.changed)
+            return replace(before, pushed=pushed, changed=changed, rows=before.rows + 1, innovation=innovation)
+        if len(self.changed) < len(before.changed):
+            return None
+        likelier = [pair for pair in self.changed if pair[0].odds > 0.0]
+        said = max(likelier, key=lambda pair: pair[0].odds)[1] if likelier else innovation
+        changed = tuple(one for one, _ in self.changed)
+        return replace(before, pushed=pushed, changed=changed, rows=before.rows + 1, innovation=said)
+
+
 @dataclass(frozen=True)
 class Beginning:
     """The way to a trial over the last rows, of which some are `left`: from the first in which a push is likely on all
@@ -203,16 +232,20 @@ class Beginning:
     floor: Array
     usual: Array
     trial: Trial | None = None
+    row: TrialRow | None = None
 
     @classmethod
     def of(cls, time: float, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> Beginning:
         return cls(time, Pushed(taken[0].before.copy(), np.zeros(len(usual))), tuple(taken), load, floor, usual)
 
     def go_on(self) -> Beginning:
-        """With one more row."""
+        """With one more row, or with one more belief after it."""
         one, *later = self.left
         if self.trial is not None:
-            return replace(self, left=tuple(later), trial=self.trial.and_then(one.row, one.at))
+            row = (self.row or self.trial.with_row(one.row, one.at)).go_on()
+            if row.trial is None:
+                return replace(self, row=row)
+            return replace(self, left=tuple(later), trial=row.trial, row=None)
         following, _, innovation = self.pushed.and_then(one.row, one.at, self.usual)
         if following.rows > 0 and later:
             return replace(self, pushed=following, left=tuple(later))

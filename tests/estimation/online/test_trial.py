@@ -62,7 +62,10 @@ def trial(rows):
         beginning = beginning.go_on()
     found = beginning.trial
     for one in rows[1:]:
-        found = found.and_then(one, at)
+        on_its_way = found.with_row(one, at)
+        while on_its_way.trial is None:
+            on_its_way = on_its_way.go_on()
+        found = on_its_way.trial
     return found
 
 
