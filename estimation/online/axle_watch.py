@@ -10,10 +10,17 @@ from ..sensor_check.suspicion import Suspicion
 from .rivals import KEPT, LEAST_ROWS, SHARED
 
 
-class AxleWatch(NamedTuple):
-    """Sums, forgotten as `Rivals` are, of squares of turns (rad²), of turns times slips that the file's axle leaves
-    (rad m), of squares of such slips and of ways (m²), and of rows."""
+TURNS = 0.5
+"""Least correlation of a turn with the one before: what turns goes on to, and noise of headings turns back."""
 
+
+class AxleWatch(NamedTuple):
+    """The last turn (rad). And sums, forgotten as `Rivals` are: of turns times the ones before, and of their squares
+    (rad²), of turns times slips that the file's axle leaves (rad m), of squares of such slips and of ways (m²), and of
+    rows."""
+
+    last: float = 0.0
+    lasting: float = 0.0
     turned: float = 0.0
     pulled: float = 0.0
     slipped: float = 0.0
@@ -22,13 +29,13 @@ class AxleWatch(NamedTuple):
 
     def and_then(self, turn: float, slip: float, way: float) -> AxleWatch:
         """With a turn (rad), a slip (m) and the square of a way (m²) more."""
-        new = turn * turn, slip * turn, slip * slip, way, 1.0
-        return AxleWatch(*(KEPT * old + more for old, more in zip(self, new, strict=True)))
+        new = turn * self.last, turn * turn, slip * turn, slip * slip, way, 1.0
+        return AxleWatch(turn, *(KEPT * old + more for old, more in zip(self[1:], new, strict=True)))
 
     def suspicion(self, axle_x: float, least: float) -> Suspicion | None:
         """`offset` of the pose, where it is as probable at least; None where too little is seen to turn, or the cart
         slips whatever it turns about."""
-        if self.rows < LEAST_ROWS or not self.turned > 0.0:
+        if self.rows < LEAST_ROWS or not self.lasting > TURNS * self.turned:
             return None
         off = -self.pulled / self.turned
         left = self.slipped - self.pulled * self.pulled / self.turned
