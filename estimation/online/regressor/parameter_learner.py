@@ -151,7 +151,9 @@ class ParameterLearner:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
         before, self.time = self.time, self.tracker.last_time
-        self._work(self.time - before, is_due=said & DUE > 0)
+        self.worked = said & DUE > 0 or self._unfinished is not None
+        if self.worked:
+            self._work(self.time - before, is_due=said & DUE > 0)
         self._watch.go_on(time)
         if said & FELT:
             self.felt, self._has_wrench = self.tracker.felt, True
@@ -229,7 +231,6 @@ class ParameterLearner:
 
     def _work(self, since: float, *, is_due: bool) -> None:
         """Goes on with a row, `since` (s) the last sample: in slices, where that is short."""
-        self.worked = is_due or self.is_unfinished
         if is_due and not isinstance(self._unfinished, Begun):
             self._finish()
             self._take_row()
