@@ -9,7 +9,6 @@ from ..sensor_check.axle import ASIDE, elsewhere
 from ..sensor_check.suspicion import Suspicion
 from .rivals import KEPT, LEAST_ROWS, SHARED
 
-
 TURNS = 0.5
 """Least correlation of a turn with the one before: what turns goes on to, and noise of headings turns back."""
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from ...physical_set import PhysicalSet
 from ...prior import Prior
 from ..disturbance.observer import USUAL_PUSH
 from ..kernels.recorded_moment import DUE, FELT
-from ..kernels.row_algebra import FilteredRow, Weights, weights
+from ..kernels.row_algebra import FilteredRow, weights
 from ..load_change import load_covariance, root_of
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..wrench_sensing import Moving, WrenchSensing
@@ -38,59 +38,17 @@ from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
 from .followed_memory import FollowedMemory
 from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
-from .motion_tracker import MotionTracker, Smoothing
+from .motion_tracker import MotionTracker
 from .regression_belief import Innovation, RegressionBelief
-from .trial import Beginning, Taken, Trial, TrialRow
+from .row_stages import Begun, Decided, RowOf, TakenIn, Tried, Unfinished
+from .trial import Beginning, Taken, Trial
 
 LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
 SLICED = 0.004
-"""s between samples: a loop that is faster has a row worked out in slices, one with each sample."""
-
-
+"""s between samples: a loop that is faster has a row worked out in slices, one with each sample (`row_stages.py`)."""
 A_SLICE = 32
 """Moments that are smoothed in one."""
-
-
-class Begun(NamedTuple):
-    """A block of `end` moments, of which the next one has not the first k, while they are smoothed."""
-
-    k: int
-    end: int
-    weights: Weights
-    smoothing: Smoothing
-
-
-class RowOf(NamedTuple):
-    """The row of a block that ends at a time (s)."""
-
-    time: float
-    row: FilteredRow
-
-
-class Tried(NamedTuple):
-    """A row of a time (s) on its way through a trial."""
-
-    time: float
-    row: TrialRow
-
-    def go_on(self) -> Tried | TakenIn:
-        row = self.row.go_on()
-        return self._replace(row=row) if row.trial is None else TakenIn(self.time, row.trial)
-
-
-class TakenIn(NamedTuple):
-    """A row of a time (s) that the belief has taken in: its innovation, or the trial that went on with it."""
-
-    time: float
-    told: Innovation | Trial
-
-
-class Decided(NamedTuple):
-    """A row after which it is known what to believe."""
-
-
-Unfinished = Begun | Block | RowOf | Tried | TakenIn | Beginning | Decided
 
 
 class ParameterLearner:
