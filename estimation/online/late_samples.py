@@ -18,8 +18,8 @@ SET_BACK = 0.5
 """s: for how long nothing but refused samples come, one after the other, when the clock was set back."""
 
 
-class Rewindable(Protocol):
-    """What goes on from sample to sample, and can be kept as it is."""
+class SampleFilter(Protocol):
+    """What goes on from sample to sample, can be kept as it is, and is told how noisy velocities are."""
 
     @property
     def time(self) -> float: ...
@@ -27,10 +27,6 @@ class Rewindable(Protocol):
     def take(self, measurement: Measurement) -> None: ...
 
     def copy(self) -> Self: ...
-
-
-class SampleFilter(Rewindable, Protocol):
-    """What is told how noisy velocities are."""
 
     @property
     def worked(self) -> bool:

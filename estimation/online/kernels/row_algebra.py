@@ -29,7 +29,6 @@ from .row_parts import (
     standing_out,
     with_rise,
 )
-from .tracked_motion import smooth
 
 RATE = 2.0
 """1/s, of the filter."""
@@ -152,19 +151,6 @@ def over(rows: Array) -> tuple[int, int]:
     if last - rows[min(end, n) - 1, 0] < LAG - 1e-6:
         return 0, 0
     return k, end
-
-
-@row_entry
-def smooth_span(
-    rows: Array,
-    weights: Array,
-    known: Array,
-    found: tuple[Array, Array],
-    sums: Array,
-    span: tuple[int, int],
-) -> None:
-    """`tracked_motion.smooth`."""
-    smooth(rows, found, weights, sums, known, span)
 
 
 @row_entry

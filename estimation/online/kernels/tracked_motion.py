@@ -9,7 +9,7 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
-from .jit import compiled
+from .jit import compiled, entry
 
 PATH_FLOOR = 1e-6
 """m, rad: what a step's quadrature may miss."""
@@ -157,7 +157,7 @@ def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, flo
     noise[2, 2] += c.densities[2] * step + PATH_FLOOR**2
 
 
-@compiled
+@entry
 def smooth(
     rows: Array, found: tuple[Array, Array], weights: Array, sums: Array, known: Array, span: tuple[int, int]
 ) -> None:

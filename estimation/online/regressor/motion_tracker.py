@@ -22,7 +22,7 @@ from ...noise import FilterNoise
 from ..kernels import tracked_motion as kernels
 from ..kernels.felt_wrench import size
 from ..kernels.recorded_moment import LATER, record
-from ..kernels.row_algebra import Smoothed, over, smooth_span
+from ..kernels.row_algebra import Smoothed, over
 
 JERK = 3.0
 """m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""
@@ -161,7 +161,7 @@ class MotionTracker:
         first, sums = max(smoothing.left - moments, 0), smoothing.sums.copy()
         found = smoothing.means, smoothing.covariances
         span = first, smoothing.left
-        smooth_span(self._rows[: len(smoothing.time)], smoothing.weights, self._known, found, sums, span)
+        kernels.smooth(self._rows[: len(smoothing.time)], found, smoothing.weights, sums, self._known, span)
         return replace(smoothing, sums=sums, left=first)
 
     def is_torn(self, k: int) -> bool:

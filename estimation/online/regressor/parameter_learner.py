@@ -263,7 +263,6 @@ class ParameterLearner:
 
     def _drop_link(self, *, is_still: bool = False) -> None:
         """The next block does not begin where the last one ended, or stood still."""
-        self._finish()
         self._belief.drop_link()
         self._taken = ()
         if self._trial is not None:
