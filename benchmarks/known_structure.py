@@ -13,7 +13,8 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.findings.held_out import held_out_rollouts
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.search import resized, searched_again
+from estimation.discrepancy.search.revisited import searched_again
+from estimation.discrepancy.search.search import resized
 from estimation.impacts.impacts import impacts
 from estimation.log_noise.glitches import without_glitches
 from estimation.sensor_check import put_right

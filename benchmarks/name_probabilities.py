@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from estimation.discrepancy.findings.named import RIVAL, true_alone
-from estimation.discrepancy.search.search import WORTH
+from estimation.discrepancy.search.gains import WORTH
 
 from .sealed.calibration import bins, brier
 from .sealed.judging import bare

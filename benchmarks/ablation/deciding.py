@@ -20,12 +20,12 @@ DECIDING = (
     Constant("discrepancy.search.screening", "LEAST_SIDE", A, 0.0, "time before and after a lasting change"),
     # what is added and dropped
     Constant(
-        "discrepancy.search.search", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"
+        "discrepancy.search.gains", "WORTH", A, 0.0, "least gain of what is added, kept, or less simple than another"
     ),
     Constant("discrepancy.search.search", "SHARE", A, 0.0, "least gain as a share of the largest so far"),
     Constant("discrepancy.search.form_error", "FORM_STD", A, 0.0, "of an effect, by which its form is wrong in a mode"),
     Constant("discrepancy.search.search", "RESIZED", A, 0.0, "least gain of another size of an effect of the file"),
-    Constant("discrepancy.search.search", "SURE", A, 0.0, "least gain in standard errors over stretches"),
+    Constant("discrepancy.search.gains", "SURE", A, 0.0, "least gain in standard errors over stretches"),
     Constant(
         "discrepancy.search.model", "LONG_MEAN", A, NEVER, "means whose size divides the gain of what lasts for a while"
     ),
@@ -52,7 +52,7 @@ DECIDING = (
     Constant("discrepancy.findings.upheld", "MOSTLY", A, 1.0, "share of the gap that is told though it gains little"),
     # what is said
     Constant(
-        "discrepancy.search.search", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"
+        "discrepancy.search.gains", "CONFUSABLE", A, 0.0, "nats by which less a rival explains that is told beside"
     ),
     Constant("discrepancy.findings.gap", "BEYOND_NOISE", A, inf, "times noise, from which on a gap is a disagreement"),
     Constant(

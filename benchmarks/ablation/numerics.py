@@ -203,6 +203,7 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_STEPS": "effort",
         "MOST_SWAPPED": "effort",
     },
+    "discrepancy.search.revisited": {"MOST_FORMS": "effort"},
     "weak_form.wrenches": {
         "WHOLE": "all of a grid",
         "LEAST_DENSITY": "keeps solvable",

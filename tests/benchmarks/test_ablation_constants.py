@@ -22,11 +22,11 @@ from benchmarks.ablation.sources import copies, declared, names_in, worked_out_f
 from cartgrasp.effects import FloorSlope
 from cartgrasp.errors import UsageError
 from estimation.discrepancy.findings import verdicts
-from estimation.discrepancy.search import attempts, search
+from estimation.discrepancy.search import attempts, gains
 
 ABLATED = [c for c in CONSTANTS if c.group is not Group.WORKS_OUT]
 BY_NAME = {c.full_name: c for c in CONSTANTS}
-SURE = BY_NAME["search.SURE"]
+SURE = BY_NAME["gains.SURE"]
 
 
 def test_every_constant_is_in_the_list_once():
@@ -120,7 +120,7 @@ def test_who_has_copies_is_found_by_text_too():
 
 
 def test_what_reads_a_copy_follows():
-    """`verdicts` has a copy of `search.SURE`: a gain of twice its error is sure, but not if ten times are asked for."""
+    """`verdicts` has a copy of `gains.SURE`: a gain of twice its error is sure, but not if ten times are asked for."""
     slope = attempts.Attempt(FloorSlope(0.01, 0.0), 50.0, 1, error=25.0)
     best = attempts.Attempt(FloorSlope(0.02, 0.0), 90.0, 1)
     step = attempts.Step((best, slope), best)
@@ -131,10 +131,10 @@ def test_what_reads_a_copy_follows():
 
 
 def test_what_fails_leaves_nothing_behind():
-    before = search.SURE
+    before = gains.SURE
     with pytest.raises(KeyError), patched(SURE, 1.0):
-        {1.0: "another"}.pop(search.SURE + verdicts.SURE)
-    assert search.SURE is before
+        {1.0: "another"}.pop(gains.SURE + verdicts.SURE)
+    assert gains.SURE is before
     assert verdicts.SURE is before
 
 
@@ -186,9 +186,9 @@ def test_copies_of_copies_are_found():
 
 
 def test_a_move_says_its_value():
-    one = Constant("discrepancy.search.search", "WORTH", Group.DECIDES, 0.0, "least gain")
-    assert (one.moved(OFF), one.moved("0.7"), one.moved("1.3")) == (0.0, 0.7 * search.WORTH, 1.3 * search.WORTH)
-    assert (one.full_name, one.attribute, one.entry) == ("search.WORTH", "WORTH", "")
+    one = Constant("discrepancy.search.gains", "WORTH", Group.DECIDES, 0.0, "least gain")
+    assert (one.moved(OFF), one.moved("0.7"), one.moved("1.3")) == (0.0, 0.7 * gains.WORTH, 1.3 * gains.WORTH)
+    assert (one.full_name, one.attribute, one.entry) == ("gains.WORTH", "WORTH", "")
     entry = BY_NAME["plausible.MOST[time_delay.delay]"]
     assert (entry.attribute, entry.entry) == ("MOST", "time_delay.delay")
     assert entry.value == import_module("estimation.discrepancy.search.plausible").MOST["time_delay.delay"]

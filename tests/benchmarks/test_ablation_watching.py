@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from benchmarks.ablation.every import CONSTANTS
 from benchmarks.ablation.watching import Watched, is_watched, noticed
-from estimation.discrepancy.search import plausible, search
+from estimation.discrepancy.search import gains, plausible
 
 KEYS = (("a", "off"), ("a", "1.3"), ("b", "off"))
 NUMBERS = st.floats(-5, 5).map(lambda x: round(x, 2) + 0.0) | st.sampled_from([0.0, 1.0, math.inf])
@@ -71,20 +71,20 @@ def test_only_what_decides_otherwise_is_noticed(compare, other):
 def test_constants_are_watched_together_and_for_a_while():
     """A gain of 14 is above WORTH (10 or so) and times 1.3, and above a tenth of the least size of an effect."""
     known = {c.full_name: c for c in CONSTANTS}
-    constants = [known[name] for name in ("search.WORTH", "plausible.LEAST[time_delay.delay]", "candidates.TURNING")]
-    before = search.WORTH, dict(plausible.LEAST)
+    constants = [known[name] for name in ("gains.WORTH", "plausible.LEAST[time_delay.delay]", "candidates.TURNING")]
+    before = gains.WORTH, dict(plausible.LEAST)
     delay = before[1]["time_delay.delay"]
 
     def diagnosed():
-        return 1.2 * before[0] > search.WORTH, 0.9 * delay < plausible.LEAST["time_delay.delay"]
+        return 1.2 * before[0] > gains.WORTH, 0.9 * delay < plausible.LEAST["time_delay.delay"]
 
     said, found = noticed(diagnosed, constants, ("off", "0.7", "1.3"))
     assert said == (True, True)
     assert found == {
-        ("search.WORTH", "1.3"),
+        ("gains.WORTH", "1.3"),
         ("plausible.LEAST[time_delay.delay]", "off"),
         ("plausible.LEAST[time_delay.delay]", "0.7"),
         ("candidates.TURNING", "off"),  # names are not watched
     }
-    assert (search.WORTH, dict(plausible.LEAST)) == before
+    assert (gains.WORTH, dict(plausible.LEAST)) == before
     assert [is_watched(c) for c in constants] == [True, True, False]

@@ -19,9 +19,9 @@ from ...experiments.separation import Belief, Hands
 from ...weak_form.fit import jacobian
 from ..findings.rivals import rivals
 from ..search.candidates import amplitudes_of
+from ..search.gains import CONFUSABLE, WORTH, added, every_family
 from ..search.model import Model
 from ..search.plausible import is_plausible
-from ..search.search import CONFUSABLE, WORTH, added, every_family
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis

@@ -8,7 +8,7 @@ from cartgrasp.effects import Effect
 
 from ..findings.named import together, words_of
 from ..findings.verdicts import called, verdict
-from ..search.search import CONFUSABLE
+from ..search.gains import CONFUSABLE
 
 if TYPE_CHECKING:
     from ..findings.gap import Gap

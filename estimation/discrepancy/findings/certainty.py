@@ -21,11 +21,11 @@ from ...prior import Prior, report_names, report_units
 from ...weak_form.band import Band
 from ...weak_form.fit import coordinates, with_coordinates
 from ...weak_form.score import Score
+from ..search.gains import absent, added
 from ..search.laws import Law
 from ..search.model import FORM_LEVER, Model
 from ..search.refine import is_open, moves, refined
 from ..search.screening import Screen
-from ..search.search import absent, added
 from .learned import LearnedLaw, learned
 from .soft_push import begun_earlier, soft_gain, with_impulse_of
 from .told_mass import told_mass

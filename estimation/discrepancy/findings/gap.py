@@ -9,8 +9,8 @@ import numpy as np
 
 from cartgrasp.errors import DataError
 
+from ..search.gains import added
 from ..search.model import Model
-from ..search.search import added
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .rollouts import HORIZONS, starts
 

@@ -16,9 +16,10 @@ from cartgrasp.model import CartModel
 from ...impacts.end_stops import StopEstimate
 from ..search.attempts import Attempt, Step
 from ..search.candidates import free_label
+from ..search.gains import WORTH, added
+from ..search.laws import Law
 from ..search.model import Model
 from ..search.plausible import is_negligible
-from ..search.search import WORTH, added
 from .certainty import Certainty
 from .learned import LearnedLaw
 from .rivals import rivals
@@ -83,11 +84,13 @@ class _Told:
 def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
-    """Added effects in order of addition; laws last."""
-    by, first = dict[str, _Told](), _largest(steps)
+    """Added effects in order of addition; laws last, of which another form may have been added."""
+    by, first, by_variable = dict[str, _Told](), _largest(steps), dict[str, _Told]()
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
-            by.setdefault(step.added.key, _told(step, step.added, first, share))
+            told = by.setdefault(step.added.key, _told(step, step.added, first, share))
+            if isinstance(step.added.candidate, Law) and step.added.candidate.period is None:
+                by_variable.setdefault(step.added.candidate.of, told)
     values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
         parameters = _parameters(values[effect.key], certainty)
@@ -95,7 +98,8 @@ def named(
     for key, law in certainty.laws:
         sizes = zip(law.effect.parameters, law.effect.values.tolist(), law.std.tolist(), strict=True)
         parameters = {p.name: (value, std, p.unit) for p, value, std in sizes}
-        found.append(replace(_named(law.effect, parameters, by.get(key, _Told(UNTRIED))), law=law))
+        as_added = None if law.effect.period else by_variable.get(law.effect.of)
+        found.append(replace(_named(law.effect, parameters, by.get(key, as_added or _Told(UNTRIED))), law=law))
     return tuple(found)
 
 

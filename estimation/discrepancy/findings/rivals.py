@@ -11,9 +11,9 @@ from cartgrasp.frames import Array
 
 from ...weak_form.fit import coordinates
 from ..search.attempts import Attempt, Refit, Step
+from ..search.gains import CONFUSABLE
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.search import CONFUSABLE
 
 SIMPLER = 2.0
 """Nats for each number by which less something takes."""

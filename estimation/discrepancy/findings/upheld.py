@@ -9,10 +9,10 @@ import numpy as np
 
 from ...weak_form.band import INERTIAL, Band, pooled
 from ..search.attempts import Step
+from ..search.gains import added
 from ..search.laws import Law
 from ..search.model import Model
 from ..search.plausible import ODDS, TOLD
-from ..search.search import added
 from .certainty import Certainty
 from .gap import BEYOND_NOISE, CLOSED
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts

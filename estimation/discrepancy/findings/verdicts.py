@@ -5,10 +5,11 @@ from __future__ import annotations
 from cartgrasp.effects import Effect
 
 from ..search.attempts import Attempt, Refit, Step
+from ..search.gains import SURE, WORTH
 from ..search.laws import Law
 from ..search.model import Model
 from ..search.plausible import ODDS, law_objection, objection
-from ..search.search import SURE, WORTH, least_gain, unseen
+from ..search.search import least_gain, unseen
 
 ADDED = "added"
 WITHDRAWN = "added, and withdrawn: beside all else, or on unseen stretches, too little speaks for it"
@@ -24,7 +25,7 @@ def called(one: Attempt) -> str:
 def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
     """Verdict on one of a step's attempts; with the model in the end, whether what was added was kept."""
     if one is step.added:
-        return ADDED if final is None or _is_kept(one, final) else WITHDRAWN
+        return ADDED if final is None else _kept(one, final)
     if one.own_gain < (least := least_gain(one, step.form_error, WORTH)):
         beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside what the forms of others may leave"
         return f"gains {one.gain:.1f} nats{beside}, and {least:.1f} are needed"
@@ -35,10 +36,15 @@ def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
     return ROUGHLY if step.added is None else _beside(one, step.added)
 
 
-def _is_kept(one: Attempt, final: Model) -> bool:
+def _kept(one: Attempt, final: Model) -> str:
+    """Whether what was added was kept, and in which form."""
     if isinstance(one.candidate, Law):
-        return any(law.kind == one.candidate.kind for law in final.laws)
-    return isinstance(one.candidate, Refit) or one.key in {effect.key for effect in final.cart.effects}
+        alike = [law for law in final.laws if law.of == one.candidate.of and law.period is None]
+        if any(law.kind == one.candidate.kind for law in final.laws):
+            return ADDED
+        return WITHDRAWN if one.candidate.period or not alike else f"added; in the end as {alike[0].key}"
+    is_there = isinstance(one.candidate, Refit) or one.key in {effect.key for effect in final.cart.effects}
+    return ADDED if is_there else WITHDRAWN
 
 
 def _objection(one: Attempt) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cartgrasp.effects import Effect
+from cartgrasp.effects.effect import Gate
 
 from .laws import Law
 from .model import Model
@@ -42,6 +43,11 @@ class Attempt:
     @property
     def key(self) -> str:
         return self.candidate.key
+
+    @property
+    def gate(self) -> Gate:
+        """When and where it acts."""
+        return self.candidate.gate if isinstance(self.candidate, Effect) else Gate.ALWAYS
 
     @property
     def is_usual(self) -> bool:

@@ -195,11 +195,7 @@ class Screen:
     def laws(self) -> Iterator[tuple[Law, int]]:
         """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
         model = self.model
-        taken = {law.key for law in model.laws}
-        motions = model.motions
-        for law in smooth_laws(motions, model.cart, self._hands):
-            if law.key not in taken:
-                yield law, 1
+        yield from ((law, 1) for law in self.smooth_laws())
         periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened, self._hands)
         periods.sort(key=lambda one: -one[0])
         for _, scan, period in periods[:KEPT]:
@@ -207,6 +203,11 @@ class Screen:
             for harmonics, turns, has_mean in product(HARMONICS, TURNS, (False, True)):
                 if turns <= harmonics and turns * best <= scan.longest:
                     yield scan.law(turns * best, harmonics, has_mean), count
+
+    def smooth_laws(self) -> list[Law]:
+        """Laws of what varies slowly that the model does not have."""
+        taken = {law.key for law in self.model.laws}
+        return [law for law in smooth_laws(self.model.motions, self.model.cart, self._hands) if law.key not in taken]
 
     @cached_property
     def _hands(self) -> float:

@@ -8,34 +8,40 @@ from typing import Any
 
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
-from cartgrasp.effects.time_delay import TimeDelay
 
-from ...weak_form.score import Score
 from .attempts import Attempt, Refit, Step
-from .candidates import Family, amplitudes_of, families
 from .drag_floor import with_floor_named
 from .form_error import FormError
+from .gains import (
+    CONFUSABLE,
+    SURE,
+    WORTH,
+    absent,
+    added,
+    added_worth,
+    attempt,
+    colour_of,
+    every_family,
+    margin,
+    standard_error,
+    worth,
+)
 from .laws import Law
 from .model import Model
 from .plausible import ESSENTIAL, ODDS, TOLD, is_lawful, is_plausible
 from .refine import refined
+from .revisited import dropped, searched_again
 from .screening import LEAST_SIDE, Screen
 
-WORTH = 10.0
-"""Least gain in score of what is added; also how much less something simpler than what acts for a while may explain."""
 SHARE = 0.05
 """Least share of the largest gain so far. What gains less beside the forms of others (`form_error.py`) may be a form
 that nobody thought of, unless it is `USUAL`."""
-CONFUSABLE = float(np.log(100.0))
-"""Difference in score by which a candidate still explains about as much."""
 NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
 """Candidates that are refined and refitted: least share of the best gain, and most of the vocabulary and beside it."""
 RESIZED = 2.0
 """Least gain in score of another size of an effect of the file."""
-SURE = 1.5
-"""Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
 MOST_STEPS, MOST_SWAPPED = 6, 2
 
 
@@ -55,7 +61,8 @@ def search(
         alike = replace(model, laws=()).refitted(named.cart)
         if worth(alike.score, model.score, None) <= margin(alike, model):
             model, steps = named, [*(step for step in steps if not _adds_law(step)), *others]
-    model, steps = simplified(with_floor_named(model), steps)
+    floored = with_floor_named(model)
+    model, steps = simplified(model if floored is model else searched_again(floored), steps)
     return replace(resized(model), compares=False).settled(), steps
 
 
@@ -73,7 +80,7 @@ def _grown(
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model, has_laws)
         form_error = SHARE * first
-        best = chosen(attempts, form_error, WORTH) or _closing(attempts, model, form_error, closes)
+        best = chosen(attempts, form_error, WORTH) or _closing(attempts, model, closes)
         steps.append(Step(tuple(attempts), best, form_error))
         if best is None or best.model is None:
             break
@@ -111,8 +118,7 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
         best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
         if best is own or best.model is None or best.gain < WORTH:
             continue
-        is_once = effect.gate is not Gate.ALWAYS  # stretches don't tell what chance makes of it
-        if not _may_be(own) or own.gain - best.gain <= (WORTH if is_once else margin(best.model, model)):
+        if not _may_be(own) or own.gain - best.gain <= margin(best.model, model, effect.gate):
             model, steps = best.model, [_with(step, best, own) for step in steps]
     return model, steps
 
@@ -174,11 +180,6 @@ def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
     return sorted(near, key=lambda one: -one.gain) + rest
 
 
-def every_family(model: Model) -> list[Family]:
-    """Families of candidates, of the vocabulary and from outside."""
-    return families(model.cart, model.logs[0].wrenches.arms, model.candidates)
-
-
 def _simplest(laws: list[Attempt]) -> list[Attempt]:
     """The simplest law of each variable and way of acting that explains about as much as the best."""
     groups = dict[tuple[Any, ...], list[Attempt]]()
@@ -199,10 +200,10 @@ def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt 
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
 
 
-def _closing(attempts: list[Attempt], model: Model, form_error: float, closes: Closes) -> Attempt | None:
+def _closing(attempts: list[Attempt], model: Model, closes: Closes) -> Attempt | None:
     """What acts all the time and gains less, where it closes most of the gap on stretches that no fit saw: what drifts
     is cheap beside noise with a long memory, and adds up in rollouts."""
-    best = chosen([one for one in attempts if one.error], form_error, CONFUSABLE)
+    best = chosen([one for one in attempts if one.error], 0.0, CONFUSABLE)
     return best if best is not None and best.model is not None and closes(model, best.model) else None
 
 
@@ -212,20 +213,13 @@ def least_gain(one: Attempt, form_error: float, least: float) -> float:
 
 
 def _margin(one: Attempt, best: Attempt) -> float:
-    """How much less than the best a candidate may explain. For what acts at a time or a place alone, which stretches
-    don't tell, it is what a name is worth. For a name beside a law, whose form fits more, it is at least what forms may
-    leave."""
+    """How much less than the best a candidate may explain. For a name beside a law, whose form fits more, it is at
+    least what forms may leave."""
     assert one.model is not None
     assert best.model is not None
-    if not (one.error and best.error):
-        return WORTH
     is_form = isinstance(best.candidate, Law) and not isinstance(one.candidate, Law)
-    return max(margin(one.model, best.model), SHARE * best.gain if is_form else 0.0)
-
-
-def margin(one: Model, best: Model) -> float:
-    """How much less a model may explain: what chance makes of the difference from stretch to stretch."""
-    return max(CONFUSABLE, SURE * standard_error(one.score, best.score))
+    by_chance = margin(one.model, best.model, *(each.gate for each in (one, best)))
+    return max(by_chance, SHARE * best.gain if is_form else 0.0)
 
 
 def _may_be(one: Attempt) -> bool:
@@ -253,64 +247,6 @@ def unseen(effect: Effect, model: Model) -> str:
     return ""
 
 
-def worth(base: Score, score: Score, colour: float | None) -> float:
-    """How much better a score is: in pieces, and, of what acts everywhere, in stretches too. What happens once, beside
-    noise of a `colour`, gains as many times less."""
-    pieces = float(score.pieces.sum() - base.pieces.sum())
-    return pieces / colour if colour is not None else min(pieces, float(score.stretches.sum() - base.stretches.sum()))
-
-
-def standard_error(base: Score, score: Score) -> float:
-    """Standard error of a gain, by how it differs from stretch to stretch."""
-    gains = score.stretches - base.stretches
-    return float(len(gains) ** 0.5 * gains.std())
-
-
-def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
-    """Attempt with an effect: its score where the model's parameters move a little, if at all, and the effect with its
-    amplitudes."""
-    colour: float | None = None
-    if isinstance(effect, TimeDelay):
-        score = model.late(effect.delay).score
-        fitted: Effect = effect
-    else:
-        columns, std = model.columns_of(effect)
-        score = model.with_columns(columns, std)
-        own, values = score.fit[-columns.shape[2] :], effect.values.copy()
-        if isinstance(effect, ConstraintEffect):
-            fitted = effect.scaled(float(own[0]))
-        else:
-            values[amplitudes_of(effect)] += own
-            fitted = effect.with_values(values)
-            if effect.gate is not Gate.ALWAYS:
-                colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
-    gain = worth(model.score, score, colour) - float(np.log(tried))
-    if not _is_possible(fitted):
-        gain = min(gain, 0.0)
-    return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
-
-
-def added_worth(less: Model, model: Model, effect: Effect) -> float:
-    """What an effect of a model is worth, against one without."""
-    return worth(less.score, model.score, _colour(model, effect))
-
-
-def _colour(model: Model, candidate: Effect | Law) -> float | None:
-    """Colour of what is left with a candidate that does not act everywhere, else None: a push is like anything that
-    drifts."""
-    if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
-        return None
-    return model.colour if candidate.gate.ends else 1.0
-
-
-def _is_possible(effect: Effect) -> bool:
-    """Whether not all of its amplitudes are beyond their bounds."""
-    if isinstance(effect, ConstraintEffect | TimeDelay):
-        return True
-    own = [(effect.parameters[i], effect.values[i]) for i in amplitudes_of(effect)]
-    return any(p.lower <= value <= p.upper for p, value in own)
-
-
 def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None = None) -> Attempt:
     """Attempt with its settings where they are best, and fitted with all else; beside the forms of a model's effects,
     too."""
@@ -326,66 +262,10 @@ def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None
         assert not isinstance(effect, Law | Refit)
         new = model.refitted(model.cart.with_effect(effect))
         found = next(e for e in new.cart.effects if e.key == effect.key)
-    colour = _colour(new, found)
+    colour = colour_of(new, found)
     before = ODDS.get(found.name, 0.0) if isinstance(found, Effect) else 0.0
     before -= float(np.log(one.tried))
     gain = before + worth(model.score, new.score, colour)
     error = standard_error(model.score, new.score) if colour is None else 0.0
     beside = None if forms is None else before + worth(*forms.scores(new, found), colour)
     return Attempt(found, gain, one.tried, new, error, beside)
-
-
-def absent(effect: Effect) -> Effect:
-    """The effect at the same settings, without amplitudes."""
-    if isinstance(effect, ConstraintEffect):
-        return type(effect).usual(effect.label)
-    values = effect.values.copy()
-    own = amplitudes_of(effect)
-    values[own] = [effect.parameters[i].absent for i in own]
-    return effect.with_values(values)
-
-
-def added(model: Model) -> list[Effect]:
-    known = {effect.key for effect in model.guess.effects}
-    return [effect for effect in model.cart.effects if effect.key not in known]
-
-
-def searched_again(model: Model) -> Model:
-    """The model with the settings of what was added where they are best beside all else."""
-    for effect in added(model):
-        if isinstance(effect, ConstraintEffect):
-            continue
-        less = model.refitted(model.cart.without_effect(effect.key))
-        screen = Screen(less)
-        near = [absent(effect), *_elsewhere(less, screen, effect)]
-        best = max((refined(one, screen.gain) for one in near), key=screen.gain)
-        if not np.allclose(best.values, absent(effect).values):
-            fitted = attempt(less, best, 1).candidate
-            assert not isinstance(fitted, Law | Refit)
-            model = less.refitted(less.cart.with_effect(fitted))
-    return model
-
-
-def _elsewhere(model: Model, screen: Screen, effect: Effect) -> list[Effect]:
-    """Where else, or when, an effect may act: what was there alone may have hidden it."""
-    if effect.gate is Gate.ALWAYS:
-        return []
-    known = (family for family in every_family(model) if family.key == effect.key)
-    return [absent(one) for family in known for one in screen.best(family)[0]]
-
-
-def dropped(model: Model, least: float) -> Model:
-    """The model without what later additions have made superfluous."""
-    while len(added(model)) + len(model.laws) > 1:
-        losses = []
-        for effect in added(model):
-            less = model.refitted(model.cart.without_effect(effect.key))
-            losses.append((added_worth(less, model, effect) + ODDS.get(effect.name, 0.0), less))
-        for law in model.laws:
-            less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
-            losses.append((worth(less.score, model.score, None), less))
-        loss, less = min(losses, key=lambda one: one[0])
-        if loss >= least:
-            break
-        model = less.rewhitened()
-    return model

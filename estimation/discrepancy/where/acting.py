@@ -10,8 +10,8 @@ from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 
 from ...weak_form.balances import Balances
+from ..search.gains import added
 from ..search.model import Model
-from ..search.search import added
 from .residual import Residual
 from .where import Disagreement, runs
 

@@ -12,9 +12,10 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.search.form_error import FormError, modes_of
+from estimation.discrepancy.search.gains import attempt, worth
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.screening import Screen
-from estimation.discrepancy.search.search import attempt, extended, worth
+from estimation.discrepancy.search.search import extended
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate

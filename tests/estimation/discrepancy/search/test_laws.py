@@ -15,10 +15,10 @@ from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.findings.certainty import Certainty
 from estimation.discrepancy.search.course import Course
+from estimation.discrepancy.search.gains import worth
 from estimation.discrepancy.search.laws import smooth_laws
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.periods import OF, Scan
-from estimation.discrepancy.search.search import worth
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate

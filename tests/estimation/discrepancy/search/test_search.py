@@ -22,10 +22,11 @@ from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.search.attempts import Attempt
 from estimation.discrepancy.search.candidates import amplitudes_of, families
+from estimation.discrepancy.search.gains import CONFUSABLE, WORTH, absent
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.refine import refined
 from estimation.discrepancy.search.screening import Screen
-from estimation.discrepancy.search.search import CONFUSABLE, WORTH, absent, chosen, keys
+from estimation.discrepancy.search.search import chosen, keys
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate_two_hands
