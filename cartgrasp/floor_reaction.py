@@ -77,9 +77,9 @@ class FloorReaction:
         return cls(-height * spread[:, 1:] @ rate, weight @ spread.T, across @ rate, (offset - effects)[:, :2] @ across)
 
     def along(self, direction: Array) -> Self:
-        """Partials by the parameters, summed along a direction (p,) of these."""
+        """Partials by the parameters, summed along a direction (p,) of these, or along many (..., p)."""
         p, n_wheels, columns = self.load_map.shape
-        load_map = (direction @ self.load_map.reshape(p, -1)).reshape(n_wheels, columns)
+        load_map = (direction @ self.load_map.reshape(p, -1)).reshape(*direction.shape[:-1], n_wheels, columns)
         rest = (direction @ field for field in (self.load_offset, self.lateral_map, self.lateral_offset))
         return type(self)(load_map, *rest)
 

@@ -160,8 +160,8 @@ class WrenchPlanner:
         without which planning takes ten times as long: loaded in half a second, compiled in a minute or two."""
         self._is_warm = True
         self._begin_terms()
-        self.plan((0.0, 0.0, 0.0))
-        self.plan((1.0, 0.0, 0.1))
+        for contacts in (None, None, dict(zip(self._terms.base.names, self._terms.first, strict=True))):
+            self.plan((1.0, 0.0, 0.1), contacts)
         self.reset()
         target = np.zeros(len(self._to_effective))
         solve_with_clarabel(self._program.at(self._terms.first, target, self._cost))

@@ -147,6 +147,7 @@ class Controller:
         """Does now what would cost at the first ticks, of all parts that have something to do."""
         for part in (self._planner, self._estimator, self._regrasps, self._source):
             getattr(part, "warm_up", _nothing)()
+        self.reference.at(0.0)  # which works out its pieces
 
     def step(self, measurement: Measurement) -> Step:
         """One tick: takes in what was sensed, and says what the arms are to do."""

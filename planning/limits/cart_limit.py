@@ -117,6 +117,7 @@ class Pushed:
     slope_of: tuple[Pushed, Array] | None = None
 
     def along(self, direction: Array) -> Pushed:
+        """For the slope along a direction (p,), or along many (r, p)."""
         return replace(self, slope_of=(self, direction))
 
     def by(self, arms: Sequence[Arm]) -> Pushed:
@@ -144,6 +145,9 @@ class CartLimit(ABC):
 
     looks_at_arms: ClassVar[bool] = True
     """Whether the rows depend on more of the arms than how many there are."""
+    takes_many: ClassVar[bool] = False
+    """Whether `rows` takes a floor whose numbers have leading axes, and answers with `of_sum`, `low` and `high` that
+    have these too, where they depend on it: margins then ask once for all slopes."""
 
     @abstractmethod
     def rows(self, pushed: Pushed) -> CartRows:

@@ -16,7 +16,8 @@ and neither a step nor how wide the covariance is matters to them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from statistics import NormalDist
 from typing import Literal
 
@@ -30,6 +31,8 @@ from . import CartLimit, CartRows, Pushed, RowCone, cart_rows
 
 RANK = 1e-12  # of the largest eigenvalue of the correlation: what counts as uncertain
 NO_SLOPE = 1e-9  # N: a standard deviation that is rounding
+NUMBERS, AXES = ("of_sum", "of_arm", "low", "high"), (1, 2, 1, 1)
+"""Numbers of `CartRows`, and where their rows stand behind a leading axis."""
 
 Side = tuple[int, Literal["low", "high"]]
 
@@ -51,14 +54,13 @@ class RobustLimits:
         if self.confidence is None or covariance is None:
             return nominal
         slopes = _slopes(self.limits, pushed, root(covariance).T)
-        uncertain = [side for side in _sides(nominal) if any(_depends(slope, side) for slope in slopes)]
+        uncertain = [side for side in _sides(nominal) if slopes.depends(side)]
         if not uncertain:
             return nominal
         quantile = NormalDist().inv_cdf(1.0 - (1.0 - self.confidence) / len(uncertain))
-        rows = _without(nominal, uncertain)
-        for side in uncertain:
-            rows &= _cone(nominal, slopes, side, (quantile, f" ({100 * self.confidence:g} %)"))
-        return rows
+        stated = (quantile, f" ({100 * self.confidence:g} %)")
+        cones = [_cone(nominal, slopes, side, stated) for side in uncertain]
+        return CartRows.stacked([_without(nominal, uncertain), *cones], len(nominal.of_arm))
 
 
 def root(covariance: Array) -> Array:
@@ -70,30 +72,65 @@ def root(covariance: Array) -> Array:
     return np.asarray(units[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
 
 
-def _slopes(limits: Sequence[CartLimit], pushed: Pushed, columns: Array) -> list[CartRows]:
-    """The rows' derivatives along directions (r, p) of the parameters; 0 for a limit that isn't there."""
-    none = cart_rows(limits, pushed.along(np.zeros(columns.shape[1])))
-    return [_less(cart_rows(limits, pushed.along(column)), none) for column in columns]
+@dataclass(frozen=True, eq=False)
+class _Slopes:
+    """Derivatives of rows along r directions of the parameters: of_sum (r, k, 6), of_arm (r, n, k, 6), low and high
+    (r, k), 0 for a limit that isn't there."""
+
+    of_sum: Array
+    of_arm: Array
+    low: Array
+    high: Array
+
+    @cached_property
+    def _of_rows(self) -> np.ndarray:
+        """Which rows (k,) have a slope; NaN is none of nought."""
+        of_sum = np.abs(self.of_sum).max(axis=(0, 2), initial=0.0)
+        of_arm = np.abs(self.of_arm).max(axis=(0, 1, 3), initial=0.0)
+        return np.asarray(~((of_sum <= NO_SLOPE) & (of_arm <= NO_SLOPE)))
+
+    def depends(self, side: Side) -> bool:
+        i, which = side
+        return bool(self._of_rows[i] or not np.abs(getattr(self, which)[:, i]).max(initial=0.0) <= NO_SLOPE)
 
 
-def _less(one: CartRows, other: CartRows) -> CartRows:
-    def less(name: str) -> Array:
-        ours, others = getattr(one, name), getattr(other, name)
-        return np.asarray(np.subtract(ours, others, out=np.zeros(ours.shape), where=np.isfinite(others)))
+def _slopes(limits: Sequence[CartLimit], pushed: Pushed, directions: Array) -> _Slopes:
+    """Along directions (r, p): what rows are for a slope of the floor's numbers, less what they are for none."""
+    ways = np.vstack([np.zeros(directions.shape[1]), directions])
+    many, each = pushed.along(ways), None
+    found = []
+    for limit in limits:
+        if limit.takes_many:
+            found.append(_spread(limit.rows(many), len(ways)))
+        else:
+            each = each or [pushed.along(way) for way in ways]
+            rows = [limit.rows(one) for one in each]
+            found.append(tuple(np.array([getattr(one, name) for one in rows]) for name in NUMBERS))
+    parts = zip(*found, strict=True)
+    whole = (np.concatenate(part, axis=axis) for part, axis in zip(parts, AXES, strict=True))
+    return _Slopes(*map(_less_the_first, whole))
 
-    return replace(one, of_sum=less("of_sum"), of_arm=less("of_arm"), low=less("low"), high=less("high"))
+
+def _spread(rows: CartRows, count: int) -> tuple[Array, ...]:
+    """Numbers of rows that were asked for many slopes at once, all with the leading axis."""
+    n_axes = (3, 4, 2, 2)
+    numbers = (getattr(rows, name) for name in NUMBERS)
+    return tuple(
+        one if one.ndim == n else np.broadcast_to(one, (count, *one.shape))
+        for one, n in zip(numbers, n_axes, strict=True)
+    )
+
+
+def _less_the_first(values: Array) -> Array:
+    """Differences (r, ...) from the first of (r + 1, ...), 0 where that is a limit that isn't there."""
+    first = np.isfinite(values[0])
+    return np.asarray(np.subtract(values[1:], values[0], out=np.zeros(values[1:].shape), where=first))
 
 
 def _sides(rows: CartRows) -> list[Side]:
     low: list[Side] = [(i, "low") for i in np.flatnonzero(np.isfinite(rows.low)).tolist()]
     high: list[Side] = [(i, "high") for i in np.flatnonzero(np.isfinite(rows.high)).tolist()]
     return low + high
-
-
-def _depends(slope: CartRows, side: Side) -> bool:
-    i, which = side
-    parts = (slope.of_sum[i], slope.of_arm[:, i], getattr(slope, which)[i])
-    return not all(float(np.abs(part).max(initial=0.0)) <= NO_SLOPE for part in parts)  # nor is NaN none
 
 
 def _without(rows: CartRows, sides: Sequence[Side]) -> CartRows:
@@ -106,14 +143,14 @@ def _without(rows: CartRows, sides: Sequence[Side]) -> CartRows:
     return CartRows(rows.of_sum[left], rows.of_arm[:, left], low[left], high[left], low_names, high_names)
 
 
-def _cone(rows: CartRows, slopes: Sequence[CartRows], side: Side, stated: tuple[float, str]) -> CartRows:
+def _cone(rows: CartRows, slopes: _Slopes, side: Side, stated: tuple[float, str]) -> CartRows:
     """`(b - a F, q (D F - d))` for a side; `stated` are q and what is added to the side's name."""
     (i, which), (quantile, suffix) = side, stated
     sign = 1.0 if which == "high" else -1.0
     name = (rows.high_names if which == "high" else rows.low_names)[i] + suffix
-    of_sum = [-sign * rows.of_sum[i], *(quantile * slope.of_sum[i] for slope in slopes)]
-    of_arm = [-sign * rows.of_arm[:, i], *(quantile * slope.of_arm[:, i] for slope in slopes)]
-    offset = [sign * getattr(rows, which)[i], *(-quantile * getattr(slope, which)[i] for slope in slopes)]
-    names, free = (name, *[""] * len(slopes)), np.full(len(offset), np.inf)
-    cone = RowCone(name, 0, np.array(offset))
-    return CartRows(np.array(of_sum), np.stack(of_arm, axis=1), -free, free, names, names, (cone,))
+    of_sum = np.concatenate([-sign * rows.of_sum[None, i], quantile * slopes.of_sum[:, i]])
+    of_arm = np.concatenate([-sign * rows.of_arm[None, :, i], quantile * slopes.of_arm[:, :, i]]).swapaxes(0, 1)
+    offset = np.concatenate([sign * getattr(rows, which)[None, i], -quantile * getattr(slopes, which)[:, i]])
+    free = np.full(len(offset), np.inf)
+    names = (name, *[""] * (len(offset) - 1))
+    return CartRows(of_sum, of_arm, -free, free, names, names, (RowCone(name, 0, offset),))

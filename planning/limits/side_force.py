@@ -24,6 +24,7 @@ class SideForce(CartLimit):
     bound: float
 
     looks_at_arms: ClassVar[bool] = False
+    takes_many: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         number("side force: bound", self.bound, 0.0, LARGEST_FLOAT, "give N")
@@ -32,11 +33,12 @@ class SideForce(CartLimit):
         if pushed.cart.constraints.axle_x is None:
             raise UsageError(f"side force: {pushed.cart.name} has no fixed wheels to take it; add no_lateral_slip")
         floor = pushed.floor
+        offset = np.asarray(floor.lateral_offset)[..., None]
         return CartRows(
-            of_sum=floor.lateral_map[None],
+            of_sum=floor.lateral_map[..., None, :],
             of_arm=np.zeros((len(pushed.arms), 1, 6)),
-            low=np.array([-self.bound - floor.lateral_offset]),
-            high=np.array([self.bound - floor.lateral_offset]),
+            low=-self.bound - offset,
+            high=self.bound - offset,
             low_names=LOW,
             high_names=HIGH,
         )

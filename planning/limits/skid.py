@@ -30,6 +30,7 @@ class Skid(CartLimit):
     friction: float
 
     looks_at_arms: ClassVar[bool] = False
+    takes_many: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         number("skid: friction", self.friction, 0.0, LARGEST_FLOAT)
@@ -42,10 +43,10 @@ class Skid(CartLimit):
         check_loads(cart)
         floor, share = pushed.floor, self.friction * fixed
         return CartRows(
-            of_sum=SIDES[:, None] * floor.lateral_map - share @ floor.load_map,
+            of_sum=SIDES[:, None] * floor.lateral_map[..., None, :] - (share @ floor.load_map)[..., None, :],
             of_arm=np.zeros((len(pushed.arms), 2, 6)),
             low=NO_LOW,
-            high=share @ floor.load_offset - SIDES * floor.lateral_offset,
+            high=(floor.load_offset @ share)[..., None] - SIDES * np.asarray(floor.lateral_offset)[..., None],
             low_names=NAMES,
             high_names=NAMES,
         )

@@ -23,6 +23,7 @@ class TipOver(CartLimit):
     least_load: float = 0.0
 
     looks_at_arms: ClassVar[bool] = False
+    takes_many: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         number("tip-over: least_load", self.least_load, 0.0, LARGEST_FLOAT, "give N")
@@ -34,7 +35,7 @@ class TipOver(CartLimit):
             )
         check_loads(pushed.cart)
         floor = pushed.floor
-        names = _names(len(floor.load_offset))
+        names = _names(floor.load_offset.shape[-1])
         return CartRows(
             of_sum=floor.load_map,
             of_arm=np.zeros((len(pushed.arms), len(names), 6)),

@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cartgrasp.contacts import LARGEST_POSITION
+from cartgrasp.contacts import LARGEST_POSITION, grasp_map_spatial
 from cartgrasp.frames import Array
 
 from ..allocation.allocation_template import AllocationTemplate
@@ -30,9 +30,12 @@ from .compiled_allocation import SOLVER, CompiledAllocation, Point
 from .compiled_choice import CompiledChoice
 from .given_contacts import REACH_TOLERANCE
 from .plan_inputs import real_numbers
+from .tangents import Tangents, values_of
 from .terms import Terms
 
 N_RESIDUALS = len(Residuals._fields)
+MOST_TURNS = 12
+"""Most programs in which half-spaces are turned until the cones hold."""
 
 
 class CompiledPlanning:
@@ -52,16 +55,19 @@ class CompiledPlanning:
         self.last: tuple[Array, Array] = np.zeros(0), self._given_points
         self._choice: CompiledChoice | None = None
         self._candidates: Candidates | None = None
+        self._tangents: Tangents | None = None
+        self._linear: AllocationTemplate | None = None
+        self._mapped = (self._given_points, np.zeros(0), np.zeros((0, 6, 6)))
 
     @classmethod
     def of(cls, terms: Terms, cost: Cost) -> Self | None:
         """None where the general road is needed for every program."""
-        allocation = CompiledAllocation.of(terms.template, cost)
+        allocation = CompiledAllocation.of(_without_cones(terms.template), cost)
         return None if allocation is None else cls(terms, allocation)
 
     def renewed(self) -> Self | None:
         """The planning for `terms` whose arms are new, in the same workspace; None where they need another."""
-        if not self._allocation.fits(self._terms.template):
+        if not self._allocation.fits(_without_cones(self._terms.template)):
             return None
         return self if self._own is self._terms.candidates else type(self)(self._terms, self._allocation)
 
@@ -71,10 +77,46 @@ class CompiledPlanning:
         self._allocation.is_infeasible = False
         if points is None:
             return None
-        self._allocation.take(self._terms.template, cost)
-        if not self._allocation.solve(wrench, points):
+        self._tangents = None if not self._terms.template.cart_rows.cones else self._touching(points)
+        for _ in range(MOST_TURNS):
+            self._allocation.take(self._template, cost)
+            if not self._allocation.solve(wrench, points):
+                return None
+            turned = self._turned(points, wrench)
+            if turned is None:
+                return self._plan(points, wrench, None, start)
+            self._tangents = turned
+        return None
+
+    def _touching(self, points: Array) -> Tangents:
+        """Half-spaces for the cones of now, which touch them at the last wrenches."""
+        rows, last = self._terms.template.cart_rows, self.last[0] if len(self.last[0]) else np.zeros(self._n)
+        return Tangents.touching(rows, values_of(rows, last, self._maps(points)))
+
+    def _turned(self, points: Array, wrench: Point) -> Tangents | None:
+        """Half-spaces for another try, where a cone doesn't hold at what was found."""
+        if self._tangents is None:
             return None
-        return self._plan(points, wrench, None, start)
+        values = values_of(self._tangents.rows, self._allocation.answer()[: self._n], self._maps(points))
+        return self._tangents.turned(values, max(1.0, *map(abs, wrench)))
+
+    def _maps(self, points: Array) -> Array:
+        """Spatial grasp maps (n, 6, 6) at points (n, 3), the same object as long as these are."""
+        yaws = self._terms.template.yaws
+        if points is not self._mapped[0] or yaws is not self._mapped[1]:
+            self._mapped = points, yaws, grasp_map_spatial(points, yaws)
+        return self._mapped[2]
+
+    @property
+    def _template(self) -> AllocationTemplate:
+        """That of the terms, with half-spaces in the place of cones."""
+        template = self._terms.template
+        if self._tangents is None:
+            return template
+        before = self._linear
+        is_like = before is not None and before.arms is template.arms and before.limits is template.limits
+        self._linear = (before if is_like and before else template).with_cart_rows(self._tangents.linear)
+        return self._linear
 
     @property
     def is_infeasible(self) -> bool:
@@ -85,6 +127,9 @@ class CompiledPlanning:
         self, candidates: Candidates, wrench: Point, cost: Cost, limit: SearchLimit, switching: Switching | None
     ) -> Choice | None:
         """The search's result; `chosen` is its plan where there are contacts. None if it is for the general search."""
+        if self._terms.template.cart_rows.cones:
+            return None
+        self._tangents = None
         if candidates is not self._candidates:
             self._candidates, self._choice = candidates, CompiledChoice.of(candidates, self._allocation)
         if self._choice is None:
@@ -157,7 +202,7 @@ class CompiledPlanning:
             "tell": partial(_told, self._terms.template, answer, found.names, choice),
             "wheel_forces": self._terms.wheel_forces,
             "arms": self._terms.base.arms,
-            "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer),
+            "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer, self._tangents),
         }
         return Plan.of(fields)
 
@@ -170,10 +215,23 @@ def _told(template: AllocationTemplate, answer: Array, names: LimitNames, choice
 
 
 def _proof(
-    template: AllocationTemplate, asked: tuple[Array, Point, Cost], answer: Array
+    template: AllocationTemplate, asked: tuple[Array, Point, Cost], answer: Array, tangents: Tangents | None
 ) -> tuple[QuadraticProgram, QPSolution]:
     """The program that was solved, built the general way, with its solution checked in numpy."""
     points, wrench, cost = asked
     program = template.program(template.contact_rows(points), template.basis_b.T @ np.array(wrench), cost)
     x, y = answer[: template.n], answer[template.n : -N_RESIDUALS]
-    return program, QPSolution.checked(program, x, y, (), SOLVER)
+    if tangents is None:
+        return program, QPSolution.checked(program, x, y, (), SOLVER)
+    first, k = template.n + len(template.fixed.limits), template.basis_b.shape[1]
+    of_rows, of_cones = tangents.multipliers(y[first:-k])
+    y = np.concatenate([y[:first], of_rows, y[-k:]])
+    return program, QPSolution.checked(program, x, y, of_cones, SOLVER)
+
+
+def _without_cones(template: AllocationTemplate) -> AllocationTemplate:
+    """The template with a half-space for each of the cart's cones."""
+    rows = template.cart_rows
+    if not rows.cones:
+        return template
+    return template.with_cart_rows(Tangents.touching(rows, np.zeros(len(rows.low))).linear)

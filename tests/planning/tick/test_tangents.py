@@ -1,0 +1,114 @@
+"""Half-spaces in place of margins' cones: a warm planner's plans are those of the general road, with their proof."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cartgrasp.contacts import grasp_map_spatial
+from planning import SideForce, Skid, TipOver, WrenchPlanner
+from planning.limits import CartLimit, Pushed
+from planning.limits.robust import RobustLimits
+from planning.tick.compiled_allocation import SOLVER
+from planning.tick.tangents import Tangents, values_of
+
+from ...core.drawn import vectors
+from ..limits.test_robust import BEND, BITES, LEFT, LIMITS, REST, RIGHT, cart, covariance, estimate, hands
+
+CONTACTS = {"left": LEFT, "right": RIGHT}
+MAPS = grasp_map_spatial(np.array([LEFT, RIGHT]), np.zeros(2))
+MANY = [Skid(0.3), TipOver(20.0), SideForce(12.0)]
+
+
+def rows(motion, scale=1.0, limits=tuple(MANY)):
+    return RobustLimits(limits, 0.99).rows(Pushed(cart(), motion, hands()), covariance(scale))
+
+
+def planners():
+    both = [WrenchPlanner(cart(), hands(), cart_limits=LIMITS, confidence=0.99) for _ in range(2)]
+    both[0].warm_up()
+    return both
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return planners()
+
+
+wrenches = st.tuples(st.floats(-100, 100), st.floats(-5, 5), st.floats(-20, 20))
+
+
+@given(
+    wrench=wrenches, scale=st.floats(0.05, 2.0), correlation=st.floats(-0.7, 0.7), motion=st.sampled_from([REST, BEND])
+)
+def test_a_warm_planner_plans_as_a_cold_one(pair, wrench, scale, correlation, motion):
+    told = estimate(covariance(scale, correlation), motion)
+    warm, cold = (planner.plan_or_hold(wrench, CONTACTS, told) for planner in pair)
+    assert warm.status == cold.status
+    if cold.status == "optimal":
+        assert warm.effort == pytest.approx(cold.effort, rel=1e-6, abs=1e-9)
+        program, solution = warm.proof
+        assert solution.status == "optimal", solution.residuals
+        assert len(program.cones) == len(solution.cone_multipliers) > 0
+
+
+@pytest.mark.parametrize("name", BITES)
+def test_where_margins_bite_it_is_the_compiled_road_that_answers(name):
+    """Tick after tick, at contacts that are given, with a covariance that shrinks."""
+    (wrench, motion), (warm, cold) = BITES[name], planners()
+    for scale in np.linspace(1.0, 0.5, 8):
+        told = estimate(covariance(scale), motion)
+        plan, reference = (planner.plan_or_hold(wrench, CONTACTS, told) for planner in (warm, cold))
+        assert plan.solver == SOLVER
+        assert any("99 %" in limit for limit in plan.active)
+        assert set(plan.active) == set(reference.active)
+        assert plan.proof[1].status == "optimal"
+        for arm, own in reference.wrenches.items():
+            np.testing.assert_allclose(plan.wrenches[arm], own, atol=1e-5)
+
+
+def test_what_margins_forbid_is_said_at_once():
+    """Half-spaces that leave nothing prove that cones leave nothing."""
+    warm, cold = planners()
+    told = estimate(covariance(), BEND)
+    plan, reference = (planner.plan_or_hold((-120.0, 0.0, 20.0), CONTACTS, told) for planner in (warm, cold))
+    assert plan.status == reference.status == "infeasible"
+    assert plan.solver == SOLVER
+    assert plan.certificate.verified
+    assert plan.certificate.asked == pytest.approx(reference.certificate.asked, rel=1e-6)
+
+
+@given(held=vectors(12, -60.0, 60.0), other=vectors(12, -60.0, 60.0))
+def test_half_spaces_hold_whatever_the_cones_hold(held, other):
+    """And touch them where they are said to, but for margins that don't depend on the wrench."""
+    robust = rows(BEND)
+    at_held, at_other = (values_of(robust, each, MAPS) for each in (held, other))
+    tangents = Tangents.touching(robust, at_held)
+    linear = tangents.linear
+    assert not linear.cones
+    room = [
+        values_of(linear, each, MAPS)[-len(robust.cones) :] - linear.low[-len(robust.cones) :] for each in (held, other)
+    ]
+    cones = [
+        [s[0] - np.linalg.norm(s[1:]) for c in robust.cones for s in [c.offset + v[c.own]]] for v in (at_held, at_other)
+    ]
+    np.testing.assert_allclose(room[0], cones[0], atol=1e-7)
+    assert (room[1] >= np.array(cones[1]) - 1e-7).all()
+    assert (tangents.turned(at_other, 1.0) is None) == bool((np.array(cones[1]) >= -1e-9).all())
+
+
+@pytest.mark.parametrize("limit", MANY, ids=lambda limit: type(limit).__name__)
+@pytest.mark.parametrize("motion", [REST, BEND])
+def test_many_slopes_asked_for_at_once_are_those_asked_for_one_by_one(limit, motion, monkeypatch):
+    assert type(limit).takes_many
+    assert not CartLimit.takes_many
+    at_once = rows(motion, limits=(limit,))
+    monkeypatch.setattr(type(limit), "takes_many", False)
+    each = rows(motion, limits=(limit,))
+    assert len(at_once.cones) == len(each.cones) > 0
+    for one, other in zip(at_once.cones, each.cones, strict=True):
+        np.testing.assert_allclose(one.offset, other.offset, rtol=1e-12)
+    for name in ("of_sum", "of_arm", "low", "high"):
+        np.testing.assert_allclose(getattr(at_once, name), getattr(each, name), rtol=1e-12, atol=1e-12)
