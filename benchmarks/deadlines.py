@@ -1,4 +1,5 @@
-"""`python -m benchmarks.deadlines [--ticks N]`: how long ticks take at worst, by what comes of them, after `warm_up`.
+"""`python -m benchmarks.deadlines [--ticks N] [--only WORD]`: how long ticks take at worst, after `warm_up`, by what
+comes of them.
 
 Times are the thread's own CPU time, so that other programs on the machine have no share in them; what the interpreter's
 garbage collector takes is in them."""
@@ -48,8 +49,10 @@ Ticks = Iterator[Tick]
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.deadlines", description=__doc__)
     parser.add_argument("--ticks", type=int, default=TICKS, help="of each kind")
-    ticks = parser.parse_args().ticks
-    print("\n".join(table({name: spent(make(), ticks // SELDOM.get(name, 1)) for name, make in KINDS.items()})))
+    parser.add_argument("--only", default="", metavar="WORD", help="kinds whose name has it")
+    asked = parser.parse_args()
+    kinds = {name: make for name, make in KINDS.items() if asked.only in name}
+    print("\n".join(table({name: spent(make(), asked.ticks // SELDOM.get(name, 1)) for name, make in kinds.items()})))
 
 
 def spent(ticks: Ticks, count: int) -> dict[str, np.ndarray]:
