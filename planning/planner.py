@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +33,7 @@ from .quadratic_program import INFEASIBLE, NUMERICAL
 from .solvers import QuadraticSolver, solve_with_clarabel
 from .tick.answers import Answers, Solved, proof_of
 from .tick.compiled_allocation import SOLVER, Point
+from .tick.compiled_nearest import FORBIDDEN, UNPROVEN, Near, left_open
 from .tick.compiled_planning import CompiledPlanning
 from .tick.estimate_inputs import check_estimate
 from .tick.given_contacts import GivenContacts
@@ -163,8 +164,7 @@ class WrenchPlanner:
         for contacts in (None, None, dict(zip(self._terms.base.names, self._terms.first, strict=True))):
             self.plan((1.0, 0.0, 0.1), contacts)
         self.reset()
-        target = np.zeros(len(self._to_effective))
-        solve_with_clarabel(self._program.at(self._terms.first, target, self._cost))
+        solve_with_clarabel(self._program.at(self._terms.first, np.zeros(len(self._to_effective)), self._cost))
 
     def plan(
         self,
@@ -211,7 +211,7 @@ class WrenchPlanner:
         was none). The arms' limits are convex and hold the zero wrench, so it stays within; a cart that skids
         or tips without the hands is beyond them. After `warm_up`, what proves that a wrench can't be given, and the
         nearest, are found when the plan is asked for them: `certificate`, `message`, `nearest`."""
-        plan = self._plan(wrench, contacts, estimate, arms, at_once=self._relax == 0.0)
+        plan = self._plan(wrench, contacts, estimate, arms, at_once=True)
         if plan.is_usable:
             return plan
         shrink = self._terms.shrink(self._last.wrenches, self._decay)
@@ -258,11 +258,13 @@ class WrenchPlanner:
             return unproven(self._plan(asked, plan.contacts, None, None, at_once)) if again else plan
         target = self._to_effective.dot(asked)
         if at_once and self._compiled is not None and self._compiled.is_infeasible:
-            return self._left_open(lambda then: then._planned(points, target, None, start), start)
+            near = FORBIDDEN if self._relax == 0.0 else self._compiled.nearest(asked, self._cost, start)
+            if near is not UNPROVEN:
+                return self._left_open(lambda then: then._planned(points, target, None, start), start, near)
         return self._planned(points, target, None, start)
 
-    def _left_open(self, explained: Callable[[WrenchPlanner], Plan], start: float) -> Plan:
-        """Infeasible, as is proven; why, a planner that remembers what this one does now says when asked."""
+    def _left_open(self, explained: Callable[[WrenchPlanner], Plan], start: float, near: Near = FORBIDDEN) -> Plan:
+        """Infeasible, as is proven, or relaxed to what is near; why, a planner like this one of now says when asked."""
         then = shallow(self)
         then._terms, then._last, then._compiled = shallow(self._terms), shallow(self._last), None
 
@@ -272,10 +274,8 @@ class WrenchPlanner:
             then._answers, then._program = Answers(then._terms, then._relax), ProgramAtContacts(then._terms)
             return explained(then)
 
-        spent = time.perf_counter() - start
-        fields: dict[str, Any] = {"status": INFEASIBLE, "solve_time": spent, "solver": SOLVER, "explain": explain}
-        fields |= {"wrenches": {}, "contacts": {}, "yaws": {}, "tell": lambda: explain().figures}
-        return Plan.of(fields)
+        plan = left_open(near, self._relax, explain, start)
+        return self._remembered(plan, *self._compiled.last) if plan.is_usable and self._compiled else plan
 
     # --- what changes between ticks -----------------------------------------------------------------------
 
@@ -359,7 +359,7 @@ class WrenchPlanner:
                 plan = self._compiled.chosen(choice, asked, start)
                 return self._remembered(plan, *self._compiled.last)
         question = Question(self._to_effective.dot(asked), self._cost, switching=switching)
-        if choice is not None and at_once and choice.complete and choice.bound == np.inf:
+        if choice is not None and at_once and self._relax == 0.0 and choice.complete and choice.bound == np.inf:
             none = choice
             return self._left_open(lambda then: then._none_found(candidates, question, none, start), start)
         if choice is None:

@@ -28,6 +28,7 @@ from ..plan import ChoiceProof, Figures, Plan
 from ..quadratic_program import OPTIMAL, LimitNames, QPSolution, QuadraticProgram, Residuals, active_limits
 from .compiled_allocation import SOLVER, CompiledAllocation, Point
 from .compiled_choice import CompiledChoice
+from .compiled_nearest import UNPROVEN, Near, nearest
 from .given_contacts import REACH_TOLERANCE
 from .plan_inputs import real_numbers
 from .tangents import Tangents, values_of
@@ -48,6 +49,7 @@ class CompiledPlanning:
         own = self._own.single
         self._own_points = None if own is None or self._is_refused(own) else own
         self._given, self._given_points = b"", np.zeros((0, 3))
+        self._asked_at = self._given_points
         self._parts = [(name, slice(6 * i, 6 * i + 6)) for i, name in enumerate(terms.sets)]
         self._n = 6 * len(terms.sets)
         self._shown: dict[str, Array] = {}
@@ -77,27 +79,49 @@ class CompiledPlanning:
         self._allocation.is_infeasible = False
         if points is None:
             return None
+        self._asked_at = points
         self._tangents = None if not self._terms.template.cart_rows.cones else self._touching(points)
+        return self._plan(points, wrench, None, start) if self._solves(wrench, points, cost) else None
+
+    def nearest(self, wrench: Point, cost: Cost, start: float) -> Near:
+        """The plan of the nearest, where `at` found that a wrench can't be given, and how far it is."""
+        points, basis_b = self._asked_at, self._terms.template.basis_b
+        for _ in range(MOST_TURNS):
+            found = nearest(self._template, points, wrench)
+            if isinstance(found, str):
+                return found
+            wrenches, missing = found
+            turned = self._turned(points, wrench, wrenches)
+            if turned is None:
+                x, y, turn = (wrench - basis_b @ np.linalg.solve(basis_b.T @ basis_b, missing)).tolist()
+                if not self._solves((x, y, turn), points, cost):
+                    return UNPROVEN
+                return self._plan(points, (x, y, turn), None, start), float(np.linalg.norm(missing))
+            self._tangents = turned
+        return UNPROVEN
+
+    def _solves(self, wrench: Point, points: Array, cost: Cost) -> bool:
+        """Whether the allocation then has the proven optimum, at which the cones hold."""
         for _ in range(MOST_TURNS):
             self._allocation.take(self._template, cost)
             if not self._allocation.solve(wrench, points):
-                return None
-            turned = self._turned(points, wrench)
+                return False
+            turned = self._turned(points, wrench, self._allocation.answer()[: self._n])
             if turned is None:
-                return self._plan(points, wrench, None, start)
+                return True
             self._tangents = turned
-        return None
+        return False
 
     def _touching(self, points: Array) -> Tangents:
         """Half-spaces for the cones of now, which touch them at the last wrenches."""
         rows, last = self._terms.template.cart_rows, self.last[0] if len(self.last[0]) else np.zeros(self._n)
         return Tangents.touching(rows, values_of(rows, last, self._maps(points)))
 
-    def _turned(self, points: Array, wrench: Point) -> Tangents | None:
-        """Half-spaces for another try, where a cone doesn't hold at what was found."""
+    def _turned(self, points: Array, wrench: Point, found: Array) -> Tangents | None:
+        """Half-spaces for another try, where a cone doesn't hold at the wrenches (6n,) that were found."""
         if self._tangents is None:
             return None
-        values = values_of(self._tangents.rows, self._allocation.answer()[: self._n], self._maps(points))
+        values = values_of(self._tangents.rows, found, self._maps(points))
         return self._tangents.turned(values, max(1.0, *map(abs, wrench)))
 
     def _maps(self, points: Array) -> Array:

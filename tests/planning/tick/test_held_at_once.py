@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from planning import WrenchPlanner
-from planning.plan import Plan
+from planning.plan import RELAXED, Plan
 from planning.quadratic_program import INFEASIBLE
 
 BEYOND = (500.0, 0.0, 10.0)
@@ -63,6 +65,53 @@ def test_it_is_explained_as_the_general_road_does_whatever_came_after(places):
     assert told.keys() == other.keys()
     assert told["certificate"]["limits"] == other["certificate"]["limits"]
     assert (told["choice"] is None) == (other["choice"] is None)
+
+
+WAYS = st.tuples(st.floats(-400, 400), st.floats(-5, 5), st.floats(-80, 80))
+
+
+@pytest.fixture(scope="module")
+def relaxing():
+    """A warm planner that relaxes, and one that knows the general road alone."""
+    warm, cold = (WrenchPlanner(CART, ONE, relax=np.inf) for _ in range(2))
+    warm.warm_up()
+    return warm, cold
+
+
+@given(wrench=WAYS)
+def test_the_nearest_is_given_at_once(relaxing, wrench):
+    """As the general road does: by the same status, what is missing and what it costs."""
+    plan, expected = (planner.plan_or_hold(wrench) for planner in relaxing)
+    assert plan.status == expected.status
+    scale = max(1.0, *map(abs, wrench))
+    assert plan.effort == pytest.approx(expected.effort, rel=1e-5, abs=1e-6)
+    np.testing.assert_allclose(plan.cart_wrench[[0, 2]], expected.cart_wrench[[0, 2]], atol=1e-6 * scale)
+    if plan.status == RELAXED:
+        assert plan.message == plan.certificate.words == expected.message
+        assert plan.certificate.verified
+        assert plan.missing == pytest.approx(expected.missing, rel=1e-6, abs=1e-8)
+        for name, wrench_a in plan.wrenches.items():
+            limit = next(arm for arm in ONE if arm.name == name).wrench_limit
+            assert (np.abs(wrench_a) <= limit + 1e-9 * scale).all()
+
+
+def test_no_general_solver_is_asked_for_the_nearest(relaxing, monkeypatch):
+    warm, _ = relaxing
+    with monkeypatch.context() as patched:
+        patched.setattr("planning.solvers.QuadraticSolver.solve", None)
+        plan = warm.plan_or_hold(BEYOND)
+        assert plan.status == RELAXED
+        assert np.linalg.norm(np.subtract(BEYOND, plan.cart_wrench)[[0, 2]]) > 100.0
+    assert plan.proof[1].status == "optimal"
+
+
+@pytest.mark.parametrize("relax", [1.0, 500.0])
+def test_what_is_too_far_is_held(relax):
+    warm = WrenchPlanner(CART, ONE, relax=relax)
+    warm.warm_up()
+    plan = warm.plan_or_hold(BEYOND)
+    assert plan.status == (RELAXED if relax > 400.0 else INFEASIBLE)
+    assert plan.certificate.nearest.distance == pytest.approx(380.0, rel=0.1)
 
 
 def test_nothing_else_is_left_open():

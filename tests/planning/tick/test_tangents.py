@@ -80,6 +80,22 @@ def test_what_margins_forbid_is_said_at_once():
     assert plan.certificate.asked == pytest.approx(reference.certificate.asked, rel=1e-6)
 
 
+@pytest.mark.parametrize(("scale", "status"), [(12.0, "infeasible"), (1.0, "relaxed")])
+def test_margins_that_no_wrench_keeps_cost_no_search(scale, status, monkeypatch):
+    """Nor does the nearest wrench that keeps them."""
+    warm, cold = (WrenchPlanner(cart(), hands(), cart_limits=LIMITS, confidence=0.99, relax=np.inf) for _ in range(2))
+    warm.warm_up()
+    told = estimate(covariance(scale), BEND)
+    with monkeypatch.context() as patched:
+        patched.setattr("planning.solvers.QuadraticSolver.solve", None)
+        plan = warm.plan_or_hold((-120.0, 0.0, 20.0), CONTACTS, told)
+        assert plan.status == status
+    reference = cold.plan_or_hold((-120.0, 0.0, 20.0), CONTACTS, told)
+    assert reference.status == status
+    assert plan.certificate.asked == pytest.approx(reference.certificate.asked, rel=1e-6)
+    np.testing.assert_allclose(plan.cart_wrench, reference.cart_wrench, atol=1e-3)
+
+
 @given(held=vectors(12, -60.0, 60.0), other=vectors(12, -60.0, 60.0))
 def test_half_spaces_hold_whatever_the_cones_hold(held, other):
     """And touch them where they are said to, but for margins that don't depend on the wrench."""

@@ -1,0 +1,84 @@
+"""The nearest to a wrench that can't be given, by compiled calls: `minimise ½ ‖t‖² + ½ PROXIMAL ‖F - F'‖²`, such that
+`Sᵀ sum G_i F_i + t = Sᵀ wrench_b` and F is within the limits.
+
+F' are the wrenches of the call before. So each program is strictly convex, and kernels of allocations take it; what is
+missing, t, soon is that of `allocation/projection.py` (the proximal point method; Rockafellar, 1976).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from ..allocation.allocation_template import AllocationTemplate
+from ..allocation.projection import projection_program
+from ..plan import RELAXED, Plan
+from ..quadratic_program import INFEASIBLE
+from . import compiled_allocation
+from .compiled_allocation import SOLVER, Point
+
+PROXIMAL, MOST_STEPS, SETTLED = 1e-4, 10, 1e-9
+"""Curvature about the wrenches before; most steps; and the change of what is missing, as a share, that ends them."""
+ROOM = 1e-7
+"""Share of what is missing that is left out besides: rounding at the edge of what can be given is not to matter."""
+
+
+Nothing = Literal["forbidden", "unproven"]
+FORBIDDEN: Literal["forbidden"] = "forbidden"
+"""No wrench keeps the limits, as is proven."""
+UNPROVEN: Literal["unproven"] = "unproven"
+"""No proof was found, of a nearest one or that there is none."""
+Near = tuple[Plan, float] | Nothing
+"""The plan of the nearest wrench, and how far that is from what was asked (N, N·m); or why there is none."""
+
+
+def nearest(template: AllocationTemplate, points: Array, wrench: Point) -> tuple[Array, Array] | Nothing:
+    """Wrenches (6n,) of arms at points (n, 3), and what is missing of a planar wrench in {b}, (k,)."""
+    from ..kernels.allocation import allocate
+    from ..kernels.loading import load, load_gradient, load_spans
+    from ..kernels.workspace import Sizes, views
+
+    n, k, n_moving = template.n, template.basis_b.shape[1], len(template.cart_rows.low) + template.basis_b.shape[1]
+    program = projection_program(template.at_points, template.slack_map(False))
+    program = replace(program, hessian=program.hessian + PROXIMAL * np.diag(np.repeat([1.0, 0.0], [n, k])))
+    floats, ints = Sizes(n + k, len(program.lower), k, len(template.arms), n_moving, k).allocate()
+    workspace = views(floats, ints)
+    load(workspace, program)
+    workspace.basis[:], workspace.points[:] = template.basis_b, points
+    workspace.affine[:, :, :n] = template.affine_rows().transpose(0, 2, 1, 3).reshape(4, n_moving, n)
+    stop = len(program.lower) - k
+    limits, rows = workspace.problem.limits, template.cart_rows
+    limits[0, stop - len(rows.low) : stop], limits[1, stop - len(rows.low) : stop] = rows.low, rows.high
+    limits[:, :n] = template.limits.lower, template.limits.upper
+    pattern = workspace.problem.rows != 0
+    pattern[len(pattern) - n_moving :, :n] = True
+    load_spans(workspace, pattern)
+    found, before = workspace.claim.x, np.full(k, np.inf)
+    for _ in range(MOST_STEPS):
+        status = allocate(floats, ints, wrench, True)
+        if status != compiled_allocation.OPTIMAL:
+            return FORBIDDEN if status == compiled_allocation.INFEASIBLE else UNPROVEN
+        missing = found[n:].copy()
+        if np.abs(missing - before).max() <= SETTLED * max(1.0, np.abs(missing).max()):
+            break
+        before = missing
+        load_gradient(workspace, np.concatenate([-PROXIMAL * found[:n], np.zeros(k)]), 0.0)
+    return found[:n].copy(), (1.0 + ROOM) * missing
+
+
+def left_open(near: Near, relax: float, explain: Callable[[], Plan], start: float) -> Plan:
+    """The plan of what is near, relaxed, if it is no farther than that; else one that is infeasible. What `explain`
+    says of it is found when it is asked for."""
+    fields: dict[str, Any] = {"solver": SOLVER, "solve_time": time.perf_counter() - start}
+    fields |= {"explain": explain, "tell": lambda: explain().figures}
+    if isinstance(near, str) or near[1] > relax:
+        return Plan.of(fields | {"status": INFEASIBLE, "wrenches": {}, "contacts": {}, "yaws": {}})
+    whole = vars(near[0]) | fields | {"status": RELAXED, "prove": lambda: explain().proof}
+    del whole["message"]
+    return Plan.of(whole)
