@@ -13,7 +13,7 @@ from .attempts import Refit
 from .gains import WORTH, absent, added, added_worth, attempt, every_family, margin, worth
 from .laws import Law
 from .model import Model
-from .plausible import ODDS
+from .plausible import ODDS, is_plausible
 from .refine import refined
 from .screening import Screen
 
@@ -41,16 +41,23 @@ def searched_again(model: Model) -> Model:
 
 
 def _other_form(model: Model, law: Law) -> Model:
-    """The model with another form of a smooth law, the simplest that is not surely worth less beside all else."""
+    """The model with another form of a smooth law, the simplest that is not surely worth less beside all else, and
+    leaves effects what their names say."""
     less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
     screen = Screen(less)
     gains = [(screen.of_law(one), one) for one in screen.smooth_laws() if one.of == law.of and one.key != law.key]
     enough = screen.of_law(law) - WORTH
     near = sorted((one for one in gains if one[0] > enough), key=lambda one: -one[0])[:MOST_FORMS]
-    found = [(law.size, model), *((one.size, _with_law(less, one)) for _, one in near)]
+    others = [(one.size, _with_law(less, one)) for _, one in near]
+    found = [(law.size, model), *(one for one in others if _keeps_names(one[1]))]
     best = max((one for _, one in found), key=lambda one: worth(less.score, one.score, None))
     alike = [one for one in found if worth(one[1].score, best.score, None) <= margin(one[1], best)]
     return min(alike, key=lambda one: (one[0], -worth(less.score, one[1].score, None)))[1]
+
+
+def _keeps_names(model: Model) -> bool:
+    """Whether somebody who knows carts would still call its added effects so."""
+    return all(is_plausible(effect, model.cart.wheel_set) for effect in added(model))
 
 
 def _with_law(model: Model, law: Law) -> Model:

@@ -29,8 +29,8 @@ from .gains import (
     worth,
 )
 from .laws import Law
-from .model import Model
-from .plausible import ESSENTIAL, ODDS, TOLD, is_lawful, is_plausible
+from .model import FORM_LEVER, Model
+from .plausible import ESSENTIAL, LEVERS, ODDS, TOLD, is_lawful, is_plausible
 from .refine import refined
 from .revisited import dropped, searched_again
 from .screening import LEAST_SIDE, Screen
@@ -241,8 +241,12 @@ def unseen(effect: Effect, model: Model) -> str:
     ):
         return f"no wheel was outside for {LEAST_SIDE:g} s"
     name = ESSENTIAL.get(effect.name, "")
-    key = f"{effect.key}.{name}"
-    if name and abs(effect.values[effect.keys.index(key)]) <= TOLD * model.deviation(key):
+    if not name:
+        return ""
+    values, key = dict(zip(effect.keys, effect.values.tolist(), strict=True)), f"{effect.key}.{name}"
+    moment, force = LEVERS.get(effect.name, ("", ""))
+    beside = FORM_LEVER * abs(values[f"{effect.key}.{force}"]) if name == moment else 0.0
+    if abs(values[key]) <= TOLD * float(np.hypot(model.deviation(key), beside)):
         return f"its {name} is within {TOLD:g} standard deviations of nought"
     return ""
 

@@ -58,6 +58,13 @@ def test_a_law_takes_the_form_that_does_beside_all_else(fading):
 
 
 @pytest.mark.long
+def test_no_form_is_taken_that_leaves_effects_without_their_names(fading, monkeypatch):
+    _, model = fading
+    monkeypatch.setattr("estimation.discrepancy.search.revisited.is_plausible", lambda *_: False)
+    assert [law.form for law in searched_again(model).laws] == [law.form for law in model.laws]
+
+
+@pytest.mark.long
 def test_a_step_says_in_which_form_its_law_is_kept(fading):
     _, model = fading
     added, again = Attempt(model.laws[0], 99.0, 1, model), searched_again(model)

@@ -23,7 +23,7 @@ from estimation.discrepancy import diagnose
 from estimation.discrepancy.search.attempts import Attempt
 from estimation.discrepancy.search.candidates import amplitudes_of, families
 from estimation.discrepancy.search.gains import CONFUSABLE, WORTH, absent
-from estimation.discrepancy.search.model import Model
+from estimation.discrepancy.search.model import FORM_LEVER, Model
 from estimation.discrepancy.search.refine import refined
 from estimation.discrepancy.search.screening import Screen
 from estimation.discrepancy.search.search import chosen, keys
@@ -191,10 +191,10 @@ def test_a_name_keeps_what_a_law_fits_no_better_than_forms_differ(gain, is_named
 
 @pytest.mark.parametrize(("deviations", "is_one"), [(3.0, True), (-3.0, True), (1.0, False)])
 def test_wheels_that_drag_alike_are_no_imbalance(deviations, is_one):
-    """The moment is told where it is two deviations from nought."""
+    """The moment is told where it is two deviations from nought, with those that the force's lever has."""
     cart = cart_of(TRUE).with_effect(WheelDragImbalance(4.0, 1.0))
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
-    moment = deviations * model.deviation("wheel_drag_imbalance.moment")
+    moment = deviations * np.hypot(model.deviation("wheel_drag_imbalance.moment"), FORM_LEVER * 4.0)
     told = Attempt(WheelDragImbalance(4.0, moment), 90.0, 1, model, 3.0)
     assert chosen([told], 0.0, WORTH) is (told if is_one else None)
 
