@@ -28,6 +28,7 @@ TICKS = 100_000
 EDGES = (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0)
 """µs."""
 CART = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), effects=(ViscousDrag(5.0, 2.0),))
+HAND = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0)}
 DURATION, LOADED_AT, LOAD = 20.0, 10.0, 2.0
 STD = {
     "mass": 3.0,
@@ -84,9 +85,8 @@ def _planning(force: float, *places: tuple[float, float, float], **given: float)
     """Of wrenches about a forward force (N), now and then one that can be given, so that something is held."""
 
     def make() -> Ticks:
-        limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0)}
         left, right = ContactSet(((-0.25, 0.2, 1.0), *places)), ContactSet(((-0.25, -0.2, 1.0),))
-        planner = WrenchPlanner(CART, [Arm("left", left, **limits), Arm("right", right, **limits)], **given)
+        planner = WrenchPlanner(CART, [Arm("left", left, **HAND), Arm("right", right, **HAND)], **given)
         planner.warm_up()
         planner.plan_or_hold((20.0, 0.0, 0.0))
         wrenches = np.random.default_rng(0).uniform((-10.0, 0.0, -3.0), (10.0, 0.0, 3.0), (1000, 3))
@@ -146,13 +146,12 @@ def _tick(controller: Controller, felt: Measurement | None, moved: Measurement, 
     if felt is not None:
         controller.observe(felt)
     steps.append(controller.step(moved))
-    return f"{steps[-1].plan.status}"
+    return str(steps[-1].plan.status)
 
 
 def _hands() -> list[Arm]:
-    limits = {"force_limit": (60.0, 60.0, 40.0), "moment_limit": (8.0, 8.0, 6.0)}
     points = [(-0.25, y, 1.0) for y in (0.15, 0.2, 0.25)]
-    return [Arm("left", points, **limits), Arm("right", [(x, -y, z) for x, y, z in points], **limits)]
+    return [Arm("left", points, **HAND), Arm("right", [(x, -y, z) for x, y, z in points], **HAND)]
 
 
 def _log(rate: float) -> Iterator[Measurement]:
@@ -172,7 +171,7 @@ GUESS = TRUCK.with_inertia(Inertia(22.0, (0.28, 0.0), 1.8))
 PATH = PathReference(chain(speed_change(0.5), turn(0.8, 0.4), turn(-0.8, 0.4), speed_change(-0.5)))
 LIMITS = (Skid(0.5), TipOver(5.0))
 OTHER = (-0.25, 0.1, 1.0)
-KINDS: dict[str, Callable[[], Tick]] = {
+KINDS: dict[str, Callable[[], Ticks]] = {
     "plan_or_hold": _planning(30.0),
     "plan_or_hold, beyond": _planning(500.0),
     "plan_or_hold, beyond, relaxed": _planning(500.0, relax=np.inf),

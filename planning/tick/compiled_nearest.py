@@ -44,24 +44,18 @@ def nearest(template: AllocationTemplate, points: Array, wrench: Point) -> tuple
     from ..kernels.loading import load, load_gradient, load_spans
     from ..kernels.workspace import Sizes, views
 
-    n, k, n_moving = template.n, template.basis_b.shape[1], len(template.cart_rows.low) + template.basis_b.shape[1]
-    program = projection_program(template.at_points, template.slack_map(False))
+    n, k = template.n, template.basis_b.shape[1]
+    program = template.program(template.contact_rows(points), np.zeros(k), template.cost(np.zeros(n)))
+    program = projection_program(program, template.slack_map(False))
     program = replace(program, hessian=program.hessian + PROXIMAL * np.diag(np.repeat([1.0, 0.0], [n, k])))
-    floats, ints = Sizes(n + k, len(program.lower), k, len(template.arms), n_moving, k).allocate()
+    floats, ints = Sizes(n + k, len(program.lower), k, free=k).allocate()
     workspace = views(floats, ints)
+    workspace.basis[:] = template.basis_b
     load(workspace, program)
-    workspace.basis[:], workspace.points[:] = template.basis_b, points
-    workspace.affine[:, :, :n] = template.affine_rows().transpose(0, 2, 1, 3).reshape(4, n_moving, n)
-    stop = len(program.lower) - k
-    limits, rows = workspace.problem.limits, template.cart_rows
-    limits[0, stop - len(rows.low) : stop], limits[1, stop - len(rows.low) : stop] = rows.low, rows.high
-    limits[:, :n] = template.limits.lower, template.limits.upper
-    pattern = workspace.problem.rows != 0
-    pattern[len(pattern) - n_moving :, :n] = True
-    load_spans(workspace, pattern)
+    load_spans(workspace, program.stacked[program.n :] != 0)
     found, before = workspace.claim.x, np.full(k, np.inf)
     for _ in range(MOST_STEPS):
-        status = allocate(floats, ints, wrench, True)
+        status = allocate(floats, ints, wrench, False)
         if status != compiled_allocation.OPTIMAL:
             return FORBIDDEN if status == compiled_allocation.INFEASIBLE else UNPROVEN
         missing = found[n:].copy()

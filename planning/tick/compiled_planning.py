@@ -87,7 +87,7 @@ class CompiledPlanning:
         """The plan of the nearest, where `at` found that a wrench can't be given, and how far it is."""
         points, basis_b = self._asked_at, self._terms.template.basis_b
         for _ in range(MOST_TURNS):
-            found = nearest(self._template, points, wrench)
+            found = nearest(self._posed(), points, wrench)
             if isinstance(found, str):
                 return found
             wrenches, missing = found
@@ -103,10 +103,10 @@ class CompiledPlanning:
     def _solves(self, wrench: Point, points: Array, cost: Cost) -> bool:
         """Whether the allocation then has the proven optimum, at which the cones hold."""
         for _ in range(MOST_TURNS):
-            self._allocation.take(self._template, cost)
+            self._allocation.take(self._posed(), cost)
             if not self._allocation.solve(wrench, points):
                 return False
-            turned = self._turned(points, wrench, self._allocation.answer()[: self._n])
+            turned = self._turned(points, wrench)
             if turned is None:
                 return True
             self._tangents = turned
@@ -117,10 +117,12 @@ class CompiledPlanning:
         rows, last = self._terms.template.cart_rows, self.last[0] if len(self.last[0]) else np.zeros(self._n)
         return Tangents.touching(rows, values_of(rows, last, self._maps(points)))
 
-    def _turned(self, points: Array, wrench: Point, found: Array) -> Tangents | None:
-        """Half-spaces for another try, where a cone doesn't hold at the wrenches (6n,) that were found."""
+    def _turned(self, points: Array, wrench: Point, found: Array | None = None) -> Tangents | None:
+        """Half-spaces for another try, where a cone doesn't hold at the wrenches (6n,) that were found: the
+        allocation's, unless others are given."""
         if self._tangents is None:
             return None
+        found = self._allocation.answer()[: self._n] if found is None else found
         values = values_of(self._tangents.rows, found, self._maps(points))
         return self._tangents.turned(values, max(1.0, *map(abs, wrench)))
 
@@ -131,15 +133,15 @@ class CompiledPlanning:
             self._mapped = points, yaws, grasp_map_spatial(points, yaws)
         return self._mapped[2]
 
-    @property
-    def _template(self) -> AllocationTemplate:
-        """That of the terms, with half-spaces in the place of cones."""
-        template = self._terms.template
+    def _posed(self) -> AllocationTemplate:
+        """The terms' template with half-spaces in the place of cones. It goes on from the last such one, whose cached
+        values it keeps."""
+        template, before = self._terms.template, self._linear
         if self._tangents is None:
             return template
-        before = self._linear
-        is_like = before is not None and before.arms is template.arms and before.limits is template.limits
-        self._linear = (before if is_like and before else template).with_cart_rows(self._tangents.linear)
+        if before is None or before.arms is not template.arms or before.limits is not template.limits:
+            before = template
+        self._linear = before.with_cart_rows(self._tangents.linear)
         return self._linear
 
     @property
