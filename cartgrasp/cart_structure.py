@@ -79,12 +79,18 @@ class CartStructure(ABC):
         return self._with_numbers(inertia, self.effects)
 
     def with_parameters(self, parameters: ArrayLike) -> Self:
-        """The same structure with other numbers (p,)."""
+        """The same structure with other numbers (p,). The last one made is kept: estimator, tracker and planner ask for
+        it one after the other."""
         parameters = np.asarray(parameters, dtype=float)
         if parameters.shape != self.parameters.shape:
             raise UsageError(f"cart: parameters {parameters.shape} are not the {len(self.parameters)} of this cart")
+        asked, latest = parameters.tobytes(), self.structure.get("latest")
+        if latest is not None and latest[0] == asked:
+            return latest[1]  # type: ignore[no-any-return]
         effects = tuple(e.with_values(parameters[s]) for e, s in zip(self.effects, self._slices, strict=True))
-        return self._with_numbers(Inertia.from_phi(parameters[:N_PHI]), effects)
+        made = self._with_numbers(Inertia.from_phi(parameters[:N_PHI]), effects)
+        self.structure["latest"] = asked, made
+        return made
 
     def _with_numbers(self, inertia: Inertia, effects: tuple[Effect, ...]) -> Self:
         """A cart with other numbers. Both share the structure and what is derived from it, unless constraint effects

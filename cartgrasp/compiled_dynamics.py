@@ -89,10 +89,14 @@ class CompiledDynamics:
         found, _ = self._effects(point, foreign)
         return found[..., : self.n_sums]
 
-    def floor(self, point: Point, com_height: Array, foreign: Array | None = None) -> Array:
-        """Rows (..., n_wheels + 1, 7) as `kernels.floor.react` has them."""
-        found = self._ask(entries.floors, self._given(point, (com_height,), foreign), 7 * (self._n_wheels + 1))
-        return found.reshape(*found.shape[:-1], -1, 7)
+    def floor(
+        self, point: Point, com_height: Array, foreign: Array | None = None, with_partials: bool = False
+    ) -> Array:
+        """Rows (..., 1 + p, n_wheels + 1, 7) as `kernels.floor.react` has them, and behind them their partials by the
+        parameters, or (..., 1, n_wheels + 1, 7)."""
+        count = 1 + self.n_parameters if with_partials else 1
+        found = self._ask(entries.floors, self._given(point, (com_height,), foreign), count * 7 * (self._n_wheels + 1))
+        return found.reshape(*found.shape[:-1], count, -1, 7)
 
     def parts(self, sums: Array) -> tuple[Array, Array, Parts, Parts, Parts]:
         """Views of sums: phi, its partials by the parameters, the wrench, the rate of the memory, and, as one row, the

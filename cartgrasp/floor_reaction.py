@@ -29,8 +29,6 @@ import numpy as np
 
 from .errors import UsageError
 from .frames import PLANAR, Array
-from .rigid_body import bias_b, mass_matrix_b
-from .wheels import GRAVITY
 
 if TYPE_CHECKING:
     from .model import CartModel
@@ -41,47 +39,41 @@ TO_PLANAR = np.eye(6)[[*PLANAR]]
 
 @dataclass(frozen=True, eq=False)
 class FloorReaction:
-    """`loads = load_map @ W + load_offset`, (n_wheels,) N, and `lateral = lateral_map @ W + lateral_offset`, N,
-    positive where the floor pushes the wheels to their left."""
+    """`rows @ (W, 1)`, N: `rows` (n_wheels + 1, 7) are of each wheel's load and, last, of the lateral force, which is
+    positive where the floor pushes the fixed wheels to their left."""
 
-    load_map: Array
-    load_offset: Array
-    lateral_map: Array
-    lateral_offset: Array
+    rows: Array
 
     @classmethod
     def of(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
         """At a motion; at rest where none is given. Without wheels or `com_height` it tells no loads."""
-        rows = cart.floor_rows(_state(cart, motion), time)
-        loads = rows[:-1] if tells_loads(cart) else rows[:0]
-        return cls(loads[:, :6], loads[:, 6], rows[-1, :6], rows[-1, 6])
+        return cls(_told(cart, cart.floor_rows(_state(cart, motion), time)[0]))
 
     @classmethod
-    def by_parameters(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> Self:
-        """The partials of all four by the cart's parameters (p,), on a leading axis."""
-        height, state, basis = cart.com_height or 0.0, _state(cart, motion), cart.basis_b
-        acting, velocity_b = cart.acting(state, time=time), basis @ state[cart.velocity_slice]
-        phi, by_phi, effects = acting.phi, acting.phi_by_parameters.T, acting.wrench_by_parameters.T
-        mass, by_mass = mass_matrix_b(phi), mass_matrix_b(by_phi)
-        mass[0, 0], by_mass[:, 0, 0] = mass[0, 0] - acting.swung, by_mass[:, 0, 0] - acting.swung_by_parameters
-        mobility = basis @ np.linalg.inv(basis.T @ mass @ basis) @ basis.T
-        inertial, turned = mass @ mobility, by_mass @ mobility
-        push, bias = acting.wrench_b - bias_b(velocity_b, phi)[0], bias_b(velocity_b, by_phi)[0]
-        kept = np.eye(3) - inertial
-        rate = (kept @ turned)[:, :2] @ TO_PLANAR
-        offset = (turned @ push + bias) @ kept.T + effects @ inertial.T
-        weight = GRAVITY * by_phi[:, :3]
-        weight[:, 1:] -= height * offset[:, :2]
-        spread, across = cart.wheel_set.load_map[:, :3] / GRAVITY, cart.rolling.across_b
-        spread = spread if tells_loads(cart) else spread[:0]
-        return cls(-height * spread[:, 1:] @ rate, weight @ spread.T, across @ rate, (offset - effects)[:, :2] @ across)
+    def with_partials(cls, cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> tuple[Self, Array]:
+        """And the partials of its rows by the cart's parameters, (p, n_wheels + 1, 7)."""
+        rows = _told(cart, cart.floor_rows(_state(cart, motion), time, with_partials=True))
+        return cls(rows[0]), rows[1:]
 
-    def along(self, direction: Array) -> Self:
-        """Partials by the parameters, summed along a direction (p,) of these, or along many (..., p)."""
-        p, n_wheels, columns = self.load_map.shape
-        load_map = (direction @ self.load_map.reshape(p, -1)).reshape(*direction.shape[:-1], n_wheels, columns)
-        rest = (direction @ field for field in (self.load_offset, self.lateral_map, self.lateral_offset))
-        return type(self)(load_map, *rest)
+    @property
+    def load_map(self) -> Array:
+        """(..., n_wheels, 6)."""
+        return self.rows[..., :-1, :6]
+
+    @property
+    def load_offset(self) -> Array:
+        """(..., n_wheels), N."""
+        return self.rows[..., :-1, 6]
+
+    @property
+    def lateral_map(self) -> Array:
+        """(..., 6)."""
+        return self.rows[..., -1, :6]
+
+    @property
+    def lateral_offset(self) -> Array:
+        """(...), N."""
+        return self.rows[..., -1, 6]
 
     def loads(self, wrench_b: Array) -> Array:
         """N of each wheel, (..., n_wheels), under spatial wrenches (..., 6)."""
@@ -103,7 +95,7 @@ class WheelForces(NamedTuple):
     @classmethod
     def of(cls, cart: CartModel, wrench_b: Array, motion: Motion | None = None) -> Self:
         """Under a spatial wrench (6,) of the hands about {b}'s origin, at a motion or at rest."""
-        rows = cart.floor_rows(_state(cart, motion))
+        rows = cart.floor_rows(_state(cart, motion))[0]
         forces = rows[:, :6] @ wrench_b + rows[:, 6]
         return cls(float(forces[-1]), forces[:-1] if tells_loads(cart) else None)
 
@@ -111,7 +103,7 @@ class WheelForces(NamedTuple):
 def straight_force(cart: CartModel, motion: Motion | None = None) -> tuple[Array, float]:
     """What the fixed wheels take sideways, N, of hands that give the effective rows of a planar wrench (3,), and
     nothing across the wheels: its slope (3,) by the wrench, and what there is without any."""
-    row, slope = cart.floor_rows(_state(cart, motion))[-1], np.zeros(3)
+    row, slope = cart.floor_rows(_state(cart, motion))[0, -1], np.zeros(3)
     slope[:2] = cart.rolling.across_b
     return slope + TO_PLANAR @ row[:6], float(row[6])
 
@@ -120,9 +112,19 @@ def tells_loads(cart: CartModel) -> bool:
     return bool(cart.wheels) and cart.com_height is not None
 
 
+def n_loads(cart: CartModel) -> int:
+    """How many wheels' loads are told."""
+    return len(cart.wheels) if tells_loads(cart) else 0
+
+
 def check_loads(cart: CartModel) -> None:
     if not tells_loads(cart):
         raise UsageError(f"{cart.name}: wheels and com_height are needed for wheel loads; add them to the cart")
+
+
+def _told(cart: CartModel, rows: Array) -> Array:
+    """The rows that the cart tells, of rows (..., n_wheels + 1, 7)."""
+    return rows if tells_loads(cart) else rows[..., -1:, :]
 
 
 def _state(cart: CartModel, motion: Motion | None) -> Array:

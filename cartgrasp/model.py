@@ -223,11 +223,12 @@ class CartModel(CartStructure):
         point = self._point(np.zeros(len(self.state_names)), parameters, time)
         return self.dynamics.sums(point, self._foreign(point))[..., :N_PHI]
 
-    def floor_rows(self, state: Array, time: Any = 0.0) -> Array:
+    def floor_rows(self, state: Array, time: Any = 0.0, with_partials: bool = False) -> Array:
         """What the floor gives, for `FloorReaction`: of each wheel and of all fixed ones a row over the hands' spatial
-        wrench with an offset behind it, (..., n_wheels + 1, 7). The wheels' need `com_height`."""
+        wrench with an offset behind it, (..., 1, n_wheels + 1, 7); the wheels' need `com_height`. With partials by the
+        parameters behind it, (..., 1 + p, n_wheels + 1, 7)."""
         point = self._point(state, None, time)
-        return self.dynamics.floor(point, np.array([self.com_height or 0.0]), self._foreign(point))
+        return self.dynamics.floor(point, np.array([self.com_height or 0.0]), self._foreign(point), with_partials)
 
     # --- sensors ---------------------------------------------------------------------------------------------
 

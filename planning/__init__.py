@@ -17,7 +17,19 @@ if TYPE_CHECKING:
     from .embedded import EmbeddedProblem, export_c
     from .excitation.excitation_choice import Allowance, ExcitationChooser
     from .excitation.excitation_plan import plan_excitation
-    from .limits import CartLimit, CartRows, InternalForce, Limit, LimitRows, Pushed, SideForce, Skid, TipOver
+    from .limits import (
+        CartLimit,
+        CartRows,
+        FloorLimit,
+        FloorRows,
+        InternalForce,
+        Limit,
+        LimitRows,
+        Pushed,
+        SideForce,
+        Skid,
+        TipOver,
+    )
     from .objectives import (
         LeastInternalForce,
         LeastJointTorque,
@@ -49,6 +61,8 @@ __all__ = [
     "DirectTracker",
     "EmbeddedProblem",
     "ExcitationChooser",
+    "FloorLimit",
+    "FloorRows",
     "Gains",
     "Grip",
     "Horizon",
@@ -105,7 +119,7 @@ _HOMES = {
     "embedded": "EmbeddedProblem export_c",
     "excitation.excitation_choice": "Allowance ExcitationChooser",
     "excitation.excitation_plan": "plan_excitation",
-    "limits": "CartLimit CartRows InternalForce Limit LimitRows Pushed SideForce Skid TipOver",
+    "limits": "CartLimit CartRows FloorLimit FloorRows InternalForce Limit LimitRows Pushed SideForce Skid TipOver",
     "objectives": "LeastInternalForce LeastJointTorque LeastSideForce Lexicographic LoadShare Nothing Objective "
     "Smoothness WeightedWrench WorstArm",
     "plan": "Plan",

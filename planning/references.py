@@ -7,9 +7,13 @@ sideways by the constraint, `(u, w, r) = S_b nu`; u is the speed along the wheel
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate, pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +21,7 @@ from cartgrasp.checks import angle as checked_angle
 from cartgrasp.checks import check_kind, listed, number, pose, positive
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
-from cartgrasp.frames import Array, body_to_world
+from cartgrasp.frames import Array
 from cartgrasp.motion import Reference
 from cartgrasp.reference_file import LONGEST, STRONGEST, Stretch
 
@@ -26,7 +30,28 @@ __all__ = ["PathReference", "Stretch", "chain", "pause", "speed_change", "straig
 KNOT_SPACING = 0.05
 FASTEST = 50.0
 """m/s or rad/s: what is beyond is a slip of units."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+QUADRATURE = tuple(zip(*(part.tolist() for part in np.polynomial.legendre.leggauss(5)), strict=True))
+"""Nodes in [-1, 1] and weights, of Gauss and Legendre."""
+
+
+class _Piece(NamedTuple):
+    """A stretch with what it begins at: time, speed, yaw rate and heading."""
+
+    begin: float
+    speed: float
+    yaw_rate: float
+    heading: float
+    acceleration: float
+    yaw_acceleration: float
+
+    def rates(self, time: float) -> tuple[float, float]:
+        """u and r."""
+        elapsed = time - self.begin
+        return self.speed + self.acceleration * elapsed, self.yaw_rate + self.yaw_acceleration * elapsed
+
+    def heading_at(self, time: float) -> float:
+        elapsed = time - self.begin
+        return self.heading + elapsed * (self.yaw_rate + elapsed * self.yaw_acceleration / 2)
 
 
 @dataclass(frozen=True)
@@ -59,7 +84,7 @@ class PathReference:
         object.__setattr__(self, "start_pose", pose("reference: start_pose", self.start_pose))
         if not self.stretches or any(s.duration <= 0 for s in self.stretches):
             raise UsageError("reference: every stretch needs a duration above 0 s, and there must be one")
-        u, r = self._starts[-1]
+        u, r = self._pieces[-1][1:3]
         if abs(u) > 1e-9 or abs(r) > 1e-9:
             raise UsageError(f"reference: ends with u = {u:g} m/s, r = {r:g} rad/s; it must end at rest")
         if self.constraints.no_rotation and any(s.yaw_acceleration for s in self.stretches):
@@ -67,40 +92,36 @@ class PathReference:
 
     @property
     def duration(self) -> float:
-        return float(self._times[-1])
+        return self._times[-1]
 
     def at(self, time: float) -> Reference:
         """The reference at a time; clamped to start and end."""
         clamped = min(max(number("reference: time", time, cure="give s"), 0.0), self.duration)
-        i = min(int(np.searchsorted(self._times, clamped, side="right")) - 1, len(self.stretches) - 1)
         knot = min(int(clamped / KNOT_SPACING), len(self._knots) - 1)
         pose = self._knots[knot] + self._travel(knot * KNOT_SPACING, clamped)
-        stretch, elapsed = self.stretches[i], clamped - self._times[i]
-        rates = np.array([stretch.acceleration, 0.0, stretch.yaw_acceleration])
-        u, r = self._starts[i]
-        velocity = np.array([u, 0.0, r]) + rates * elapsed
+        pose[:2] += self.start_pose[:2]
+        piece = self._pieces[min(bisect_right(self._times, clamped), len(self._pieces)) - 1]
+        u, r, du, dr = *piece.rates(clamped), piece.acceleration, piece.yaw_acceleration
         if not 0.0 <= time < self.duration:
-            rates = np.zeros(3)
-            velocity = np.zeros(3) if time >= self.duration else velocity
-        pose[:2] += np.array(self.start_pose[:2])
+            du = dr = 0.0
+            u, r = (0.0, 0.0) if time >= self.duration else (u, r)
         free = [0, 1, 2] if self.constraints.axle_x is None else [0, 2][: self.constraints.n_free]
-        return Reference(time, pose, velocity[free], rates[free])
+        return Reference(time, pose, np.array([u, 0.0, r])[free], np.array([du, 0.0, dr])[free])
 
     @cached_property
-    def _times(self) -> Array:
-        return np.concatenate([[0.0], np.cumsum([s.duration for s in self.stretches])])
+    def _times(self) -> list[float]:
+        """When each stretch begins, and the end."""
+        return [0.0, *accumulate(stretch.duration for stretch in self.stretches)]
 
     @cached_property
-    def _starts(self) -> Array:
-        """(u, r) where each stretch begins, and at the end, (n + 1, 2)."""
-        gains = [[s.duration * s.acceleration, s.duration * s.yaw_acceleration] for s in self.stretches]
-        return np.concatenate([np.zeros((1, 2)), np.cumsum(gains, axis=0)])
-
-    @cached_property
-    def _headings(self) -> Array:
-        durations = np.diff(self._times)
-        mean_rates = (self._starts[:-1, 1] + self._starts[1:, 1]) / 2
-        return self.start_pose[2] + np.concatenate([[0.0], np.cumsum(durations * mean_rates)])
+    def _pieces(self) -> tuple[_Piece, ...]:
+        """The stretches, and one of no length at the end."""
+        u, r, heading, pieces = 0.0, 0.0, self.start_pose[2], []
+        for begin, stretch in zip(self._times, (*self.stretches, Stretch(0.0)), strict=True):
+            pieces.append(_Piece(begin, u, r, heading, stretch.acceleration, stretch.yaw_acceleration))
+            heading += stretch.duration * (r + stretch.duration * stretch.yaw_acceleration / 2)
+            u, r = u + stretch.duration * stretch.acceleration, r + stretch.duration * stretch.yaw_acceleration
+        return tuple(pieces)
 
     @cached_property
     def _knots(self) -> Array:
@@ -114,30 +135,28 @@ class PathReference:
         return poses
 
     def _travel(self, begin: float, end: float) -> Array:
-        """Change of pose between two times, by quadrature over each stretch between them."""
-        inner = self._times[(self._times > begin) & (self._times < end)]
-        limits = np.concatenate([[begin], inner, [end]])
-        half = np.diff(limits)[:, None] / 2
-        times = (limits[:-1, None] + half * (1 + _NODES)).ravel()
-        heading, velocity_b = self._motion(times)
-        velocity_s = (body_to_world(heading) @ velocity_b[..., None])[..., 0]
-        weights = (half * _WEIGHTS).ravel()
-        return np.asarray(weights @ velocity_s)
+        """Change of pose (3,) between two times inside the path, by quadrature over each stretch between them."""
+        x = y = turned = 0.0
+        first, last = bisect_right(self._times, begin), bisect_left(self._times, end)
+        limits = [begin, *self._times[first:last], end]
+        for piece, (low, high) in zip(self._pieces[first - 1 :], pairwise(limits), strict=False):
+            half = (high - low) / 2
+            for node, weight in QUADRATURE:
+                time = low + half * (1 + node)
+                u, r = piece.rates(time)
+                forward, aside = self._free(u, r)
+                heading, share = piece.heading_at(time), half * weight
+                cosine, sine = math.cos(heading), math.sin(heading)
+                x, y = x + share * (cosine * forward - sine * aside), y + share * (sine * forward + cosine * aside)
+                turned += share * r
+        return np.array([x, y, turned])
 
-    def _motion(self, times: Array) -> tuple[Array, Array]:
-        """Heading (n,) and body velocity (n, 3) at times inside the path."""
-        i = np.clip(np.searchsorted(self._times, times, side="right") - 1, 0, len(self.stretches) - 1)
-        elapsed = times - self._times[i]
-        du = np.array([s.acceleration for s in self.stretches])[i]
-        dr = np.array([s.yaw_acceleration for s in self.stretches])[i]
-        u, r = self._starts[i].T
-        heading = self._headings[i] + r * elapsed + dr * elapsed**2 / 2
-        velocity_b = np.stack([u + du * elapsed, np.zeros_like(u), r + dr * elapsed], axis=-1)
-        if self.constraints.axle_x is not None:
-            across = np.sin(self.constraints.angle) * velocity_b[:, 0]
-            velocity_b[:, 1] = across - self.constraints.axle_x * velocity_b[:, 2]
-            velocity_b[:, 0] *= np.cos(self.constraints.angle)
-        return heading, velocity_b
+    def _free(self, u: float, r: float) -> tuple[float, float]:
+        """Velocity of {b}'s origin along x and y: u is along the wheels' rolling."""
+        if self.constraints.axle_x is None:
+            return u, 0.0
+        angle = self.constraints.angle
+        return math.cos(angle) * u, math.sin(angle) * u - self.constraints.axle_x * r
 
 
 def straight(distance: float, speed: float, acceleration: float = 0.5) -> list[Stretch]:

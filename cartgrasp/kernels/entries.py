@@ -134,12 +134,14 @@ def effects(floats: Array, ints: Ints, given: Array, found: Array) -> int:
 
 @entry
 def floors(floats: Array, ints: Ints, given: Array, found: Array) -> None:
-    """Given the CoM's height too: the rows of `floor.react`."""
+    """Given the CoM's height too: the rows of `floor.react`, and their partials if there is room for them."""
     m, room = unpack(floats, ints)
     n, p = _sizes(ints)
+    size = 7 * (len(m.wheels) + 1)
     for i in range(len(given)):
         point, rest = _point(given[i], n, p, 1)
-        react(m, point, rest[0], (room, found[i].reshape((len(m.wheels) + 1, 7))))
+        rows, slopes = found[i, :size].reshape((len(m.wheels) + 1, 7)), found[i, size:]
+        react(m, point, rest[0], (room, rows, slopes.reshape((len(slopes) // size, len(m.wheels) + 1, 7))))
 
 
 @compiled

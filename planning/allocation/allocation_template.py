@@ -313,6 +313,6 @@ class AllocationTemplate:
         moved: tuple[Array, Array] | None = None,
     ) -> QuadraticProgram:
         program = blank.with_last_rows(matrix, *values).with_gradient(cost.gradient, cost.constant)
-        if not self.cart_rows.cones:
+        if not self.cart_rows.cone_names:
             return program
         return program.with_cones((*blank.cones, *self.cart_rows.cones_over(matrix, len(self.fixed.rows), moved)))

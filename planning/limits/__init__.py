@@ -7,7 +7,8 @@ import math
 from cartgrasp.arms import Arm
 from cartgrasp.friction import EXACT
 
-from .cart_limit import CartLimit, CartRows, Pushed, RowCone, cart_rows
+from .cart_limit import CartLimit, CartRows, Pushed, cart_rows
+from .floor_limit import FloorLimit, FloorRows
 from .friction_cone import FrictionCone
 from .friction_pyramid import FrictionPyramid
 from .internal_force import InternalForce
@@ -27,6 +28,8 @@ from .wrench_rate import WrenchRate
 __all__ = [
     "CartLimit",
     "CartRows",
+    "FloorLimit",
+    "FloorRows",
     "FrictionCone",
     "FrictionPyramid",
     "InternalForce",
@@ -36,7 +39,6 @@ __all__ = [
     "Payload",
     "PushOnly",
     "Pushed",
-    "RowCone",
     "SideForce",
     "Skid",
     "SoftFingerLimit",

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from cartgrasp.motion import Motion
 
 WIDEST = 1e6  # N, of a cone over contacts of hands without limits
+
+
+NO_CONES = np.zeros((0, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +46,9 @@ class RowCone:
 
 @dataclass(frozen=True, eq=False)
 class CartRows:
-    """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,).
-    Rows of `cones` have no limits, and names only at the first of each."""
+    """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,). The
+    last rows are of cones, j each, with `cone_offsets` (c, j) and `cone_names`: they have no limits, and names only at
+    the first of each."""
 
     of_sum: Array
     of_arm: Array
@@ -52,17 +56,14 @@ class CartRows:
     high: Array
     low_names: tuple[str, ...]
     high_names: tuple[str, ...]
-    cones: tuple[RowCone, ...] = ()
+    cone_names: tuple[str, ...] = ()
+    cone_offsets: Array = field(default_factory=lambda: NO_CONES)
 
     @classmethod
     def stacked(cls, parts: Sequence[CartRows], n_arms: int) -> Self:
-        """All of them above each other; none are no rows."""
+        """All of them above each other, of which the last may have cones; none are no rows."""
         if not parts:
             return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
-        cones, start = [], 0
-        for part in parts:
-            cones += [replace(cone, first=start + cone.first) for cone in part.cones]
-            start += len(part.low)
         return cls(
             np.concatenate([part.of_sum for part in parts]),
             np.concatenate([part.of_arm for part in parts], axis=1),
@@ -70,8 +71,19 @@ class CartRows:
             np.concatenate([part.high for part in parts]),
             tuple([name for part in parts for name in part.low_names]),
             tuple([name for part in parts for name in part.high_names]),
-            tuple(cones),
+            parts[-1].cone_names,
+            parts[-1].cone_offsets,
         )
+
+    @property
+    def n_plain(self) -> int:
+        """How many rows are of no cone; they come first."""
+        return len(self.low) - self.cone_offsets.size
+
+    @cached_property
+    def cones(self) -> tuple[RowCone, ...]:
+        starts = range(self.n_plain, len(self.low), self.cone_offsets.shape[1])
+        return tuple(map(RowCone, self.cone_names, starts, self.cone_offsets))
 
     def over(self, grasp_maps: Array, owners: Array | None = None) -> Array:
         """Rows (..., k, 6) of each arm, or of the arms `owners`, at contacts with spatial grasp maps (..., 6, 6)."""
@@ -97,28 +109,19 @@ class CartRows:
 
     def are_numbers(self, largest: float) -> bool:
         """Whether all are finite and none is larger, but for limits that aren't there."""
-        values = np.concatenate([self.of_sum.ravel(), self.of_arm.ravel(), *(cone.offset for cone in self.cones)])
+        values = np.concatenate([self.of_sum.ravel(), self.of_arm.ravel(), self.cone_offsets.ravel()])
         limits = np.concatenate([self.low, -self.high])
         are_limits = (np.abs(limits) <= largest) | (limits == -np.inf)
         return bool(np.abs(values).max(initial=0.0) <= largest and are_limits.all())
 
-    def __and__(self, other: CartRows) -> CartRows:
-        return self.stacked((self, other), len(self.of_arm))
-
 
 @dataclass(frozen=True, eq=False)
 class Pushed:
-    """What is pushed and by whom: a cart, its motion (at rest if None), and the arms. With `slope_of`, another and a
-    direction (p,) of the cart's parameters, `floor` is the slope of that one's."""
+    """What is pushed and by whom: a cart, its motion (at rest if None), and the arms."""
 
     cart: CartModel
     motion: Motion | None
     arms: Sequence[Arm]
-    slope_of: tuple[Pushed, Array] | None = None
-
-    def along(self, direction: Array) -> Pushed:
-        """For the slope along a direction (p,), or along many (r, p)."""
-        return replace(self, slope_of=(self, direction))
 
     def by(self, arms: Sequence[Arm]) -> Pushed:
         """By other arms; the floor is the same."""
@@ -128,26 +131,15 @@ class Pushed:
 
     @cached_property
     def floor(self) -> FloorReaction:
-        if self.slope_of is None:
-            return FloorReaction.of(self.cart, self.motion)
-        pushed, direction = self.slope_of
-        return pushed.floor_by_parameters.along(direction)
-
-    @cached_property
-    def floor_by_parameters(self) -> FloorReaction:
-        return FloorReaction.by_parameters(self.cart, self.motion)
+        return FloorReaction.of(self.cart, self.motion)
 
 
 class CartLimit(ABC):
     """Half-spaces of all hands' wrenches. They need not hold the zero wrench: a cart that is driven too fast round
-    a bend skids unless the hands hold it. The cart's parameters enter through `pushed.floor` alone, in whose numbers
-    rows are affine: margins (robust.py) rest on that."""
+    a bend skids unless the hands hold it. One whose rows depend on the cart's parameters is a `FloorLimit`."""
 
     looks_at_arms: ClassVar[bool] = True
     """Whether the rows depend on more of the arms than how many there are."""
-    takes_many: ClassVar[bool] = False
-    """Whether `rows` takes a floor whose numbers have leading axes, and answers with `of_sum`, `low` and `high` that
-    have these too, where they depend on it: margins then ask once for all slopes."""
 
     @abstractmethod
     def rows(self, pushed: Pushed) -> CartRows:

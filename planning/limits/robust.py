@@ -8,33 +8,33 @@ a and b along the columns of L. So (chance constraint, exact where a and b are a
 
 The k sides that depend on theta hold together with the `confidence` c for p = 1 - (1 - c) / k, whatever their
 correlation (Bonferroni). What is asked of the cart, and the arms' own limits, are free of theta and stay as they are.
-Rows are affine in the floor's reaction, whose slopes are analytic (`FloorReaction.by_parameters`): what a limit's own
-rows give for these, less what they give for none, are the slopes of the rows. So a limit states nothing but its rows,
-and neither a step nor how wide the covariance is matters to them.
+Limits of the floor add up wheels' loads and the lateral force (`FloorLimit`), so their slopes add up the analytic ones
+of these (`FloorReaction.with_partials`): a limit states nothing for its margins, and neither a step nor how wide the
+covariance is matters to them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 from statistics import NormalDist
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cartgrasp.checks import number
 from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import FloorReaction, n_loads
 from cartgrasp.frames import Array
 
-from . import CartLimit, CartRows, Pushed, RowCone, cart_rows
+from .cart_limit import CartLimit, CartRows, Pushed
+from .floor_limit import FloorLimit, FloorRows
 
-RANK = 1e-12  # of the largest eigenvalue of the correlation: what counts as uncertain
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+
+RANK = 1e-12  # of the correlation: what counts as uncertain
 NO_SLOPE = 1e-9  # N: a standard deviation that is rounding
-NUMBERS, AXES = ("of_sum", "of_arm", "low", "high"), (1, 2, 1, 1)
-"""Numbers of `CartRows`, and where their rows stand behind a leading axis."""
-
-Side = tuple[int, Literal["low", "high"]]
 
 
 @dataclass(frozen=True)
@@ -48,109 +48,84 @@ class RobustLimits:
         if self.confidence is not None and not 0.5 <= number("confidence", self.confidence) < 1:
             raise UsageError(f"confidence: {self.confidence} is not a probability from 0.5 to below 1")
 
-    def rows(self, pushed: Pushed, covariance: Array | None = None) -> CartRows:
-        """Cones in the place of sides that depend on the cart's parameters, of which `covariance` (p, p) is."""
-        nominal = cart_rows(self.limits, pushed)
+    def on_floor(self, cart: CartModel) -> FloorRows:
+        """Rows of all limits of the floor, the same for all carts of one structure."""
+        stated = [limit.on_floor(cart) for limit in self.limits if isinstance(limit, FloorLimit)]
+        return FloorRows.stacked(stated, n_loads(cart))
+
+    def rows(self, pushed: Pushed, covariance: Array | None = None, on_floor: FloorRows | None = None) -> CartRows:
+        """Cones in the place of sides that depend on the cart's parameters, of which `covariance` (p, p) is; `on_floor`
+        is what this says of such a cart."""
+        stated = self.on_floor(pushed.cart) if on_floor is None else on_floor
+        others = [limit.rows(pushed) for limit in self.limits if not isinstance(limit, FloorLimit)]
+        parts, n_arms = others, len(pushed.arms)
+        if len(stated.low):
+            parts = [*others, self._with_margins(stated, pushed, covariance)]
+        return CartRows.stacked(parts, n_arms) if len(parts) != 1 else parts[0]
+
+    def _with_margins(self, stated: FloorRows, pushed: Pushed, covariance: Array | None) -> CartRows:
+        n_arms = len(pushed.arms)
         if self.confidence is None or covariance is None:
-            return nominal
-        slopes = _slopes(self.limits, pushed, root(covariance).T)
-        uncertain = [side for side in _sides(nominal) if slopes.depends(side)]
-        if not uncertain:
-            return nominal
-        quantile = NormalDist().inv_cdf(1.0 - (1.0 - self.confidence) / len(uncertain))
-        stated = (quantile, f" ({100 * self.confidence:g} %)")
-        cones = [_cone(nominal, slopes, side, stated) for side in uncertain]
-        return CartRows.stacked([_without(nominal, uncertain), *cones], len(nominal.of_arm))
+            return stated.under(pushed.floor, n_arms)
+        floor, partials = FloorReaction.with_partials(pushed.cart, pushed.motion)
+        slopes = _slopes(stated.mix, partials, covariance)
+        return _with_margins(stated.under(floor, n_arms), slopes, self.confidence)
 
 
 def root(covariance: Array) -> Array:
-    """L (p, r) with L Lᵀ = covariance (p, p), r its rank; units may differ from parameter to parameter."""
+    """L (p, r) with L Lᵀ = covariance (p, p); units may differ from parameter to parameter. r is p, or its rank where
+    correlations are singular."""
     deviations = np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
     units = np.where(deviations > 0, deviations, 1.0)
-    values, vectors = np.linalg.eigh(covariance / np.outer(units, units))
-    kept = values > RANK * max(1.0, float(values.max(initial=0.0)))
-    return np.asarray(units[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
+    correlation = covariance / np.outer(units, units)
+    try:
+        return deviations[:, None] * np.linalg.cholesky(correlation + np.diag(deviations == 0))
+    except np.linalg.LinAlgError:
+        values, vectors = np.linalg.eigh(correlation)
+        kept = values > RANK * max(1.0, float(values.max(initial=0.0)))
+        return np.asarray(units[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
 
 
-@dataclass(frozen=True, eq=False)
-class _Slopes:
-    """Derivatives of rows along r directions of the parameters: of_sum (r, k, 6), of_arm (r, n, k, 6), low and high
-    (r, k), 0 for a limit that isn't there."""
-
-    of_sum: Array
-    of_arm: Array
-    low: Array
-    high: Array
-
-    @cached_property
-    def _of_rows(self) -> np.ndarray:
-        """Which rows (k,) have a slope; NaN is none of nought."""
-        of_sum = np.abs(self.of_sum).max(axis=(0, 2), initial=0.0)
-        of_arm = np.abs(self.of_arm).max(axis=(0, 1, 3), initial=0.0)
-        return np.asarray(~((of_sum <= NO_SLOPE) & (of_arm <= NO_SLOPE)))
-
-    def depends(self, side: Side) -> bool:
-        i, which = side
-        return bool(self._of_rows[i] or not np.abs(getattr(self, which)[:, i]).max(initial=0.0) <= NO_SLOPE)
+def _slopes(mix: Array, partials: Array, covariance: Array) -> Array:
+    """Derivatives (k, r, 7) of rows `mix` (k, n + 1) along r directions of the parameters, a deviation each;
+    `partials` (p, n + 1, 7) are the floor's."""
+    directions = root(covariance).T
+    along = (directions @ partials.reshape(len(partials), -1)).reshape(len(directions), -1, 7)
+    return np.asarray((mix @ along).swapaxes(0, 1))
 
 
-def _slopes(limits: Sequence[CartLimit], pushed: Pushed, directions: Array) -> _Slopes:
-    """Along directions (r, p): what rows are for a slope of the floor's numbers, less what they are for none."""
-    ways = np.vstack([np.zeros(directions.shape[1]), directions])
-    many, each = pushed.along(ways), None
-    found = []
-    for limit in limits:
-        if limit.takes_many:
-            found.append(_spread(limit.rows(many), len(ways)))
-        else:
-            each = each or [pushed.along(way) for way in ways]
-            rows = [limit.rows(one) for one in each]
-            found.append(tuple(np.array([getattr(one, name) for one in rows]) for name in NUMBERS))
-    parts = zip(*found, strict=True)
-    whole = (np.concatenate(part, axis=axis) for part, axis in zip(parts, AXES, strict=True))
-    return _Slopes(*map(_less_the_first, whole))
-
-
-def _spread(rows: CartRows, count: int) -> tuple[Array, ...]:
-    """Numbers of rows that were asked for many slopes at once, all with the leading axis."""
-    n_axes = (3, 4, 2, 2)
-    numbers = (getattr(rows, name) for name in NUMBERS)
-    return tuple(
-        one if one.ndim == n else np.broadcast_to(one, (count, *one.shape))
-        for one, n in zip(numbers, n_axes, strict=True)
+def _with_margins(rows: CartRows, slopes: Array, confidence: float) -> CartRows:
+    """`(b - a F, q (D F + d))` in the place of each side that has slopes (k, r, 7), which are D and d."""
+    depends = ~(np.abs(slopes).max(axis=(1, 2), initial=0.0) <= NO_SLOPE)  # NaN is none of nought
+    low, high = (np.flatnonzero(depends & np.isfinite(side)) for side in (rows.low, rows.high))
+    n_sides, r = len(low) + len(high), slopes.shape[1]
+    if n_sides == 0:
+        return rows
+    quantile = NormalDist().inv_cdf(1.0 - (1.0 - confidence) / n_sides)
+    of, sign = np.concatenate([low, high]), np.repeat([-1.0, 1.0], [len(low), len(high)])
+    cones = np.empty((n_sides, 1 + r, 7))
+    cones[:, 0, :6] = -sign[:, None] * rows.of_sum[of]
+    cones[:, 0, 6] = np.concatenate([-rows.low[low], rows.high[high]])
+    cones[:, 1:] = quantile * slopes[of]
+    left_low, left_high = (np.where(depends, free, side) for free, side in ((-np.inf, rows.low), (np.inf, rows.high)))
+    left = np.flatnonzero(np.isfinite(left_low) | np.isfinite(left_high))
+    names = tuple([rows.low_names[i] for i in low.tolist()] + [rows.high_names[i] for i in high.tolist()])
+    names, each = _cone_names(names, f" ({100 * confidence:g} %)", r)
+    free = np.full(n_sides * (1 + r), np.inf)
+    return CartRows(
+        of_sum=np.concatenate([rows.of_sum[left], cones[:, :, :6].reshape(-1, 6)]),
+        of_arm=np.zeros((len(rows.of_arm), len(left) + len(free), 6)),
+        low=np.concatenate([left_low[left], -free]),
+        high=np.concatenate([left_high[left], free]),
+        low_names=tuple([rows.low_names[i] for i in left.tolist()]) + each,
+        high_names=tuple([rows.high_names[i] for i in left.tolist()]) + each,
+        cone_names=names,
+        cone_offsets=cones[:, :, 6],
     )
 
 
-def _less_the_first(values: Array) -> Array:
-    """Differences (r, ...) from the first of (r + 1, ...), 0 where that is a limit that isn't there."""
-    first = np.isfinite(values[0])
-    return np.asarray(np.subtract(values[1:], values[0], out=np.zeros(values[1:].shape), where=first))
-
-
-def _sides(rows: CartRows) -> list[Side]:
-    low: list[Side] = [(i, "low") for i in np.flatnonzero(np.isfinite(rows.low)).tolist()]
-    high: list[Side] = [(i, "high") for i in np.flatnonzero(np.isfinite(rows.high)).tolist()]
-    return low + high
-
-
-def _without(rows: CartRows, sides: Sequence[Side]) -> CartRows:
-    """Rows but for some of their sides."""
-    low, high = rows.low.copy(), rows.high.copy()
-    for i, which in sides:
-        (low if which == "low" else high)[i] = -np.inf if which == "low" else np.inf
-    left = np.flatnonzero(np.isfinite(low) | np.isfinite(high))
-    low_names, high_names = (tuple(names[i] for i in left) for names in (rows.low_names, rows.high_names))
-    return CartRows(rows.of_sum[left], rows.of_arm[:, left], low[left], high[left], low_names, high_names)
-
-
-def _cone(rows: CartRows, slopes: _Slopes, side: Side, stated: tuple[float, str]) -> CartRows:
-    """`(b - a F, q (D F - d))` for a side; `stated` are q and what is added to the side's name."""
-    (i, which), (quantile, suffix) = side, stated
-    sign = 1.0 if which == "high" else -1.0
-    name = (rows.high_names if which == "high" else rows.low_names)[i] + suffix
-    of_sum = np.concatenate([-sign * rows.of_sum[None, i], quantile * slopes.of_sum[:, i]])
-    of_arm = np.concatenate([-sign * rows.of_arm[None, :, i], quantile * slopes.of_arm[:, :, i]]).swapaxes(0, 1)
-    offset = np.concatenate([sign * getattr(rows, which)[None, i], -quantile * getattr(slopes, which)[:, i]])
-    free = np.full(len(offset), np.inf)
-    names = (name, *[""] * (len(offset) - 1))
-    return CartRows(of_sum, of_arm, -free, free, names, names, (RowCone(name, 0, offset),))
+@lru_cache(maxsize=64)
+def _cone_names(names: tuple[str, ...], suffix: str, r: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """With what is added to them, and the same as names of 1 + r rows each."""
+    full = tuple(name + suffix for name in names)
+    return full, tuple(part for name in full for part in (name, *[""] * r))

@@ -8,7 +8,7 @@ where r' follows from the wrench. See `cartgrasp.floor_reaction`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
@@ -16,37 +16,28 @@ from cartgrasp.checks import LARGEST_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import check_loads
 
-from .cart_limit import CartLimit, CartRows, Pushed
+from .floor_limit import FloorLimit, FloorRows
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
 
 NAMES = ("skid to the right", "skid to the left")
-SIDES, NO_LOW = np.array([1.0, -1.0]), np.full(2, -np.inf)
 
 
 @final
 @dataclass(frozen=True)
-class Skid(CartLimit):
+class Skid(FloorLimit):
     """`friction`: of the fixed wheels on the floor."""
 
     friction: float
 
-    looks_at_arms: ClassVar[bool] = False
-    takes_many: ClassVar[bool] = True
-
     def __post_init__(self) -> None:
         number("skid: friction", self.friction, 0.0, LARGEST_FLOAT)
 
-    def rows(self, pushed: Pushed) -> CartRows:
-        cart = pushed.cart
+    def on_floor(self, cart: CartModel) -> FloorRows:
         fixed = ~cart.wheel_set.is_caster
         if cart.constraints.n_rows != 1 or not fixed.any():
             raise UsageError(f"skid: {cart.name} has no fixed wheels under one no_lateral_slip; only such a cart skids")
         check_loads(cart)
-        floor, share = pushed.floor, self.friction * fixed
-        return CartRows(
-            of_sum=SIDES[:, None] * floor.lateral_map[..., None, :] - (share @ floor.load_map)[..., None, :],
-            of_arm=np.zeros((len(pushed.arms), 2, 6)),
-            low=NO_LOW,
-            high=(floor.load_offset @ share)[..., None] - SIDES * np.asarray(floor.lateral_offset)[..., None],
-            low_names=NAMES,
-            high_names=NAMES,
-        )
+        mix = np.array([[*(-self.friction * fixed), side] for side in (1.0, -1.0)])
+        return FloorRows(mix, np.full(2, -np.inf), np.zeros(2), NAMES, NAMES)

@@ -151,7 +151,7 @@ class CompiledAllocation:
 
 
 def _is_covered(template: AllocationTemplate) -> bool:
-    has_cones = template.fixed.cones or template.cart_rows.cones
+    has_cones = template.fixed.cones or template.cart_rows.cone_names
     is_plain = len(template.hessian) == template.n and not isinstance(template.objective, Lexicographic)
     return is_plain and not has_cones
 

@@ -80,7 +80,7 @@ class CompiledPlanning:
         if points is None:
             return None
         self._asked_at = points
-        self._tangents = None if not self._terms.template.cart_rows.cones else self._touching(points)
+        self._tangents = None if not self._terms.template.cart_rows.cone_names else self._touching(points)
         return self._plan(points, wrench, None, start) if self._solves(wrench, points, cost) else None
 
     def nearest(self, wrench: Point, cost: Cost, start: float) -> Near:
@@ -153,7 +153,7 @@ class CompiledPlanning:
         self, candidates: Candidates, wrench: Point, cost: Cost, limit: SearchLimit, switching: Switching | None
     ) -> Choice | None:
         """The search's result; `chosen` is its plan where there are contacts. None if it is for the general search."""
-        if self._terms.template.cart_rows.cones:
+        if self._terms.template.cart_rows.cone_names:
             return None
         self._tangents = None
         if candidates is not self._candidates:
@@ -258,6 +258,6 @@ def _proof(
 def _without_cones(template: AllocationTemplate) -> AllocationTemplate:
     """The template with a half-space for each of the cart's cones."""
     rows = template.cart_rows
-    if not rows.cones:
+    if not rows.cone_names:
         return template
     return template.with_cart_rows(Tangents.touching(rows, np.zeros(len(rows.low))).linear)

@@ -76,9 +76,12 @@ def read_covariance(estimate: Estimate) -> Array:
     if (np.diagonal(covariance) < 0).any() or (np.abs(covariance - covariance.T) > allowed).any():
         raise _refused("covariance: not symmetric with a diagonal >= 0")
     units = np.where(scale > 0, scale, 1.0)
-    least = float(np.linalg.eigvalsh(covariance / np.outer(units, units))[0])
-    if least < -COVARIANCE_TOLERANCE:
-        raise _refused(f"covariance: not positive semidefinite (eigenvalue {least:.3g})")
+    correlation = covariance / np.outer(units, units)
+    try:
+        np.linalg.cholesky(correlation + COVARIANCE_TOLERANCE * np.eye(size))
+    except np.linalg.LinAlgError as error:
+        least = float(np.linalg.eigvalsh(correlation)[0])
+        raise _refused(f"covariance: not positive semidefinite (eigenvalue {least:.3g})") from error
     return covariance
 
 

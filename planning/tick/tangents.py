@@ -14,7 +14,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from ..limits import CartRows, RowCone
+from ..limits import CartRows
 from ..quadratic_program import EQUALITY_TOLERANCE
 
 TINY = 1e-12
@@ -23,77 +23,68 @@ TINY = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Tangents:
-    """Rows with cones, and for each of these the direction u (j - 1,) of the half-space that stands for it."""
+    """Rows with c cones, and for each of these the direction u (c, j - 1) of the half-space that stands for it."""
 
     rows: CartRows
-    directions: tuple[Array, ...]
+    directions: Array
 
     @classmethod
     def touching(cls, rows: CartRows, values: Array) -> Tangents:
         """Half-spaces that touch the cones where the rows have such values (k,)."""
-        return cls(rows, tuple(_unit(cone.offset[1:] + values[cone.own][1:]) for cone in rows.cones))
+        s = _in_cones(rows, values)[:, 1:]
+        return cls(rows, _units(s, np.sqrt(np.square(s).sum(axis=1))))
 
     def turned(self, values: Array, scale: float) -> Tangents | None:
         """Where a cone doesn't hold at values (k,) of the rows, within rounding of a wrench of such a scale: with those
         half-spaces turned. None where all hold."""
-        found, holds = list(self.directions), True
-        for i, cone in enumerate(self.rows.cones):
-            s = cone.offset + values[cone.own]
-            if np.linalg.norm(s[1:]) - s[0] > EQUALITY_TOLERANCE * scale:
-                found[i], holds = _unit(s[1:]), False
-        return None if holds else replace(self, directions=tuple(found))
+        s = _in_cones(self.rows, values)
+        lengths = np.sqrt(np.square(s[:, 1:]).sum(axis=1))
+        beyond = lengths - s[:, 0] > EQUALITY_TOLERANCE * scale
+        if not beyond.any():
+            return None
+        return replace(self, directions=np.where(beyond[:, None], _units(s[:, 1:], lengths), self.directions))
 
     @cached_property
     def linear(self) -> CartRows:
-        """Rows without cones, the half-spaces last."""
-        rows, mix = self.rows, self._mixed
-        kept = np.flatnonzero(self._is_plain)
-        low = [np.dot(u, cone.offset[1:]) - cone.offset[0] for cone, u in self._cones]
-        low_names, high_names = (tuple(names[i] for i in kept) for names in (rows.low_names, rows.high_names))
-        names = tuple(cone.name for cone in rows.cones)
+        """Rows without cones, the half-spaces last. What hands give counts in sum to a cone's rows."""
+        rows, mix, n = self.rows, self._mix, self.rows.n_plain
+        c, offsets = len(mix), rows.cone_offsets
+        half_spaces = (mix[:, None] @ rows.of_sum[n:].reshape(*mix.shape, 6))[:, 0]
         return CartRows(
-            of_sum=np.concatenate([rows.of_sum[kept], mix @ rows.of_sum]),
-            of_arm=np.concatenate([rows.of_arm[:, kept], mix @ rows.of_arm], axis=1),
-            low=np.concatenate([rows.low[kept], low]),
-            high=np.concatenate([rows.high[kept], np.full(len(low), np.inf)]),
-            low_names=low_names + names,
-            high_names=high_names + names,
+            of_sum=np.concatenate([rows.of_sum[:n], half_spaces]),
+            of_arm=np.concatenate([rows.of_arm[:, :n], np.zeros((len(rows.of_arm), c, 6))], axis=1),
+            low=np.concatenate([rows.low[:n], -(mix * offsets).sum(axis=1)]),
+            high=np.concatenate([rows.high[:n], np.full(c, np.inf)]),
+            low_names=rows.low_names[:n] + rows.cone_names,
+            high_names=rows.high_names[:n] + rows.cone_names,
         )
 
     def multipliers(self, linear: Array) -> tuple[Array, list[Array]]:
         """Multipliers of the rows (k,) and of the cones, from those of the linear rows."""
-        n_plain = int(self._is_plain.sum())
-        of_rows = np.zeros(len(self.rows.low))
-        of_rows[self._is_plain] = linear[:n_plain]
-        own = zip(self._cones, linear[n_plain:].tolist(), strict=True)
-        return of_rows, [-y * np.concatenate([[1.0], -u]) for (_, u), y in own]
-
-    @property
-    def _cones(self) -> list[tuple[RowCone, Array]]:
-        return list(zip(self.rows.cones, self.directions, strict=True))
+        n, of_rows = self.rows.n_plain, np.zeros(len(self.rows.low))
+        of_rows[:n] = linear[:n]
+        return of_rows, list(-linear[n:, None] * self._mix)
 
     @cached_property
-    def _is_plain(self) -> np.ndarray:
-        plain = np.ones(len(self.rows.low), dtype=bool)
-        for cone in self.rows.cones:
-            plain[cone.own] = False
-        return plain
-
-    @property
-    def _mixed(self) -> Array:
-        """How the rows (k,) add up to the half-spaces."""
-        mix = np.zeros((len(self.rows.cones), len(self.rows.low)))
-        for own, (cone, u) in zip(mix, self._cones, strict=True):
-            own[cone.first], own[cone.first + 1 : cone.own.stop] = 1.0, -u
-        return mix
+    def _mix(self) -> Array:
+        """How a cone's rows add up to the half-space, (c, j)."""
+        return np.column_stack([np.ones(len(self.directions)), -self.directions])
 
 
 def values_of(rows: CartRows, wrenches: Array, grasp_maps: Array) -> Array:
     """Values (k,) of rows for wrenches (6n,) of arms with spatial grasp maps (n, 6, 6)."""
     whole = grasp_maps.transpose(1, 0, 2).reshape(6, -1) @ wrenches
-    return np.asarray(rows.of_sum @ whole + rows.of_arm.transpose(1, 0, 2).reshape(len(rows.low), -1) @ wrenches)
+    values, n = rows.of_sum @ whole, rows.n_plain
+    values[:n] += rows.of_arm[:, :n].transpose(1, 0, 2).reshape(n, len(wrenches)) @ wrenches
+    return np.asarray(values)
 
 
-def _unit(direction: Array) -> Array:
-    length = float(np.linalg.norm(direction))
-    return direction / length if length > TINY else 0.0 * direction
+def _in_cones(rows: CartRows, values: Array) -> Array:
+    """What lies in the cones (c, j), for values (k,) of the rows."""
+    offsets = rows.cone_offsets
+    return np.asarray(offsets + values[rows.n_plain :].reshape(offsets.shape))
+
+
+def _units(directions: Array, lengths: Array) -> Array:
+    """Rows (c, j) of such lengths (c,) as unit rows, 0 where there is none."""
+    return directions * np.divide(1.0, lengths, out=np.zeros(len(lengths)), where=lengths > TINY)[:, None]

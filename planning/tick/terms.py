@@ -58,7 +58,7 @@ class Terms:
         distance_and_period: tuple[float, float],
     ) -> None:
         base = AllocationTemplate.of(cart, arms, objective)
-        self._pushed = Pushed(cart, None, base.arms)
+        self._pushed, self._on_floor = Pushed(cart, None, base.arms), cart_limits.on_floor(cart)
         self._covariance: Array | None = None
         self.estimate: Estimate | None = None
         self.wheel_forces: Callable[[Array], WheelForces] = partial(WheelForces.of, cart)
@@ -68,7 +68,7 @@ class Terms:
         self._places: list[tuple[ContactSet, Reach | None]] = []
         self._cart_limits = cart_limits
         self._distance, self._period = distance_and_period
-        self._use(base.with_cart_rows(cart_limits.rows(self._pushed)))
+        self._use(base.with_cart_rows(cart_limits.rows(self._pushed, None, self._on_floor)))
 
     def take_postures(self, contacts: Mapping[str, ArrayLike] | None) -> bool:
         """The limits of the postures at contacts (3,), given by arm, and where an arm has no choice; others stay as
@@ -91,7 +91,7 @@ class Terms:
         try:
             pushed, rows = self._pushed.by(changed), self.base.cart_rows
             if any(limit.looks_at_arms for limit in self._cart_limits.limits):
-                rows = self._cart_limits.rows(pushed, self._covariance)
+                rows = self._cart_limits.rows(pushed, self._covariance, self._on_floor)
             self._use(self.base.with_arms(changed, rows))
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, str(error)) from error
@@ -143,14 +143,16 @@ class Terms:
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                pushed = Pushed(cart, estimate.motion, self.base.arms)
-                rows = self._cart_limits.rows(pushed, covariance)
+                pushed, on_floor = Pushed(cart, estimate.motion, self.base.arms), self._on_floor
+                if cart.structure is not self._pushed.cart.structure:
+                    on_floor = self._cart_limits.on_floor(cart)
+                rows = self._cart_limits.rows(pushed, covariance, on_floor)
         except (UsageError, np.linalg.LinAlgError) as error:
             raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
         if not rows.are_numbers(LARGEST_WRENCH):
             what = f"by it a limit of the cart is not finite, or beyond {LARGEST_WRENCH:g}"
             raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
-        self._pushed, self._covariance = pushed, covariance
+        self._pushed, self._on_floor, self._covariance = pushed, on_floor, covariance
         self._believe(estimate)
         self.template = self.base = self.base.with_cart_rows(rows)
         return True

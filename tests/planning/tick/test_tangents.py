@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from statistics import NormalDist
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +11,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.contacts import grasp_map_spatial
 from planning import SideForce, Skid, TipOver, WrenchPlanner
-from planning.limits import CartLimit, Pushed
+from planning.limits import FloorLimit, FloorRows, Pushed
 from planning.limits.robust import RobustLimits
 from planning.tick.compiled_allocation import SOLVER
 from planning.tick.tangents import Tangents, values_of
@@ -115,16 +117,34 @@ def test_half_spaces_hold_whatever_the_cones_hold(held, other):
     assert (tangents.turned(at_other, 1.0) is None) == bool((np.array(cones[1]) >= -1e-9).all())
 
 
-@pytest.mark.parametrize("limit", MANY, ids=lambda limit: type(limit).__name__)
+class RearLoad(FloorLimit):
+    """A user's own: casters carry some share of the weight at most."""
+
+    def on_floor(self, cart):
+        casters = cart.wheel_set.is_caster
+        mix = np.array([[*np.where(casters, 0.4, -0.6), 0.0]])
+        return FloorRows(mix, np.full(1, -np.inf), np.zeros(1), ("casters' share",), ("casters' share",))
+
+
+@pytest.mark.parametrize("limit", [*MANY, RearLoad()], ids=lambda limit: type(limit).__name__)
 @pytest.mark.parametrize("motion", [REST, BEND])
-def test_many_slopes_asked_for_at_once_are_those_asked_for_one_by_one(limit, motion, monkeypatch):
-    assert type(limit).takes_many
-    assert not CartLimit.takes_many
-    at_once = rows(motion, limits=(limit,))
-    monkeypatch.setattr(type(limit), "takes_many", False)
-    each = rows(motion, limits=(limit,))
-    assert len(at_once.cones) == len(each.cones) > 0
-    for one, other in zip(at_once.cones, each.cones, strict=True):
-        np.testing.assert_allclose(one.offset, other.offset, rtol=1e-12)
-    for name in ("of_sum", "of_arm", "low", "high"):
-        np.testing.assert_allclose(getattr(at_once, name), getattr(each, name), rtol=1e-12, atol=1e-12)
+def test_cones_spread_as_rows_do_for_carts_that_differ(limit, motion):
+    """By central differences along each deviation of the covariance."""
+    spread, quantile = covariance(), NormalDist().inv_cdf(0.99)
+    deviations = np.linalg.cholesky(spread).T
+
+    def row(step):
+        there = cart().with_parameters(cart().parameters + step)
+        rows = limit.rows(Pushed(there, motion, hands()))
+        low, high = np.flatnonzero(np.isfinite(rows.low)), np.flatnonzero(np.isfinite(rows.high))
+        sides = [np.append(-rows.of_sum[i], rows.low[i]) for i in low]
+        return np.array(sides + [np.append(rows.of_sum[i], -rows.high[i]) for i in high])
+
+    slopes = np.array([(row(1e-5 * way) - row(-1e-5 * way)) / 2e-5 for way in deviations])
+    made = rows(motion, limits=(limit,))
+    factor = NormalDist().inv_cdf(1 - 0.01 / len(made.cones)) if len(made.cones) > 1 else quantile
+    for i, cone in enumerate(made.cones):
+        own = np.column_stack([made.of_sum[cone.own], cone.offset])
+        np.testing.assert_allclose(own[0], -row(np.zeros(4))[i], rtol=1e-9, atol=1e-9)
+        expected = factor**2 * slopes[:, i].T @ slopes[:, i]
+        np.testing.assert_allclose(own[1:].T @ own[1:], expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
