@@ -164,6 +164,11 @@ class CartModel(CartStructure):
         wrench, their memory's rate and the mass that swings, with partials."""
         return self.dynamics.parts(self.dynamics.sums(point, self._foreign(point)))
 
+    def foreign_sums(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
+        """What effects without a kernel add at a state, as kernels take it; (0,) where all have one."""
+        found = self._foreign((state, time, parameters))
+        return np.zeros(0) if found is None else found
+
     def acting(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Acting:
         """phi and the effects at a state, with partials by the parameters."""
         phi, phi_by_parameters, wrench, _, swung = self.effect_parts(self._point(state, parameters, time))

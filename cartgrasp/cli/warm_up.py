@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from estimation import CartFilter
+from estimation import DisturbedFilter
 from planning import WrenchPlanner
 
 from ..arms import Arm
@@ -36,17 +36,21 @@ def run(as_json: bool) -> int:
 
 
 def prepare() -> None:
-    """What online filter, planner and model call."""
+    """What online filters, planner and model call."""
     wheels = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))
     cart = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), wheels=wheels)
     for places in (PLACES[:1], PLACES):
         WrenchPlanner(cart, [Arm("hand", places)]).warm_up()
-    CartFilter(cart).warm_up()
+    DisturbedFilter(cart).warm_up()
 
 
 def asked_for() -> list[Any]:
     """The kernels for carts whose effects all have some."""
-    for room in ("cartgrasp.kernels.entries", "planning.kernels.choice", "estimation.online.cart_filter"):
+    for room in (
+        "cartgrasp.kernels.entries",
+        "planning.kernels.choice",
+        "estimation.online.disturbance.disturbed_filter",
+    ):
         import_module(room)
     ours = (kernel for kernel in ENTRIES if ".kernels." in kernel.py_func.__module__)
     return [kernel for kernel in ours if kernel.py_func.__name__ not in OTHERS]

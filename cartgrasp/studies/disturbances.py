@@ -205,8 +205,10 @@ def attempt(job: tuple[Case, str]) -> Outcome:
     case, way = job
     cart = case.cart
     plant = PushedPlant(MujocoPlant(cart), case.outside)
+    driver = controller(case.guess, way)
+    driver.warm_up()
     try:
-        record = run(Loop(controller(case.guess, way), plant, Sensors(cart, SENSORS, case.seed)))
+        record = run(Loop(driver, plant, Sensors(cart, SENSORS, case.seed)))
     except PlantError:
         return Outcome(case, way, np.zeros(0), np.zeros(0), np.zeros(0), fell=True)
     late, error = record.time >= ONSET, record.pose - record.reference_pose

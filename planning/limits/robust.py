@@ -75,15 +75,24 @@ class RobustLimits:
 def root(covariance: Array) -> Array:
     """L (p, r) with L Lᵀ = covariance (p, p); units may differ from parameter to parameter. r is p, or its rank where
     correlations are singular."""
+    return _root(np.asarray(covariance, dtype=float).tobytes(), len(covariance))
+
+
+@lru_cache(maxsize=16)
+def _root(numbers: bytes, size: int) -> Array:
+    """From tick to tick a covariance is often the same."""
+    covariance = np.frombuffer(numbers).reshape(size, size)
     deviations = np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
     units = np.where(deviations > 0, deviations, 1.0)
     correlation = covariance / np.outer(units, units)
     try:
-        return deviations[:, None] * np.linalg.cholesky(correlation + np.diag(deviations == 0))
+        found = deviations[:, None] * np.linalg.cholesky(correlation + np.diag(deviations == 0))
     except np.linalg.LinAlgError:
         values, vectors = np.linalg.eigh(correlation)
         kept = values > RANK * max(1.0, float(values.max(initial=0.0)))
-        return np.asarray(units[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
+        found = np.asarray(units[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
+    found.setflags(write=False)
+    return found
 
 
 def _slopes(mix: Array, partials: Array, covariance: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,20 +70,25 @@ def read_covariance(estimate: Estimate) -> Array:
         raise _refused("covariance: it is not a matrix of numbers")
     if covariance.shape != (size, size):
         raise _refused(f"covariance: shape {covariance.shape} instead of {(size, size)}")
+    wrong = _wrong_with(covariance.tobytes(), size)
+    if wrong:
+        raise _refused(f"covariance: {wrong}")
+    return covariance
+
+
+@lru_cache(maxsize=16)
+def _wrong_with(numbers: bytes, size: int) -> str:
+    """What keeps numbers (size, size) from being a covariance, in words; often those of the tick before."""
+    covariance = np.frombuffer(numbers).reshape(size, size)
     if not np.isfinite(covariance).all():
-        raise _refused("covariance: a value is not finite")
+        return "a value is not finite"
     scale = np.sqrt(np.abs(np.diagonal(covariance)))
     allowed = COVARIANCE_TOLERANCE * np.outer(scale, scale)
     if (np.diagonal(covariance) < 0).any() or (np.abs(covariance - covariance.T) > allowed).any():
-        raise _refused("covariance: not symmetric with a diagonal >= 0")
+        return "not symmetric with a diagonal >= 0"
     units = np.where(scale > 0, scale, 1.0)
-    correlation = covariance / np.outer(units, units)
-    try:
-        np.linalg.cholesky(correlation + COVARIANCE_TOLERANCE * np.eye(size))
-    except np.linalg.LinAlgError as error:
-        least = float(np.linalg.eigvalsh(correlation)[0])
-        raise _refused(f"covariance: not positive semidefinite (eigenvalue {least:.3g})") from error
-    return covariance
+    least = float(np.linalg.eigvalsh(covariance / np.outer(units, units))[0])
+    return f"not positive semidefinite (eigenvalue {least:.3g})" if least < -COVARIANCE_TOLERANCE else ""
 
 
 def _refused(why: str) -> RefusedError:

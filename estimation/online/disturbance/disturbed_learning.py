@@ -20,8 +20,6 @@ from typing import Self
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.inertia import N_PHI
-from cartgrasp.model import CartModel
 from cartgrasp.motion import Disturbance, Estimate, Measurement
 from cartgrasp.shallow import shallow
 
@@ -29,7 +27,6 @@ from ...health import Health
 from ..cart_filter import core_of
 from ..delayed_wrenches import InTime, delayed
 from ..given import Given
-from ..load_change import load_covariance
 from ..seen import usable
 from ..wrench_sensing import Moving, WrenchSensing
 from .observer import DisturbanceObserver, Observed
@@ -37,8 +34,6 @@ from .observer import DisturbanceObserver, Observed
 ACTS, STAYS = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
 """By dimension, of the normalised square: chi-squared with one, two and three components is beyond the first once in a
 thousand times, and beyond the second, below which a disturbance is over, once in twenty."""
-ROLLS, AGREED, WHOLE = 0, 1, 2
-"""nu' of a cart that rolls on; what wrenches alone would make and is there; and what there is."""
 PATIENCE = 10.0
 """s after which what pushes is the model's error, and what is no load by then is none."""
 
@@ -49,14 +44,13 @@ class DisturbedLearning:
     def __init__(self, made_of: Given, response: float) -> None:
         cart, arms, noise, prior, yaws = made_of
         self.cart, self.prior, self.response = cart, prior, response
-        self._observer = DisturbanceObserver(cart, noise, response)
+        self._observer = DisturbanceObserver(cart, noise, response, prior)
         unseen = max(noise.disturbance, self._observer.deviation * math.sqrt(response))
         louder = cart, arms, replace(noise, disturbance=unseen), prior, yaws
         self._careful = delayed(core_of(louder), cart)
         self._open: InTime | None = None  # learns from what is kept back, too
         self._opened = self._kept_back = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
-        self._rigid = replace(cart, effects=())
         self._waiting: tuple[Measurement, ...] = ()
         self._known: Estimate | None = None
         self._observed: Observed | None = None
@@ -141,59 +135,28 @@ class DisturbedLearning:
             observed = self._observer.start(measurement.time, pose)
         memory = told.motion.memory if told.motion.memory is not None else np.zeros(0)
         observed = self._observer.advanced(observed, measurement.time, memory, theta)
-        observed = self._observer.seen(observed, pose, velocity)
+        moves = bool(np.isfinite(pose).any() or np.isfinite(velocity).any())
+        if moves:
+            observed = self._observer.seen(observed, pose, velocity)
         self._sensing.note_contacts(measurement)
         if measurement.wrenches:
             sensed = self._sensing.sense(measurement, theta, Moving(observed.state(memory), measurement.time))
             if sensed is not None:
                 observed = self._observer.pushed(observed, sensed.value, sensed.covariance)
         self._observed = observed
-        if self._disturbance is None or np.isfinite(pose).any() or np.isfinite(velocity).any():
+        if self._disturbance is None or moves:
             self._conclude(observed, told, memory)
 
     def _conclude(self, observed: Observed, told: Estimate, memory: Array) -> None:
         """Whether the disturbance acts. It does for sure where no usual load would look like it, and goes on to until a
         load that rolls on could; else where no load would by its inertia. A load does not turn nu' round: it explains
         the part that wrenches alone would make, and that is there."""
-        found, time, k = observed.wrench, observed.time, observed.k
-        alone, whole = self._rates(observed, told, memory)
-        same = np.where(alone * whole > 0, np.sign(alone) * np.minimum(np.abs(alone), np.abs(whole)), 0.0)
-        rates = np.array([np.zeros(k), same, whole])
-        known = found.covariance + self._by_parameters(observed, told, memory, rates)
-
-        def square(i: int, cart: CartModel) -> float:
-            spread = known[i] + self._by_load(observed, told, memory, rates[i], cart)
-            return float(found.mean @ np.linalg.solve(spread, found.mean))
-
-        was = self._disturbance is not None and self._disturbance.acts
+        time, k, was = observed.time, observed.k, self._disturbance is not None and self._disturbance.acts
+        squares, known = self._observer.squares(observed, memory, told.model_parameters, told.covariance)
+        rolls, agreed, rigid = squares
         begins, stays = ACTS[k - 1], STAYS[k - 1]
-        self._is_sure = square(ROLLS, self.cart) > stays if self._is_sure else square(AGREED, self.cart) > begins
-        acts = self._is_sure or square(AGREED, self._rigid) > (stays if was else begins)
+        self._is_sure = rolls > stays if self._is_sure else agreed > begins
+        acts = self._is_sure or rigid > (stays if was else begins)
         if acts:
             self._since, self._until = (self._since if was else time), time
-        self._disturbance = Disturbance(found.mean, known[WHOLE], acts)
-
-    def _rates(self, observed: Observed, told: Estimate, memory: Array) -> tuple[Array, Array]:
-        """What nu' (k,) wrenches alone would make, and what they make with the disturbance."""
-        lift, own = self.cart.planar_wrench(np.eye(observed.k)).T, self.cart.velocity_slice
-        state, theta = observed.state(memory), told.model_parameters
-        alone, whole = (
-            self.cart.state_rate(state, lift @ wrench, theta, observed.time)[own]
-            for wrench in (observed.given, observed.given + observed.wrench.mean)
-        )
-        return alone, whole
-
-    def _by_parameters(self, observed: Observed, told: Estimate, memory: Array, rates: Array) -> Array:
-        """Covariances (n, k, k) of what parameters that are not known would make of motions with nu' = `rates`."""
-        if told.covariance is None:
-            return np.zeros((len(rates), observed.k, observed.k))
-        by = self.cart.inverse(observed.state(memory), rates, told.model_parameters, observed.time).by_parameters
-        return np.asarray(by @ told.covariance @ np.swapaxes(by, -1, -2))
-
-    def _by_load(self, observed: Observed, told: Estimate, memory: Array, rate: Array, cart: CartModel) -> Array:
-        """Covariance (k, k) of what a usual load on `cart` would make of a motion with nu' = `rate`."""
-        theta, time, state = told.model_parameters, observed.time, observed.state(memory)
-        n = 3 + observed.k
-        own = (state, theta) if cart is self.cart else (state[:n], theta[:N_PHI])
-        by_load = cart.inverse(own[0], rate, own[1], time).by_parameters
-        return np.asarray(by_load @ load_covariance(cart, self.prior, float(theta[0])) @ by_load.T)
+        self._disturbance = Disturbance(observed.wrench.mean, known, acts)

@@ -18,25 +18,25 @@ from functools import cached_property
 
 import numpy as np
 
-from cartgrasp.frames import Array, body_to_world, rotation_planar, wrap_angle
+from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
+from ...prior import Prior
 from ..first_motion import LOST_AFTER, first_motion
-from .filtering import exponential_step, innovation, predicted, updated
+from ..kernels import observed_wrench as kernels
+from ..kernels.observed_wrench import MAX_STEP, Constants
+from ..load_change import load_covariance
 
 SETTLED = 2.93
 """The value of w t from which on the answer to a step is within 5 % of it."""
 USUAL_PUSH = 40.0
 """N: a standard deviation of what may set in at once; moments by the noise's lever."""
-SURPRISING = 20.5
-"""Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
-in a thousand times."""
 LEAST_VELOCITY_NOISE = 5e-4
-MAX_STEP, USUAL_PERIOD = 0.02, 0.01
-FARTHEST = 1e9
+USUAL_PERIOD = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +71,13 @@ class Observed:
 
 @dataclass(frozen=True)
 class DisturbanceObserver:
-    """Steps from one `Observed` to the next; `response` (s) is the time in which a step is followed to 5 %."""
+    """Steps from one `Observed` to the next; `response` (s) is the time in which a step is followed to 5 %, `prior`
+    says where a usual load may stand."""
 
     cart: CartModel
     noise: FilterNoise
     response: float
+    prior: Prior
 
     def start(self, time: float, pose: Array) -> Observed:
         """The belief of a cart at rest, with a pose (3,) that is finite."""
@@ -96,36 +98,36 @@ class DisturbanceObserver:
             return observed
         if gap > LOST_AFTER:
             return replace(self.start(time, observed.belief.mean[:3]), given=observed.given)
-        count = math.ceil(gap / MAX_STEP - 1e-6)
-        for _ in range(count):
-            observed = self._step(observed, gap / count, memory, theta)
-        return observed
+        belief = observed.belief.mean.copy(), observed.belief.covariance.copy()
+        if self._in_kernels:
+            push, known = (observed.given, observed.given_noise), (theta, memory, self.cart.inertia.mass)
+            dynamics, span = self.cart.dynamics, (observed.time, time)
+            kernels.advance(dynamics.floats, dynamics.ints, self._constants, belief, push, known, span, self._room)
+        else:
+            self._go(observed, belief, gap, (memory, theta))
+        return replace(observed, time=time, belief=Gaussian(*belief))
 
     def seen(self, observed: Observed, pose: Array, velocity: Array) -> Observed:
         """The observed state updated by a pose (3,) and a velocity (3,) in {s}, NaN where they are missing."""
-        residual, rows, noise = self._measured(observed, pose, velocity)
-        known = np.isfinite(residual) & (np.abs(residual) < FARTHEST)
-        if not known.any():
-            return observed
-        residual, rows, noise = residual[known], rows[known], noise[np.ix_(known, known)]
-        belief = observed.belief
-        square = float(innovation(belief, residual, rows, noise).nis)
-        surprised = observed.surprised + 1 if square > SURPRISING else 0
-        if surprised > 1:
-            belief = self._opened(belief, observed.k)
-            square = float(innovation(belief, residual, rows, noise).nis)
-            belief = belief if square <= SURPRISING else observed.belief
-        if square > SURPRISING:
-            noise = noise * square / SURPRISING
-        found = updated(belief, innovation(belief, residual, rows, noise), rows, noise)
-        return replace(observed, belief=found, surprised=surprised)
+        belief = observed.belief.mean.copy(), observed.belief.covariance.copy()
+        surprised = kernels.see(self._constants, belief, pose, velocity, observed.surprised, self._room)
+        return observed if surprised < 0 else replace(observed, belief=Gaussian(*belief), surprised=surprised)
 
-    def _opened(self, belief: Gaussian, k: int) -> Gaussian:
-        """Something set in, about a sample ago."""
-        covariance, nu = belief.covariance.copy(), np.arange(3, 3 + k)
-        covariance[nu + k, nu + k] = np.maximum(covariance[nu + k, nu + k], self._usual)
-        covariance[nu, nu] += self._usual * (MAX_STEP / self._inertias) ** 2
-        return Gaussian(belief.mean, covariance)
+    def squares(
+        self, observed: Observed, memory: Array, theta: Array, unknown: Array | None
+    ) -> tuple[tuple[float, float, float], Array]:
+        """Normalised squares of d as `kernels.squares` has them, and the covariance (k, k) of d for the motion that
+        there is; `unknown` (p, p) is what is not known of the parameters (p,)."""
+        cart, k, state = self.cart, observed.k, observed.state(memory)
+        rates, found = np.full((2, k), np.nan), np.empty((k, k))
+        if not self._in_kernels:
+            given = np.stack([observed.given, observed.given + observed.wrench.mean]) @ self._constants.lift.T
+            rates[:] = cart.state_rate(state, given, theta, observed.time)[:, cart.velocity_slice]
+        foreign = cart.foreign_sums(state, theta, observed.time)
+        known = theta, np.zeros((0, 0)) if unknown is None else unknown, memory, foreign, observed.time
+        belief, dynamics = (observed.belief.mean, observed.belief.covariance), cart.dynamics
+        blocks = dynamics.floats, dynamics.ints, self._constants
+        return kernels.squares(*blocks, belief, observed.given, known, (rates, found), self._room), found
 
     @property
     def deviation(self) -> float:
@@ -135,6 +137,43 @@ class DisturbanceObserver:
         return float(2**0.25 * self._inertias[0] * root)
 
     # --- a step -----------------------------------------------------------------------------------------------
+
+    def _go(self, observed: Observed, belief: tuple[Array, Array], gap: float, known: tuple[Array, Array]) -> None:
+        """What `kernels.advance` does, of effects without kernels."""
+        cart, k, (memory, theta) = self.cart, observed.k, known
+        count = math.ceil(gap / MAX_STEP - 1e-6)
+        for i in range(count):
+            state, given = np.concatenate([belief[0][: 3 + k], memory]), observed.given + belief[0][3 + k :]
+            rate = cart.rate(state, self._constants.lift @ given, theta, observed.time + i * gap / count)
+            flow = np.concatenate([part.ravel() for part in (rate.value, rate.by_state, rate.by_wrench)])
+            numbers = len(state), gap / count, float(theta[0] / cart.inertia.mass)
+            kernels.predict(self._constants, belief, observed.given_noise, flow, numbers, self._room)
+
+    @property
+    def _in_kernels(self) -> bool:
+        return self.cart.is_compiled and not self.cart.slip_compliance
+
+    @cached_property
+    def _room(self) -> Array:
+        k = self.cart.constraints.n_free
+        return np.zeros(kernels.room_for(len(self.cart.state_names), len(self.cart.parameters), k))
+
+    @cached_property
+    def _constants(self) -> Constants:
+        cart, noise, k = self.cart, self.noise, self.cart.constraints.n_free
+        return Constants(
+            lift=np.ascontiguousarray(cart.planar_wrench(np.eye(k)).T),
+            project=np.ascontiguousarray(self._to_free),
+            pose=np.array(noise.pose_covariance),
+            velocity=np.array(noise.velocity_covariance),
+            walk=self._inertias * (SETTLED / self.response) ** 2 * self._heard,
+            usual=self._usual,
+            inertias=self._inertias,
+            disturbance=(np.array([1.0, 1.0, noise.lever]) * noise.disturbance) ** 2,
+            creep=noise.sideways(cart) * np.array(cart.rolling.across_b),
+            slip=np.array([noise.slip**2]),
+            load=np.ascontiguousarray(load_covariance(cart, self.prior, 1.0)[:N_PHI, :N_PHI]),
+        )
 
     @cached_property
     def _usual(self) -> Array:
@@ -147,11 +186,6 @@ class DisturbanceObserver:
         whole = np.diag(self.cart.inertia.phi[[0, 0, 3]])
         return np.asarray(np.diagonal(self.cart.basis_b.T @ whole @ self.cart.basis_b))
 
-    def _walk(self, theta: Array, step: float) -> Array:
-        """Variance (k,) that d gains in a step between samples."""
-        share = theta[0] / self.cart.inertia.mass
-        return np.asarray((share * self._inertias * (SETTLED / self.response) ** 2 * self._heard * step) ** 2)
-
     @cached_property
     def _heard(self) -> Array:
         """Standard deviations (k,) of measured velocities."""
@@ -161,43 +195,3 @@ class DisturbanceObserver:
     @cached_property
     def _to_free(self) -> Array:
         return np.asarray(np.linalg.pinv(self.cart.basis_b))
-
-    def _step(self, observed: Observed, step: float, memory: Array, theta: Array) -> Observed:
-        cart, k, mean = self.cart, observed.k, observed.belief.mean
-        lift = cart.planar_wrench(np.eye(k)).T
-        flow = cart.rate(observed.state(memory), lift @ (observed.given + mean[3 + k :]), theta, observed.time)
-        n, moved, walk = 3 + 2 * k, slice(3 + k), np.arange(3 + k, 3 + 2 * k)
-        jacobian, rate, density = np.zeros((n, n)), np.zeros(n), np.zeros((n, n))
-        reach = flow.by_wrench[moved] @ lift
-        jacobian[moved, moved], jacobian[moved, walk], rate[moved] = (
-            flow.by_state[moved, moved],
-            reach,
-            flow.value[moved],
-        )
-        density[moved, moved] = reach @ observed.given_noise @ reach.T * step + self._drift(
-            mean[2], flow.by_wrench[moved]
-        )
-        density[walk, walk] = self._walk(theta, step) / step
-        belief = predicted(observed.belief, exponential_step(rate, jacobian, density, step))
-        return replace(observed, time=observed.time + step, belief=belief)
-
-    def _drift(self, heading: float, by_wrench: Array) -> Array:
-        """Density of what white forces and wheels that creep do."""
-        noise, cart = self.noise, self.cart
-        white = by_wrench * np.array([1.0, 1.0, noise.lever]) * noise.disturbance
-        found = white @ white.T
-        sideways = rotation_planar(heading) @ cart.rolling.across_b
-        found[:2, :2] += noise.sideways(cart) ** 2 * np.outer(sideways, sideways)
-        found[2, 2] += noise.slip**2
-        return np.asarray(found)
-
-    def _measured(self, observed: Observed, pose: Array, velocity: Array) -> tuple[Array, Array, Array]:
-        """Residuals, rows and noise of pose and of the velocity in the free directions."""
-        k, mean, noise = observed.k, observed.belief.mean, self.noise
-        to_free = self._to_free @ body_to_world(mean[2]).T
-        off = np.where(np.abs(pose) < FARTHEST, pose, np.nan) - mean[:3]
-        off[2] = wrap_angle(off[2]) if np.isfinite(off[2]) else np.nan
-        residual = np.append(off, to_free @ velocity - mean[3 : 3 + k])
-        covariance = np.zeros((3 + k, 3 + k))
-        covariance[:3, :3], covariance[3:, 3:] = noise.pose_covariance, to_free @ noise.velocity_covariance @ to_free.T
-        return residual, np.eye(3 + k, len(mean)), covariance + 1e-12 * np.eye(3 + k)

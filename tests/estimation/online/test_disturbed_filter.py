@@ -31,7 +31,7 @@ def test_its_answer_to_a_step_and_its_deviation_are_those_of_a_butterworth_filte
     """From velocities alone, of a mass on a rail, without noise that is not the velocity's."""
     rail = cg.CartModel(cg.Inertia(30.0, (0.0, 0.0), 2.0), cg.RollingConstraints(no_rotation=True))
     noise = FilterNoise(linear_velocity=0.005, disturbance=0.0, slip=0.0)
-    observer, push, response = DisturbanceObserver(rail, noise, 0.2), 1.0, SETTLED / 0.2
+    observer, push, response = DisturbanceObserver(rail, noise, 0.2, Prior()), 1.0, SETTLED / 0.2
     observed = observer.pushed(observer.start(0.0, np.zeros(3)), np.zeros(1), np.zeros((1, 1)))
     times = USUAL_PERIOD * np.arange(1, 400)
     answers = []

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from estimation.gaussian import Gaussian, normalised_square
-from estimation.online.disturbance.filtering import exponential_step, innovation, predicted, transition, updated
+
+from .reference_filtering import exponential_step, innovation, predicted, transition, updated
 
 entries = st.floats(-3, 3, allow_nan=False, allow_infinity=False)
 matrices = hnp.arrays(np.float64, (4, 4), elements=entries)

@@ -1,4 +1,5 @@
-"""Predict and update of a Kalman filter: pure functions that broadcast over leading axes.
+"""Predict and update of a Kalman filter, written down again in numpy: what the kernels of the observed wrench are
+compared with. `test_filtering.py` compares these with matrix exponentials and the batch solution.
 
 Prediction takes a transition `Phi` and a process noise that is positive semidefinite by construction; the update is
 Joseph's form `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays so whatever the rounding (correcting (16), (17), (20)).
@@ -11,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cartgrasp.frames import Array
-
-from ...gaussian import Gaussian, normalised_square, symmetric
+from estimation.gaussian import Gaussian, normalised_square, symmetric
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,395 @@
+"""The steps of `disturbance/observer.py`, and the squares of `disturbance/disturbed_learning.py`, which say what they
+are about. Beliefs are of pose, nu and d (n = 3 + 2 k,)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from cartgrasp.frames import Array
+from cartgrasp.kernels import rigid_body
+from cartgrasp.kernels.dynamics import Point, forward, lifted, rate_alone, taught
+from cartgrasp.kernels.workspace import copy
+from cartgrasp.kernels.workspace import unpack as unpack_cart
+
+from .correction import add_congruence, carved, eliminate, normalised_square, wrapped
+from .jit import Indices, compiled, entry
+
+MAX_STEP = 0.02
+SURPRISING = 20.5
+"""Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
+in a thousand times."""
+FARTHEST = 1e9
+ROLLS, AGREED, WHOLE = 0, 1, 2
+"""nu' of a cart that rolls on; what wrenches alone would make and is there; and what there is."""
+
+
+class Constants(NamedTuple):
+    """What lifts a reduced wrench to {b} (3, k), and what projects a velocity onto nu (k, 3); covariances of pose and
+    velocity (3, 3); the walk of d (k,), N per root of s, for the cart as it was made; variances of what may set in and
+    inertias (k,); densities of disturbing wrenches (3,); creep along a direction (2,) of {b}; density of the heading's
+    slip (1,); and the covariance (4, 4) of a usual load on a cart of 1 kg."""
+
+    lift: Array
+    project: Array
+    pose: Array
+    velocity: Array
+    walk: Array
+    usual: Array
+    inertias: Array
+    disturbance: Array
+    creep: Array
+    slip: Array
+    load: Array
+
+
+def room_for(n_states: int, n_parameters: int, k: int) -> int:
+    """How much room the entries need."""
+    n = 3 + 2 * k
+    return 8 * (n + 1) ** 2 + n_states * (2 + n_states + n_parameters) + 6 * k * (k + n_parameters + 4) + 60
+
+
+@entry
+def advance(
+    floats: Array,
+    ints: Indices,
+    c: Constants,
+    belief: tuple[Array, Array],
+    push: tuple[Array, Array],
+    known: tuple[Array, Array, float],
+    span: tuple[float, float],
+    room: Array,
+) -> None:
+    """Moves a belief over a span (s), pushed by a reduced wrench (k,) with the covariance of its noise; `known` are
+    parameters (p,), what effects remember (m,), and the mass of the cart as it was made."""
+    (mean, covariance), (theta, memory, made) = belief, known
+    (cart, flow), k = unpack_cart(floats, ints), len(c.walk)
+    state, given, rest = room[: 3 + k + len(memory)], room[3 + k + len(memory) :][:3], room[6 + k + len(memory) :]
+    copy(memory, state[3 + k :])
+    begin, end = span
+    count = math.ceil((end - begin) / MAX_STEP - 1e-6)
+    for i in range(count):
+        step = (end - begin) / count
+        copy(mean[: 3 + k], state[: 3 + k])
+        for j in range(3):
+            given[j] = 0.0
+            for a in range(k):
+                given[j] += c.lift[j, a] * (push[0][a] + mean[3 + k + a])
+        forward(cart, Point(state, begin + i * step, theta, theta[:0]), given, flow)
+        _predict(c, (mean, covariance), push[1], flow, (len(state), step, theta[0] / made), rest)
+
+
+@entry
+def predict(
+    c: Constants, belief: tuple[Array, Array], noise: Array, flow: Array, numbers: tuple[int, float, float], room: Array
+) -> None:
+    """One step whose flow comes from elsewhere; `numbers` as in `_predict`."""
+    _predict(c, belief, noise, flow, numbers, room)
+
+
+@compiled
+def _predict(
+    c: Constants, belief: tuple[Array, Array], noise: Array, flow: Array, numbers: tuple[int, float, float], room: Array
+) -> None:
+    """The exponential step with Van Loan's integral of the noise, by Simpson's rule. `flow`: the rate of the state, its
+    partials by state and wrench, one after the other; `numbers`: how many states, the step (s), and the mass's share of
+    what it was when the cart was made."""
+    (mean, covariance), (n_states, step, share), k = belief, numbers, len(c.walk)
+    n, moved = len(mean), 3 + k
+    by_state = flow[n_states : n_states * (1 + n_states)].reshape((n_states, n_states))
+    by_wrench = flow[n_states * (1 + n_states) : n_states * (4 + n_states)].reshape((n_states, 3))
+    density, room = carved(room, n, n)
+    half, room = carved(room, n + 1, n + 1)
+    half[:], density[:] = 0.0, 0.0
+    reach, rest = carved(room, moved, k)
+    for i in range(moved):
+        half[i, n] = flow[i]
+        for j in range(moved):
+            half[i, j] = by_state[i, j]
+        for a in range(k):
+            reach[i, a] = 0.0
+            for j in range(3):
+                reach[i, a] += by_wrench[i, j] * c.lift[j, a]
+            half[i, moved + a] = reach[i, a]
+    _add_density(c, by_wrench[:moved], mean[2], density)
+    pushed, rest = carved(rest, k, k)
+    for a in range(k):
+        density[moved + a, moved + a] = (share * c.walk[a]) ** 2 * step
+        for b in range(k):
+            pushed[a, b] = noise[a, b] * step
+    add_congruence(reach, pushed, density[:moved, :moved], rest)
+    _exponential(half, 0.5 * step, room)
+    whole, room = carved(room, n + 1, n + 1)
+    _multiply(half, half, whole)
+    total, room = carved(room, n, n)
+    for i in range(n):
+        for j in range(n):
+            total[i, j] = step / 6.0 * density[i, j]
+            density[i, j] *= step / 6.0
+    add_congruence(whole[:n, :n], density, total, room)
+    for i in range(n):
+        for j in range(n):
+            density[i, j] *= 4.0
+    add_congruence(half[:n, :n], density, total, room)
+    add_congruence(whole[:n, :n], covariance, total, room)
+    for i in range(n):
+        mean[i] += whole[i, n]
+        copy(total[i], covariance[i])
+
+
+@compiled
+def _add_density(c: Constants, by_wrench: Array, heading: float, density: Array) -> None:
+    """What white forces and wheels that creep do."""
+    for i in range(len(by_wrench)):
+        for j in range(len(by_wrench)):
+            for a in range(3):
+                density[i, j] += by_wrench[i, a] * c.disturbance[a] * by_wrench[j, a]
+    cosine, sine = math.cos(heading), math.sin(heading)
+    x, y = cosine * c.creep[0] - sine * c.creep[1], sine * c.creep[0] + cosine * c.creep[1]
+    density[0, 0] += x * x
+    density[0, 1] += x * y
+    density[1, 0] += x * y
+    density[1, 1] += y * y
+    density[2, 2] += c.slip[0]
+
+
+@compiled
+def _exponential(matrix: Array, step: float, room: Array) -> None:
+    """`exp(matrix · step)` in its place, by scaling, a fourth-order Taylor step, and squaring; stiff decays stay
+    decays."""
+    n, largest = len(matrix), 0.0
+    for i in range(n):
+        row = 0.0
+        for j in range(n):
+            matrix[i, j] *= step
+            row += abs(matrix[i, j])
+        largest = max(largest, row)
+    halvings = max(0, math.ceil(math.log2(largest + 1e-300)) + 2)
+    scale = 1.0 / 2.0**halvings
+    series, room = carved(room, n, n)
+    product, _ = carved(room, n, n)
+    for i in range(n):
+        for j in range(n):
+            matrix[i, j] *= scale
+            series[i, j] = (1.0 if i == j else 0.0) + matrix[i, j] / 4.0
+    for order in range(3, 0, -1):
+        _multiply(matrix, series, product)
+        for i in range(n):
+            for j in range(n):
+                series[i, j] = (1.0 if i == j else 0.0) + product[i, j] / order
+    for _ in range(halvings):
+        _multiply(series, series, product)
+        for i in range(n):
+            copy(product[i], series[i])
+    for i in range(n):
+        copy(series[i], matrix[i])
+
+
+@compiled
+def _multiply(left: Array, right: Array, product: Array) -> None:
+    product[:] = 0.0
+    for i in range(len(left)):
+        for j in range(len(right)):
+            value = left[i, j]
+            if value != 0.0:
+                for k in range(right.shape[1]):
+                    product[i, k] += value * right[j, k]
+
+
+@entry
+def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array, surprised: int, room: Array) -> int:
+    """Takes in a pose (3,) and a velocity (3,) in {s}, NaN where they are missing; returns how many samples in a row
+    have surprised by now, or -1 where nothing is there."""
+    (mean, covariance), k = belief, len(c.walk)
+    n, most = len(mean), 3 + k
+    residual, room = room[:most], room[most:]
+    rows, room = room[:most], room[most:]
+    R, room = carved(room, most, most)
+    m = _measured(c, mean, pose, velocity, (residual, rows, R), room)
+    if m == 0:
+        return -1
+    opened, room = carved(room, n, n)
+    square, scale = _square(covariance, rows[:m], residual[:m], R, 1.0, room), 1.0
+    surprised = surprised + 1 if square > SURPRISING else 0
+    if surprised > 1:
+        for i in range(n):
+            copy(covariance[i], opened[i])
+        for a in range(k):
+            opened[3 + k + a, 3 + k + a] = max(opened[3 + k + a, 3 + k + a], c.usual[a])
+            opened[3 + a, 3 + a] += c.usual[a] * (MAX_STEP / c.inertias[a]) ** 2
+        square = _square(opened, rows[:m], residual[:m], R, 1.0, room)
+        if square <= SURPRISING:
+            for i in range(n):
+                copy(opened[i], covariance[i])
+    if square > SURPRISING:
+        scale = square / SURPRISING
+    _update(mean, covariance, (rows[:m], residual[:m], R), scale, room)
+    return surprised
+
+
+@compiled
+def _measured(
+    c: Constants, mean: Array, pose: Array, velocity: Array, out: tuple[Array, Array, Array], room: Array
+) -> int:
+    """Residuals, the numbers of the mean that they are of, and their noise; returns how many there are."""
+    (residual, rows, R), k, m = out, len(c.walk), 0
+    for i in range(3):
+        off = pose[i] - mean[i]
+        off = wrapped(off) if i == 2 and math.isfinite(off) else off
+        if abs(pose[i]) < FARTHEST and abs(off) < FARTHEST:
+            residual[m], rows[m] = off, i
+            m += 1
+    n_pose = m
+    cosine, sine = math.cos(mean[2]), math.sin(mean[2])
+    to_free, _ = carved(room, k, 3)
+    for a in range(k):
+        to_free[a, 0] = c.project[a, 0] * cosine - c.project[a, 1] * sine
+        to_free[a, 1] = c.project[a, 0] * sine + c.project[a, 1] * cosine
+        to_free[a, 2] = c.project[a, 2]
+        off = -mean[3 + a]
+        for j in range(3):
+            off += to_free[a, j] * velocity[j]
+        if abs(off) < FARTHEST:
+            residual[m], rows[m] = off, 3 + a
+            m += 1
+    for p in range(m):
+        for q in range(m):
+            i, j = int(rows[p]), int(rows[q])
+            R[p, q] = 1e-12 if p == q else 0.0
+            if p < n_pose and q < n_pose:
+                R[p, q] += c.pose[i, j]
+            elif p >= n_pose and q >= n_pose:
+                for a in range(3):
+                    for b in range(3):
+                        R[p, q] += to_free[i - 3, a] * c.velocity[a, b] * to_free[j - 3, b]
+    return m
+
+
+@compiled
+def _square(covariance: Array, rows: Array, residual: Array, R: Array, scale: float, room: Array) -> float:
+    """The residual's normalised square."""
+    m = len(rows)
+    S, room = carved(room, m, m)
+    for p in range(m):
+        for q in range(m):
+            S[p, q] = covariance[int(rows[p]), int(rows[q])] + scale * R[p, q]
+    return normalised_square(residual, S, room)
+
+
+@compiled
+def _update(mean: Array, covariance: Array, measured: tuple[Array, Array, Array], scale: float, room: Array) -> None:
+    """(18)-(19) and Joseph's form."""
+    (rows, residual, R), n = measured, len(mean)
+    m = len(rows)
+    S, room = carved(room, m, m)
+    gain, room = carved(room, m, n)  # of which the columns are solved for
+    for p in range(m):
+        for q in range(m):
+            S[p, q] = covariance[int(rows[p]), int(rows[q])] + scale * R[p, q]
+        copy(covariance[int(rows[p])], gain[p])
+    eliminate(S, gain)
+    keep, room = carved(room, n, n)
+    total, room = carved(room, n, n)
+    total[:] = 0.0
+    for i in range(n):
+        for j in range(n):
+            keep[i, j] = 1.0 if i == j else 0.0
+        for p in range(m):
+            mean[i] += gain[p, i] * residual[p]
+            keep[i, int(rows[p])] -= gain[p, i]
+    add_congruence(keep, covariance, total, room)
+    for i in range(n):
+        for j in range(i + 1):
+            value = total[i, j]
+            for p in range(m):
+                for q in range(m):
+                    value += gain[p, i] * scale * R[p, q] * gain[q, j]
+            covariance[i, j] = covariance[j, i] = value
+
+
+@entry
+def squares(
+    floats: Array,
+    ints: Indices,
+    c: Constants,
+    belief: tuple[Array, Array],
+    given: Array,
+    known: tuple[Array, Array, Array, Array, float],
+    out: tuple[Array, Array],
+    room: Array,
+) -> tuple[float, float, float]:
+    """Normalised squares of d: how little a usual load of a cart that rolls on explains it (`ROLLS`), one that makes
+    what wrenches alone would make and is there (`AGREED`), and the same of a cart without effects. Into `found` (k, k)
+    the covariance of d for what there is. `known` are parameters (p,), what is not known of them (p, p) or nothing,
+    what effects remember (m,), what effects without a kernel add, and the time. `out`: rates (2, k), what nu' wrenches
+    alone make, and with d, or NaN to be found here; and `found`."""
+    (mean, covariance), (theta, unknown, memory, foreign, time), (rates, found) = belief, known, out
+    (cart, flow), k, p = unpack_cart(floats, ints), len(c.walk), len(theta)
+    n_states = 3 + k + len(memory)
+    state, room = room[:n_states], room[n_states:]
+    push, room = room[:3], room[3:]
+    copy(mean[: 3 + k], state[: 3 + k])
+    copy(memory, state[3 + k :])
+    point = Point(state, time, theta, foreign)
+    if math.isnan(rates[0, 0]):
+        for which in range(2):
+            for j in range(3):
+                push[j] = 0.0
+                for a in range(k):
+                    push[j] += c.lift[j, a] * (given[a] + (mean[3 + k + a] if which == 1 else 0.0))
+            rate_alone(cart, point, push, flow)
+            copy(flow[3 : 3 + k], rates[which])
+    accelerations, room = carved(room, 3, k)
+    for a in range(k):
+        alone, whole = rates[0, a], rates[1, a]
+        least = alone if abs(alone) < abs(whole) else whole
+        accelerations[ROLLS, a], accelerations[WHOLE, a] = 0.0, whole
+        accelerations[AGREED, a] = least if alone * whole > 0.0 else 0.0
+    by, room = carved(room, k, p)
+    wrench, room = room[:k], room[k:]
+    mass, room = carved(room, k, k)
+    total, room = carved(room, k, k)
+    load, room = carved(room, 4, 4)
+    for i in range(4):
+        for j in range(4):
+            load[i, j] = c.load[i, j] * theta[0] ** 2
+    d, told = mean[3 + k :], covariance[3 + k :, 3 + k :]
+    asked = (0.0, 0.0)
+    for which in range(3):
+        taught(cart, point, accelerations[which], (wrench, mass, by))
+        for a in range(k):
+            copy(told[a], total[a])
+        if len(unknown) > 0:
+            add_congruence(by, unknown, total, room)
+        if which == WHOLE:
+            for a in range(k):
+                copy(total[a], found[a])
+            break
+        if which == AGREED:
+            for a in range(k):
+                copy(total[a], found[a])
+        add_congruence(by[:, :4], load, total, room)
+        square = normalised_square(d, total, room)
+        asked = (square, asked[1]) if which == ROLLS else (asked[0], square)
+        if which == AGREED:
+            rigid = _rigid_square(cart.basis, state[3 : 3 + k], accelerations[which], (d, found, load), room)
+    return asked[0], asked[1], rigid
+
+
+@compiled
+def _rigid_square(
+    basis: Array, nu: Array, acceleration: Array, given: tuple[Array, Array, Array], room: Array
+) -> float:
+    """As if the cart had no effects."""
+    (d, known, load), k = given, len(nu)
+    rows = rigid_body.regressor(lifted(basis, nu), lifted(basis, acceleration))
+    by, room = carved(room, k, 4)
+    total, room = carved(room, k, k)
+    for a in range(k):
+        copy(known[a], total[a])
+        for j in range(4):
+            by[a, j] = 0.0
+            for i in range(3):
+                by[a, j] += basis[i, a] * rows[i][j]
+    add_congruence(by, load, total, room)
+    return normalised_square(d, total, room)

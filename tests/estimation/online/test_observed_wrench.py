@@ -1,0 +1,175 @@
+"""Steps of the observed disturbance, which are kernels, against the same in numpy; with effects from outside, too."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cartgrasp as cg
+from cartgrasp.effects import CasterRealignment, LateralSlip, LoadSlosh, RollingResistance, ViscousDrag
+from cartgrasp.frames import body_to_world, rotation_planar
+from cartgrasp.rigid_body import regressor_b
+from estimation import FilterNoise, Prior
+from estimation.gaussian import Gaussian
+from estimation.online.disturbance.observer import USUAL_PUSH, DisturbanceObserver
+from estimation.online.kernels.observed_wrench import MAX_STEP, SURPRISING
+from estimation.online.load_change import load_covariance
+
+from ...core.drawn import CONSTRAINTS, SHOPPING_CART, vectors
+from ...core.test_kernels import Lag
+from .reference_filtering import exponential_step, innovation, predicted, updated
+
+NOISE = FilterNoise(0.002, 0.003, 0.01, 0.02, 2.0, 0.1, disturbance=0.3, slip=0.004)
+SMALL = vectors(9, -1.0, 1.0)
+
+
+EFFECTS = {
+    "drags": (ViscousDrag(3.0, 1.2), RollingResistance(0.02)),
+    "casters and a load that swings": (CasterRealignment(0.3), LoadSlosh(4.0)),
+    "wheels that creep": (ViscousDrag(3.0, 1.2), LateralSlip(2000.0)),
+    "one's own": (ViscousDrag(3.0, 1.2), Lag()),
+}
+KINDS = "casters only", "axle ahead", "rail"
+CASES = [(kind, what) for kind in KINDS for what in EFFECTS if kind == "axle ahead" or "creep" not in what]
+few = settings(max_examples=15)
+
+
+def observer(kind, what):
+    inertia = cg.Inertia(30.0, (0.3, 0.05), 2.7)
+    cart = cg.CartModel(inertia, CONSTRAINTS[kind], EFFECTS[what], SHOPPING_CART, com_height=0.4)
+    return DisturbanceObserver(cart, NOISE, 0.2, Prior())
+
+
+def drawn(of, numbers):
+    """A state of belief, pushed, with parameters that are not those of the cart as it was made."""
+    k, random = of.cart.constraints.n_free, np.random.default_rng(int(1e6 * abs(numbers).sum()))
+    n = 3 + 2 * k
+    root = 0.05 * random.normal(size=(n, n))
+    mean = np.concatenate([numbers[:3], numbers[3 : 3 + k], 20.0 * numbers[-k:]])
+    seen = replace(of.start(0.3, np.zeros(3)), belief=Gaussian(mean, root @ root.T + 1e-4 * np.eye(n)))
+    noise = 0.3 * random.normal(size=(k, k))
+    theta = of.cart.parameters * (1.0 + 0.1 * random.uniform(-1, 1, len(of.cart.parameters)))
+    memory = 0.3 * random.normal(size=len(of.cart.memory_names))
+    return of.pushed(seen, 30.0 * random.normal(size=k), noise @ noise.T), memory, theta
+
+
+def stepped(of, seen, time, memory, theta):
+    cart, noise, k = of.cart, NOISE, seen.k
+    lift, belief, at = cart.planar_wrench(np.eye(k)).T, seen.belief, seen.time
+    n, moved, walk = 3 + 2 * k, slice(3 + k), np.arange(3 + k, 3 + 2 * k)
+    count = int(np.ceil((time - at) / MAX_STEP - 1e-6))
+    step = (time - at) / count
+    for i in range(count):
+        mean = belief.mean
+        state = np.concatenate([mean[: 3 + k], memory])
+        flow = cart.rate(state, lift @ (seen.given + mean[3 + k :]), theta, at + i * step)
+        jacobian, rate, density = np.zeros((n, n)), np.zeros(n), np.zeros((n, n))
+        reach = flow.by_wrench[moved] @ lift
+        jacobian[moved, moved], jacobian[moved, walk], rate[moved] = (
+            flow.by_state[moved, moved],
+            reach,
+            flow.value[moved],
+        )
+        white = flow.by_wrench[moved] * np.array([1.0, 1.0, noise.lever]) * noise.disturbance
+        sideways = rotation_planar(mean[2]) @ cart.rolling.across_b
+        density[moved, moved] = reach @ seen.given_noise @ reach.T * step + white @ white.T
+        density[:2, :2] += noise.sideways(cart) ** 2 * np.outer(sideways, sideways)
+        density[2, 2] += noise.slip**2
+        per_root = theta[0] / cart.inertia.mass * of._inertias * (2.93 / of.response) ** 2 * of._heard
+        density[walk, walk] = per_root**2 * step
+        belief = predicted(belief, exponential_step(rate, jacobian, density, step))
+    return belief
+
+
+@pytest.mark.parametrize(("kind", "what"), CASES)
+@few
+@given(numbers=SMALL, gap=st.floats(1e-3, 0.09))
+def test_advanced(kind, what, numbers, gap):
+    of = observer(kind, what)
+    seen, memory, theta = drawn(of, numbers)
+    found = of.advanced(seen, 0.3 + gap, memory, theta)
+    expected = stepped(of, seen, 0.3 + gap, memory, theta)
+    scale = np.abs(expected.covariance).max()
+    np.testing.assert_allclose(found.belief.mean, expected.mean, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.belief.covariance, expected.covariance, rtol=1e-8, atol=1e-11 * scale)
+    assert found.time == 0.3 + gap
+    assert found.surprised == seen.surprised
+
+
+MISSING = st.sets(st.integers(0, 5))
+
+
+@pytest.mark.parametrize("surprised", [0, 1])
+@pytest.mark.parametrize("kind", KINDS)
+@few
+@given(numbers=SMALL, off=vectors(6, -1.0, 1.0), size=st.sampled_from([0.1, 1.0, 10.0]), missing=MISSING)
+def test_seen(kind, surprised, numbers, off, size, missing):
+    of = observer(kind, "drags")
+    seen = replace(drawn(of, numbers)[0], surprised=surprised)
+    k, mean, to_free = seen.k, seen.belief.mean, np.linalg.pinv(of.cart.basis_b) @ body_to_world(numbers[2]).T
+    pose = mean[:3] + size * off[:3]
+    velocity = np.linalg.pinv(to_free) @ (mean[3 : 3 + k] + size * off[3 : 3 + k])
+    for i in missing:
+        (pose if i < 3 else velocity)[i % 3] = np.nan
+    residual = np.append(size * off[:3] + 0.0 * pose, to_free @ velocity - mean[3 : 3 + k])
+    residual[2] = (residual[2] + np.pi) % (2 * np.pi) - np.pi
+    R = 1e-12 * np.eye(3 + k)
+    R[:3, :3] += NOISE.pose_covariance
+    R[3:, 3:] += to_free @ NOISE.velocity_covariance @ to_free.T
+    known = np.isfinite(residual)
+    found = of.seen(seen, pose, velocity)
+    if not known.any():
+        assert found is seen
+        return
+    H, R, residual, belief = np.eye(3 + k, 3 + 2 * k)[known], R[np.ix_(known, known)], residual[known], seen.belief
+    square = innovation(belief, residual, H, R).nis
+    if abs(square - SURPRISING) < 1e-6:
+        return  # rounding decides
+    now = surprised + 1 if square > SURPRISING else 0
+    if now > 1:
+        P, nu = belief.covariance.copy(), np.arange(3, 3 + k)
+        usual = (USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2
+        P[nu + k, nu + k] = np.maximum(P[nu + k, nu + k], usual)
+        P[nu, nu] += usual * (MAX_STEP / of._inertias) ** 2
+        opened = Gaussian(belief.mean, P)
+        square = innovation(opened, residual, H, R).nis
+        belief = opened if square <= SURPRISING else belief
+    R = R * max(1.0, square / SURPRISING)
+    expected = updated(belief, innovation(belief, residual, H, R), H, R)
+    scale = np.abs(expected.covariance).max()
+    assert found.surprised == now
+    np.testing.assert_allclose(found.belief.mean, expected.mean, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(found.belief.covariance, expected.covariance, rtol=1e-5, atol=1e-8 * scale)
+
+
+@pytest.mark.parametrize(("kind", "what"), CASES)
+@few
+@given(numbers=SMALL, is_told=st.booleans())
+def test_squares(kind, what, numbers, is_told):
+    of = observer(kind, what)
+    seen, memory, theta = drawn(of, numbers)
+    cart, k, p = of.cart, seen.k, len(theta)
+    root = 0.03 * theta * np.random.default_rng(p).normal(size=(p, p)).T
+    unknown = root.T @ root if is_told else None
+    squares, covariance = of.squares(seen, memory, theta, unknown)
+    state, lift, d = seen.state(memory), cart.planar_wrench(np.eye(k)).T, seen.wrench
+    alone, whole = (
+        cart.state_rate(state, lift @ given, theta, seen.time)[cart.velocity_slice]
+        for given in (seen.given, seen.given + d.mean)
+    )
+    same = np.where(alone * whole > 0, np.sign(alone) * np.minimum(np.abs(alone), np.abs(whole)), 0.0)
+    expected, S = [], cart.basis_b
+    for nu_rate in (np.zeros(k), same, whole):
+        by = cart.inverse(state, nu_rate, theta, seen.time).by_parameters
+        known = d.covariance + (by @ unknown @ by.T if is_told else 0.0)
+        load = load_covariance(cart, Prior(), theta[0])
+        expected.append(d.mean @ np.linalg.solve(known + by @ load @ by.T, d.mean))
+        rigid = S.T @ regressor_b(S @ state[3 : 3 + k], S @ nu_rate)
+        alone_by_mass = d.mean @ np.linalg.solve(known + rigid @ load[:4, :4] @ rigid.T, d.mean)
+        expected.append(alone_by_mass)
+    np.testing.assert_allclose(squares, [expected[0], expected[2], expected[3]], rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(covariance, known, rtol=1e-8, atol=1e-12)
