@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.first_guess import FirstGuess
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.wheels import Wheel
-from estimation import CartFilter
+from estimation import CartFilter, DisturbedFilter
 from planning import Controller, PathReference, Skid, TipOver, WrenchPlanner, chain, speed_change, turn
 from planning.control.step import Step
 
@@ -120,7 +121,11 @@ def _updates(rate: float) -> Callable[[], Ticks]:
 
 
 def _controlling(
-    rate: float, contacts: str = "fixed", confidence: float | None = 0.99, std: Mapping[str, float] = STD
+    rate: float,
+    contacts: str = "fixed",
+    confidence: float | None = 0.99,
+    std: Mapping[str, float] = STD,
+    learner: Callable[..., Any] = CartFilter,
 ) -> Callable[[], Ticks]:
     """Of a whole loop: filter, tracker, planner and contacts of two arms with three points each, with limits of skid
     and tip-over. A path again and again; each time a new controller begins."""
@@ -129,7 +134,9 @@ def _controlling(
         guess = replace(GUESS, first_guess=FirstGuess(tuple(std.items())))
         asked = {"contacts": contacts, "cart_limits": LIMITS, "confidence": confidence, "period": 1.0 / rate}
         while True:
-            controller = Controller(guess, _hands(), PATH, **asked)
+            hands = _hands()
+            told = learner(guess, [hand.name for hand in hands])
+            controller = Controller(guess, hands, PATH, estimator=told, **asked)
             controller.warm_up()
             robot, sensors = ModelPlant(TRUCK), Sensors(TRUCK, SensorNoise(force=0.5, moment=0.02), seed=1)
             steps, felt = list[Step](), None
@@ -183,6 +190,7 @@ KINDS: dict[str, Callable[[], Ticks]] = {
     "controller, 500 Hz, limits of the estimate": _controlling(500.0, confidence=None),
     **{f"controller, {rate:g} Hz, with 99 %": _controlling(rate) for rate in RATES},
     "controller, 500 Hz, with 99 %, contacts that teach": _controlling(500.0, "teach"),
+    "controller, 500 Hz, with 99 %, disturbances told": _controlling(500.0, learner=DisturbedFilter),
     "controller, 500 Hz, with 99 % of a guess that is too unsure": _controlling(500.0, std={}),
 }
 

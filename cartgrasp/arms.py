@@ -157,6 +157,12 @@ class Arm:
         object.__setattr__(other, "joints", joints)
         return other
 
+    def without_rate(self) -> Arm:
+        """The arm where there is time enough for any change: judgements over seconds are of it."""
+        other = shallow(self)
+        object.__setattr__(other, "wrench_rate", (np.inf,) * 6)
+        return other
+
     @property
     def wrench_limit(self) -> Array:
         """Largest |wrench| per axis of {a}, shape (6,)."""

@@ -51,8 +51,7 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
 
-PERIOD, LONGEST_PERIOD = 1e-3, 0.5  # s, between calls of plan_or_hold
-HOLD_TIME = 0.1  # s, time constant with which a held wrench decays
+PERIOD, LONGEST_PERIOD, HOLD_TIME = 1e-3, 0.5, 0.1  # s: between calls of plan_or_hold; with which a held wrench decays
 DEFAULT_SEARCH = SearchLimit()
 NOWHERE: Mapping[str, ArrayLike] = {}
 
@@ -120,8 +119,7 @@ class WrenchPlanner:
         self._solver, self._asked = QuadraticSolver(name=solver), (0.0, 0.0, 0.0)
         self._compiled: CompiledPlanning | None = None
         self._begin(Terms(cart, arms, *self._made[1:]), ())
-        self._names = self._terms.base.names
-        self._to_effective = np.ascontiguousarray(self._terms.base.basis_b.T)
+        self._names, self._to_effective = self._terms.base.names, np.ascontiguousarray(self._terms.base.basis_b.T)
         self.reset()
 
     def __repr__(self) -> str:
@@ -157,13 +155,16 @@ class WrenchPlanner:
         self._look_back_at(scaled_into(self._terms.base.limits, self._last.wrenches))
 
     def warm_up(self) -> None:
-        """Does now what would cost at the first call: workspaces, the fallback solver's import, and compiled kernels,
-        without which planning takes ten times as long: loaded in half a second, compiled in a minute or two."""
-        self._is_warm = True
+        """Does now what would cost at the first call: workspaces, the fallback's import, and compiled kernels, without
+        which planning takes ten times as long: loaded in half a second, or compiled. What it remembers stays."""
+        self._is_warm, kept = True, (self._last, self._newest_estimate)
+        self.reset()
         self._begin_terms()
         for contacts in (None, None, dict(zip(self._terms.base.names, self._terms.first, strict=True))):
             self.plan((1.0, 0.0, 0.1), contacts)
         self.reset()
+        self._last, self._newest_estimate = kept
+        self._look_back_at(self._last.wrenches)
         solve_with_clarabel(self._program.at(self._terms.first, np.zeros(len(self._to_effective)), self._cost))
 
     def plan(
@@ -209,8 +210,8 @@ class WrenchPlanner:
         """As `plan` but for the search for better contacts, and a safe wrench whatever the status: where there is
         none, the last one, decaying with a time constant of 0.1 s, or as fast as rates of change allow (zero if there
         was none). The arms' limits are convex and hold the zero wrench, so it stays within; a cart that skids
-        or tips without the hands is beyond them. After `warm_up`, what proves that a wrench can't be given, and the
-        nearest, are found when the plan is asked for them: `certificate`, `message`, `nearest`."""
+        or tips without the hands is beyond them. After `warm_up`, `certificate`, `message` and `nearest` are found when
+        they are asked for."""
         plan = self._plan(wrench, contacts, estimate, arms, at_once=True)
         if plan.is_usable:
             return plan
@@ -251,8 +252,7 @@ class WrenchPlanner:
             return out_of_reach(self._given.beyond, start)
         if candidates.distance > 0 and candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
             return too_near(candidates, start)
-        points = candidates.single
-        if points is None:
+        if (points := candidates.single) is None:
             plan = self._choose(candidates, asked, start, at_once)
             again = plan.is_usable and self._terms.has_postures  # with the limits of the postures there
             return unproven(self._plan(asked, plan.contacts, None, None, at_once)) if again else plan

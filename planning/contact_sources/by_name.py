@@ -32,8 +32,10 @@ def contact_source(
     choosing: Choosing,
     regrasp: RegraspTimes,
 ) -> ContactSource:
-    """The source called `way`, for a cart that is first believed to be `cart`."""
+    """The source called `way`, for a cart that is first believed to be `cart`. Contacts are judged over seconds, so
+    rates of the arms don't count."""
     check_known("contacts", [way], WAYS)
+    arms = [arm.without_rate() for arm in arms]
     if way == PERIODIC:
         return PeriodicContacts(arms, choosing.every)
     if way == LEAST_EFFORT:

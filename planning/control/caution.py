@@ -1,27 +1,35 @@
-"""What a controller does less of while the estimator is not well: it slows down along its path, and widens margins."""
+"""What a controller does less of while not all is well: it slows down along its path, and widens margins."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from operator import itemgetter
 
 import numpy as np
 
-from cartgrasp.checks import check_kind, number, positive
+from cartgrasp.checks import FARTHEST, check_kind, check_known, number, positive
 from cartgrasp.motion import Estimate, Reference
 from cartgrasp.roles import ReferencePath
 
 QUICKEST, WIDEST = 100.0, 100.0
+GIVEN = ("optimal", "relaxed")
+"""Statuses of a plan that gives what is asked, or what is nearest."""
+
+
+HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
 
 
 @dataclass(frozen=True)
 class Caution:
-    """By the estimate's health, of which those left out change nothing.
+    """By the estimate's health, of which those left out change nothing. The cart also stops along its path while no
+    plan can be given, and while it is behind.
 
     Args:
         pace: Share of the reference's speed at which the cart goes on, 0 to 1.
         widen: Times as many standard deviations are kept from limits with a `confidence`, 1 or more.
         change: Of the pace at most, 1/s: 0.5 stops within 2 s.
+        behind: m from where the cart is to be, from which on the reference waits for it.
 
     Raises:
         UsageError: A number is out of bounds.
@@ -39,14 +47,28 @@ class Caution:
     )
     widen: Mapping[str, float] = field(default_factory=lambda: {"inconsistent": 2.0, "outliers": 1.5, "no_wrench": 1.5})
     change: float = 0.5
+    behind: float = 0.3
 
     def __post_init__(self) -> None:
         for name, low, high in (("pace", 0.0, 1.0), ("widen", 1.0, WIDEST)):
             rule = getattr(self, name)
             check_kind(f"caution: {name}", rule, Mapping, 'write {"inconsistent": …}')
             for health, value in rule.items():
+                check_known(f"caution: {name}", [health], HEALTHS)
                 number(f"caution: {name}: {health}", value, low, high)
         positive("caution: change", self.change, QUICKEST, "give 1/s")
+        positive("caution: behind", self.behind, FARTHEST, "give m")
+
+    def wanted(self, health: str, status: str, away: float) -> tuple[float, str]:
+        """The share of its speed at which the reference is to go on, and why not at all of it; `status` is the last
+        plan's, `away` how far (m) the cart is from where it was to be."""
+        share = self.pace.get(health, 1.0)
+        reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: health {health}")]
+        if status not in GIVEN:
+            reasons.append((0.0, f"stops: the plan is {status}"))
+        if away > self.behind:
+            reasons.append((0.0, f"waits for the cart, which is {away:.2g} m away"))
+        return min(reasons, key=itemgetter(0))
 
     def widened(self, estimate: Estimate) -> Estimate:
         """The estimate with a covariance that is as much wider."""

@@ -15,7 +15,8 @@ from cartgrasp.arms import Arm
 from cartgrasp.checks import brief, check_kind, check_known, number, positive, shown
 from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, body_to_world
+from cartgrasp.motion import Measurement
 from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Planner, ReferencePath, Tracker
 
 from ..contact_sources.by_name import contact_source
@@ -35,10 +36,11 @@ from .step import Step
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
-    from cartgrasp.motion import Estimate, Measurement, Reference
+    from cartgrasp.motion import Estimate, Reference
 
 LOST = ("stale", "no_wrench", "clock_went_back")
 """Healths under which no hand lets go."""
+WAITS = "waits for a first pose"
 FARTHEST_DRIFT = 10.0
 USUAL, AS_CHOSEN, REJECTS = RegraspTimes(), Choosing(), Rejection()
 
@@ -56,7 +58,8 @@ class Controller:
         held: Where the hands hold already, (3,) in {b} by arm; else they take hold where they are first wanted.
         cart_limits: Limits of the hands together, such as `Skid` and `TipOver`, for the cart as now estimated.
         confidence: The probability with which they hold, by the estimate's covariance; None: as it is believed to be.
-        caution: What to do less of while the estimate's health is not ok; None: nothing.
+        caution: What to do less of while the estimate's health is not ok, no plan can be given, or the cart is behind;
+            None: nothing.
         rejection: How much of `estimate.disturbance` is fed forward, where the estimator tells one; None: nothing.
         drift: m from its path that a cart may coast while its only hand regrasps.
         gains: Of the tracker.
@@ -121,7 +124,7 @@ class Controller:
         self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
         self._names = frozenset(arm.name for arm in self._arms)
-        _check_learns_from(self._estimator, self._names)
+        _check_learns_from(self._estimator, self._names, cart)
         told = rejection is not None and getattr(self._estimator, "tells_disturbance", False)
         self._tracker = build_tracker(cart.constraints, gains, told) if tracker is None else tracker
         if isinstance(contacts, str):
@@ -138,6 +141,7 @@ class Controller:
         self._last: Step | None = None
         self._first: Estimate | None = None
         self._time, self._pace = -math.inf, Pace(math.nan)
+        self._knows_where = False  # once a pose was seen
 
     def __repr__(self) -> str:
         source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
@@ -152,10 +156,12 @@ class Controller:
     def step(self, measurement: Measurement) -> Step:
         """One tick: takes in what was sensed, and says what the arms are to do."""
         estimate, time = self.observe(measurement), measurement.time
-        reference, along, slowed = self._paced(estimate.health, time)
+        reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
         model = believed.cart() if self.learns else self.cart
-        wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(believed)
+        wanted = np.zeros(3)
+        if self._knows_where:
+            wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(believed)
         chosen = self._source.contacts(ContactQuery(along, wanted, believed, self._held))
         if chosen.contacts.keys() != self._names:
             _refuse_contacts(chosen.contacts, self._arms)
@@ -176,7 +182,8 @@ class Controller:
         if not self._names.issuperset(measurement.wrenches):
             check_known("measurement: wrenches", measurement.wrenches, self._names)
         estimate = self._estimator.update(measurement)
-        self._first = self._first or estimate
+        self._first, self._observed = self._first or estimate, estimate
+        self._knows_where = self._knows_where or estimate.health != "stale"
         return estimate
 
     @property
@@ -193,9 +200,10 @@ class Controller:
         last = self._last
         if last is None:
             raise UsageError("controller: there is nothing to save before the first step")
-        cart = as_first_guess(self._believed(last.estimate)) if self.learns else self.cart
+        cart = as_first_guess(self._believed(self._observed)) if self.learns else self.cart
         along = self._time if self._caution is None else self._pace.along
-        return Saved(self._time, along, cart, last.placed, last.wrenches).save(path)
+        motion = self._observed.motion if self._knows_where else None
+        return Saved(self._time, along, cart, last.placed, last.wrenches, motion).save(path)
 
     @classmethod
     def restored(
@@ -208,6 +216,10 @@ class Controller:
         controller = cls(saved.cart, arms, reference, **options)
         controller._time, controller._pace = saved.time, Pace(saved.along)
         controller._held = {name: np.array(hand.point) for name, hand in saved.hands.items()}
+        if saved.motion is not None and options.get("estimator") is None:
+            pose, nu = saved.motion[:2]
+            velocity = body_to_world(pose[2]) @ saved.cart.basis_b @ nu
+            controller.observe(Measurement(saved.time, pose, velocity))
         if controller._regrasps is not None:
             controller._regrasps.restart(saved.hands, saved.wrenches)
         elif isinstance(controller._planner, WrenchPlanner):
@@ -216,15 +228,19 @@ class Controller:
 
     # --- within a tick ------------------------------------------------------------------------------------
 
-    def _paced(self, health: str, time: float) -> tuple[Reference, float, str]:
+    def _paced(self, estimate: Estimate, time: float) -> tuple[Reference, float, str]:
         """Where to be, how far along the reference that is (s), and why that is behind."""
-        if self._caution is None:
-            return self.reference.at(time), time, ""
-        wanted = self._caution.pace.get(health, 1.0)
+        caution, last = self._caution, self._last
+        if caution is None:
+            return self.reference.at(time), time, "" if self._knows_where else WAITS
+        status, away = "optimal", 0.0
+        if last is not None:
+            status = last.plan.status
+            away = math.dist(last.reference.pose_sb[:2], estimate.motion.pose_sb[:2])
+        wanted, slowed = caution.wanted(estimate.health, status, away) if self._knows_where else (0.0, WAITS)
         pace = self._pace if math.isfinite(self._pace.along) else Pace(time)
         elapsed = time - self._time if math.isfinite(self._time) else 0.0
-        self._pace = pace.after(elapsed, wanted, self._caution.change)
-        slowed = "" if wanted == 1.0 else f"slows to {100 * wanted:.0f} % of its speed: health {health}"
+        self._pace = pace.after(elapsed, wanted, caution.change)
         return self._pace.reference(self.reference, time), self._pace.along, slowed
 
     def _believed(self, estimate: Estimate) -> Estimate:
@@ -262,8 +278,14 @@ class Controller:
         return regrasps.plan(ahead.wrench_b, ahead.estimate)
 
 
-def _check_learns_from(estimator: Estimator, names: frozenset[str]) -> None:
-    """Its arms, where it says which these are, are those that push."""
+def _check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartModel) -> None:
+    """Its arms, where it says which these are, are those that push; so is its cart, which is pushed."""
+    learned = getattr(estimator, "cart", cart)
+    if not np.array_equal(learned.basis_b, cart.basis_b):
+        raise UsageError(
+            f"controller: estimator: its cart, {learned.name}, rolls otherwise than {cart.name}: {learned.constraints} "
+            f"and {cart.constraints}; make it for the same cart"
+        )
     heard = getattr(estimator, "arms", None)
     if heard is not None and set(heard) != names:
         raise UsageError(

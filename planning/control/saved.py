@@ -1,7 +1,7 @@
 """What a controller leaves when it is stopped, as a file to read and to go on from.
 
-The cart is as it was last estimated, with each parameter's standard deviation. Correlations of the filter's belief, its
-recent samples and suspicions are not kept: a filter that goes on begins with these deviations alone.
+The cart is as it was last estimated, with each parameter's standard deviation, and moves as it did. Correlations of the
+filter's belief, its recent samples and suspicions are not kept: a filter that goes on begins with these deviations.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from pydantic import Field
 from ruamel.yaml.comments import CommentedMap
 
 from cartgrasp.cart_file import cart_from_document, cart_text
+from cartgrasp.errors import UsageError
 from cartgrasp.first_guess import FirstGuess
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Estimate
+from cartgrasp.motion import Estimate, Motion
 from cartgrasp.writing import write_atomically
 from cartgrasp.yaml_file import StrictModel, dump_yaml, parse_yaml, read_yaml, validate
 
@@ -47,6 +48,8 @@ class _HandEntry(StrictModel):
 class _SavedEntry(StrictModel):
     time: float
     along: float | None = None
+    pose: Coordinates | None = None
+    velocity: list[float] | None = None
     cart: Any
     hands: Annotated[dict[str, _HandEntry], Field(min_length=1)]
 
@@ -54,18 +57,22 @@ class _SavedEntry(StrictModel):
 @dataclass(frozen=True, eq=False)
 class Saved:
     """At `time` (s), and so far `along` the reference (s): the cart, and how sure its numbers are; the hands, and the
-    wrenches (6,) in {a} that they gave."""
+    wrenches (6,) in {a} that they gave; and how the cart moved, where that was known."""
 
     time: float
     along: float
     cart: CartModel
     hands: Mapping[str, Hand]
     wrenches: Mapping[str, Array]
+    motion: Motion | None = None
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         hands = {name: _entry(hand, self.wrenches[name]) for name, hand in self.hands.items()}
         cart = parse_yaml(cart_text(self.cart), "cart")
-        document = {"time": self.time, "along": self.along, "cart": cart, "hands": hands}
+        document: dict[str, Any] = {"time": self.time, "along": self.along}
+        if self.motion is not None:
+            document |= {"pose": self.motion.pose_sb.tolist(), "velocity": self.motion.velocity.tolist()}
+        document |= {"cart": cart, "hands": hands}
         return write_atomically(path, dump_yaml(CommentedMap(document)))
 
 
@@ -73,10 +80,18 @@ def read_saved(path: str | os.PathLike[str]) -> Saved:
     """A mistake is refused as `file:line:column: key: why`."""
     document = read_yaml(path)
     entry = validate(_SavedEntry, document, str(path))
+    cart = cart_from_document(document["cart"], str(path), ["cart"])
+    n_free = cart.constraints.n_free
+    if (entry.pose is None) != (entry.velocity is None) or len(entry.velocity or [0.0] * n_free) != n_free:
+        raise UsageError(
+            f"{path}: velocity: {entry.velocity} beside pose {entry.pose}; give both, or neither: {n_free} numbers"
+        )
+    moves = entry.pose is not None
     return Saved(
         time=entry.time,
         along=entry.time if entry.along is None else entry.along,
-        cart=cart_from_document(document["cart"], str(path), ["cart"]),
+        cart=cart,
+        motion=Motion(np.array(entry.pose), np.array(entry.velocity)) if moves else None,
         hands={name: one.hand() for name, one in entry.hands.items()},
         wrenches={name: np.array(one.wrench) for name, one in entry.hands.items()},
     )

@@ -67,7 +67,9 @@ class Step:
         """What each hand does, where, and why; whether the plan is not optimal, what else pushes, and what is slow."""
         hands = [self._of_hand(name, hand) for name, hand in self.placed.items()]
         pushed = self.disturbance is not None and self.disturbance.acts
-        told = [] if self.plan.status == "optimal" else [f"the plan is {self.plan.status}"]
+        message = getattr(self.plan, "message", "") if self.plan.status not in ("optimal", "relaxed") else ""
+        why = f": {message}" if message else ""
+        told = [] if self.plan.status == "optimal" else [f"the plan is {self.plan.status}{why}"]
         told += [f"at its limit is {joint}" for joint in getattr(self.plan, "limiting_joints", ())]
         told += ["something else pushes the cart"] if pushed else []
         return "; ".join([*hands, *told, *([self.slowed] if self.slowed else [])])

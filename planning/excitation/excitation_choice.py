@@ -103,7 +103,7 @@ class ExcitationChooser:
         self.cart, self.noise, self.allowance = cart, noise, allowance
         self._template = AllocationTemplate.of(cart, arms)
         self.choices = contact_choices(arms, allowance.min_hand_distance)
-        self._planner = WrenchPlanner(cart, arms)
+        self._planner = WrenchPlanner(cart, [arm.without_rate() for arm in arms])
         self._split = FreeSplit.of(self._template, self.choices)
         self._noise = reduced_noise(cart, self.choices, noise, self._template.yaws)
         self.scales = phi_scales(cart.inertia.phi)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, ClassVar, Self, final
 
 import numpy as np
 
-from cartgrasp.floor_reaction import FloorReaction
+from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import FloorReaction, n_loads
 from cartgrasp.frames import Array
 
 from .cart_limit import CartLimit, CartRows, Pushed
@@ -32,6 +33,19 @@ class FloorRows:
     high: Array
     low_names: tuple[str, ...]
     high_names: tuple[str, ...]
+
+    def checked(self, what: str, n_loads: int) -> Self:
+        """Itself, where it is rows for a cart that tells so many loads."""
+        k = len(self.low)
+        shapes = np.shape(self.mix), np.shape(self.low), np.shape(self.high), len(self.low_names), len(self.high_names)
+        if shapes != ((k, n_loads + 1), (k,), (k,), k, k):
+            form = (
+                f"mix (k, {n_loads + 1}), of {n_loads} loads and the lateral force, low and high (k,), and k names each"
+            )
+            raise UsageError(f"{what}: its rows on the floor are of shapes {shapes}; give {form}")
+        if not np.isfinite(self.mix).all() or np.isnan(self.low).any() or np.isnan(self.high).any():
+            raise UsageError(f"{what}: its rows on the floor have a number that is none; for no limit, give inf")
+        return self
 
     @classmethod
     def stacked(cls, parts: Sequence[FloorRows], n_loads: int) -> Self:
@@ -71,4 +85,9 @@ class FloorLimit(CartLimit):
 
     @final
     def rows(self, pushed: Pushed) -> CartRows:
-        return self.on_floor(pushed.cart).under(pushed.floor, len(pushed.arms))
+        return self.checked_on_floor(pushed.cart).under(pushed.floor, len(pushed.arms))
+
+    @final
+    def checked_on_floor(self, cart: CartModel) -> FloorRows:
+        """`on_floor`, of which limits from outside are looked at."""
+        return self.on_floor(cart).checked(type(self).__name__, n_loads(cart))

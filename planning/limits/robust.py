@@ -50,7 +50,7 @@ class RobustLimits:
 
     def on_floor(self, cart: CartModel) -> FloorRows:
         """Rows of all limits of the floor, the same for all carts of one structure."""
-        stated = [limit.on_floor(cart) for limit in self.limits if isinstance(limit, FloorLimit)]
+        stated = [limit.checked_on_floor(cart) for limit in self.limits if isinstance(limit, FloorLimit)]
         return FloorRows.stacked(stated, n_loads(cart))
 
     def rows(self, pushed: Pushed, covariance: Array | None = None, on_floor: FloorRows | None = None) -> CartRows:

@@ -18,6 +18,7 @@ from cartgrasp.kernels.workspace import unpack as unpack_cart
 from . import sensor_health
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .felt_wrench import HELD
+from .found_again import begin_anew, is_found
 from .jit import Indices, compiled, entry
 from .schmidt_block import N_SIZES, Considered, parts
 
@@ -200,6 +201,8 @@ def _take(d: Considered, time: float, seen: Array, felt: Array, gate_ratio: floa
     note(d.health[0], time, d.nis[0] / (3 * GATE))
     note(d.health[1], time, d.nis[1] / (len(d.push) * GATE))
     note(d.health[2], time, gate_ratio if is_felt else math.nan)
+    if is_found(d, time, seen[:3], 3 * GATE):
+        begin_anew(d)
     if is_felt:
         push(d, time, felt)
     return said_of(d.health)
