@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -75,15 +76,37 @@ class KernelsTold:
         say(f"preparing kernels, once on this machine: {self.count}{of_all} ({kernel})")
 
 
+EVERY = 20.0
+"""s between lines of progress where nobody draws a bar."""
+
+
+class SharesTold:
+    """Lines on stderr of how much is done, and how long the rest may take, while something takes long."""
+
+    def __init__(self, what: str) -> None:
+        self._what, self._begun = what, time.monotonic()
+        self._told = self._begun
+
+    def __call__(self, share: float) -> None:
+        now = time.monotonic()
+        if now - self._told >= EVERY and 0.0 < share < 1.0:
+            self._told, left = now, (now - self._begun) * (1.0 - share) / share
+            rest = f"{left / 60:.0f} min" if left >= 120.0 else f"{left:.0f} s"
+            say(f"{self._what}: {100 * share:.0f} %, {rest} left")
+
+
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr, where that is a terminal, with the time left; the caller tells the share done."""
+    """A bar on stderr with the time left, or lines where that is no terminal; the caller tells the share done."""
+    if not sys.stderr.isatty():
+        yield SharesTold(what)
+        return
     from rich.console import Console
     from rich.markup import escape
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(escape(what), total=1.0)
         yield lambda share: bar.update(task, completed=share)
 

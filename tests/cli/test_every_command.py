@@ -9,6 +9,8 @@ import sys
 
 import pytest
 
+from cartgrasp.cli.output import progress
+
 from .commands import ROOT, command_tree, run
 
 TREE = dict(command_tree())
@@ -73,6 +75,16 @@ def test_no_bar_in_a_pipe_even_if_colours_are_forced():
     )
     done = run_python(program, FORCE_COLOR="1")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_lines_of_progress_in_a_pipe(capsys, monkeypatch):
+    """What takes long says so there, too."""
+    now = iter((0.0, 5.0, 21.0, 30.0, 60.0, 600.0))
+    monkeypatch.setattr("time.monotonic", lambda: next(now))
+    with progress("disturbances") as tell:
+        for share in (0.1, 0.3, 0.4, 0.5, 1.0):
+            tell(share)
+    assert capsys.readouterr().err.splitlines() == ["disturbances: 30 %, 49 s left", "disturbances: 50 %, 60 s left"]
 
 
 @pytest.mark.parametrize("words", [words for words in WORDS if words], ids=" ".join)
