@@ -9,6 +9,9 @@ seen, the observer's own deviation for as long as its answer takes, is noise to 
 
 A load that was put on is not over with what shows of it. So from the first sample whose wrench is kept back another
 learns from all that there is, until its trial (`regressor/trial.py`) is over. If it finds a load, it was right.
+
+And what is noise to what learns may be a load that is too small to be seen as a push. One that learns with the noise of
+the sensors alone, as a `CartFilter` does, finds it soon. Its word is taken where nothing was kept back meanwhile.
 """
 
 from __future__ import annotations
@@ -48,6 +51,8 @@ class DisturbedLearning:
         unseen = max(noise.disturbance, self._observer.deviation * math.sqrt(response))
         louder = cart, arms, replace(noise, disturbance=unseen), prior, yaws
         self._careful = delayed(core_of(louder), cart)
+        self._quick = delayed(core_of(made_of), cart)
+        self._trying_since = self._told_load = -math.inf  # s, of the quick one
         self._open: InTime | None = None  # learns from what is kept back, too
         self._opened = self._kept_back = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
@@ -61,7 +66,7 @@ class DisturbedLearning:
 
     @property
     def worked(self) -> bool:
-        return self._careful.worked
+        return self._careful.worked or self._quick.worked
 
     def take(self, measurement: Measurement) -> None:
         """Observes to the measurement's time, and lets what learns have what is old enough."""
@@ -75,13 +80,14 @@ class DisturbedLearning:
         self._observe(measurement, self._known)
 
     def scale_noise(self, noise_factors: Array) -> None:
-        for one in (self._careful, self._open):
+        for one in (self._careful, self._quick, self._open):
             if one is not None:
                 one.scale_noise(noise_factors)
 
     def copy(self) -> Self:
         other = shallow(self)
-        other._careful, other._sensing = self._careful.copy(), self._sensing.copy()
+        other._careful, other._quick = self._careful.copy(), self._quick.copy()
+        other._sensing = self._sensing.copy()
         other._open = None if self._open is None else self._open.copy()
         return other
 
@@ -112,6 +118,18 @@ class DisturbedLearning:
             self._careful.take(sample)
         if self._open is not None:
             self._try(self._open, sample)
+        self._listen(sample)
+
+    def _listen(self, sample: Measurement) -> None:
+        """What the quick one makes of a sample, and whether its word on a load is taken."""
+        self._quick.take(sample)
+        quick, careful = self._quick.learner, self._careful.learner
+        if not quick.is_trying:
+            if quick.loaded > self._told_load:
+                self._told_load = quick.loaded
+                if max(self._kept_back, careful.loaded) < self._trying_since:
+                    careful.hear_of_load()
+            self._trying_since = sample.time
 
     def _try(self, other: InTime, sample: Measurement) -> None:
         """What learns from all samples, until it is known whether there is another load."""

@@ -66,10 +66,19 @@ class LoadWatch:
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed and self._fits
         is_suspected = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
         if is_suspected:
-            self._white = self._white.interrupted()
-            self._squares = ()
-            self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
+            self._begin_anew()
         return is_suspected
+
+    def hear_of_load(self, time: float) -> None:
+        """Somebody else found another load."""
+        self._resets, self._is_tried, self._unfit = self._resets.one_more(time, is_load=True), False, None
+        self._begin_anew()
+        self._say()
+
+    def _begin_anew(self) -> None:
+        self._white = self._white.interrupted()
+        self._squares = ()
+        self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
 
     def settle(self, time: float, trial: Trial) -> None:
         """How far a load that was thought of is told. Of a push that does not end nothing more is thought until rows

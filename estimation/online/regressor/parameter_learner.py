@@ -289,13 +289,33 @@ class ParameterLearner:
             self._watch.follow(time, told.innovation, is_pushed=told.is_pushed)
             self._settle(told, time)
             return Decided()
-        root = (self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free]
+        root = self._root_of_load
         if not self._watch.note(time, told, root):
             return Decided()
         floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
         beginning = Beginning.of(time, self._taken, root @ root.T, floor, self._push)
         self._taken = ()
         return beginning
+
+    @property
+    def _root_of_load(self) -> Array:
+        """`root @ rootᵀ` (f, f) is the covariance of what a usual load changes."""
+        return np.asarray((self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free])
+
+    @property
+    def is_trying(self) -> bool:
+        """Whether it is open whether there is another load."""
+        return self._trial is not None
+
+    def hear_of_load(self) -> None:
+        """Somebody else found another load: what was learned of the body counts as little as after one of its own."""
+        self._finish()
+        root = self._root_of_load
+        self._trial, self._taken = None, ()
+        self._belief.open(root @ root.T)
+        self.tried = self.loaded = self.time
+        self._watch.hear_of_load(self.time)
+        self._conclude()
 
     def _begin(self, beginning: Beginning) -> Decided | Beginning:
         """A trial on its way over the last rows, or at the last."""

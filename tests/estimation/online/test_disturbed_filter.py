@@ -17,7 +17,7 @@ from cartgrasp.simulation.outside import Push, PushedPlant
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
 from estimation.online.disturbance.observer import SETTLED, USUAL_PERIOD, DisturbanceObserver
 from planning import Controller, PathReference, chain, pause
-from planning.references import speed_change
+from planning.references import speed_change, turn
 
 DRAG = (ViscousDrag(linear=2.0, angular=0.4),)
 CART = cg.CartModel(cg.Inertia(30.0, (0.3, 0.05), 2.7), effects=DRAG)
@@ -167,3 +167,23 @@ def test_nothing_odd_gets_in():
     assert "response 0.2 s" in repr(learner)
     with pytest.raises(UsageError, match="filter: response"):
         DisturbedFilter(CART, response=0.0)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_load_too_small_to_be_seen_as_a_push_is_not_mixed_into_the_old_one(seed):
+    """15 kg on 80 kg, of poses of 1 mm alone every 30 ms: it was sure of 87 kg for half a minute."""
+    chair = cg.CartModel(cg.Inertia(80.0, (0.18, 0.01), 7.0), effects=(ViscousDrag(5.0, 2.0),))
+    truth = chair.with_effect(PayloadChange(22.0, 15.0, 0.2, 0.0))
+    noise = FilterNoise(position=0.001, heading=0.001, force=2.0, moment=0.08)
+    sensed = SensorNoise(position=0.001, heading=0.001, force=2.0, moment=0.08, pose_period=0.03, velocity_period=None)
+    ways = [*speed_change(0.6, 0.3), *turn(1.2, 0.4, 0.3), *pause(1.0), *turn(-1.2, 0.4, 0.3), *speed_change(-0.6, 0.3)]
+    guess = chair.with_inertia(cg.Inertia(70.0, (0.15, 0.0), 6.0))
+    learner = DisturbedFilter(guess, ["hand"], noise=noise)
+    arm = cg.Arm("hand", [(-0.25, 0.0, 1.0)])
+    plant = ModelPlant(truth)
+    controller = Controller(guess, [arm], PathReference(chain(*[ways] * 4)), estimator=learner, regrasp=None)
+    record = run(Loop(controller, plant, Sensors(truth, sensed, seed)), 36.0)
+    mass, time = record.parameters["mass"], record.time
+    off = np.abs(mass.value - np.where(time < 22.0, 80.0, 95.0)) > 3.5 * mass.std
+    assert 0.01 * (off & (mass.std < 3.5))[time > 22.0].sum() < 4.0
+    assert abs(mass.value[-1] - 95.0) < 3.0 * mass.std[-1]
