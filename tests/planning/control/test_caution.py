@@ -150,3 +150,43 @@ def test_what_is_told_is_checked():
             Caution(**wrong)
     with pytest.raises(UsageError, match="cart_limits and confidence are the planner's"):
         Controller(GUESS, arms(), PATH, planner=WrenchPlanner(GUESS, arms()), confidence=0.9)
+
+
+@pytest.mark.parametrize("caution", [None, Caution()])
+def test_nothing_is_pushed_before_a_first_pose(caution):
+    """The path begins 5 m from where a filter begins; wrenches come, poses not yet."""
+    far = PathReference(PATH.stretches, start_pose=(5.0, 3.0, 0.5))
+    held = arms()
+    made = Controller(GUESS, held, far, estimator=CartFilter(GUESS, ["left", "right"]), caution=caution)
+    for k in range(30):
+        step = made.step(cg.Measurement(0.01 * k))
+        assert all((wrench == 0.0).all() for wrench in step.wrenches.values())
+        assert step.words.endswith("waits for a first pose")
+        felt = {arm.name: np.zeros(6) for arm in held}
+        made.observe(cg.Measurement(0.01 * k, wrenches=felt, contacts=dict(step.contacts)))
+    step = made.step(cg.Measurement(0.3, pose=far.start_pose, velocity=np.zeros(3)))
+    assert "first pose" not in step.words
+    assert step.wrenches["left"][0] > 0.0
+
+
+def test_it_stops_where_no_plan_can_be_given_and_says_why():
+    """Margins that a guess of 40 % can't hold, whatever the hands do."""
+    unsure = CartFilter(GUESS, ["left", "right"])
+    limits = {"cart_limits": [TipOver(15.0)], "confidence": 0.9999}
+    made = Controller(GUESS, arms(), PATH, estimator=unsure, caution=Caution(), **limits)
+    told = drive(made, 3.0)
+    last, motion = told[-1]
+    assert last.plan.status == "infeasible"
+    assert "the plan is infeasible: wheel" in last.words
+    assert last.words.endswith("stops: the plan is infeasible")
+    assert np.linalg.norm(last.reference.pose_sb[:2] - motion.pose_sb[:2]) < 0.3
+    assert not made.is_done
+
+
+def test_the_reference_waits_for_a_cart_that_is_behind():
+    weak = [cg.Arm(arm.name, arm.contacts, force_limit=(1.0, 1.0, 1.0), moment_limit=(1.0,) * 3) for arm in arms()]
+    made = Controller(GUESS, weak, PATH, estimator=CartFilter(GUESS, ["left", "right"]), caution=Caution(behind=0.2))
+    told = drive(made, 4.0)
+    away = [float(np.linalg.norm(step.reference.pose_sb[:2] - motion.pose_sb[:2])) for step, motion in told]
+    assert any("waits for the cart" in step.words for step, _ in told)
+    assert max(away) < 0.6  # it slows down by a ramp

@@ -249,3 +249,46 @@ def test_words_say_what_a_plan_lacks_and_when_the_path_is_over():
     told = drive(controller, controller.reference.duration + 0.1)
     assert "the plan is relaxed" in told[5][0].words
     assert controller.is_done
+
+
+@pytest.mark.parametrize("rate", [np.inf, 800.0])
+def test_what_was_saved_is_gone_on_from_without_a_jump(tmp_path, rate):
+    """After `warm_up`, with a pose alone, or with nothing seen yet: the hands give what they would have given."""
+    held = [
+        cg.Arm(arm.name, arm.contacts, force_limit=(120.0,) * 3, moment_limit=(15.0,) * 3, wrench_rate=(rate,) * 6)
+        for arm in arms()
+    ]
+    robot, sensors, made = ModelPlant(CART), Sensors(CART, SensorNoise(), seed=1), Controller(CART, held, PATH)
+    while robot.time < 1.0:
+        step = made.step(sensors.motion(robot.time, robot.motion))
+        made.observe(sensors.wrenches(robot.time, step.given))
+        robot.step(step.given, 0.01)
+    path, seen = made.save(tmp_path / "controller.yaml"), sensors.motion(robot.time, robot.motion)
+    on = made.step(seen)
+    for first in (seen, cg.Measurement(seen.time, pose=seen.pose), cg.Measurement(seen.time)):
+        again = Controller.restored(path, held, PATH)
+        again.warm_up()
+        now = again.step(first)
+        for name, wrench in now.wrenches.items():
+            assert np.abs(wrench - on.wrenches[name]).max() < 4.0, name  # of a pose alone: 47 before
+
+
+def test_rates_of_arms_keep_no_contact_from_being_chosen():
+    """Contacts are judged over seconds."""
+    quick, slow = (
+        [
+            cg.Arm(n, [(-0.25, y, 1.0), (0.3, y, 1.0)], wrench_rate=(rate,) * 6)
+            for n, y in (("left", 0.2), ("right", -0.2))
+        ]
+        for rate in (np.inf, 800.0)
+    )
+    still = cg.Measurement(0.0, pose=np.zeros(3), velocity=np.zeros(3))
+    for way in ("teach", "least-effort", "schedule"):
+        whys = [Controller(CART, held, PATH, contacts=way, period=0.002).step(still).why for held in (quick, slow)]
+        assert whys[0] == whys[1], way
+
+
+def test_an_estimator_of_a_cart_that_rolls_otherwise_is_refused():
+    bed = cg.CartModel(cg.Inertia(24.0, (0.3, 0.05), 2.2), cg.RollingConstraints(None), name="bed")
+    with pytest.raises(UsageError, match="its cart, bed, rolls otherwise than cart"):
+        Controller(CART, arms(), PATH, estimator=CartFilter(bed, ["left", "right"]))

@@ -15,7 +15,7 @@ from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.inertia import physical_jacobian
 from cartgrasp.motion import Motion
 from planning import InternalForce, SideForce, Skid, TipOver, WrenchPlanner
-from planning.limits import Pushed
+from planning.limits import FloorLimit, FloorRows, Pushed
 from planning.limits.robust import RobustLimits, root
 
 from ..contacts.test_contact_choice_with_cart_limits import WHEELS
@@ -274,3 +274,27 @@ def test_covariances_that_are_refused(wrong, words):
     plan = plan_with((10, 0, 1), wrong)
     assert plan.status == "invalid_input"
     assert words in plan.message
+
+
+class Wrong(FloorLimit):
+    def __init__(self, **changes):
+        self.changes = changes
+
+    def on_floor(self, cart):
+        fields = {"mix": np.zeros((1, 5)), "low": np.zeros(1), "high": np.ones(1), "low_names": ("a",)}
+        return FloorRows(**(fields | {"high_names": ("b",)} | self.changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"mix": np.zeros((1, 4))}, "give mix \\(k, 5\\)"),
+        ({"low": np.zeros(2)}, "give mix"),
+        ({"low_names": ()}, "k names each"),
+        ({"low": np.full(1, np.nan)}, "a number that is none"),
+        ({"mix": np.full((1, 5), np.inf)}, "a number that is none"),
+    ],
+)
+def test_rows_from_outside_are_looked_at(changes, words):
+    with pytest.raises(cg.UsageError, match="Wrong: its rows on the floor.*" + words):
+        WrenchPlanner(cart(), hands(), cart_limits=[Wrong(**changes)])
