@@ -1,4 +1,8 @@
-"""Samples that come late or out of order are taken in where they belong: the estimator goes back and on again."""
+"""Samples that come late or out of order are taken in where they belong: the estimator goes back and on again.
+
+Sensors that are late are so sample after sample. So the state right after the last late one is kept: the next goes back
+no farther.
+"""
 
 from __future__ import annotations
 
@@ -55,6 +59,7 @@ class LateSamples(Generic[T]):
     def __init__(self, state: T) -> None:
         self.state = state
         self._kept: list[Kept[T]] = []
+        self._after_late: Kept[T] | None = None
         self._due = -math.inf  # when the next state is kept
         self._samples: list[Measurement] = []
         self._forgotten = 0
@@ -86,7 +91,8 @@ class LateSamples(Generic[T]):
 
     def scale_noise(self, noise_factors: Array) -> None:
         """Says to the state, and to those that it may go back to, how noisy velocities are."""
-        for state in (self.state, *(kept.state for kept in self._kept)):
+        kept = [*self._kept, *([] if self._after_late is None else [self._after_late])]
+        for state in (self.state, *(one.state for one in kept)):
             state.scale_noise(noise_factors)
 
     def _take(self, measurement: Measurement) -> bool:
@@ -97,14 +103,25 @@ class LateSamples(Generic[T]):
             return False
         while self._kept[-1].state.time > measurement.time:
             self._kept.pop()
-        last = self._kept[-1]
-        self.state, self._due = last.state.copy(), last.state.time + EVERY
-        first = last.seen - self._forgotten
+        first = self._go_back(measurement.time) - self._forgotten
         again, self._samples = self._samples[first:], self._samples[:first]
         late = sum(sample.time <= measurement.time for sample in again)
-        for sample in (*again[:late], measurement, *again[late:]):
+        for sample in (*again[:late], measurement):
+            self._go_on(sample)
+        self._after_late = Kept(self.state.copy(), self._forgotten + len(self._samples))
+        for sample in again[late:]:
             self._go_on(sample)
         return True
+
+    def _go_back(self, time: float) -> int:
+        """To the last state that is kept of before a time; returns how many samples it had seen."""
+        last, late = self._kept[-1], self._after_late
+        self._due, self._after_late = last.state.time + EVERY, None
+        if late is not None and late.seen > last.seen and late.state.time <= time:
+            self.state = late.state
+            return late.seen
+        self.state = last.state.copy()
+        return last.seen
 
     def _go_on(self, measurement: Measurement) -> None:
         self.state.take(measurement)
@@ -117,5 +134,7 @@ class LateSamples(Generic[T]):
         self._due = self.state.time + EVERY
         while len(self._kept) > 1 and self._kept[1].state.time <= self.state.time - REACH:
             self._kept.pop(0)
-        passed = self._kept[0].seen - self._forgotten
+        passed, late = self._kept[0].seen - self._forgotten, self._after_late
+        if late is not None and late.seen < self._kept[0].seen:
+            self._after_late = None
         self._samples, self._forgotten = self._samples[passed:], self._forgotten + passed
