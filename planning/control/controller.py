@@ -155,7 +155,8 @@ class Controller:
 
     def step(self, measurement: Measurement) -> Step:
         """One tick: takes in what was sensed, and says what the arms are to do."""
-        estimate, time = self.observe(measurement), measurement.time
+        estimate = self.observe(measurement)
+        time = measurement.time
         reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
         model = believed.cart() if self.learns else self.cart
@@ -179,6 +180,7 @@ class Controller:
 
     def observe(self, measurement: Measurement) -> Estimate:
         """Takes in what was sensed between two ticks, such as the wrenches that the arms then gave."""
+        check_kind("controller", measurement, Measurement, "write Measurement(time, pose=…, velocity=…)")
         if not self._names.issuperset(measurement.wrenches):
             check_known("measurement: wrenches", measurement.wrenches, self._names)
         estimate = self._estimator.update(measurement)

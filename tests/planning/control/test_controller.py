@@ -292,3 +292,9 @@ def test_an_estimator_of_a_cart_that_rolls_otherwise_is_refused():
     bed = cg.CartModel(cg.Inertia(24.0, (0.3, 0.05), 2.2), cg.RollingConstraints(None), name="bed")
     with pytest.raises(UsageError, match="its cart, bed, rolls otherwise than cart"):
         Controller(CART, arms(), PATH, estimator=CartFilter(bed, ["left", "right"]))
+
+
+def test_what_is_no_measurement_is_refused():
+    for call in (Controller(CART, arms(), PATH).step, Controller(CART, arms(), PATH).observe):
+        with pytest.raises(UsageError, match=r"controller: \[0, 0, 0\] is no Measurement; write Measurement"):
+            call([0, 0, 0])
