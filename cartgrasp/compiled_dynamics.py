@@ -92,8 +92,8 @@ class CompiledDynamics:
     def floor(
         self, point: Point, com_height: Array, foreign: Array | None = None, with_partials: bool = False
     ) -> Array:
-        """Rows (..., 1 + p, n_wheels + 1, 7) as `kernels.floor.react` has them, and behind them their partials by the
-        parameters, or (..., 1, n_wheels + 1, 7)."""
+        """Rows (..., 1, n_wheels + 1, 7) as `kernels.floor.react` has them; with their partials by the parameters
+        behind them, (..., 1 + p, n_wheels + 1, 7)."""
         count = 1 + self.n_parameters if with_partials else 1
         found = self._ask(entries.floors, self._given(point, (com_height,), foreign), count * 7 * (self._n_wheels + 1))
         return found.reshape(*found.shape[:-1], count, -1, 7)

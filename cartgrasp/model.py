@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
@@ -57,19 +57,6 @@ class InverseDynamics:
     memory_rate: Array
     memory_rate_by_state: Array
     memory_rate_by_parameters: Array
-
-
-class Acting(NamedTuple):
-    """What stands in the dynamics beside the velocity: phi (..., 4) with what inertia effects add, the sum of the force
-    effects (..., 3) in {b}, the mass (...) that does not follow the cart's acceleration along x, and the partials of
-    the three by the parameters (..., 4, p), (..., 3, p) and (..., p)."""
-
-    phi: Array
-    wrench_b: Array
-    swung: Array
-    phi_by_parameters: Array
-    wrench_by_parameters: Array
-    swung_by_parameters: Array
 
 
 @final
@@ -168,12 +155,6 @@ class CartModel(CartStructure):
         """What effects without a kernel add at a state, as kernels take it; (0,) where all have one."""
         found = self._foreign((state, time, parameters))
         return np.zeros(0) if found is None else found
-
-    def acting(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Acting:
-        """phi and the effects at a state, with partials by the parameters."""
-        phi, phi_by_parameters, wrench, _, swung = self.effect_parts(self._point(state, parameters, time))
-        by_parameters = phi_by_parameters, wrench.by_parameters + wrench.by_phi @ phi_by_parameters
-        return Acting(phi, wrench.value, swung.value[..., 0], *by_parameters, swung.by_parameters[..., 0, :])
 
     def stiction(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
         """Wrenches (..., 3, k), in {b}, that Coulomb effects may give near standstill beside their modelled ones, each

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from typing import final
 
 import numpy as np
 
 from cartgrasp.checks import LARGEST_NUMBER, number
-from cartgrasp.errors import CartgraspError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 
@@ -23,7 +21,6 @@ from .learning_filter import LearningFilter
 from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
 from .schmidt_filter import SchmidtFilter
-from .warming import made_up_push
 
 
 def core_of(made_of: Given, least_speed: float = 0.0) -> LearningFilter:
@@ -76,20 +73,6 @@ class CartFilter(OnlineEstimator[InTime]):
         number("filter: least_speed", least_speed, 0.0, LARGEST_NUMBER, "give m/s")
         made_of = given(cart, arms, noise, prior, yaws)
         super().__init__(made_of, delayed(core_of(made_of, least_speed), cart))
-
-    def warm_up(self) -> None:
-        """Does now, with a filter like this one, what would cost at the first updates: kernels are loaded in a second,
-        or compiled, in a minute, the very first time on a machine. What this one has learned stays."""
-        import scipy.optimize  # noqa: F401  for estimates that are no body
-
-        other = type(self)(self.cart, self.arms, noise=self.noise, prior=self.prior)  # others compile nothing else
-        if self.cart.is_compiled:
-            self.cart.dynamics.warm_up()
-        if self.cart.wheels:
-            self.cart.wheel_set.loads(self.cart.inertia.phi)
-        with suppress(CartgraspError):  # what is believed may be far from the push that is made up
-            for sample in made_up_push(self.cart, self.arms or ("arm",)):
-                other.update(sample)
 
     @property
     def belief(self) -> Gaussian:

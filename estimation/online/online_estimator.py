@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from typing import ClassVar, Generic, TypeVar
 
 from cartgrasp.checks import brief
-from cartgrasp.errors import UsageError
+from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.tracked_point import TrackedPoint
 
@@ -18,6 +19,7 @@ from .clock_watch import ClockWatch
 from .given import Given, check_measurement
 from .late_samples import LateSamples, SampleFilter
 from .sensor_watch import SensorWatch
+from .warming import made_up_push
 
 AT_ONCE = 0.02
 """s between samples: a loop that is slower has time for all that is to be done with each."""
@@ -58,6 +60,21 @@ class OnlineEstimator(ABC, Generic[C]):
             raise
         found = self.estimate
         return found if is_taken else found._replace(health=Health.CLOCK)
+
+    def warm_up(self) -> None:
+        """Does now, with a filter like this one, what would cost at the first updates: kernels are loaded in a second,
+        or compiled, in a minute, the very first time on a machine. What this one has learned stays."""
+        import scipy.optimize  # noqa: F401  for estimates that are no body
+
+        # Other arguments compile nothing else.
+        other = type(self)(self.cart, self.arms, noise=self.noise, prior=self.prior)  # type: ignore[call-arg, arg-type]
+        if self.cart.is_compiled:
+            self.cart.dynamics.warm_up()
+        if self.cart.wheels:
+            self.cart.wheel_set.loads(self.cart.inertia.phi)
+        with suppress(CartgraspError):  # what is believed may be far from the push that is made up
+            for sample in made_up_push(self.cart, self.arms or ("arm",)):
+                other.update(sample)
 
     @property
     def estimate(self) -> Estimate:

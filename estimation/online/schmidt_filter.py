@@ -52,7 +52,7 @@ class SchmidtFilter:
     def _set_constants(self) -> None:
         cart, noise, now = self.cart, self._noise, self.now
         now.unknown[:] = np.diag(noise.wrench_scale(cart) * UNKNOWN_FORCE) ** 2
-        now.lift[:] = cart.planar_wrench(np.eye(cart.constraints.n_free)).T
+        now.lift[:] = cart.rolling.along_b.T
         now.project[:] = np.linalg.pinv(cart.basis_b)
         now.variances[:3], now.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
         now.disturbance[:] = np.diag(np.array([1.0, 1.0, noise.lever]) * noise.disturbance) ** 2

@@ -181,7 +181,7 @@ class WrenchSensing:
         push = np.zeros(3)
         flow = cart.rate(moving.state, push, parameters, moving.time)
         own = cart.velocity_slice
-        by_wrench = flow.by_wrench[own] @ cart.planar_wrench(np.eye(f)).T
+        by_wrench = flow.by_wrench[own] @ cart.rolling.along_b.T
         solved = np.linalg.inv(np.eye(f) - by_rate @ by_wrench)
         reduced = solved @ (still + by_rate @ flow.value[own])
         flow = cart.rate(moving.state, cart.planar_wrench(reduced), parameters, moving.time)

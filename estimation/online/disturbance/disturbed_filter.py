@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from typing import ClassVar, final
 
 from cartgrasp.checks import brief, positive
-from cartgrasp.errors import CartgraspError
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 
 from ...noise import FilterNoise
 from ...prior import Prior
-from ..cart_filter import CartFilter
 from ..given import given
 from ..online_estimator import OnlineEstimator
-from ..warming import made_up_push
 from .disturbed_learning import DisturbedLearning
 
 SLOWEST = 10.0
@@ -66,14 +62,6 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
 
     def __repr__(self) -> str:
         return brief(type(self).__name__, self.cart.name, f"response {self.response:g} s")
-
-    def warm_up(self) -> None:
-        """As `CartFilter.warm_up`, with the observer's kernels."""
-        CartFilter(self.cart, self.arms, noise=self.noise, prior=self.prior).warm_up()
-        other = type(self)(self.cart, self.arms, noise=self.noise, prior=self.prior)
-        with suppress(CartgraspError):
-            for sample in made_up_push(self.cart, self.arms or ("arm",)):
-                other.update(sample)
 
     def _told(self) -> Estimate:
         return self._core.estimate()

@@ -160,9 +160,9 @@ class DisturbanceObserver:
 
     @cached_property
     def _constants(self) -> Constants:
-        cart, noise, k = self.cart, self.noise, self.cart.constraints.n_free
+        cart, noise = self.cart, self.noise
         return Constants(
-            lift=np.ascontiguousarray(cart.planar_wrench(np.eye(k)).T),
+            lift=np.ascontiguousarray(cart.rolling.along_b.T),
             project=np.ascontiguousarray(self._to_free),
             pose=np.array(noise.pose_covariance),
             velocity=np.array(noise.velocity_covariance),

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
+from .free_directions import to_free
 from .jit import compiled
 
 GATE = 25.0
@@ -236,22 +237,20 @@ def take_velocity(b: Believed, velocity: Array, variance: Array, project: Array,
     """A velocity (3,) in {s}, of a state that has nu after the pose; `project` (k, 3) takes a velocity in {b} to nu."""
     if not (math.isfinite(velocity[0]) and math.isfinite(velocity[1]) and math.isfinite(velocity[2])):
         return math.nan
-    k, cosine, sine = len(project), math.cos(b.mean[2]), math.sin(b.mean[2])
+    k = len(project)
     residual, room = room[:k], room[k:]
     R, room = carved(room, k, k)
-    to_free, room = carved(room, k, 3)
+    turned, room = carved(room, k, 3)
+    to_free(project, b.mean[2], turned)
     for a in range(k):
-        to_free[a, 0] = project[a, 0] * cosine - project[a, 1] * sine
-        to_free[a, 1] = project[a, 0] * sine + project[a, 1] * cosine
-        to_free[a, 2] = project[a, 2]
         residual[a] = -b.mean[3 + a]
         for j in range(3):
-            residual[a] += to_free[a, j] * velocity[j]
+            residual[a] += turned[a, j] * velocity[j]
     for a in range(k):
         for c in range(k):
             R[a, c] = 0.0
             for j in range(3):
-                R[a, c] += to_free[a, j] * variance[j] * to_free[c, j]
+                R[a, c] += turned[a, j] * variance[j] * turned[c, j]
     if k == 2:
         return correct(b, (3, 2), residual, R, room)
     return correct(b, (3, k), residual, R, room)

@@ -16,7 +16,8 @@ import math
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
-from .correction import wrapped
+from .correction import carved, wrapped
+from .free_directions import to_free
 from .jit import compiled
 from .schmidt_block import Considered
 from .sensor_health import OUTLYING_SHARE
@@ -44,7 +45,7 @@ def is_found(d: Considered, time: float, pose: Array, gate: float) -> bool:
     if run[0] > 0.0 and pose[0] == last[0] and pose[1] == last[1] and pose[2] == last[2]:
         return False
     apart = time - run[2]
-    if run[0] == 0.0 or not apart < PAUSE or not _near(d, pose, last, QUICKEST * apart):
+    if run[0] == 0.0 or not apart < PAUSE or not _near(d, pose, (last[0], last[1], last[2]), QUICKEST * apart):
         run[0], run[1] = 0.0, time
         copy(pose, first)
         for i in range(3):
@@ -55,7 +56,8 @@ def is_found(d: Considered, time: float, pose: Array, gate: float) -> bool:
         return False
     velocity = d.health[1]
     moves_as_believed = time - velocity[0] < PAUSE and velocity[1] <= 1.0 and velocity[2] < OUTLYING_SHARE
-    return not moves_as_believed or _stays_off(d, pose, off, DRIFTS * (time - run[1]))
+    as_off = (d.mean[0] + off[0], d.mean[1] + off[1], d.mean[2] + off[2])
+    return not moves_as_believed or _near(d, pose, as_off, DRIFTS * (time - run[1]))
 
 
 @compiled
@@ -63,11 +65,11 @@ def begin_anew(d: Considered) -> None:
     """At the last pose of the run, as quick as it went along."""
     run, first, last = d.astray[:3], d.astray[3:6], d.astray[6:9]
     k, lasting = len(d.push), run[2] - run[1]
-    cosine, sine = math.cos(last[2]), math.sin(last[2])
-    x, y, turn = (last[0] - first[0]) / lasting, (last[1] - first[1]) / lasting, wrapped(last[2] - first[2]) / lasting
-    along, across = cosine * x + sine * y, cosine * y - sine * x
+    turned, _ = carved(d.room, k, 3)
+    to_free(d.project, last[2], turned)
     for a in range(k):
-        d.mean[3 + a] = d.project[a, 0] * along + d.project[a, 1] * across + d.project[a, 2] * turn
+        d.mean[3 + a] = turned[a, 0] * (last[0] - first[0]) + turned[a, 1] * (last[1] - first[1])
+        d.mean[3 + a] = (d.mean[3 + a] + turned[a, 2] * wrapped(last[2] - first[2])) / lasting
     for i in range(3 + k):
         if i < 3:
             d.mean[i] = last[i]
@@ -77,20 +79,9 @@ def begin_anew(d: Considered) -> None:
 
 
 @compiled
-def _stays_off(d: Considered, pose: Array, off: Array, most: float) -> bool:
-    """Whether a pose is as far off as the first of the run was, to within so many m or rad."""
-    now = (pose[0] - d.mean[0], pose[1] - d.mean[1], wrapped(pose[2] - d.mean[2] - off[2]))
-    limits = most + SURE * math.sqrt(2.0 * d.variances[0]), most + SURE * math.sqrt(2.0 * d.variances[1])
-    turned = abs(now[2]) < most + SURE * math.sqrt(2.0 * d.variances[2])
-    return abs(now[0] - off[0]) < limits[0] and abs(now[1] - off[1]) < limits[1] and turned
-
-
-@compiled
-def _near(d: Considered, pose: Array, other: Array, most: float) -> bool:
-    x, y, turn = abs(pose[0] - other[0]), abs(pose[1] - other[1]), abs(wrapped(pose[2] - other[2]))
-    sure = SURE * math.sqrt(2.0)
-    return (
-        x < most + sure * math.sqrt(d.variances[0])
-        and y < most + sure * math.sqrt(d.variances[1])
-        and turn < most + sure * math.sqrt(d.variances[2])
-    )
+def _near(d: Considered, pose: Array, other: tuple[float, float, float], most: float) -> bool:
+    """Whether a pose is another to within so many m or rad, and the noise of both."""
+    off, is_near = (pose[0] - other[0], pose[1] - other[1], wrapped(pose[2] - other[2])), True
+    for i in range(3):
+        is_near &= abs(off[i]) < most + SURE * math.sqrt(2.0 * d.variances[i])
+    return is_near

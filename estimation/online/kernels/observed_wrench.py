@@ -13,6 +13,7 @@ from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
 from .correction import add_congruence, carved, eliminate, normalised_square, wrapped
+from .free_directions import add_creep, raised, to_free
 from .jit import Indices, compiled, entry
 
 MAX_STEP = 0.02
@@ -64,17 +65,17 @@ def advance(
     parameters (p,), what effects remember (m,), and the mass of the cart as it was made."""
     (mean, covariance), (theta, memory, made) = belief, known
     (cart, flow), k = unpack_cart(floats, ints), len(c.walk)
-    state, given, rest = room[: 3 + k + len(memory)], room[3 + k + len(memory) :][:3], room[6 + k + len(memory) :]
+    state, rest = room[: 3 + k + len(memory)], room[3 + k + len(memory) :]
+    given, reduced, rest = rest[:3], rest[3 : 3 + k], rest[3 + k :]
     copy(memory, state[3 + k :])
     begin, end = span
     count = math.ceil((end - begin) / MAX_STEP - 1e-6)
     for i in range(count):
         step = (end - begin) / count
         copy(mean[: 3 + k], state[: 3 + k])
-        for j in range(3):
-            given[j] = 0.0
-            for a in range(k):
-                given[j] += c.lift[j, a] * (push[0][a] + mean[3 + k + a])
+        for a in range(k):
+            reduced[a] = push[0][a] + mean[3 + k + a]
+        raised(c.lift, reduced, given)
         forward(cart, Point(state, begin + i * step, theta, theta[:0]), given, flow)
         _predict(c, (mean, covariance), push[1], flow, (len(state), step, theta[0] / made), rest)
 
@@ -144,12 +145,7 @@ def _add_density(c: Constants, by_wrench: Array, heading: float, density: Array)
         for j in range(len(by_wrench)):
             for a in range(3):
                 density[i, j] += by_wrench[i, a] * c.disturbance[a] * by_wrench[j, a]
-    cosine, sine = math.cos(heading), math.sin(heading)
-    x, y = cosine * c.creep[0] - sine * c.creep[1], sine * c.creep[0] + cosine * c.creep[1]
-    density[0, 0] += x * x
-    density[0, 1] += x * y
-    density[1, 0] += x * y
-    density[1, 1] += y * y
+    add_creep((math.cos(heading), math.sin(heading)), c.creep, 1.0, density)
     density[2, 2] += c.slip[0]
 
 
@@ -209,7 +205,7 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
     if m == 0:
         return -1
     opened, room = carved(room, n, n)
-    square, scale = _square(covariance, rows[:m], residual[:m], R, 1.0, room), 1.0
+    square, scale = _square(covariance, (rows[:m], residual[:m], R), room), 1.0
     surprised = surprised + 1 if square > SURPRISING else 0
     if surprised > 1:
         for i in range(n):
@@ -217,7 +213,7 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
         for a in range(k):
             opened[3 + k + a, 3 + k + a] = max(opened[3 + k + a, 3 + k + a], c.usual[a])
             opened[3 + a, 3 + a] += c.usual[a] * (MAX_STEP / c.inertias[a]) ** 2
-        square = _square(opened, rows[:m], residual[:m], R, 1.0, room)
+        square = _square(opened, (rows[:m], residual[:m], R), room)
         if square <= SURPRISING:
             for i in range(n):
                 copy(opened[i], covariance[i])
@@ -240,15 +236,12 @@ def _measured(
             residual[m], rows[m] = off, i
             m += 1
     n_pose = m
-    cosine, sine = math.cos(mean[2]), math.sin(mean[2])
-    to_free, _ = carved(room, k, 3)
+    turned, _ = carved(room, k, 3)
+    to_free(c.project, mean[2], turned)
     for a in range(k):
-        to_free[a, 0] = c.project[a, 0] * cosine - c.project[a, 1] * sine
-        to_free[a, 1] = c.project[a, 0] * sine + c.project[a, 1] * cosine
-        to_free[a, 2] = c.project[a, 2]
         off = -mean[3 + a]
         for j in range(3):
-            off += to_free[a, j] * velocity[j]
+            off += turned[a, j] * velocity[j]
         if abs(off) < FARTHEST:
             residual[m], rows[m] = off, 3 + a
             m += 1
@@ -261,18 +254,24 @@ def _measured(
             elif p >= n_pose and q >= n_pose:
                 for a in range(3):
                     for b in range(3):
-                        R[p, q] += to_free[i - 3, a] * c.velocity[a, b] * to_free[j - 3, b]
+                        R[p, q] += turned[i - 3, a] * c.velocity[a, b] * turned[j - 3, b]
     return m
 
 
 @compiled
-def _square(covariance: Array, rows: Array, residual: Array, R: Array, scale: float, room: Array) -> float:
-    """The residual's normalised square."""
-    m = len(rows)
-    S, room = carved(room, m, m)
-    for p in range(m):
-        for q in range(m):
+def _spread(covariance: Array, rows: Array, R: Array, scale: float, S: Array) -> None:
+    """The covariance (m, m) of residuals of those numbers of the mean, whose noise is so many times R."""
+    for p in range(len(rows)):
+        for q in range(len(rows)):
             S[p, q] = covariance[int(rows[p]), int(rows[q])] + scale * R[p, q]
+
+
+@compiled
+def _square(covariance: Array, measured: tuple[Array, Array, Array], room: Array) -> float:
+    """The residual's normalised square."""
+    rows, residual, R = measured
+    S, room = carved(room, len(rows), len(rows))
+    _spread(covariance, rows, R, 1.0, S)
     return normalised_square(residual, S, room)
 
 
@@ -283,9 +282,8 @@ def _update(mean: Array, covariance: Array, measured: tuple[Array, Array, Array]
     m = len(rows)
     S, room = carved(room, m, m)
     gain, room = carved(room, m, n)  # of which the columns are solved for
+    _spread(covariance, rows, R, scale, S)
     for p in range(m):
-        for q in range(m):
-            S[p, q] = covariance[int(rows[p]), int(rows[q])] + scale * R[p, q]
         copy(covariance[int(rows[p])], gain[p])
     eliminate(S, gain)
     keep, room = carved(room, n, n)
@@ -324,72 +322,71 @@ def squares(
     what effects remember (m,), what effects without a kernel add, and the time. `out`: rates (2, k), what nu' wrenches
     alone make, and with d, or NaN to be found here; and `found`."""
     (mean, covariance), (theta, unknown, memory, foreign, time), (rates, found) = belief, known, out
-    (cart, flow), k, p = unpack_cart(floats, ints), len(c.walk), len(theta)
+    (cart, flow), k = unpack_cart(floats, ints), len(c.walk)
     n_states = 3 + k + len(memory)
     state, room = room[:n_states], room[n_states:]
-    push, room = room[:3], room[3:]
     copy(mean[: 3 + k], state[: 3 + k])
     copy(memory, state[3 + k :])
-    point = Point(state, time, theta, foreign)
+    point, d, told = Point(state, time, theta, foreign), mean[3 + k :], covariance[3 + k :, 3 + k :]
     if math.isnan(rates[0, 0]):
+        push, reduced = room[:3], room[3 : 3 + k]
         for which in range(2):
-            for j in range(3):
-                push[j] = 0.0
-                for a in range(k):
-                    push[j] += c.lift[j, a] * (given[a] + (mean[3 + k + a] if which == 1 else 0.0))
+            for a in range(k):
+                reduced[a] = given[a] + (d[a] if which == 1 else 0.0)
+            raised(c.lift, reduced, push)
             rate_alone(cart, point, push, flow)
             copy(flow[3 : 3 + k], rates[which])
     accelerations, room = carved(room, 3, k)
-    for a in range(k):
-        alone, whole = rates[0, a], rates[1, a]
-        least = alone if abs(alone) < abs(whole) else whole
-        accelerations[ROLLS, a], accelerations[WHOLE, a] = 0.0, whole
-        accelerations[AGREED, a] = least if alone * whole > 0.0 else 0.0
-    by, room = carved(room, k, p)
+    _explained(rates, accelerations)
+    by, room = carved(room, k, len(theta))
     wrench, room = room[:k], room[k:]
     mass, room = carved(room, k, k)
-    total, room = carved(room, k, k)
     load, room = carved(room, 4, 4)
     for i in range(4):
         for j in range(4):
             load[i, j] = c.load[i, j] * theta[0] ** 2
-    d, told = mean[3 + k :], covariance[3 + k :, 3 + k :]
-    asked = (0.0, 0.0)
-    for which in range(3):
+    rolls = agreed = rigid = 0.0
+    for which in (ROLLS, AGREED, WHOLE):
         taught(cart, point, accelerations[which], (wrench, mass, by))
         for a in range(k):
-            copy(told[a], total[a])
+            copy(told[a], found[a])
         if len(unknown) > 0:
-            add_congruence(by, unknown, total, room)
-        if which == WHOLE:
-            for a in range(k):
-                copy(total[a], found[a])
-            break
-        if which == AGREED:
-            for a in range(k):
-                copy(total[a], found[a])
-        add_congruence(by[:, :4], load, total, room)
-        square = normalised_square(d, total, room)
-        asked = (square, asked[1]) if which == ROLLS else (asked[0], square)
-        if which == AGREED:
-            rigid = _rigid_square(cart.basis, state[3 : 3 + k], accelerations[which], (d, found, load), room)
-    return asked[0], asked[1], rigid
+            add_congruence(by, unknown, found, room)
+        if which == ROLLS:
+            rolls = _square_beside_load(d, found, by[:, :4], load, room)
+        elif which == AGREED:
+            agreed = _square_beside_load(d, found, by[:, :4], load, room)
+            _by_phi(cart.basis, state[3 : 3 + k], accelerations[which], by)
+            rigid = _square_beside_load(d, found, by[:, :4], load, room)
+    return rolls, agreed, rigid
 
 
 @compiled
-def _rigid_square(
-    basis: Array, nu: Array, acceleration: Array, given: tuple[Array, Array, Array], room: Array
-) -> float:
-    """As if the cart had no effects."""
-    (d, known, load), k = given, len(nu)
-    rows = rigid_body.regressor(lifted(basis, nu), lifted(basis, acceleration))
-    by, room = carved(room, k, 4)
-    total, room = carved(room, k, k)
-    for a in range(k):
+def _explained(rates: Array, accelerations: Array) -> None:
+    """nu' (3, k) of a cart that rolls on, of what wrenches alone would make and is there, and of what there is."""
+    for a in range(rates.shape[1]):
+        alone, whole = rates[0, a], rates[1, a]
+        least = alone if abs(alone) < abs(whole) else whole
+        accelerations[ROLLS, a], accelerations[WHOLE, a] = 0.0, whole
+        accelerations[AGREED, a] = least if alone * whole > 0.0 else 0.0
+
+
+@compiled
+def _square_beside_load(d: Array, known: Array, by: Array, load: Array, room: Array) -> float:
+    """Normalised square of d (k,) known to (k, k), where a load (4, 4) may make some of it by (k, 4)."""
+    total, room = carved(room, len(d), len(d))
+    for a in range(len(d)):
         copy(known[a], total[a])
+    add_congruence(by, load, total, room)
+    return normalised_square(d, total, room)
+
+
+@compiled
+def _by_phi(basis: Array, nu: Array, acceleration: Array, by: Array) -> None:
+    """Partials of the reduced wrench by phi into the first of `by` (k, p), as if the cart had no effects."""
+    rows = rigid_body.regressor(lifted(basis, nu), lifted(basis, acceleration))
+    for a in range(len(nu)):
         for j in range(4):
             by[a, j] = 0.0
             for i in range(3):
                 by[a, j] += basis[i, a] * rows[i][j]
-    add_congruence(by, load, total, room)
-    return normalised_square(d, total, room)

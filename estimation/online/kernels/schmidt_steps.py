@@ -19,6 +19,7 @@ from . import sensor_health
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .felt_wrench import HELD
 from .found_again import begin_anew, is_found
+from .free_directions import add_creep, raised
 from .jit import Indices, compiled, entry
 from .schmidt_block import N_SIZES, Considered, parts
 
@@ -44,7 +45,6 @@ def drive(
     """From a time to another with nothing measured on the way but the last push; then as `take`. `floats` and `ints`
     are the cart's workspace."""
     d, (cart, flow) = unpack(block, plan), unpack_cart(floats, ints)
-    k = len(d.push)
     given, room = d.room[:3], d.room[3:]
     stuck, room = room[: plan[5]], room[plan[5] :]
     count = math.ceil((end - begin) / MAX_STEP - 1e-6)
@@ -53,10 +53,7 @@ def drive(
         time = begin + i * step
         if time - d.pushed[0] > HELD:
             _let_go(d)
-        for j in range(3):
-            given[j] = 0.0
-            for a in range(k):
-                given[j] += d.lift[j, a] * d.push[a]
+        raised(d.lift, d.push, given)
         point = Point(d.mean, time, d.theta, d.mean[:0])
         forward(cart, point, given, flow)
         n_stuck = stictions(cart, point, stuck) if plan[5] > 0 else 0
@@ -166,11 +163,7 @@ def _add_noise(d: Considered, by_wrench: Array, stuck: Array, time: float, noise
     add_congruence(by_wrench, disturbance, noise, room)
     for i in range(len(noise)):
         noise[i, i] += time * d.rest[i]
-    cosine, sine = math.cos(d.mean[2]), math.sin(d.mean[2])
-    sideways = (cosine * d.creep[0] - sine * d.creep[1], sine * d.creep[0] + cosine * d.creep[1])
-    for i in range(2):
-        for j in range(2):
-            noise[i, j] += time * sideways[i] * sideways[j]
+    add_creep((math.cos(d.mean[2]), math.sin(d.mean[2])), d.creep, time, noise)
 
 
 @compiled

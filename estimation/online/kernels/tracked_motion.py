@@ -9,6 +9,7 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
 from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
+from .free_directions import add_creep
 from .jit import compiled, entry
 
 PATH_FLOOR = 1e-6
@@ -147,12 +148,8 @@ def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, flo
             noise[i, w] = noise[w, i] = jerk * step**3 / 6 * turned[i, a]
         noise[v, v], noise[w, w] = jerk * step**3 / 3, jerk * step
         noise[v, w] = noise[w, v] = jerk * step**2 / 2
-    cosine, sine = direction
-    across_b = c.across_b
-    sideways = (cosine * across_b[0] - sine * across_b[1], sine * across_b[0] + cosine * across_b[1])
+    add_creep(direction, c.across_b, c.densities[1] * step, noise)
     for a in range(2):
-        for b in range(2):
-            noise[a, b] += c.densities[1] * step * sideways[a] * sideways[b]
         noise[a, a] += PATH_FLOOR**2
     noise[2, 2] += c.densities[2] * step + PATH_FLOOR**2
 
