@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from .polytopes.wrench_polytope import WrenchPolytope
 
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
+USABLE = OPTIMAL, RELAXED
+"""Statuses of a plan that gives what is asked, or what is nearest."""
 
 
 class ChoiceProof(NamedTuple):
@@ -131,7 +133,7 @@ class Plan:
     @property
     def is_usable(self) -> bool:
         """Whether it has wrenches: it is optimal, or relaxed as the caller allows."""
-        return self.status in (OPTIMAL, RELAXED)
+        return self.status in USABLE
 
     @property
     def contact_wrenches(self) -> ContactWrenches:

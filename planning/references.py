@@ -84,7 +84,7 @@ class PathReference:
         object.__setattr__(self, "start_pose", pose("reference: start_pose", self.start_pose))
         if not self.stretches or any(s.duration <= 0 for s in self.stretches):
             raise UsageError("reference: every stretch needs a duration above 0 s, and there must be one")
-        u, r = self._pieces[-1][1:3]
+        u, r = self._pieces[-1].speed, self._pieces[-1].yaw_rate
         if abs(u) > 1e-9 or abs(r) > 1e-9:
             raise UsageError(f"reference: ends with u = {u:g} m/s, r = {r:g} rad/s; it must end at rest")
         if self.constraints.no_rotation and any(s.yaw_acceleration for s in self.stretches):

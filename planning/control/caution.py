@@ -12,12 +12,11 @@ from cartgrasp.checks import FARTHEST, check_kind, check_known, number, positive
 from cartgrasp.motion import Estimate, Reference
 from cartgrasp.roles import ReferencePath
 
+from ..plan import USABLE
+
 QUICKEST, WIDEST = 100.0, 100.0
-GIVEN = ("optimal", "relaxed")
-"""Statuses of a plan that gives what is asked, or what is nearest."""
-
-
 HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
+"""The words of `estimation.Health`, which planning does not know."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ class Caution:
         plan's, `away` how far (m) the cart is from where it was to be."""
         share = self.pace.get(health, 1.0)
         reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: health {health}")]
-        if status not in GIVEN:
+        if status not in USABLE:
             reasons.append((0.0, f"stops: the plan is {status}"))
         if away > self.behind:
             reasons.append((0.0, f"waits for the cart, which is {away:.2g} m away"))

@@ -140,6 +140,7 @@ class Controller:
         self._held: Mapping[str, Array] = _checked(held, self._arms)
         self._last: Step | None = None
         self._first: Estimate | None = None
+        self._observed: Estimate | None = None
         self._time, self._pace = -math.inf, Pace(math.nan)
         self._knows_where = False  # once a pose was seen
 
@@ -199,12 +200,12 @@ class Controller:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Writes where the hands are, what they gave, and the cart as it is now known, each parameter with its standard
         deviation; the filter's correlations and recent samples are not kept (saved.py)."""
-        last = self._last
-        if last is None:
+        last, now = self._last, self._observed
+        if last is None or now is None:
             raise UsageError("controller: there is nothing to save before the first step")
-        cart = as_first_guess(self._believed(self._observed)) if self.learns else self.cart
+        cart = as_first_guess(self._believed(now)) if self.learns else self.cart
         along = self._time if self._caution is None else self._pace.along
-        motion = self._observed.motion if self._knows_where else None
+        motion = now.motion if self._knows_where else None
         return Saved(self._time, along, cart, last.placed, last.wrenches, motion).save(path)
 
     @classmethod

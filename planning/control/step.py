@@ -12,6 +12,7 @@ from cartgrasp.frames import Array
 from cartgrasp.motion import Disturbance, Estimate, Reference
 from cartgrasp.roles import Plan
 
+from ..plan import USABLE
 from .hand import Hand, Phase, point_of
 
 
@@ -67,7 +68,7 @@ class Step:
         """What each hand does, where, and why; whether the plan is not optimal, what else pushes, and what is slow."""
         hands = [self._of_hand(name, hand) for name, hand in self.placed.items()]
         pushed = self.disturbance is not None and self.disturbance.acts
-        message = getattr(self.plan, "message", "") if self.plan.status not in ("optimal", "relaxed") else ""
+        message = "" if self.plan.status in USABLE else getattr(self.plan, "message", "")
         why = f": {message}" if message else ""
         told = [] if self.plan.status == "optimal" else [f"the plan is {self.plan.status}{why}"]
         told += [f"at its limit is {joint}" for joint in getattr(self.plan, "limiting_joints", ())]

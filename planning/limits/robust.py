@@ -69,7 +69,7 @@ class RobustLimits:
             return stated.under(pushed.floor, n_arms)
         floor, partials = FloorReaction.with_partials(pushed.cart, pushed.motion)
         slopes = _slopes(stated.mix, partials, covariance)
-        return _with_margins(stated.under(floor, n_arms), slopes, self.confidence)
+        return _as_cones(stated.under(floor, n_arms), slopes, self.confidence)
 
 
 def root(covariance: Array) -> Array:
@@ -103,7 +103,7 @@ def _slopes(mix: Array, partials: Array, covariance: Array) -> Array:
     return np.asarray((mix @ along).swapaxes(0, 1))
 
 
-def _with_margins(rows: CartRows, slopes: Array, confidence: float) -> CartRows:
+def _as_cones(rows: CartRows, slopes: Array, confidence: float) -> CartRows:
     """`(b - a F, q (D F + d))` in the place of each side that has slopes (k, r, 7), which are D and d."""
     depends = ~(np.abs(slopes).max(axis=(1, 2), initial=0.0) <= NO_SLOPE)  # NaN is none of nought
     low, high = (np.flatnonzero(depends & np.isfinite(side)) for side in (rows.low, rows.high))

@@ -46,7 +46,9 @@ def plan_schedule(
     cost: RegraspCost = DEFAULT_COST,
     horizon: Horizon = WHOLE,
 ) -> Schedule:
-    """The least effort from now to the reference's end, over every way to hold and to regrasp the arms' points."""
+    """The least effort from now to the reference's end, over every way to hold and to regrasp the arms' points. Stages
+    last seconds, so rates of the arms don't count."""
+    arms = [arm.without_rate() for arm in arms]
     problem = _Problem.of(reference, cart, arms, cost, horizon)
     graph, times, length = problem.graph, problem.times, problem.length
     efforts = stage_efforts(cart, arms, problem.wrenches, horizon.min_hand_distance)

@@ -60,8 +60,7 @@ def candidate_points(arms: Sequence[Arm]) -> dict[str, Array]:
 
 def why_not(cart: CartModel, arms: Sequence[Arm], wrench_b: Array, min_hand_distance: float) -> str:
     """In words, what keeps a wrench (3,) from being given with the best contacts of all arms; empty if nothing does."""
-    unhurried = [arm.without_rate() for arm in arms]
-    plan = WrenchPlanner(cart, unhurried, min_hand_distance=min_hand_distance).plan(wrench_b)
+    plan = WrenchPlanner(cart, arms, min_hand_distance=min_hand_distance).plan(wrench_b)
     return "" if plan.status == OPTIMAL else plan.message
 
 
@@ -79,8 +78,7 @@ def _efforts(
         idle = np.abs(wrenches @ cart.basis_b).max(axis=1) <= EQUALITY_TOLERANCE
         efforts = np.where(idle, 0.0, np.inf)
         return efforts, efforts
-    holding = [arm.without_rate() for arm in arms if arm.name in held]
-    planner = WrenchPlanner(cart, holding, min_hand_distance=distance)
+    planner = WrenchPlanner(cart, [arm for arm in arms if arm.name in held], min_hand_distance=distance)
     pairs = [_effort(planner, wrench, held) for wrench in wrenches]
     efforts, bounds = np.array(pairs).T
     return efforts, bounds

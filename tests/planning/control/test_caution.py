@@ -16,8 +16,9 @@ from cartgrasp.errors import UsageError
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.studies.shopping_cart import WHEELS
 from estimation import CartFilter, FilterNoise, Prior
+from estimation.health import Health
 from planning import Caution, Controller, PathReference, Skid, TipOver, WrenchPlanner, chain, pause
-from planning.control.caution import Pace
+from planning.control.caution import HEALTHS, Pace
 from planning.references import speed_change, turn
 
 DRAG = ViscousDrag(3.0, 1.2)
@@ -142,6 +143,10 @@ def test_a_health_that_is_not_well_widens_margins():
     planner = WrenchPlanner(GUESS, arms(), cart_limits=LIMITS, confidence=0.99, relax=np.inf)
     pulls = [-planner.plan((-150.0, 0.0, 0.0), estimate=one).cart_wrench[0] for one in (told, wide)]
     assert pulls[1] < pulls[0]
+
+
+def test_it_knows_the_healths_of_estimators():
+    assert set(Health) == HEALTHS
 
 
 def test_what_is_told_is_checked():

@@ -130,8 +130,7 @@ class RearLoad(FloorLimit):
 @pytest.mark.parametrize("motion", [REST, BEND])
 def test_cones_spread_as_rows_do_for_carts_that_differ(limit, motion):
     """By central differences along each deviation of the covariance."""
-    spread, quantile = covariance(), NormalDist().inv_cdf(0.99)
-    deviations = np.linalg.cholesky(spread).T
+    deviations = np.linalg.cholesky(covariance()).T
 
     def row(step):
         there = cart().with_parameters(cart().parameters + step)
@@ -142,7 +141,7 @@ def test_cones_spread_as_rows_do_for_carts_that_differ(limit, motion):
 
     slopes = np.array([(row(1e-5 * way) - row(-1e-5 * way)) / 2e-5 for way in deviations])
     made = rows(motion, limits=(limit,))
-    factor = NormalDist().inv_cdf(1 - 0.01 / len(made.cones)) if len(made.cones) > 1 else quantile
+    factor = NormalDist().inv_cdf(1 - 0.01 / len(made.cones))
     for i, cone in enumerate(made.cones):
         own = np.column_stack([made.of_sum[cone.own], cone.offset])
         np.testing.assert_allclose(own[0], -row(np.zeros(4))[i], rtol=1e-9, atol=1e-9)
