@@ -74,29 +74,29 @@ def test_they_are_those_of_a_new_planner(objective, limits, new):
 def test_other_limits_of_the_same_structure_are_filled_in_place():
     planner = WrenchPlanner(shopping_cart(), drawn_arms(np.random.default_rng(0), ()), cart_limits=[TipOver()])
     planner.warm_up()
-    compiled, given = planner._compiled, {name: points[0] for name, points in PLACES.items()}
+    compiled, given = planner._now.compiled, {name: points[0] for name, points in PLACES.items()}
     for force in (30.0, 20.0, 40.0):
         arms = [cg.Arm(name, points, force_limit=(force,) * 3) for name, points in PLACES.items()]
         plan = planner.plan((1.9 * force, 0.0, 0.0), given, arms=arms)
-        assert planner._compiled is compiled
+        assert planner._now.compiled is compiled
         assert plan.solver == "dual active set"
         assert plan.margins["left: fx upper"] == pytest.approx(force - plan.wrenches["left"][0], abs=1e-9)
         assert planner.plan((2.1 * force, 0.0, 0.0), given).status == "infeasible"
     frictional = [cg.Arm(name, points, friction=cg.Friction(0.6)) for name, points in PLACES.items()]
     assert planner.plan((20.0, 0.0, 0.0), given, arms=frictional).status == "optimal"
-    assert planner._compiled is not compiled
+    assert planner._now.compiled is not compiled
 
 
 def test_arms_that_hold_elsewhere_keep_the_workspace():
     planner = WrenchPlanner(shopping_cart(), drawn_arms(np.random.default_rng(0), ()))
     planner.warm_up()
-    workspace, given = planner._compiled._allocation, {name: points[0] for name, points in PLACES.items()}
+    workspace, given = planner._now.compiled._allocation, {name: points[0] for name, points in PLACES.items()}
     for y in (0.1, 0.3):
         arms = [cg.Arm("left", [(-0.25, y, 1.0)]), cg.Arm("right", [(-0.25, -y, 1.0), (-0.25, -0.2, 1.0)])]
         plan = planner.plan((20.0, 0.0, 2.0), arms=arms)
         assert_alike(plan, WrenchPlanner(shopping_cart(), arms).plan((20.0, 0.0, 2.0)))
         assert plan.solver == planner.plan((20.0, 0.0, 2.0), given).solver == "dual active set"
-        assert planner._compiled._allocation is workspace
+        assert planner._now.compiled._allocation is workspace
 
 
 def test_numbers_where_there_were_zeros():
@@ -110,11 +110,11 @@ def test_numbers_where_there_were_zeros():
 
     planner = WrenchPlanner(shopping_cart(), pair(0.0, 0.0, 0.0))
     planner.warm_up()
-    compiled = planner._compiled
+    compiled = planner._now.compiled
     for arms in (pair(0.0, 0.6, 0.0), pair(0.4, 0.6, 0.0), pair(-0.4, 0.0, 0.0), pair(0.3, 0.4, 0.8)):
         plan = planner.plan((20.0, 0.0, 2.0), arms=arms)
         assert_alike(plan, WrenchPlanner(shopping_cart(), arms).plan((20.0, 0.0, 2.0)))
-        assert planner._compiled is compiled
+        assert planner._now.compiled is compiled
         assert plan.message == ""
 
 
@@ -124,6 +124,6 @@ def test_rows_that_look_at_no_arm_stay():
     turned = [cg.Arm(name, points[:1], yaw=1.0) for name, points in PLACES.items()]
     for limits, stays in (([TipOver(5.0), Skid(0.6)], True), ([TipOver(5.0), InternalForce(3.0)], False)):
         planner = WrenchPlanner(shopping_cart(), arms, cart_limits=limits)
-        rows = planner._terms.base.cart_rows
+        rows = planner._now.terms.base.cart_rows
         planner.plan((20.0, 0.0, 0.0), arms=turned)
-        assert (planner._terms.base.cart_rows is rows) == stays
+        assert (planner._now.terms.base.cart_rows is rows) == stays

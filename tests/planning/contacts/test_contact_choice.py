@@ -212,12 +212,12 @@ def test_what_no_solver_could_answer_keeps_the_bound_down(monkeypatch):
     """The best point is never solved: it must not be called worse than what was."""
     planner = WrenchPlanner(cart(), [arm("left", [(-0.25, y, 1.0) for y in (-0.2, -0.075, 0.1)])])
     true = planner.plan((40, 0, 3)).effort
-    answer = planner._cases.answer
+    answer = planner._now.cases.answer
 
     def give_up(question, high, low, hull=None):
         return Answer(np.inf, proven=False) if high[0, 1] == -0.075 else answer(question, high, low, hull)
 
-    monkeypatch.setattr(planner._cases, "answer", give_up)
+    monkeypatch.setattr(planner._now.cases, "answer", give_up)
     planner.reset()
     plan = planner.plan((40, 0, 3))
     assert plan.status == "optimal"

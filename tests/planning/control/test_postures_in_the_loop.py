@@ -153,14 +153,14 @@ def test_nothing_is_compiled_anew_and_what_stays_is_not_looked_for(postures, mon
     held, sought = arms(postures), []
     planner = WrenchPlanner(CART, held)
     planner.warm_up()
-    compiled, template = planner._compiled, planner._terms.base
+    compiled, template = planner._now.compiled, planner._now.terms.base
     monkeypatch.setattr("cartgrasp.urdf_postures.find_posture", lambda *_, **__: sought.append(1))
     limits = []
     for index in (0, 1, 2, 1, 1):
         plan = planner.plan_or_hold((30.0, 0.0, 1.0), place_of(held, index))
         assert plan.solver == "dual active set"
-        assert planner._compiled is compiled
-        limits.append(planner._terms.base)
+        assert planner._now.compiled is compiled
+        limits.append(planner._now.terms.base)
     assert template is not limits[1]
     assert limits[3] is limits[4]
     assert not sought, "every candidate's posture is known when the planner is made"
@@ -176,7 +176,7 @@ def test_a_hand_is_not_sent_where_no_posture_was_found(postures):
     why = "no posture was found with the hand at (0.9, 0, 1); the nearest stays "
     assert f"keeps left at (−0.10, 0.20): arm left: {why}" in words[-1]
     planner = WrenchPlanner(CART, held)
-    assert far not in planner._terms.sets["left"].points
+    assert far not in planner._now.terms.sets["left"].points
     plan = planner.plan_or_hold((30.0, 0.0, 0.0), {"left": far, "right": held[1].contacts.points[0]})
     assert plan.status == "invalid_input"
     assert plan.message.startswith(f"arm left: {why}")
@@ -199,13 +199,13 @@ def test_a_base_that_moves_takes_its_postures_along(postures, tmp_path):
     held, model = arms(postures), pinocchio.buildModelFromUrdf(str(tmp_path / "arm.urdf"))
     planner, points = WrenchPlanner(CART, held), place_of(held, 1)
     planner.warm_up()
-    compiled, data, found = planner._compiled, model.createData(), []
+    compiled, data, found = planner._now.compiled, model.createData(), []
     for k in range(20):
         x = BASE[0] - 0.01 * k
         for name, side in SIDES.items():
             postures[name].place(SpatialPose.of((x, side, BASE[2])))
         plan = planner.plan_or_hold((-90.0, 0.0, 0.0), points)
-        assert planner._compiled is compiled
+        assert planner._now.compiled is compiled
         found.append(postures["left"].posture(tuple(points["left"].tolist())).configuration)
         pinocchio.framesForwardKinematics(model, data, found[-1])
         in_root = points["left"] - np.array([x, SIDES["left"], BASE[2]])

@@ -177,7 +177,7 @@ def test_what_is_not_covered_takes_the_general_road():
 
 def test_a_solver_that_fails_is_replaced_and_the_swap_is_told(monkeypatch):
     planner = warm(cart(), [arm()])
-    monkeypatch.setattr(planner._compiled._allocation, "solve", lambda *_: False)
+    monkeypatch.setattr(planner._now.compiled._allocation, "solve", lambda *_: False)
     plan = planner.plan((40, 0, 3))
     assert plan.status == "optimal"
     assert plan.solver.startswith("daqp")
@@ -272,7 +272,7 @@ def test_no_choice_keeps_the_distance():
 
 def test_a_search_that_can_not_go_on_leaves_it_to_the_general_one(monkeypatch):
     planner = warm(cart(), many(6))
-    monkeypatch.setattr(planner._compiled._allocation, "search", lambda *_: False)
+    monkeypatch.setattr(planner._now.compiled._allocation, "search", lambda *_: False)
     plan = planner.plan((40, 0, 3))
     assert plan.status == "optimal"
     assert plan.effort == pytest.approx(warm(cart(), many(6)).plan((40, 0, 3)).effort)

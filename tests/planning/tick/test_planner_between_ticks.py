@@ -256,9 +256,9 @@ def test_an_estimate_given_again_costs_nothing_and_still_holds():
         planner.plan((-110, 0, 0), estimate=known[-1])
         again = planner.plan((-110, 0, 0), estimate=known[-1], arms=stronger)
         assert again.effort == pytest.approx(fresh.effort, rel=1e-8)
-        rows = planner._terms.base.cart_rows
+        rows = planner._now.terms.base.cart_rows
         assert planner.plan((-110, 0, 0), estimate=known[-1]).effort == pytest.approx(fresh.effort, rel=1e-8)
-        assert planner._terms.base.cart_rows is rows
+        assert planner._now.terms.base.cart_rows is rows
     assert planner.plan((-110, 0, 0), estimate=known[1]).effort != pytest.approx(fresh.effort, rel=1e-3)
 
 

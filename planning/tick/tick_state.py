@@ -1,0 +1,169 @@
+"""What `WrenchPlanner` keeps between ticks: the terms that hold, the last plan, and what is made for both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+from numpy.typing import ArrayLike
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.frames import Array
+from cartgrasp.shallow import shallow
+
+from ..contacts.contact_cases import CaseSolver
+from ..contacts.switching_cost import SwitchingCost
+from ..limits.robust import RobustLimits
+from ..objectives import Objective
+from ..plan import INVALID_INPUT
+from ..solvers import QuadraticSolver
+from .answers import Answers
+from .compiled_planning import CompiledPlanning
+from .estimate_inputs import check_estimate
+from .given_contacts import GivenContacts
+from .last_plan import LastPlan
+from .plan_inputs import RefusedError, read_arms
+from .program_at_contacts import ProgramAtContacts
+from .terms import Terms, scaled_into
+
+if TYPE_CHECKING:
+    from cartgrasp.model import CartModel
+    from cartgrasp.motion import Estimate
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a planner was made with, the arms aside; `period` in s, `min_hand_distance` in m."""
+
+    cart: CartModel
+    objective: Objective | None
+    cart_limits: RobustLimits
+    min_hand_distance: float
+    period: float
+    relax: float
+    switching_cost: float | Mapping[str, float]
+    solver: str | None
+
+    def terms(self, arms: Sequence[Arm]) -> Terms:
+        return Terms(self.cart, arms, self.objective, self.cart_limits, (self.min_hand_distance, self.period))
+
+
+class TickState:
+    """Of some of the arms `names`; `is_warm` says whether kernels may be used."""
+
+    def __init__(self, settings: Settings, arms: Sequence[Arm], names: Sequence[str] = ()) -> None:
+        self._settings, self.is_warm, self.last = settings, False, LastPlan(0)
+        self.newest_estimate = -math.inf
+        self.solver = QuadraticSolver(name=settings.solver)
+        self.compiled: CompiledPlanning | None = None
+        self._begin(settings.terms(arms), ())
+        self.names = tuple(names) or self.terms.base.names
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets the last wrench, contacts and estimate's time."""
+        self.last, self.newest_estimate = LastPlan(len(self.terms.sets)), -math.inf
+        if self.compiled is not None:
+            self.compiled.forget()
+        self.look_back_at(self.last.wrenches)
+
+    def start_from(self, wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike]) -> None:
+        self.last = self.last.started(self.terms.base.names, wrenches, contacts)
+        self.look_back_at(scaled_into(self.terms.base.limits, self.last.wrenches))
+
+    def warm_up(self, calls: Callable[[], object]) -> None:
+        """Kernels from now on, which `calls` call; what is remembered stays."""
+        self.is_warm, kept = True, (self.last, self.newest_estimate)
+        self.reset()
+        self.begin_terms()
+        calls()
+        self.reset()
+        self.last, self.newest_estimate = kept
+        self.look_back_at(self.last.wrenches)
+
+    def as_it_is(self) -> Self:
+        """One that stays as this is now, without kernels."""
+        other = shallow(self)
+        other.terms, other.last, other.compiled = shallow(self.terms), shallow(self.last), None
+        return other
+
+    def renew_solvers(self) -> None:
+        """None of what another has been solving with."""
+        self.solver, self.cases = QuadraticSolver(), CaseSolver(self.terms.template)
+        self.answers, self.program = Answers(self.terms, self._settings.relax), ProgramAtContacts(self.terms)
+
+    # --- what a tick says ---------------------------------------------------------------------------------
+
+    def take_estimate(self, estimate: Estimate) -> None:
+        newest, before = check_estimate(estimate, self.newest_estimate), self.terms.base.cart_rows
+        if self.terms.take_estimate(estimate):
+            self.program.drop()
+            self._take_last()
+            if not self.terms.base.cart_rows.is_like(before):  # margins came, or went
+                self._compile()
+        self.newest_estimate = newest  # one that is refused makes no later one stale
+
+    def take_arms(self, arms: Sequence[Arm]) -> None:
+        new, before = read_arms(arms, self.names), self.terms
+        if new.keys() == before.sets.keys():
+            if before.take_arms(new):
+                self.begin_terms()
+            return
+        try:
+            terms = self._settings.terms([new[name] for name in self.names if name in new])
+        except UsageError as error:
+            raise RefusedError(INVALID_INPUT, str(error)) from error
+        if before.estimate is not None:
+            terms.take_estimate(before.estimate)
+        self._begin(terms, before.base.names)
+
+    def take_postures(self, contacts: Mapping[str, ArrayLike] | None) -> None:
+        if self.terms.has_postures and self.terms.take_postures(contacts):
+            self.begin_terms()
+
+    def remember(self, wrenches: Array, contacts: Array) -> None:
+        """What was given last (6n,), at contacts (n, 3)."""
+        self.last.wrenches, self.last.contacts = wrenches, contacts
+        if self.terms.looks_back:
+            self.look_back_at(wrenches)
+
+    # --- what is made for it ------------------------------------------------------------------------------
+
+    def _begin(self, terms: Terms, before: Sequence[str]) -> None:
+        """What is made for the arms of `terms`; of those `before` what was last is kept."""
+        names, costs, solver = terms.base.names, self._settings.switching_cost, self._settings.solver
+        if before and isinstance(costs, Mapping):
+            costs = {name: cost for name, cost in costs.items() if name in names}
+        self.terms, self.switching = terms, SwitchingCost(costs, names)
+        self.last = self.last.among(before, names)
+        self.cases, self.given = CaseSolver(terms.template, solver), GivenContacts(terms)
+        self.answers, self.program = Answers(terms, self._settings.relax, solver), ProgramAtContacts(terms)
+        self.compiled, self.cost = None, terms.base.cost(self.last.wrenches)
+        self.begin_terms()
+
+    def begin_terms(self) -> None:
+        """Drops what was made for other arms, and scales what is held into the limits of these."""
+        self.program.drop()
+        if not self.given.fits:
+            self.given, self.last.choice = GivenContacts(self.terms), None
+        self.compiled = None if self.compiled is None else self.compiled.renewed()
+        if self.compiled is None:
+            self._compile()
+        self.look_back_at(scaled_into(self.terms.base.limits, self.last.wrenches))
+
+    def _compile(self) -> None:
+        """Where it is warm, no other solver is asked for, and what is compiled covers the programs."""
+        wanted = self.is_warm and self._settings.solver is None
+        self.compiled = CompiledPlanning.of(self.terms, self.cost) if wanted else None
+
+    def look_back_at(self, wrenches: Array) -> None:
+        self.last.wrenches = wrenches
+        self.cost = self.terms.base.cost(wrenches)
+        self._take_last()
+
+    def _take_last(self) -> None:
+        self.terms.take_last(self.last.wrenches)
+        self.cases.template = self.terms.template
