@@ -52,7 +52,7 @@ class Settings:
 
 
 class TickState:
-    """Of some of the arms `names`; `is_warm` says whether kernels may be used."""
+    """What is kept for `arms`, which may be some of `names`; `is_warm` says whether kernels may be used."""
 
     def __init__(self, settings: Settings, arms: Sequence[Arm], names: Sequence[str] = ()) -> None:
         self._settings, self.is_warm, self.last = settings, False, LastPlan(0)
@@ -91,7 +91,7 @@ class TickState:
         return other
 
     def renew_solvers(self) -> None:
-        """None of what another has been solving with."""
+        """Workspaces that no other solves with."""
         self.solver, self.cases = QuadraticSolver(), CaseSolver(self.terms.template)
         self.answers, self.program = Answers(self.terms, self._settings.relax), ProgramAtContacts(self.terms)
 
