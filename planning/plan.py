@@ -16,7 +16,7 @@ from cartgrasp.floor_reaction import WheelForces
 from cartgrasp.frames import Array
 
 from .allocation.infeasibility import Certificate, Nearest
-from .quadratic_program import OPTIMAL, QPSolution, QuadraticProgram, Residuals
+from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram, Residuals
 
 if TYPE_CHECKING:
     from .polytopes.wrench_polytope import WrenchPolytope
@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
 USABLE = OPTIMAL, RELAXED
 """Statuses of a plan that gives what is asked, or what is nearest."""
+
+
+UNPLANNED = INFEASIBLE, NUMERICAL, TIMEOUT
+"""Statuses where what was asked is understood, and no wrench was found."""
 
 
 class ChoiceProof(NamedTuple):
@@ -55,7 +59,8 @@ class Plan:
     """A status, and when it is `optimal` or `relaxed` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.
 
     When `infeasible`, `certificate` proves it and holds the nearest plan; `relaxed` is that nearest plan. `held` is
-    what `plan_or_hold` gives instead where there are no wrenches. `switched` are the arms that hold elsewhere than at
+    what `plan_or_hold` gives instead where there are no wrenches, and `stops` says how far within the cart's limits
+    that stops the cart, if it does. `switched` are the arms that hold elsewhere than at
     the last plan, told where switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `wheel_forces`
     what the wheels take, when asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves
     that open. `arms` have the limits that held.
@@ -70,6 +75,7 @@ class Plan:
     solver: str = ""
     message: str = field(default_factory=str)
     held: ContactWrenches | None = None
+    stops: str = ""
     switched: tuple[str, ...] = ()
     tell: Callable[[], Figures] = field(default=Figures, repr=False)
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)

@@ -26,7 +26,7 @@ from .contacts.contact_regions import DISTANCE_TOLERANCE
 from .limits import CartLimit
 from .limits.robust import RobustLimits
 from .objectives import Objective
-from .plan import TIMEOUT, Plan
+from .plan import TIMEOUT, UNPLANNED, Plan
 from .quadratic_program import INFEASIBLE, NUMERICAL
 from .solvers import solve_with_clarabel
 from .tick.answers import Solved, proof_of
@@ -36,6 +36,7 @@ from .tick.next_problem import next_problem
 from .tick.plan_inputs import RefusedError, read_wrench
 from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided, unproven
 from .tick.remedy import find_remedy, with_remedy
+from .tick.stopping import stopping_plan
 from .tick.tick_state import Settings, TickState
 
 if TYPE_CHECKING:
@@ -185,21 +186,35 @@ class WrenchPlanner:
         contacts: Mapping[str, ArrayLike] | None = None,
         estimate: Estimate | None = None,
         arms: Sequence[Arm] | None = None,
+        stop: Callable[[], ArrayLike] | None = None,
     ) -> Plan:
         """As `plan` but for the search for better contacts, and a safe wrench whatever the status: where there is
         none, the last one, decaying with a time constant of 0.1 s, or as fast as rates of change allow (zero if there
         was none). The arms' limits are convex and hold the zero wrench, so it stays within; a cart that skids
         or tips without the hands is beyond them. After `warm_up`, `certificate`, `message` and `nearest` are found when
-        they are asked for."""
+        they are asked for.
+
+        Args:
+            stop: Gives the wrench (3,) in {b} that would bring the cart to rest. Where no wrench keeps the limits of
+                the cart on the floor, `held` is that, as far as the arms can give it, with as much of the margins as
+                leave it; where it is beyond the limits themselves, the nearest within; else whatever they are."""
         plan = self._plan(wrench, contacts, estimate, arms, at_once=True)
         if plan.is_usable:
             return plan
         now, terms = self._now, self._now.terms
+        told = {"wheel_forces": terms.wheel_forces, "arms": terms.base.arms}
+        if stop is not None and plan.status in UNPLANNED and terms.limits_floor:
+
+            def planned(wanted: ArrayLike, exact: bool) -> Plan:
+                return self._plan(wanted, contacts, None, None, at_once=True, exact=exact)
+
+            stopping = stopping_plan(now, stop(), planned)
+            if stopping is not None:
+                return Plan.of(vars(plan) | told | stopping)
         now.remember(terms.shrink(now.last.wrenches, self._decay) * now.last.wrenches, now.last.contacts)
         by_arm, points = now.answers.by_arm, now.last.contacts_or(terms.first)
         held = ContactWrenches(by_arm(now.last.wrenches), by_arm(points), terms.yaws)
-        told = {"held": held, "wheel_forces": terms.wheel_forces, "arms": terms.base.arms}
-        return Plan.of(vars(plan) | told)
+        return Plan.of(vars(plan) | told | {"held": held})
 
     def _plan(
         self,
@@ -208,8 +223,10 @@ class WrenchPlanner:
         estimate: Estimate | None,
         arms: Sequence[Arm] | None,
         at_once: bool = False,
+        exact: bool = False,
     ) -> Plan:
-        """With `at_once`, one that can't be given is explained later, where that is proven already."""
+        """With `at_once`, one that can't be given is explained later, where that is proven already; with `exact` as
+        well, the nearest is then not looked for."""
         start, now = time.perf_counter(), self._now
         try:
             if arms is not None:
@@ -236,7 +253,7 @@ class WrenchPlanner:
             return unproven(self._plan(asked, plan.contacts, None, None, at_once)) if again else plan
         target = self._to_effective.dot(asked)
         if at_once and now.compiled is not None and now.compiled.is_infeasible:
-            near = FORBIDDEN if self._made.relax == 0.0 else now.compiled.nearest(asked, now.cost, start)
+            near = FORBIDDEN if exact or self._made.relax == 0.0 else now.compiled.nearest(asked, now.cost, start)
             if near is not UNPROVEN:
                 return self._left_open(lambda then: then._planned(points, target, None, start), start, near)
         return self._planned(points, target, None, start)

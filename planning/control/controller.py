@@ -17,7 +17,7 @@ from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
 from cartgrasp.motion import Measurement
-from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Planner, ReferencePath, Tracker
+from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Plan, Planner, ReferencePath, Tracker
 
 from ..contact_sources.by_name import contact_source
 from ..contact_sources.choosing import Choosing
@@ -25,11 +25,12 @@ from ..contact_sources.ways import FIXED
 from ..limits import CartLimit
 from ..planner import LONGEST_PERIOD, WrenchPlanner
 from ..tracking import Gains, build_tracker
+from .braking import braking_wrench
 from .caution import Caution, Pace
 from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
-from .regrasps import Given, Regrasps
+from .regrasps import Given, Regrasps, Wanted
 from .rejection import Rejection
 from .saved import Saved, as_first_guess, read_saved
 from .step import Step
@@ -168,12 +169,13 @@ class Controller:
         if chosen.contacts.keys() != self._names:
             _refuse_contacts(chosen.contacts, self._arms)
         told = self._for_planner(believed)
+        stop = self._braking(believed, model, time)
         if self._regrasps is None:
-            plan = self._planner.plan_or_hold(wanted, chosen.contacts, told)
+            plan = self._planned(wanted, chosen.contacts, told, stop)
             given = Given(plan.contact_wrenches, plan)
         else:
             ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told)
-            given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health))
+            given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health), stop)
         self._time, self._held = time, given.wrenches.contacts
         hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
         self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed)
@@ -264,13 +266,28 @@ class Controller:
             return np.zeros(3)
         return self.cart.planar_wrench(self._rejection.fed_forward(estimate.disturbance))
 
+    def _braking(self, believed: Estimate, model: CartModel, time: float) -> Wanted | None:
+        """What brings the cart to rest; None where nobody knows how it moves."""
+        if not self._needs_estimate or not self._knows_where or believed.health in LOST:
+            return None
+        return lambda: braking_wrench(model, believed.motion, time) + self._against(believed)
+
+    def _planned(
+        self, wanted: Array, contacts: Mapping[str, Array], told: Estimate | None, stop: Wanted | None
+    ) -> Plan:
+        if isinstance(self._planner, WrenchPlanner):
+            return self._planner.plan_or_hold(wanted, contacts, told, stop=stop)
+        return self._planner.plan_or_hold(wanted, contacts, told)
+
     def _for_planner(self, estimate: Estimate) -> Estimate | None:
         """The estimate, where the planner has limits that hold for it."""
         if not self._needs_estimate:
             return None
         return estimate if self._caution is None else self._caution.widened(estimate)
 
-    def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
+    def _with_hands(
+        self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str], stop: Wanted | None
+    ) -> Given:
         """One that regrasps goes on; another may only leave while the senses are there. `now` are time and health."""
         time, health = now
         if not regrasps.hands:
@@ -278,7 +295,7 @@ class Controller:
         regrasps.go_on(max(0.0, time - self._time))
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
-        return regrasps.plan(ahead.wrench_b, ahead.estimate)
+        return regrasps.plan(ahead.wrench_b, ahead.estimate, stop)
 
 
 def _check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartModel) -> None:

@@ -7,7 +7,7 @@ the others are planned for what is left, so that the cart gets what it is to get
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +26,10 @@ from .letting_go import Ahead, why_cart_cannot_coast, why_others_cannot
 
 RETRY = 0.2  # s until a hand that may not let go is asked again
 ALONE = "no other hand holds: the cart coasts"
+
+
+Wanted = Callable[[], Array]
+"""A planar wrench (3,) in {b}, worked out when it is asked for."""
 
 
 class Given(NamedTuple):
@@ -98,33 +102,35 @@ class Regrasps:
         """The arm whose hand does not hold wholly."""
         return next((name for name, hand in self.hands.items() if hand.phase is not Phase.HOLDS), None)
 
-    def plan(self, wrench_b: Array, estimate: Estimate | None = None) -> Given:
-        """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart."""
+    def plan(self, wrench_b: Array, estimate: Estimate | None = None, stop: Wanted | None = None) -> Given:
+        """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart, and
+        `stop` says which wrench (3,) brings it to rest where nothing is within these."""
         name, contacts = self.busy, self.contacts
         phase = None if name is None else self.hands[name].phase
         if phase is not self._last[0] and self._last[1]:
             self._start_from(name)
         if name is None:
-            plan = self._planner.plan_or_hold(wrench_b, contacts, estimate)
+            plan = self._planner.plan_or_hold(wrench_b, contacts, estimate, stop=stop)
             given = plan.contact_wrenches
         else:
-            plan, given = self._shared(name, wrench_b, contacts, estimate)
+            plan, given = self._shared(name, wrench_b, estimate, stop)
         self._last = phase, given.wrenches
         return Given(given, plan)
 
     def _shared(
-        self, name: str, wrench_b: Array, contacts: dict[str, Array], estimate: Estimate | None
+        self, name: str, wrench_b: Array, estimate: Estimate | None, stop: Wanted | None
     ) -> tuple[Plan, ContactWrenches]:
-        share, own = self.hands[name].share, np.zeros(6)
+        share, own, contacts = self.hands[name].share, np.zeros(6), self.contacts
         if share > 0:
-            whole = self._planner.plan_or_hold(wrench_b, contacts, estimate)
+            whole = self._planner.plan_or_hold(wrench_b, contacts, estimate, stop=stop)
             own = share * whole.contact_wrenches.wrenches[name]
         away = frozenset({name}) if self.hands[name].is_away else frozenset()
         if name not in self._others:
             plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=ALONE)
             return plan, ContactWrenches({name: own}, contacts, self._yaws, away)
-        rest = np.asarray(wrench_b) - grasp_map_planar(contacts[name], self._yaws[name]) @ own
-        plan = self._others[name].plan_or_hold(rest, self._beside(name), estimate)
+        given_so_far = grasp_map_planar(contacts[name], self._yaws[name]) @ own
+        rest = None if stop is None else lambda: stop() - given_so_far
+        plan = self._others[name].plan_or_hold(wrench_b - given_so_far, self._beside(name), estimate, stop=rest)
         given = plan.contact_wrenches.wrenches
         wrenches = {other: own if other == name else given[other] for other in contacts}
         return plan, ContactWrenches(wrenches, contacts, self._yaws, away)

@@ -71,6 +71,7 @@ class Step:
         message = "" if self.plan.status in USABLE else getattr(self.plan, "message", "")
         why = f": {message}" if message else ""
         told = [] if self.plan.status == "optimal" else [f"the plan is {self.plan.status}{why}"]
+        told += [stops] if (stops := getattr(self.plan, "stops", "")) else []
         told += [f"at its limit is {joint}" for joint in getattr(self.plan, "limiting_joints", ())]
         told += ["something else pushes the cart"] if pushed else []
         return "; ".join([*hands, *told, *([self.slowed] if self.slowed else [])])

@@ -103,6 +103,12 @@ class CartRows:
             cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
         return cones
 
+    def lifted(self) -> Self:
+        """The same rows and cones, which limit nothing."""
+        of_sum, offsets, free = self.of_sum.copy(), np.zeros_like(self.cone_offsets), np.full(len(self.low), np.inf)
+        of_sum[self.n_plain :], offsets[:, :1] = 0.0, WIDEST
+        return replace(self, of_sum=of_sum, low=-free, high=free, cone_offsets=offsets)
+
     def is_like(self, other: CartRows) -> bool:
         """Whether it has the same rows and cones, with other numbers."""
         return (self.low_names, self.high_names) == (other.low_names, other.high_names)
@@ -132,6 +138,10 @@ class Pushed:
     @cached_property
     def floor(self) -> FloorReaction:
         return FloorReaction.of(self.cart, self.motion)
+
+    @cached_property
+    def floor_with_partials(self) -> tuple[FloorReaction, Array]:
+        return FloorReaction.with_partials(self.cart, self.motion)
 
 
 class CartLimit(ABC):

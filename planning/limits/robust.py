@@ -24,7 +24,7 @@ import numpy as np
 
 from cartgrasp.checks import number
 from cartgrasp.errors import UsageError
-from cartgrasp.floor_reaction import FloorReaction, n_loads
+from cartgrasp.floor_reaction import n_loads
 from cartgrasp.frames import Array
 
 from .cart_limit import CartLimit, CartRows, Pushed
@@ -53,23 +53,30 @@ class RobustLimits:
         stated = [limit.checked_on_floor(cart) for limit in self.limits if isinstance(limit, FloorLimit)]
         return FloorRows.stacked(stated, n_loads(cart))
 
-    def rows(self, pushed: Pushed, covariance: Array | None = None, on_floor: FloorRows | None = None) -> CartRows:
+    def rows(
+        self,
+        pushed: Pushed,
+        covariance: Array | None = None,
+        on_floor: FloorRows | None = None,
+        share: float | None = 1.0,
+    ) -> CartRows:
         """Cones in the place of sides that depend on the cart's parameters, of which `covariance` (p, p) is; `on_floor`
-        is what this says of such a cart."""
+        is what this says of such a cart, `share` how much of the margins is kept; None: no limit of the floor is."""
         stated = self.on_floor(pushed.cart) if on_floor is None else on_floor
         others = [limit.rows(pushed) for limit in self.limits if not isinstance(limit, FloorLimit)]
         parts, n_arms = others, len(pushed.arms)
         if len(stated.low):
-            parts = [*others, self._with_margins(stated, pushed, covariance)]
+            on_floor_now = self._with_margins(stated, pushed, covariance, share or 0.0)
+            parts = [*others, on_floor_now.lifted() if share is None else on_floor_now]
         return CartRows.stacked(parts, n_arms) if len(parts) != 1 else parts[0]
 
-    def _with_margins(self, stated: FloorRows, pushed: Pushed, covariance: Array | None) -> CartRows:
+    def _with_margins(self, stated: FloorRows, pushed: Pushed, covariance: Array | None, share: float) -> CartRows:
         n_arms = len(pushed.arms)
         if self.confidence is None or covariance is None:
             return stated.under(pushed.floor, n_arms)
-        floor, partials = FloorReaction.with_partials(pushed.cart, pushed.motion)
+        floor, partials = pushed.floor_with_partials
         slopes = _slopes(stated.mix, partials, covariance)
-        return _as_cones(stated.under(floor, n_arms), slopes, self.confidence)
+        return _as_cones(stated.under(floor, n_arms), slopes, self.confidence, share)
 
 
 def root(covariance: Array) -> Array:
@@ -103,8 +110,8 @@ def _slopes(mix: Array, partials: Array, covariance: Array) -> Array:
     return np.asarray((mix @ along).swapaxes(0, 1))
 
 
-def _as_cones(rows: CartRows, slopes: Array, confidence: float) -> CartRows:
-    """`(b - a F, q (D F + d))` in the place of each side that has slopes (k, r, 7), which are D and d."""
+def _as_cones(rows: CartRows, slopes: Array, confidence: float, share: float) -> CartRows:
+    """`(b - a F, share q (D F + d))` in the place of each side that has slopes (k, r, 7), which are D and d."""
     depends = ~(np.abs(slopes).max(axis=(1, 2), initial=0.0) <= NO_SLOPE)  # NaN is none of nought
     low, high = (np.flatnonzero(depends & np.isfinite(side)) for side in (rows.low, rows.high))
     n_sides, r = len(low) + len(high), slopes.shape[1]
@@ -115,7 +122,7 @@ def _as_cones(rows: CartRows, slopes: Array, confidence: float) -> CartRows:
     cones = np.empty((n_sides, 1 + r, 7))
     cones[:, 0, :6] = -sign[:, None] * rows.of_sum[of]
     cones[:, 0, 6] = np.concatenate([-rows.low[low], rows.high[high]])
-    cones[:, 1:] = quantile * slopes[of]
+    cones[:, 1:] = share * quantile * slopes[of]
     left_low, left_high = (np.where(depends, free, side) for free, side in ((-np.inf, rows.low), (np.inf, rows.high)))
     left = np.flatnonzero(np.isfinite(left_low) | np.isfinite(left_high))
     names = tuple([rows.low_names[i] for i in low.tolist()] + [rows.high_names[i] for i in high.tolist()])

@@ -157,6 +157,20 @@ class Terms:
         self.template = self.base = self.base.with_cart_rows(rows)
         return True
 
+    def keep(self, share: float | None) -> None:
+        """That share of the margins of `confidence`, until another is kept or an estimate is taken; None: not even the
+        cart's limits on the floor."""
+        rows = self._cart_limits.rows(self._pushed, self._covariance, self._on_floor, share)
+        self.template = self.base = self.base.with_cart_rows(rows)
+
+    @property
+    def has_margins(self) -> bool:
+        return self._covariance is not None
+
+    @property
+    def limits_floor(self) -> bool:
+        return len(self._on_floor.low) > 0
+
     def _believe(self, estimate: Estimate) -> None:
         self.__dict__.pop("_straight_force", None)
         self.estimate, self.wheel_forces = estimate, partial(_wheel_forces, estimate, self.base.basis_b)

@@ -106,6 +106,17 @@ class TickState:
                 self._compile()
         self.newest_estimate = newest  # one that is refused makes no later one stale
 
+    def keep(self, share: float | None) -> None:
+        """That share of the margins, as `Terms.keep` says, for what is planned from now on."""
+        self.terms.keep(share)
+        self.program.drop()
+        self._take_last()
+
+    def go_back_to(self, last: LastPlan) -> None:
+        """As if what was remembered since had not been."""
+        self.last = shallow(last)
+        self.look_back_at(last.wrenches)
+
     def take_arms(self, arms: Sequence[Arm]) -> None:
         new, before = read_arms(arms, self.names), self.terms
         if new.keys() == before.sets.keys():

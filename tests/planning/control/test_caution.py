@@ -17,7 +17,7 @@ from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.studies.shopping_cart import WHEELS
 from estimation import CartFilter, FilterNoise, Prior
 from estimation.health import Health
-from planning import Caution, Controller, PathReference, Skid, TipOver, WrenchPlanner, chain, pause
+from planning import Caution, Controller, PathReference, RegraspTimes, Skid, TipOver, WrenchPlanner, chain, pause
 from planning.control.caution import HEALTHS, Pace
 from planning.references import speed_change, turn
 
@@ -186,6 +186,37 @@ def test_it_stops_where_no_plan_can_be_given_and_says_why():
     assert last.words.endswith("stops: the plan is infeasible")
     assert np.linalg.norm(last.reference.pose_sb[:2] - motion.pose_sb[:2]) < 0.3
     assert not made.is_done
+
+
+class Unsure:
+    """A filter that from 1.5 s on knows the cart so badly that no wrench keeps margins."""
+
+    def __init__(self):
+        self.cart = TRUTH
+        self._filter = CartFilter(TRUTH, ["left", "right"], prior=PRIOR)
+
+    def update(self, measurement):
+        told = self._filter.update(measurement)
+        if told.time < 1.5:
+            return told
+        return told._replace(covariance=told.covariance + np.diag([4.0, 3.0, 2.0, 1.0, 0.0, 0.0]) ** 2)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("caution", [None, Caution()])
+@pytest.mark.parametrize("regrasp", [None, RegraspTimes()])
+def test_a_cart_is_braked_where_no_wrench_keeps_its_limits(caution, regrasp):
+    """Before, it rolled on, at 0.3 m/s for four seconds and more; with what is said of it."""
+    limits = {"cart_limits": [TipOver(15.0)], "confidence": 0.99}
+    told = drive(Controller(TRUTH, arms(), PATH, estimator=Unsure(), caution=caution, regrasp=regrasp, **limits), 4.0)
+    assert next(motion for step, motion in told if step.time >= 1.4).velocity[0] > 0.3
+    last, motion = told[-1]
+    assert last.plan.status == "infeasible"
+    assert "stops the cart within " in last.words
+    assert np.abs(motion.velocity).max() < 0.02
+    forces = np.array([step.given.wrench_b[0] for step, _ in told if step.time > 1.55])
+    assert forces.min() < -5.0  # it is pulled back, and never pushed on
+    assert forces.max() < 1.0
 
 
 def test_the_reference_waits_for_a_cart_that_is_behind():
