@@ -23,11 +23,14 @@ from .regressor.parameter_learner import ParameterLearner
 from .schmidt_filter import SchmidtFilter
 
 
-def core_of(made_of: Given, least_speed: float = 0.0) -> LearningFilter:
-    """The filter behind a `CartFilter`, which takes samples in order."""
+def core_of(made_of: Given, least_speed: float = 0.0, unseen: float = 0.0) -> LearningFilter:
+    """The filter behind a `CartFilter`, which takes samples in order, and bears with disturbances up to `unseen`
+    (N·√s), where that is more than is declared."""
     cart, _, noise, prior, _ = made_of
     with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-        return LearningFilter(ParameterLearner(*made_of, least_speed), SchmidtFilter(cart, noise, prior.free(cart)))
+        return LearningFilter(
+            ParameterLearner(*made_of, least_speed, unseen), SchmidtFilter(cart, noise, prior.free(cart))
+        )
 
 
 @final

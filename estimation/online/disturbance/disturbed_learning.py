@@ -5,7 +5,8 @@ samples reach what learns a little late, and without their wrenches where meanwh
 a time the total wrench is not known, and nothing is learned from it. That is so where the disturbance is no noise, and
 neither what is not known of the parameters nor a usual load that was put on would look like it, by how the arms and the
 cart agree to accelerate. What goes on for too long is the model's error, and is learned from. What is too weak to be
-seen, the observer's own deviation for as long as its answer takes, is noise to what learns.
+seen, the observer's own deviation for as long as its answer takes, is noise to what learns, which finds out how much of
+it there is as a rule (`regressor/disturbance_level.py`).
 
 A load that was put on is not over with what shows of it. So from the first sample whose wrench is kept back another
 learns from all that there is, until its trial (`regressor/trial.py`) is over. If it finds a load, it was right.
@@ -37,6 +38,8 @@ from .observer import DisturbanceObserver, Observed
 ACTS, STAYS = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
 """By dimension, of the normalised square: chi-squared with one, two and three components is beyond the first once in a
 thousand times, and beyond the second, below which a disturbance is over, once in twenty."""
+LASTS = 0.4
+"""s until the last row in which a sample counts is worked out."""
 PATIENCE = 10.0
 """s after which what pushes is the model's error, and what is no load by then is none."""
 
@@ -48,9 +51,8 @@ class DisturbedLearning:
         cart, arms, noise, prior, yaws = made_of
         self.cart, self.prior, self.response = cart, prior, response
         self._observer = DisturbanceObserver(cart, noise, response, prior)
-        unseen = max(noise.disturbance, self._observer.deviation * math.sqrt(response))
-        louder = cart, arms, replace(noise, disturbance=unseen), prior, yaws
-        self._careful = delayed(core_of(louder), cart)
+        unseen = self._observer.deviation * math.sqrt(response)
+        self._careful = delayed(core_of(made_of, unseen=unseen), cart)
         self._quick = delayed(core_of(made_of), cart)
         self._trying_since = self._told_load = -math.inf  # s, of the quick one
         self._open: InTime | None = None  # learns from what is kept back, too
@@ -107,10 +109,12 @@ class DisturbedLearning:
     # --- learning ---------------------------------------------------------------------------------------------
 
     def _learn(self, sample: Measurement) -> None:
+        self._careful.learner.note_disturbance(sample.time < self._until + LASTS)
         is_patient = self._until - self._since < PATIENCE
         if is_patient and sample.time <= self._until and sample.wrenches:
             if self._open is None:
                 self._open, self._opened = self._careful.copy(), sample.time
+                self._open.learner.note_disturbance(True)
             self._kept_back = sample.time
             kept_back = {arm: np.full(6, np.nan) for arm in sample.wrenches}
             self._careful.take(replace(sample, wrenches=kept_back))

@@ -91,10 +91,11 @@ class Found(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """The density (f, f) of disturbances; and the parameters in whose products with the mass, the first one, a row is
-    linear."""
+    """The density (f, f) of disturbances that a row has to bear with, and of those that there are as a rule; and the
+    parameters in whose products with the mass, the first one, a row is linear."""
 
     disturbance: Array
+    usual: Array
     scaled: Indices
 
 
@@ -262,7 +263,8 @@ def _row(
         by[still + f + 1 : others], spread, (left_out.scaled, theta[0]), weighing.linear.sum()
     )
     residual -= left_on_average
-    foretold, seen = noise + curvature, standing_out(rise[0], np.diag(rise[1]), STILL)
+    foretold = noise + curvature + weighing.of_white * (left_out.usual - left_out.disturbance)
+    seen = standing_out(rise[0], np.diag(rise[1]), STILL)
     add_congruence(with_rise(slopes, by_acceleration, seen)[:, :p], covariance, foretold, np.empty(p))
     slopes = with_rise(slopes, by_acceleration, standing_out(*likeliest(rise, mass, foretold, residual), STANDS_OUT))
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white

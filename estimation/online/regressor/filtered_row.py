@@ -88,7 +88,14 @@ def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: Lef
     return kernels.row(block.weights, rise, found, moved, given, left_out)
 
 
+def one_disturbance(cart: CartModel, noise: FilterNoise) -> Array:
+    """The density (f, f) of disturbances of 1 N·√s, whose moments are by the noise's lever."""
+    root = cart.basis_b.T * [1.0, 1.0, noise.lever]
+    return np.asarray(root @ root.T)
+
+
 def left_out(cart: CartModel, noise: FilterNoise, scaled: Indices) -> LeftOut:
-    """What a model leaves out, and a row that is linear in the products of the `scaled` parameters with the mass."""
-    root = cart.basis_b.T * [noise.disturbance, noise.disturbance, noise.lever * noise.disturbance]
-    return LeftOut(root @ root.T, scaled)
+    """What a model leaves out, as declared, and a row that is linear in the products of the `scaled` parameters with
+    the mass."""
+    density = noise.disturbance**2 * one_disturbance(cart, noise)
+    return LeftOut(density, density, scaled)

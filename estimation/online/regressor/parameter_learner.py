@@ -30,17 +30,19 @@ from ...physical_set import PhysicalSet
 from ...prior import Prior
 from ..disturbance.observer import USUAL_PUSH
 from ..kernels.recorded_moment import DUE, FELT
-from ..kernels.row_algebra import FilteredRow, weights
+from ..kernels.row_algebra import FilteredRow, LeftOut, weights
 from ..load_change import load_covariance, root_of
 from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
 from ..wrench_sensing import Moving, WrenchSensing
-from .filtered_row import Block, filtered_row, is_slower, left_out, stands_still
+from .disturbance_level import DisturbanceLevel
+from .filtered_row import Block, filtered_row, is_slower, one_disturbance, stands_still
 from .followed_memory import FollowedMemory
 from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
 from .regression_belief import Innovation, RegressionBelief
 from .row_stages import Begun, Decided, RowOf, TakenIn, Tried, Unfinished
+from .scale import ScaleInformation
 from .trial import Beginning, Taken, Trial
 
 LONG_GAP = 0.3
@@ -62,6 +64,7 @@ class ParameterLearner:
         prior: Prior,
         yaws: Mapping[str, float],
         least_speed: float = 0.0,
+        unseen: float = 0.0,
     ) -> None:
         self.cart, self.noise, self.prior, self._least_speed = cart, noise, prior, least_speed
         self._free = self.prior.free(cart)
@@ -73,7 +76,10 @@ class ParameterLearner:
         self._belief = RegressionBelief(self._free, first, cart.constraints.n_free, cart.parameters, self._products)
         self.tracker = MotionTracker(cart, self.noise)
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
-        self._left_out = left_out(cart, noise, self._products.scaled)
+        self._one_disturbance = one_disturbance(cart, noise)
+        self._level, self._is_disturbed = DisturbanceLevel.between(noise.disturbance, unseen), False
+        self._pending: tuple[RowOf, ...] = ()  # rows that wait until the scale is known
+        self._scale = ScaleInformation.of(cart, prior, self._free)
         self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, self.prior)
@@ -117,6 +123,10 @@ class ParameterLearner:
             self.felt, self._has_wrench = self.tracker.felt, True
         else:
             self.felt = NOTHING_FELT
+
+    def note_disturbance(self, acts: bool) -> None:
+        """Whether something else pushes in the rows that come next."""
+        self._is_disturbed = acts
 
     def scale_noise(self, noise_factors: Array) -> None:
         """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""
@@ -264,22 +274,45 @@ class ParameterLearner:
     def _drop_link(self, *, is_still: bool = False) -> None:
         """The next block does not begin where the last one ended, or stood still."""
         self._belief.drop_link()
-        self._taken = ()
+        self._taken = self._pending = ()
         if self._trial is not None:
             self._settle(self._trial.without_link(is_still=is_still), self.time)
             self._conclude()
 
-    def _row_of(self, block: Block) -> RowOf:
+    def _row_of(self, block: Block) -> RowOf | None:
+        """None where rows can't be learned from yet."""
         known = Gaussian(self.theta, self.covariance)
         row = filtered_row(self.cart, known, self._spread, block, self._left_out)
-        return RowOf(float(block.moved.time[-1]), row)
+        told = RowOf(float(block.moved.time[-1]), row, block.weights.of_white)
+        return told if self._scale.is_known else self._with_scale(told, block)
 
-    def _taken_in(self, time: float, row: FilteredRow) -> TakenIn | Tried:
+    def _with_scale(self, told: RowOf, block: Block) -> RowOf | None:
+        """The row, with which the last ones count at last, too; None while the scale is not known."""
+        n = len(told.row.residual)
+        self._scale = self._scale.after(block.weights.held @ block.wrenches[:, 1 : 1 + n], told.row)
+        self._pending = (*self._pending, told)[-ROWS:]
+        if not self._scale.is_known:
+            return None
+        pending, self._pending = self._pending, ()
+        for one in pending[:-1]:
+            self._taken_in(*one)
+        return told
+
+    @property
+    def _left_out(self) -> LeftOut:
+        """A trial, or what is known to push, leaves no row quiet: it may bear as much as any."""
+        level, one = self._level, self._one_disturbance
+        usual = level.highest if self._trial is not None or self._is_disturbed else level.usual
+        return LeftOut(level.highest * one, usual * one, self._products.scaled)
+
+    def _taken_in(self, time: float, row: FilteredRow, of_white: float) -> TakenIn | Tried:
         """What the belief, or a trial, makes of a row."""
         if self._trial is not None:
             return Tried(time, self._trial.with_row(row, self.theta)).go_on()
         before = self._belief.copy()
         innovation = self._belief.update(row, self.theta)
+        if not self._is_disturbed:
+            self._level = self._level.after(innovation, of_white * self._one_disturbance)
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
         return TakenIn(time, innovation)
 

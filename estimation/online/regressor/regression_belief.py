@@ -7,7 +7,6 @@ neighbours' common noise is counted once.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple, Self
 
@@ -48,10 +47,18 @@ class Innovation(NamedTuple):
     def log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
         """The log-likelihood but for a constant, with something of this mean (n,) and covariance (n, n) beside. Beyond
         the gate, the noise is widened to it."""
-        value, spread, n = self.value - mean, self.covariance + more, len(self.value)
-        square = float(value @ np.linalg.solve(spread, value))
-        scale = max(1.0, square / (GATE * n))
-        return -0.5 * (square / scale + n * math.log(scale) + float(np.linalg.slogdet(spread)[1]))
+        return float(_gated(self.value - mean, self.covariance + more))
+
+    def log_likelihoods(self, more: Array) -> Array:
+        """The same with something of each covariance (g, n, n) beside."""
+        return _gated(self.value, self.covariance + more)
+
+
+def _gated(value: Array, spread: Array) -> Array:
+    n = len(value)
+    square = np.linalg.solve(spread, value[:, None])[..., 0] @ value
+    scale = np.maximum(1.0, square / (GATE * n))
+    return np.asarray(-0.5 * (square / scale + n * np.log(scale) + np.linalg.slogdet(spread)[1]))
 
 
 class RegressionBelief:

@@ -25,10 +25,11 @@ class Begun(NamedTuple):
 
 
 class RowOf(NamedTuple):
-    """The row of a block that ends at a time (s)."""
+    """The row of a block that ends at a time (s), and `Weights.of_white`."""
 
     time: float
     row: FilteredRow
+    of_white: float
 
 
 class Tried(NamedTuple):

@@ -1,0 +1,56 @@
+"""How loud disturbances are, between what is declared and what may be there unseen, as rows tell it.
+
+What noise of the motion does to a row's slopes is taken off by how it compares with that of the forces (conditional
+score, `row_parts.likeliest`). A disturbance that is thought too loud leaves too much of it, and masses come out too
+small. So where a row has to bear with louder ones than there are as a rule, what is taken off is by the level that the
+innovations of the last rows are most like: `log p(rows | level)`, in which older ones fade.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .regression_belief import Innovation
+
+LEVELS = 6
+LOWEST = 1e-3
+"""The lowest level, as a share of the highest, where none is declared."""
+KEPT = 0.99
+"""Share that is kept with each row of what older ones told; ten come a second."""
+
+
+@dataclass(frozen=True, eq=False)
+class DisturbanceLevel:
+    """Densities (g,), N²s, of which the last is the highest, with the log-likelihood of each."""
+
+    densities: Array
+    told: Array
+
+    @classmethod
+    def between(cls, low: float, high: float) -> Self:
+        """Each as likely as the other, from one level to another (N·√s); one alone where the first is not lower."""
+        roots = np.geomspace(max(low, LOWEST * high), high, LEVELS) if high > low else np.array([low])
+        return cls(roots**2, np.zeros(len(roots)))
+
+    @property
+    def highest(self) -> float:
+        """N²s."""
+        return float(self.densities[-1])
+
+    @property
+    def usual(self) -> float:
+        """N²s, in the mean over all."""
+        likely = np.exp(self.told - self.told.max())
+        return float(likely @ self.densities / likely.sum())
+
+    def after(self, innovation: Innovation, one: Array) -> Self:
+        """After a row that counted on the highest; its covariance (n, n) has `one` for each N²s."""
+        if len(self.densities) == 1:
+            return self
+        more = (self.densities - self.highest)[:, None, None] * one
+        return replace(self, told=KEPT * self.told + innovation.log_likelihoods(more))
