@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
@@ -182,10 +183,13 @@ class Controller:
         return self._last
 
     def observe(self, measurement: Measurement) -> Estimate:
-        """Takes in what was sensed between two ticks, such as the wrenches that the arms then gave."""
+        """Takes in what was sensed between two ticks, such as the wrenches that the arms then gave. Arms without a
+        contact hold where they were to hold."""
         check_kind("controller", measurement, Measurement, "write Measurement(time, pose=…, velocity=…)")
         if not self._names.issuperset(measurement.wrenches):
             check_known("measurement: wrenches", measurement.wrenches, self._names)
+        if not measurement.contacts.keys() >= measurement.wrenches.keys():
+            measurement = replace(measurement, contacts={**self._held, **measurement.contacts})
         estimate = self._estimator.update(measurement)
         self._first, self._observed = self._first or estimate, estimate
         self._knows_where = self._knows_where or estimate.health != "stale"
@@ -214,14 +218,19 @@ class Controller:
     def restored(
         cls, path: str | os.PathLike[str], arms: Sequence[Arm], reference: ReferencePath, **options: Any
     ) -> Self:
-        """One that goes on from what was saved; `options` are those of the constructor, which are not kept."""
-        saved = read_saved(path)
+        """One that goes on from what was saved; `options` are those of the constructor, which are not kept. `estimator`
+        may be what makes one of the cart that was saved, such as `lambda cart: DisturbedFilter(cart, ["left"])`; one
+        that is made already goes on from what it knows."""
+        saved, given = read_saved(path), options.get("estimator")
+        is_new = given is None or (callable(given) and not hasattr(given, "update"))
+        if given is not None and is_new:
+            options["estimator"] = given(saved.cart)
         if set(saved.hands) != {arm.name for arm in arms}:
             raise UsageError(f"controller: {path} has the hands of {', '.join(saved.hands)}; give these arms")
         controller = cls(saved.cart, arms, reference, **options)
         controller._time, controller._pace = saved.time, Pace(saved.along)
         controller._held = {name: np.array(hand.point) for name, hand in saved.hands.items()}
-        if saved.motion is not None and options.get("estimator") is None:
+        if saved.motion is not None and is_new:
             pose, nu = saved.motion[:2]
             velocity = body_to_world(pose[2]) @ saved.cart.basis_b @ nu
             controller.observe(Measurement(saved.time, pose, velocity))

@@ -62,7 +62,7 @@ class DisturbedLearning:
         self._known: Estimate | None = None
         self._observed: Observed | None = None
         self._disturbance: Disturbance | None = None
-        self._is_sure = False
+        self._is_sure, self._is_total_known = False, True
         self._since = self._until = -math.inf  # when the disturbance set in that acts now, and when one acted last
         self.time = -math.inf
 
@@ -163,22 +163,24 @@ class DisturbedLearning:
         self._sensing.note_contacts(measurement)
         if measurement.wrenches:
             sensed = self._sensing.sense(measurement, theta, Moving(observed.state(memory), measurement.time))
+            was_known, self._is_total_known = self._is_total_known, sensed is not None
             if sensed is not None:
+                observed = observed if was_known else self._observer.forgotten(observed)
                 observed = self._observer.pushed(observed, sensed.value, sensed.covariance)
         self._observed = observed
         if self._disturbance is None or moves:
             self._conclude(observed, told, memory)
 
     def _conclude(self, observed: Observed, told: Estimate, memory: Array) -> None:
-        """Whether the disturbance acts. It does for sure where no usual load would look like it, and goes on to until a
-        load that rolls on could; else where no load would by its inertia. A load does not turn nu' round: it explains
-        the part that wrenches alone would make, and that is there."""
+        """Whether the disturbance acts, where all arms tell what they give. It does for sure where no usual load would
+        look like it, and goes on to until a load that rolls on could; else where no load would by its inertia. A load
+        does not turn nu' round: it explains the part that wrenches alone would make, and that is there."""
         time, k, was = observed.time, observed.k, self._disturbance is not None and self._disturbance.acts
         squares, known = self._observer.squares(observed, memory, told.model_parameters, told.covariance)
         rolls, agreed, rigid = squares
         begins, stays = ACTS[k - 1], STAYS[k - 1]
         self._is_sure = rolls > stays if self._is_sure else agreed > begins
-        acts = self._is_sure or rigid > (stays if was else begins)
+        acts = self._is_total_known and (self._is_sure or rigid > (stays if was else begins))
         if acts:
             self._since, self._until = (self._since if was else time), time
         self._disturbance = Disturbance(observed.wrench.mean, known, acts)

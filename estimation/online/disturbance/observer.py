@@ -6,8 +6,8 @@ whose velocity is measured with density r, the filter is an observer with the po
     w² = walk / (m √r),    d's variance √2 m² w³ r,    answer to a step 1 - √2 exp(-w t/√2) sin(w t/√2 + π/4),
 
 which stays within 5 % from `w t = 2.93` on. So the walk follows from how quick the answer shall be; poses make it a
-little quicker. Two surprising samples in a row that a usual push could have made are no outliers, but one that sets
-in: then d may be any such, and is known as soon as the noise of the sensors allows.
+little quicker. Surprising samples in a row that a usual push could have made, since the first of them, are no outliers,
+but one that sets in: then d may be any such, and is known as soon as the noise of the sensors allows.
 """
 
 from __future__ import annotations
@@ -89,6 +89,13 @@ class DisturbanceObserver:
     def pushed(self, observed: Observed, wrench: Array, noise: Array) -> Observed:
         """The observed state, pushed by this reduced wrench (k,) of the arms from now on."""
         return replace(observed, given=wrench, given_noise=noise)
+
+    def forgotten(self, observed: Observed) -> Observed:
+        """The motion as it was observed, and of d no more than at first."""
+        mean, covariance, own = observed.belief.mean.copy(), observed.belief.covariance.copy(), 3 + observed.k
+        mean[own:] = covariance[own:] = covariance[:, own:] = 0.0
+        covariance[own:, own:] = np.diag(self._usual)
+        return replace(observed, belief=Gaussian(mean, covariance), surprised=0)
 
     def advanced(self, observed: Observed, time: float, memory: Array, theta: Array) -> Observed:
         """The observed state at a later time (s), with what effects remember and parameters (p,) as they are believed

@@ -212,7 +212,7 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
             copy(covariance[i], opened[i])
         for a in range(k):
             opened[3 + k + a, 3 + k + a] = max(opened[3 + k + a, 3 + k + a], c.usual[a])
-            opened[3 + a, 3 + a] += c.usual[a] * (MAX_STEP / c.inertias[a]) ** 2
+            opened[3 + a, 3 + a] += c.usual[a] * (surprised * MAX_STEP / c.inertias[a]) ** 2
         square = _square(opened, (rows[:m], residual[:m], R), room)
         if square <= SURPRISING:
             for i in range(n):

@@ -103,7 +103,7 @@ def test_advanced(kind, what, numbers, gap):
 MISSING = st.sets(st.integers(0, 5))
 
 
-@pytest.mark.parametrize("surprised", [0, 1])
+@pytest.mark.parametrize("surprised", [0, 1, 4])
 @pytest.mark.parametrize("kind", KINDS)
 @few
 @given(numbers=SMALL, off=vectors(6, -1.0, 1.0), size=st.sampled_from([0.1, 1.0, 10.0]), missing=MISSING)
@@ -134,7 +134,7 @@ def test_seen(kind, surprised, numbers, off, size, missing):
         P, nu = belief.covariance.copy(), np.arange(3, 3 + k)
         usual = (USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2
         P[nu + k, nu + k] = np.maximum(P[nu + k, nu + k], usual)
-        P[nu, nu] += usual * (MAX_STEP / of._inertias) ** 2
+        P[nu, nu] += usual * (now * MAX_STEP / of._inertias) ** 2
         opened = Gaussian(belief.mean, P)
         square = innovation(opened, residual, H, R).nis
         belief = opened if square <= SURPRISING else belief

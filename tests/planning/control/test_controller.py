@@ -11,7 +11,7 @@ from cartgrasp.errors import FileError, UsageError
 from cartgrasp.frames import body_to_world
 from cartgrasp.roles import ContactChoice
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
-from estimation import CartFilter, FilterNoise
+from estimation import CartFilter, DisturbedFilter, FilterNoise
 from planning import Controller, PathReference, RegraspTimes, WrenchPlanner, build_tracker, chain, pause, straight
 from planning.references import speed_change, turn
 
@@ -271,6 +271,32 @@ def test_what_was_saved_is_gone_on_from_without_a_jump(tmp_path, rate):
         now = again.step(first)
         for name, wrench in now.wrenches.items():
             assert np.abs(wrench - on.wrenches[name]).max() < 4.0, name  # of a pose alone: 47 before
+
+
+def test_what_was_saved_goes_to_a_filter_of_ones_own(tmp_path):
+    held, seen = arms(), cg.Measurement(0.0, pose=np.zeros(3), velocity=np.zeros(3))
+    made = Controller(CART, held, PATH)
+    made.step(seen)
+    path = made.save(tmp_path / "controller.yaml")
+    again = Controller.restored(path, held, PATH, estimator=lambda cart: DisturbedFilter(cart, ["left", "right"]))
+    step = again.step(cg.Measurement(0.01))
+    assert step.disturbance is not None
+    assert step.health != "stale"  # it knows how the cart moved
+    assert dict(again.cart.first_guess.std)["mass"] == pytest.approx(step.estimate.parameters["mass"].std)
+
+
+def test_wrenches_without_contacts_are_felt_where_hands_hold():
+    one, other = (Controller(CART, arms(), PATH) for _ in range(2))
+    for k in range(30):
+        seen = cg.Measurement(0.01 * k, pose=np.array([1e-5 * k * k, 0.0, 0.0]))
+        steps = [made.step(seen) for made in (one, other)]
+        one.observe(cg.Measurement(0.01 * k, wrenches=steps[0].wrenches, contacts=steps[0].contacts))
+        told = other.observe(cg.Measurement(0.01 * k, wrenches=steps[0].wrenches))
+    assert told.health == "ok"
+    np.testing.assert_array_equal(steps[0].estimate.model_parameters, steps[1].estimate.model_parameters)
+    for wrong in ([30.0, 0.0, 5.0], [30.0]):
+        with pytest.raises(UsageError, match=r"measurement: wrenches: left: .* is not 6 numbers"):
+            other.observe(cg.Measurement(0.31, wrenches={"left": wrong, "right": [0.0] * 6}))
 
 
 def test_rates_of_arms_keep_no_contact_from_being_chosen():
