@@ -241,8 +241,12 @@ def _mass_error(case: Case, time: Array, mass: Array) -> float:
     return float(np.abs(mass / case.cart.phi_at(time)[:, 0] - 1.0)[counts].max())
 
 
-def run_cases(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Outcome]:
+def run_cases(
+    seeds: Sequence[int],
+    workers: int = 1,
+    progress: Callable[[float], None] | None = None,
+    kinds: Sequence[str] = KINDS,
+) -> list[Outcome]:
     """Each kind, seed and way, over `workers` processes."""
-    return run_all(
-        attempt, [(Case(kind, seed), way) for seed in seeds for kind in KINDS for way in WAYS], workers, progress
-    )
+    jobs = [(Case(kind, seed), way) for seed in seeds for kind in kinds for way in WAYS]
+    return run_all(attempt, jobs, workers, progress)

@@ -67,10 +67,14 @@ def merit(outcomes: Sequence[Outcome], kind: str, way: str) -> Merit:
     return Merit.of([one for one in outcomes if (one.case.kind, one.way) == (kind, way)])
 
 
+def _kinds(outcomes: Sequence[Outcome]) -> list[str]:
+    return [kind for kind in KINDS if any(one.case.kind == kind for one in outcomes)]
+
+
 def rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
     """By kind and way; "-" where nothing is learned."""
     found = []
-    for kind in KINDS:
+    for kind in _kinds(outcomes):
         for way in WAYS:
             m = merit(outcomes, kind, way)
             learns = not math.isnan(m.mass)
@@ -82,7 +86,7 @@ def rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
 
 def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     found = []
-    for kind in KINDS:
+    for kind in _kinds(outcomes):
         ours = merit(outcomes, kind, OURS)
         best = np.nanmin([merit(outcomes, kind, way).errors for way in WAYS if way != OURS], axis=0)
         shares = np.array(ours.errors) / best

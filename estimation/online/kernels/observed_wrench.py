@@ -210,9 +210,16 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
     if surprised > 1:
         for i in range(n):
             copy(covariance[i], opened[i])
+        since = surprised * MAX_STEP
         for a in range(k):
             opened[3 + k + a, 3 + k + a] = max(opened[3 + k + a, 3 + k + a], c.usual[a])
-            opened[3 + a, 3 + a] += c.usual[a] * (surprised * MAX_STEP / c.inertias[a]) ** 2
+            rate, size = c.usual[a] / c.inertias[a] ** 2, 0.0
+            opened[3 + a, 3 + a] += rate * since**2
+            for i in range(3):
+                size += c.project[a, i] ** 2
+            for i in range(3):  # of x and y together, since nobody knows where it heads by then
+                along = c.project[a, 2] ** 2 if i == 2 else c.project[a, 0] ** 2 + c.project[a, 1] ** 2
+                opened[i, i] += rate * (since**2 / 2.0) ** 2 * along / size**2
         square = _square(opened, (rows[:m], residual[:m], R), room)
         if square <= SURPRISING:
             for i in range(n):

@@ -134,7 +134,12 @@ def test_seen(kind, surprised, numbers, off, size, missing):
         P, nu = belief.covariance.copy(), np.arange(3, 3 + k)
         usual = (USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2
         P[nu + k, nu + k] = np.maximum(P[nu + k, nu + k], usual)
-        P[nu, nu] += usual * (now * MAX_STEP / of._inertias) ** 2
+        rate, since = usual / of._inertias**2, now * MAX_STEP
+        P[nu, nu] += rate * since**2
+        ways = np.linalg.pinv(of.cart.basis_b)
+        ways = ways / np.square(ways).sum(axis=1, keepdims=True)
+        linear = np.square(ways[:, :2]).sum(axis=1)
+        P[np.arange(3), np.arange(3)] += (since**2 / 2) ** 2 * np.array([rate @ linear] * 2 + [rate @ ways[:, 2] ** 2])
         opened = Gaussian(belief.mean, P)
         square = innovation(opened, residual, H, R).nis
         belief = opened if square <= SURPRISING else belief

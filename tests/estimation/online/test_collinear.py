@@ -1,0 +1,46 @@
+"""Force and moment that rise and fall together: rows leave free how mass, CoM and inertia share them. Noise of the
+motion decides that now, and is sure of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cartgrasp as cg
+from cartgrasp.simulation import ModelPlant
+from estimation import CartFilter, FilterNoise
+
+CART = cg.CartModel(cg.Inertia(60.0, (0.05, 0.02), 20.0))
+HELD = {"hand": np.array([-1.0, 0.0, 0.9])}
+NOISE = FilterNoise(position=5e-4, heading=5e-4, force=0.5, moment=0.02)
+
+
+def mass_after(duration, seed, share):
+    """What a filter says of it; the moment is a share (m) of the force."""
+    learner, random, plant = CartFilter(CART, ["hand"], noise=NOISE), np.random.default_rng(seed), ModelPlant(CART)
+    while plant.time < duration:
+        force = 25.0 * np.sin(1.2 * plant.time) + 10.0
+        given = np.array([force, 0.0, 0.0, 0.0, 0.0, share * force])
+        felt = given + np.array([0.5, 0.5, 0.5, 0.02, 0.02, 0.02]) * random.normal(size=6)
+        pose = plant.motion.pose_sb + 5e-4 * random.normal(size=3)
+        told = learner.update(cg.Measurement(plant.time, pose=pose, wrenches={"hand": felt}, contacts=HELD))
+        plant.step(cg.ContactWrenches({"hand": given}, HELD), 0.01)
+    return told.parameters["mass"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "share",
+    [
+        0.0,
+        pytest.param(
+            0.2,
+            marks=pytest.mark.xfail(
+                strict=True, reason="issue 30: noise of nu' in slopes decides what rows leave free, 2 to 18 % low"
+            ),
+        ),
+    ],
+)
+def test_what_rows_leave_free_is_not_decided_by_noise(share):
+    off = np.array([(mass.value - 60.0) / mass.std for mass in (mass_after(6.0, seed, share) for seed in (0, 1, 3))])
+    assert np.sqrt((off**2).mean()) < 3.0
