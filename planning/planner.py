@@ -199,9 +199,10 @@ class WrenchPlanner:
                 the cart on the floor, `held` is that, as far as the arms can give it, with as much of the margins as
                 leave it; where it is beyond the limits themselves, the nearest within; else whatever they are."""
         plan = self._plan(wrench, contacts, estimate, arms, at_once=True)
-        if plan.is_usable:
-            return plan
         now, terms = self._now, self._now.terms
+        if plan.is_usable:
+            now.stop_share = 1.0
+            return plan
         told = {"wheel_forces": terms.wheel_forces, "arms": terms.base.arms}
         if stop is not None and plan.status in UNPLANNED and terms.limits_floor:
 

@@ -2,7 +2,8 @@
 
 A cart without hands rolls on, and may be beyond its limits for longer. So the cart is brought to rest, by what the arms
 can give. Of the margins of a `confidence` the largest of these shares is kept that leaves this; where it is beyond the
-limits for the cart as believed, the nearest within these is given, and where nothing is within, the wrench itself.
+limits for the cart as believed, the nearest within these is given, and where nothing is within, the wrench itself. From
+tick to tick the share grows by one step at most, so that few programs are solved.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ AS_BELIEVED, BEYOND = "within its limits as it is believed to be", "beyond its l
 def stopping_plan(now: TickState, wrench: ArrayLike, plan: Callable[[ArrayLike, bool], Plan]) -> dict[str, Any] | None:
     """What the fields of a plan are then; `plan` plans a wrench (3,) for what `now` keeps, and looks for the nearest if
     it need not be exact. None where none is found."""
-    before = shallow(now.last)
+    before, shares = shallow(now.last), (*SHARES, 0.0) if now.terms.has_margins else (0.0,)
+    first = max(0, shares.index(now.stop_share) - 1) if now.stop_share in shares else 0
 
     def kept(share: float | None, wanted: ArrayLike) -> Plan:
         now.go_back_to(before)
@@ -37,10 +39,11 @@ def stopping_plan(now: TickState, wrench: ArrayLike, plan: Callable[[ArrayLike, 
         wanted = found.cart_wrench
         if wanted is None:
             return None
-        for share in (*SHARES, 0.0) if now.terms.has_margins else (0.0,):
+        for share in shares[first:]:
             within = kept(share, wanted)
             if within.status == OPTIMAL or (share == 0.0 and within.is_usable):
-                found, words = within, f"within {100 * share:g} % of its margins" if share else AS_BELIEVED
+                found, now.stop_share = within, share
+                words = f"within {100 * share:g} % of its margins" if share else AS_BELIEVED
                 break
         else:
             found = kept(None, wanted)

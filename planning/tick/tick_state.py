@@ -57,6 +57,7 @@ class TickState:
     def __init__(self, settings: Settings, arms: Sequence[Arm], names: Sequence[str] = ()) -> None:
         self._settings, self.is_warm, self.last = settings, False, LastPlan(0)
         self.newest_estimate = -math.inf
+        self.stop_share = 1.0  # of the margins, with which the last tick without a plan stopped the cart
         self.solver = QuadraticSolver(name=settings.solver)
         self.compiled: CompiledPlanning | None = None
         self._begin(settings.terms(arms), ())

@@ -85,6 +85,14 @@ def test_where_it_is_beyond_the_limits_themselves_the_nearest_within_is_given():
     np.testing.assert_allclose(given, believed.cart_wrench, atol=1e-3)
 
 
+def test_the_share_follows_what_is_known_from_tick_to_tick():
+    """Down at once, up by a step a tick."""
+    made, brake, told = planner(**FLAT), np.array([-5.0, 0.0, 0.0]), []
+    for scale in (6.0, 3.5, 3.5, 3.5, 6.0):
+        told.append(stopped(made, estimate(covariance(scale), BEND), brake).stops.split()[4])
+    assert told == ["25", "50", "75", "75", "25"]
+
+
 def test_afterwards_it_plans_as_ever():
     """With whole margins, from what was given last."""
     made, other = planner(**RATES), planner(**RATES)
