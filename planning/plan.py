@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
 USABLE = OPTIMAL, RELAXED
 """Statuses of a plan that gives what is asked, or what is nearest."""
-
-
 UNPLANNED = INFEASIBLE, NUMERICAL, TIMEOUT
 """Statuses where what was asked is understood, and no wrench was found."""
 
@@ -60,10 +58,10 @@ class Plan:
 
     When `infeasible`, `certificate` proves it and holds the nearest plan; `relaxed` is that nearest plan. `held` is
     what `plan_or_hold` gives instead where there are no wrenches, and `stops` says how far within the cart's limits
-    that stops the cart, if it does. `switched` are the arms that hold elsewhere than at
-    the last plan, told where switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `wheel_forces`
-    what the wheels take, when asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves
-    that open. `arms` have the limits that held.
+    that stops the cart, if it does. `switched` are the arms that hold elsewhere than at the last plan, told where
+    switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `wheel_forces` what the wheels take, when
+    asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves that open. `arms` have the
+    limits that held.
     """
 
     status: str

@@ -127,10 +127,8 @@ class WrenchPlanner:
 
     def for_arms(self, names: Sequence[str]) -> Self:
         """A planner like this one, which remembers nothing, for some of its arms."""
-        other, made, costs = shallow(self), self._made, self._made.switching_cost
-        if isinstance(costs, Mapping):
-            costs = {name: cost for name, cost in costs.items() if name in names}
-        other._made = replace(made, switching_cost=costs)
+        other = shallow(self)
+        other._made = replace(self._made, switching_cost=self._made.costs_of(names))
         other._now = TickState(other._made, [arm for arm in self._now.terms.base.arms if arm.name in names])
         return other
 
@@ -209,7 +207,8 @@ class WrenchPlanner:
             def planned(wanted: ArrayLike, exact: bool) -> Plan:
                 return self._plan(wanted, contacts, None, None, at_once=True, exact=exact)
 
-            stopping = stopping_plan(now, stop(), planned)
+            asked, stopping = self._asked, stopping_plan(now, stop(), planned)
+            self._asked = asked
             if stopping is not None:
                 return Plan.of(vars(plan) | told | stopping)
         now.remember(terms.shrink(now.last.wrenches, self._decay) * now.last.wrenches, now.last.contacts)

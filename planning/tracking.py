@@ -88,15 +88,20 @@ def build_tracker(
     return SteeringTracker(gains, as_it_is) if constraints.n_rows == 1 else DirectTracker(gains, as_it_is)
 
 
+def wrench_as_it_moves(model: CartModel, motion: Motion, acceleration: Array, time: float) -> Array:
+    """Planar wrench (3,) in {b} for nu' (k,), with friction and memories those of the motion."""
+    state = model.state(motion.pose_sb, motion.velocity)
+    if motion.memory is not None:
+        state[model.memory_slice] = motion.memory
+    return model.planar_wrench(model.required_wrench(state, acceleration, time=time))
+
+
 def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration: Array, as_it_is: bool) -> Array:
     """Planar wrench in {b}. Friction is fed forward for the wanted velocity, so that it also breaks away from rest; and
     what swings, as if it went along. Memories that nobody sees are taken to be as at first. `as_it_is`: friction and
     memories are those of the motion, which is where a disturbance beside them was observed."""
     if as_it_is:
-        state = model.state(motion.pose_sb, motion.velocity)
-        if motion.memory is not None:
-            state[model.memory_slice] = motion.memory
-        return model.planar_wrench(model.required_wrench(state, acceleration, time=reference.time))
+        return wrench_as_it_moves(model, motion, acceleration, reference.time)
     wanted = np.where(np.abs(reference.velocity) > STILL, reference.velocity, motion.velocity)
     state, feedforward = (model.state(motion.pose_sb, velocity) for velocity in (motion.velocity, wanted))
     if motion.memory is not None and len(motion.memory):

@@ -6,6 +6,8 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 
+from ..tracking import wrench_as_it_moves
+
 WITHIN = 0.5
 """s: the time constant; after four of these, 2 s, 2 % of the velocity is left."""
 
@@ -13,7 +15,4 @@ WITHIN = 0.5
 def braking_wrench(model: CartModel, motion: Motion, time: float) -> Array:
     """The planar wrench (3,) in {b} under which velocities fade as they are, `nu' = -nu / WITHIN`, so that the cart
     stays on its curve."""
-    state = model.state(motion.pose_sb, motion.velocity)
-    if motion.memory is not None:
-        state[model.memory_slice] = motion.memory
-    return model.planar_wrench(model.required_wrench(state, -motion.velocity / WITHIN, time=time))
+    return wrench_as_it_moves(model, motion, -motion.velocity / WITHIN, time)

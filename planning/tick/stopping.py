@@ -36,7 +36,7 @@ def stopping_plan(now: TickState, wrench: ArrayLike, plan: Callable[[ArrayLike, 
 
     try:
         found, words = kept(None, wrench), BEYOND
-        wanted = found.cart_wrench
+        free, wanted = shallow(now.last), found.cart_wrench
         if wanted is None:
             return None
         for share in shares[first:]:
@@ -46,7 +46,7 @@ def stopping_plan(now: TickState, wrench: ArrayLike, plan: Callable[[ArrayLike, 
                 words = f"within {100 * share:g} % of its margins" if share else AS_BELIEVED
                 break
         else:
-            found = kept(None, wanted)
+            now.go_back_to(free)
     finally:
         now.keep(1.0)
     return {"held": found.contact_wrenches, "stops": f"stops the cart {words}"}

@@ -47,21 +47,26 @@ class Settings:
     switching_cost: float | Mapping[str, float]
     solver: str | None
 
+    def costs_of(self, names: Sequence[str]) -> float | Mapping[str, float]:
+        """Switching costs of these arms alone."""
+        costs = self.switching_cost
+        return {n: cost for n, cost in costs.items() if n in names} if isinstance(costs, Mapping) else costs
+
     def terms(self, arms: Sequence[Arm]) -> Terms:
         return Terms(self.cart, arms, self.objective, self.cart_limits, (self.min_hand_distance, self.period))
 
 
 class TickState:
-    """What is kept for `arms`, which may be some of `names`; `is_warm` says whether kernels may be used."""
+    """What is kept for `arms`, or for those of them that hold now; `is_warm` says whether kernels may be used."""
 
-    def __init__(self, settings: Settings, arms: Sequence[Arm], names: Sequence[str] = ()) -> None:
+    def __init__(self, settings: Settings, arms: Sequence[Arm]) -> None:
         self._settings, self.is_warm, self.last = settings, False, LastPlan(0)
         self.newest_estimate = -math.inf
         self.stop_share = 1.0  # of the margins, with which the last tick without a plan stopped the cart
         self.solver = QuadraticSolver(name=settings.solver)
         self.compiled: CompiledPlanning | None = None
         self._begin(settings.terms(arms), ())
-        self.names = tuple(names) or self.terms.base.names
+        self.names = self.terms.base.names
         self.reset()
 
     def reset(self) -> None:
@@ -146,13 +151,12 @@ class TickState:
 
     def _begin(self, terms: Terms, before: Sequence[str]) -> None:
         """What is made for the arms of `terms`; of those `before` what was last is kept."""
-        names, costs, solver = terms.base.names, self._settings.switching_cost, self._settings.solver
-        if before and isinstance(costs, Mapping):
-            costs = {name: cost for name, cost in costs.items() if name in names}
+        names, settings, solver = terms.base.names, self._settings, self._settings.solver
+        costs = settings.costs_of(names) if before else settings.switching_cost  # which are checked at first
         self.terms, self.switching = terms, SwitchingCost(costs, names)
         self.last = self.last.among(before, names)
         self.cases, self.given = CaseSolver(terms.template, solver), GivenContacts(terms)
-        self.answers, self.program = Answers(terms, self._settings.relax, solver), ProgramAtContacts(terms)
+        self.answers, self.program = Answers(terms, settings.relax, solver), ProgramAtContacts(terms)
         self.compiled, self.cost = None, terms.base.cost(self.last.wrenches)
         self.begin_terms()
 

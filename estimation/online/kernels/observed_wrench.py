@@ -12,7 +12,7 @@ from cartgrasp.kernels.dynamics import Point, forward, lifted, rate_alone, taugh
 from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
-from .correction import add_congruence, carved, eliminate, normalised_square, wrapped
+from .correction import add_congruence, carved, eliminate, normalised_square, put, wrapped
 from .free_directions import add_creep, raised, to_free
 from .jit import Indices, compiled, entry
 
@@ -208,26 +208,29 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
     square, scale = _square(covariance, (rows[:m], residual[:m], R), room), 1.0
     surprised = surprised + 1 if square > SURPRISING else 0
     if surprised > 1:
-        for i in range(n):
-            copy(covariance[i], opened[i])
-        since = surprised * MAX_STEP
-        for a in range(k):
-            opened[3 + k + a, 3 + k + a] = max(opened[3 + k + a, 3 + k + a], c.usual[a])
-            rate, size = c.usual[a] / c.inertias[a] ** 2, 0.0
-            opened[3 + a, 3 + a] += rate * since**2
-            for i in range(3):
-                size += c.project[a, i] ** 2
-            for i in range(3):  # of x and y together, since nobody knows where it heads by then
-                along = c.project[a, 2] ** 2 if i == 2 else c.project[a, 0] ** 2 + c.project[a, 1] ** 2
-                opened[i, i] += rate * (since**2 / 2.0) ** 2 * along / size**2
+        put(covariance, opened)
+        _open(c, surprised * MAX_STEP, opened)
         square = _square(opened, (rows[:m], residual[:m], R), room)
         if square <= SURPRISING:
-            for i in range(n):
-                copy(opened[i], covariance[i])
+            put(opened, covariance)
     if square > SURPRISING:
         scale = square / SURPRISING
     _update(mean, covariance, (rows[:m], residual[:m], R), scale, room)
     return surprised
+
+
+@compiled
+def _open(c: Constants, since: float, opened: Array) -> None:
+    """Adds to a covariance what a usual push may have done that set in so many s ago."""
+    k = len(c.walk)
+    for a in range(k):
+        opened[3 + k + a, 3 + k + a] = max(opened[3 + k + a, 3 + k + a], c.usual[a])
+        rate = c.usual[a] / c.inertias[a] ** 2
+        opened[3 + a, 3 + a] += rate * since**2
+        linear, turning = c.project[a, 0] ** 2 + c.project[a, 1] ** 2, c.project[a, 2] ** 2
+        moved = rate * (since**2 / 2.0) ** 2 / (linear + turning) ** 2
+        for i in range(3):  # x and y alike, since nobody knows where it heads by then
+            opened[i, i] += moved * (turning if i == 2 else linear)
 
 
 @compiled
@@ -355,8 +358,7 @@ def squares(
     rolls = agreed = rigid = 0.0
     for which in (ROLLS, AGREED, WHOLE):
         taught(cart, point, accelerations[which], (wrench, mass, by))
-        for a in range(k):
-            copy(told[a], found[a])
+        put(told, found)
         if len(unknown) > 0:
             add_congruence(by, unknown, found, room)
         if which == ROLLS:
@@ -382,8 +384,7 @@ def _explained(rates: Array, accelerations: Array) -> None:
 def _square_beside_load(d: Array, known: Array, by: Array, load: Array, room: Array) -> float:
     """Normalised square of d (k,) known to (k, k), where a load (4, 4) may make some of it by (k, 4)."""
     total, room = carved(room, len(d), len(d))
-    for a in range(len(d)):
-        copy(known[a], total[a])
+    put(known, total)
     add_congruence(by, load, total, room)
     return normalised_square(d, total, room)
 

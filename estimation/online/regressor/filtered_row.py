@@ -28,7 +28,6 @@ from ...noise import FilterNoise
 from ...standstill import LEVER, STILL_SPEED
 from ..kernels import row_algebra as kernels
 from ..kernels import row_parts
-from ..kernels.jit import Indices
 from ..kernels.row_algebra import FilteredRow, Found, LeftOut, Smoothed, Weights
 from ..kernels.row_parts import STILL
 
@@ -92,10 +91,3 @@ def one_disturbance(cart: CartModel, noise: FilterNoise) -> Array:
     """The density (f, f) of disturbances of 1 N·√s, whose moments are by the noise's lever."""
     root = cart.basis_b.T * [1.0, 1.0, noise.lever]
     return np.asarray(root @ root.T)
-
-
-def left_out(cart: CartModel, noise: FilterNoise, scaled: Indices) -> LeftOut:
-    """What a model leaves out, as declared, and a row that is linear in the products of the `scaled` parameters with
-    the mass."""
-    density = noise.disturbance**2 * one_disturbance(cart, noise)
-    return LeftOut(density, density, scaled)

@@ -20,6 +20,7 @@ from cartgrasp.model import CartModel
 from ...prior import Prior
 from ..kernels.jit import Indices
 from ..kernels.row_algebra import FilteredRow
+from .mass_products import MASS
 
 KNOWN = 0.2
 """Standard deviation of log s."""
@@ -40,10 +41,9 @@ class ScaleInformation:
     def of(cls, cart: CartModel, prior: Prior, free: Indices) -> Self:
         """Nothing lacks where the mass is given. A force that is given, such as friction, is too weak beside noise of
         the motion, times the mass, to hold the others."""
-        if 0 not in free:
+        if MASS not in free:
             return cls(0.0)
-        mass = math.sqrt(prior.covariance(cart)[0, 0]) / cart.inertia.mass
-        return cls(KNOWN**-2 - mass**-2)
+        return cls(KNOWN**-2 - (cart.inertia.mass / prior.deviations(cart)[MASS]) ** 2)
 
     @property
     def is_known(self) -> bool:

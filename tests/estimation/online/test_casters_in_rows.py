@@ -16,10 +16,11 @@ from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import RATE, Smoothed, weights
 from estimation.online.kernels.row_parts import PERSISTS
-from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
+from estimation.online.regressor.filtered_row import Block, filtered_row
 from estimation.online.regressor.followed_memory import MOST_SPREADS, FollowedMemory
 
 from ..runs import wrench_rows
+from .declared import left_out
 
 TRAIL, TORQUE = 0.045, 0.12
 WHEELS = (

@@ -15,12 +15,12 @@ HELD = {"hand": np.array([-1.0, 0.0, 0.9])}
 NOISE = FilterNoise(position=5e-4, heading=5e-4, force=0.5, moment=0.02)
 
 
-def mass_after(duration, seed, share):
-    """What a filter says of it; the moment is a share (m) of the force."""
+def mass_after(duration, seed, share, straight=0.0):
+    """What a filter says of it; the moment is a share (m) of the force, once it was pushed straight for so many s."""
     learner, random, plant = CartFilter(CART, ["hand"], noise=NOISE), np.random.default_rng(seed), ModelPlant(CART)
     while plant.time < duration:
         force = 25.0 * np.sin(1.2 * plant.time) + 10.0
-        given = np.array([force, 0.0, 0.0, 0.0, 0.0, share * force])
+        given = np.array([force, 0.0, 0.0, 0.0, 0.0, share * force if plant.time >= straight else 0.0])
         felt = given + np.array([0.5, 0.5, 0.5, 0.02, 0.02, 0.02]) * random.normal(size=6)
         pose = plant.motion.pose_sb + 5e-4 * random.normal(size=3)
         told = learner.update(cg.Measurement(plant.time, pose=pose, wrenches={"hand": felt}, contacts=HELD))
@@ -44,3 +44,10 @@ def mass_after(duration, seed, share):
 def test_what_rows_leave_free_is_not_decided_by_noise(share):
     off = np.array([(mass.value - 60.0) / mass.std for mass in (mass_after(6.0, seed, share) for seed in (0, 1, 3))])
     assert np.sqrt((off**2).mean()) < 3.0
+
+
+@pytest.mark.long
+def test_pushed_straight_at_first_it_is_told():
+    masses = [mass_after(9.0, seed, 0.2, straight=3.0) for seed in (0, 1, 3)]
+    assert max(abs(mass.value - 60.0) / mass.std for mass in masses) < 3.0
+    assert max(mass.std for mass in masses) < 0.5

@@ -11,10 +11,11 @@ from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive_cart, filter
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import Smoothed, weights
-from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
+from estimation.online.regressor.filtered_row import Block, filtered_row
 from estimation.online.regressor.mass_products import MassProducts, Told
 
 from ..runs import wrench_rows
+from .declared import left_out
 
 CART = CartModel(
     Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(3.0), FloorSlope(0.01, 0.02), RollingResistance(0.02))

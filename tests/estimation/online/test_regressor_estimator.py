@@ -19,7 +19,7 @@ from estimation.online.kernels.row_algebra import RATE, FilteredRow, Smoothed, w
 from estimation.online.kernels.row_parts import STANDS_OUT, likeliest, standing_out
 from estimation.online.load_change import root_of
 from estimation.online.regressor import regression_belief
-from estimation.online.regressor.filtered_row import Block, filtered_row, left_out
+from estimation.online.regressor.filtered_row import Block, filtered_row
 from estimation.online.regressor.load_watch import LoadWatch
 from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import LATENESS, LATENESS_STD, Innovation, RegressionBelief
@@ -27,6 +27,7 @@ from estimation.whole_log.replay import replay
 
 from ..runs import integrate, push, simulate, simulate_two_hands, wrench_rows
 from ..whole_log.test_identification import at_rest
+from .declared import left_out
 
 NONE = np.zeros(0, np.int64)
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)

@@ -93,6 +93,12 @@ def test_the_share_follows_what_is_known_from_tick_to_tick():
     assert told == ["25", "50", "75", "75", "25"]
 
 
+def test_what_was_asked_last_is_what_the_caller_asked():
+    made = planner()
+    stopped(made, estimate(covariance(8.0), BEND), wrench=(30.0, 0.0, 2.0))
+    np.testing.assert_allclose(made.problem().param_dict["wrench"].value, [30.0, 0.0, 2.0])
+
+
 def test_afterwards_it_plans_as_ever():
     """With whole margins, from what was given last."""
     made, other = planner(**RATES), planner(**RATES)
