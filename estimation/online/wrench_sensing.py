@@ -25,7 +25,6 @@ from cartgrasp.wheels import GRAVITY
 
 from .kernels.felt_wrench import HELD, MOST_FORCE
 
-COMPONENTS = 6
 UNUSED = slice(2, 5)
 """The unused components of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what
 does."""
@@ -112,7 +111,7 @@ class WrenchSensing:
         Arms may come in samples of their own: a wrench is held for as long as all of them are. `moving` is the cart
         where sensors feel it (None: at rest)."""
         recorded = measurement.wrenches
-        if any(len(wrench) != COMPONENTS for wrench in recorded.values()):
+        if any(len(wrench) != 6 for wrench in recorded.values()):
             raise ValueError("a wrench has six components")  # `check_measurement` says which
         if self._takes_all:
             self._note_arms(recorded)
