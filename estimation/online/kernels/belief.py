@@ -9,9 +9,11 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
-from .correction import eliminate, factorise, put
+from .correction import factorise, put
 from .jit import Indices, row_compiled, row_entry
-from .row_algebra import FilteredRow
+from .matrices import congruence, inverse, product, solved, times, turned, without
+from .row_algebra import RATE, FilteredRow
+from .slope_noise import SlopeNoise, after_row, rid, told_by
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
@@ -25,11 +27,18 @@ LEAST_SHARE = 1e-9
 
 
 @row_entry
-def concluded(belief: Belief, theta: Array, free: Indices) -> tuple[Array, Array, Array]:
+def told(belief: Belief, noise: SlopeNoise) -> Belief:
+    """What rows tell, noise in their slopes taken off."""
+    return told_by(belief, noise)
+
+
+@row_entry
+def concluded(belief: Belief, noise: SlopeNoise, theta: Array, free: Indices) -> tuple[Array, Array, Array]:
     """Parameters (p,), of which those that are `free` are as believed; their covariance (p, p), and a root of it
     (p, f)."""
-    f, p, covariance = len(free), len(theta), _inverse(belief[0])
-    mean, factor = _times(covariance, belief[1]), covariance[:f, :f].copy()
+    information, pull = told_by(belief, noise)
+    f, p, covariance = len(free), len(theta), inverse(information)
+    mean, factor = times(covariance, pull), covariance[:f, :f].copy()
     found, whole, root = theta.copy(), np.zeros((p, p)), np.zeros((p, f))
     factorise(factor, f)
     for a in range(f):
@@ -42,9 +51,12 @@ def concluded(belief: Belief, theta: Array, free: Indices) -> tuple[Array, Array
 
 
 @row_entry
-def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits: Limits) -> tuple[Belief, Surprised]:
+def absorbed(
+    known: tuple[Belief, SlopeNoise], row: FilteredRow, at: Array, free: Indices, limits: Limits
+) -> tuple[tuple[Belief, SlopeNoise], Surprised]:
     """The belief after a row around parameters (p,), whose link is handed on, and its innovation. A row that is no
     measurement teaches nothing."""
+    belief, in_slopes = known
     kept, gate, absurd = limits
     n, k = len(row.residual), len(free) + 1
     noise, slopes, value = row.noise + row.curvature, np.empty((n, k)), row.residual.copy()
@@ -55,8 +67,9 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
             value[a] += slopes[a, j] * at[of] if j < k - 1 else 0.0
     linking = _linking(noise, row.shared, row.before)
     information, pull = belief if len(belief[1]) > k else _linked(belief, linking)
-    covariance = _inverse(information)
-    mean = _times(covariance, pull)
+    whole, more = told_by((information, pull), in_slopes)
+    covariance = inverse(whole)
+    mean = times(covariance, more)
     before, after = np.zeros((n, k + 2 * n)), np.zeros((n, 2 * n))
     put(slopes, before[:, :k])
     put(row.ends, after[:, :n])
@@ -65,25 +78,40 @@ def absorbed(belief: Belief, row: FilteredRow, at: Array, free: Indices, limits:
         for b in range(n):
             before[a, k + b] = -row.fade * row.ends[a, b]
     alone, linking = noise - 2.0 * row.shared, _linking(noise, row.shared, row.after)
-    own = alone + _congruence(after, linking)
-    innovation, spread = value - _times(before, mean), _congruence(before, covariance) + own
+    own = alone + congruence(after, linking)
+    link = solved(information[k:, k:], np.eye(2 * n))
+    spreads = own + congruence(before[:, k:].copy(), link), own + congruence(before, covariance)
+    motion = RATE**2 * (row.after + row.fade**2 * link[:n, :n])
+    foreseen = RATE * row.fade * mean[k : k + n].copy()
+    found = rid(row, free, (motion, foreseen), spreads, value - times(before, mean))
+    for a in range(n):
+        for j in range(k - 1):
+            slopes[a, j] += found.slopes[a, j]
+            value[a] += found.slopes[a, j] * at[free[j]]
+    put(slopes, before[:, :k])
+    innovation, spread = value - times(before, mean), congruence(before, covariance) + own
     square = _square(innovation, spread)
     if not square < absurd * n:
-        return (information, pull), (square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), innovation, spread)
+        nothing = square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), innovation, spread
+        return ((information, pull), in_slopes), nothing
     scale = max(1.0, square / (gate * n))
     taught = slopes[:, : k - 1].copy()
-    asked = _turned(_solved(scale * spread, taught))
-    told = square, _times(asked, innovation), _product(asked, taught), innovation, spread
+    asked = turned(solved(scale * spread, taught))
+    said = square, times(asked, innovation), product(asked, taught), innovation, spread
     whole, more = _linked((information, pull), linking)
     _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))
     put(before, wide[:, : k + 2 * n])
     put(after, wide[:, k + 2 * n :])
-    weighed = _turned(_solved(scale * alone, wide))
-    whole += _product(weighed, wide)
-    more += _times(weighed, value)
-    left, pulled = _without(whole, more, k, k + 2 * n)
-    return (left, pulled), told
+    weighed = turned(solved(scale * alone, wide))
+    whole += product(weighed, wide)
+    more += times(weighed, value)
+    for j in range(k - 1):
+        more[j] += found.bias[j] / scale
+        for i in range(k - 1):
+            more[j] -= found.information[j, i] * at[free[i]] / scale
+    left = without(whole, more, k, k + 2 * n)
+    return (left, after_row(in_slopes, found.information / scale, kept)), said
 
 
 @row_entry
@@ -140,7 +168,7 @@ def _linked(belief: Belief, linking: Array) -> Belief:
     k, n = len(pull), len(linking)
     whole, more = np.zeros((k + n, k + n)), np.zeros(k + n)
     put(information, whole[:k, :k])
-    put(_solved(linking, np.eye(n)), whole[k:, k:])
+    put(solved(linking, np.eye(n)), whole[k:, k:])
     copy(pull, more[:k])
     return whole, more
 
@@ -152,9 +180,9 @@ def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief,
     factorise(root, len(root))
     for a in range(len(root)):
         root[a, a + 1 :] = 0.0
-    asked = _solved(root, slopes)
-    known, directions = np.linalg.eigh(_congruence(asked, now[1][:k, :k]))
-    along = _product(_turned(directions), asked)
+    asked = solved(root, slopes)
+    known, directions = np.linalg.eigh(congruence(asked, now[1][:k, :k]))
+    along = product(turned(directions), asked)
     for a in range(len(known)):
         taken, held = min((1.0 - kept) / max(known[a], 1e-300), 1.0), 0.0
         for i in range(k):
@@ -167,93 +195,7 @@ def _forget(whole: Array, pull: Array, slopes: Array, noise: Array, now: Belief,
 
 @row_compiled
 def _square(innovation: Array, spread: Array) -> float:
-    whitened, square = _solved(spread, innovation.reshape((len(innovation), 1))), 0.0
+    whitened, square = solved(spread, innovation.reshape((len(innovation), 1))), 0.0
     for i in range(len(innovation)):
         square += innovation[i] * whitened[i, 0]
     return square
-
-
-@row_compiled
-def _without(information: Array, pull: Array, first: int, last: int) -> Belief:
-    """About the others, whatever those from `first` to `last` are (Schur's complement)."""
-    n, size = last - first, len(pull)
-    left = np.empty(size - n, np.int64)
-    for i in range(size - n):
-        left[i] = i if i < first else i + n
-    own, across = information[first:last, first:last], np.empty((n, len(left) + 1))
-    for i in range(n):
-        across[i, len(left)] = pull[first + i]
-        for j in range(len(left)):
-            across[i, j] = information[first + i, left[j]]
-    gained = _solved(own, across)
-    kept, more = np.empty((len(left), len(left))), np.empty(len(left))
-    for i in range(len(left)):
-        more[i] = pull[left[i]]
-        for c in range(n):
-            more[i] -= across[c, i] * gained[c, len(left)]
-        for j in range(i + 1):
-            value = information[left[i], left[j]]
-            for c in range(n):
-                value -= across[c, i] * gained[c, j]
-            kept[i, j] = kept[j, i] = value
-    return kept, more
-
-
-@row_compiled
-def _congruence(matrix: Array, covariance: Array) -> Array:
-    """`M P Mᵀ`."""
-    return _product(_product(matrix, covariance), _turned(matrix))
-
-
-@row_compiled
-def _product(left: Array, right: Array) -> Array:
-    n, m = left.shape
-    found = np.zeros((n, right.shape[1]))
-    for i in range(n):
-        for k in range(m):
-            for j in range(right.shape[1]):
-                found[i, j] += left[i, k] * right[k, j]
-    return found
-
-
-@row_compiled
-def _times(matrix: Array, vector: Array) -> Array:
-    found = np.zeros(len(matrix))
-    for i in range(len(matrix)):
-        for j in range(len(vector)):
-            found[i] += matrix[i, j] * vector[j]
-    return found
-
-
-@row_compiled
-def _turned(matrix: Array) -> Array:
-    n, m = matrix.shape
-    found = np.empty((m, n))
-    for i in range(n):
-        for j in range(m):
-            found[j, i] = matrix[i, j]
-    return found
-
-
-@row_compiled
-def _solved(matrix: Array, right: Array) -> Array:
-    found = right.copy()
-    eliminate(matrix.copy(), found)
-    return found
-
-
-@row_compiled
-def _inverse(matrix: Array) -> Array:
-    """The inverse of a positive definite matrix with mixed units."""
-    n = len(matrix)
-    scale, scaled, found = np.empty(n), np.empty((n, n)), np.eye(n)
-    for i in range(n):
-        scale[i] = 1.0 / math.sqrt(matrix[i, i])
-    for i in range(n):
-        for j in range(n):
-            scaled[i, j] = matrix[i, j] * scale[i] * scale[j]
-    eliminate(scaled, found)
-    for i in range(n):
-        for j in range(n):
-            scaled[i, j] = 0.5 * (found[i, j] + found[j, i]) * scale[i] * scale[j]
-    return scaled

@@ -11,22 +11,19 @@ from cartgrasp.frames import Array
 from cartgrasp.kernels.dynamics import Point, lifted, situation, stictions, taught
 from cartgrasp.kernels.workspace import copy, unpack
 
-from .correction import add_congruence, put
+from .correction import put
 from .jit import Indices, compiled, row_compiled, row_entry
 from .row_parts import (
     SPACING,
     STANDS_OUT,
-    STILL,
     add_measured,
     add_other_memory,
     add_stuck,
     at_most,
     curvature_of,
-    likeliest,
     noise_of_wrenches,
     part_beyond,
     slowest,
-    standing_out,
     with_rise,
 )
 
@@ -56,7 +53,8 @@ class Weights(NamedTuple):
 
 class Smoothed(NamedTuple):
     """n moments: time (n,), pose (n, 3), nu and nu' (n, f), the covariance of nu (n, f, f), and memory (n, k) with its
-    standard deviation; with the covariances of sums of nu over the moments (3, f, f), by `Weights.of_motion`."""
+    standard deviation; with the covariances of sums of nu over the moments (2, f, f), by the first of
+    `Weights.of_motion`."""
 
     time: Array
     pose: Array
@@ -99,8 +97,6 @@ class LeftOut(NamedTuple):
     scaled: Indices
 
 
-Rising = tuple[Array, Array]
-"""B[nu'] (f,), with covariance (f, f)."""
 Given = tuple[Array, Array, Array, Array]
 """Wrenches as `felt_wrench.py` has them, (n - 1, width); parameters (p,), their covariance (p, p), and a root of it
 (p, q)."""
@@ -113,7 +109,10 @@ class FilteredRow(NamedTuple):
 
     `curvature` (f, f) is the covariance of what a row that is linear in the parameters leaves out, as far as they are
     known: `tr(T T) / 2` of `zᵀ T z / 2`, with standard normal z; its mean, `tr(T) / 2`, is taken off the residual. Load
-    times friction is not linear."""
+    times friction is not linear.
+
+    `by_rise` (f, f, p) are the partials of the slopes by B[nu'], and `quieter` (f, f) is how much the noise is less as
+    a rule (`slope_noise.py`)."""
 
     residual: Array
     slopes: Array
@@ -124,6 +123,8 @@ class FilteredRow(NamedTuple):
     after: Array
     shared: Array
     curvature: Array
+    by_rise: Array
+    quieter: Array
 
 
 def over(rows: Array) -> tuple[int, int]:
@@ -182,13 +183,13 @@ def weights(time: Array, width: int) -> Weights:
 
 
 @row_entry
-def begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Rising, Asked]:
+def begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Array, Asked]:
     """What a row around parameters (p,), known to within `spread @ z`, (p, q), needs to know."""
     return _begun(weighing, block, theta, spread)
 
 
 @row_compiled
-def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Rising, Asked]:
+def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Array, Asked]:
     n, f = block.velocity.shape
     of_rise, whole = weighing.of_motion[2], np.zeros(f)
     for a in range(f):
@@ -219,22 +220,20 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
         for i in range(n):
             off = block.memory_std[i, j // 2]
             state[others + j * n + i, 3 + f + j // 2] += off if j % 2 == 0 else -off
-    return (whole, RATE**2 * block.of_sums[2]), Asked(state, acceleration, parameters, time)
+    return whole, Asked(state, acceleration, parameters, time)
 
 
 @row_entry
-def row(weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
+def row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
     """The filtered row, from what was found where `begun` asked for it."""
     return _row(weighing, rise, found, block, given, left_out)
 
 
 @row_compiled
-def _row(
-    weighing: Weights, rise: Rising, found: Found, block: Smoothed, given: Given, left_out: LeftOut
-) -> FilteredRow:
+def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
     n, f = block.velocity.shape
     by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
-    wrenches, theta, covariance, spread = given
+    wrenches, theta, _, spread = given
     mass, slopes, by_acceleration = found.by_acceleration[still], np.zeros((f, p + 1)), np.empty((f, f, p))
     residual, k, others = np.zeros(f), block.memory.shape[1], len(found.wrench) - 2 * n * block.memory.shape[1]
     step = (block.time[n - 1] - block.time[0]) / (n - 1)
@@ -249,7 +248,7 @@ def _row(
                 change += mass[a, b] * block.acceleration[i, b]
             slopes[a, p] += step * RATE * weighing.of_motion[2, i] * change
         for b in range(f):
-            residual[a] -= mass[a, b] * rise[0][b]
+            residual[a] -= mass[a, b] * rise[b]
         for q in range(p):
             for i in range(n):
                 slopes[a, q] += weighing.linear[i] * by[n + i, a, q]
@@ -263,12 +262,11 @@ def _row(
         by[still + f + 1 : others], spread, (left_out.scaled, theta[0]), weighing.linear.sum()
     )
     residual -= left_on_average
-    foretold = noise + curvature + weighing.of_white * (left_out.usual - left_out.disturbance)
-    seen = standing_out(rise[0], np.diag(rise[1]), STILL)
-    add_congruence(with_rise(slopes, by_acceleration, seen)[:, :p], covariance, foretold, np.empty(p))
-    slopes = with_rise(slopes, by_acceleration, standing_out(*likeliest(rise, mass, foretold, residual), STANDS_OUT))
+    slopes = with_rise(slopes, by_acceleration, rise)
+    quieter = weighing.of_white * (left_out.usual - left_out.disturbance)
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
-    return FilteredRow(residual, slopes, -RATE * mass, weighing.fade, noise, before, after, shared, curvature)
+    link = -RATE * mass, weighing.fade, noise, before, after, shared
+    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter)
 
 
 @row_entry

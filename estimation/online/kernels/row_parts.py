@@ -1,4 +1,4 @@
-"""Parts of `filtered_row.py`'s algebra: what noise in a row's slopes does, and what a row's own noise is."""
+"""Parts of `filtered_row.py`'s algebra: what adds to a row's slopes, and what its own noise is."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import N_PHI
 
-from .correction import add_congruence, eliminate
 from .jit import Indices, row_compiled, row_entry
 
 SPACING = 0.1
@@ -19,7 +18,7 @@ STILL = 3.0
 FLOOR_SHARE = 0.002
 """Standard deviation of what a model leaves out, as a share of the wrench."""
 STANDS_OUT = 2.0
-"""Standard deviations of B[nu'], and of nu, that teach nothing."""
+"""Standard deviations that teach nothing: of nu, and of what noise in slopes adds to the information."""
 PERSISTS = 4.0
 """Rows over which a memory that is off stays so: what it does counts in each as if it were new, so many times."""
 
@@ -59,39 +58,6 @@ def at_most(theta: Array, covariance: Array) -> Array:
 def part_beyond(value: float, variance: float, deviations: float) -> float:
     """The part of a number that stands out of so many standard deviations."""
     return max(1.0 - deviations**2 * variance / max(value**2, 1e-300), 0.0) * value
-
-
-@row_compiled
-def standing_out(value: Array, variance: Array, deviations: float) -> Array:
-    """The parts (f,) of numbers."""
-    found = np.empty(len(value))
-    for a in range(len(value)):
-        found[a] = part_beyond(value[a], variance[a], deviations)
-    return found
-
-
-@row_compiled
-def likeliest(rise: tuple[Array, Array], mass: Array, noise: Array, residual: Array) -> tuple[Array, Array]:
-    """B[nu'] (f,) with covariance (f, f), as the motion and a row of noise (f, f) tell it together, and what is left
-    (f,) of the variance.
-
-    What is wrong with it then is not correlated with the residual, and so does not bias what a row teaches (conditional
-    score; Stefanski and Carroll 1987)."""
-    whole, covariance = rise
-    f = len(whole)
-    gain, spread, found, left = np.zeros((f, f)), noise.copy(), whole.copy(), np.diag(covariance).copy()
-    for a in range(f):
-        for b in range(f):
-            for c in range(f):
-                gain[a, b] += mass[a, c] * covariance[c, b]
-    add_congruence(mass, covariance, spread, np.empty(f))
-    moved = gain.copy()
-    eliminate(spread, gain)
-    for a in range(f):
-        for b in range(f):
-            found[a] += gain[b, a] * residual[b]
-            left[a] -= gain[b, a] * moved[b, a]
-    return found, left
 
 
 @row_compiled

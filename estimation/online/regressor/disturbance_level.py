@@ -1,8 +1,8 @@
 """How loud disturbances are, between what is declared and what may be there unseen, as rows tell it.
 
-What noise of the motion does to a row's slopes is taken off by how it compares with that of the forces (conditional
-score, `row_parts.likeliest`). A disturbance that is thought too loud leaves too much of it, and masses come out too
-small. So where a row has to bear with louder ones than there are as a rule, what is taken off is by the level that the
+What noise of the motion does to a row's slopes is taken off by how it compares with that of the forces
+(`kernels/slope_noise.py`). A disturbance that is thought too loud leaves too much of it, and masses come out too small.
+So where a row has to bear with louder ones than there are as a rule, what is taken off is by the level that the
 innovations of the last rows are most like: `log p(rows | level)`, in which older ones fade.
 """
 

@@ -10,8 +10,8 @@ whose wrench noise no other block has; what is wrong with nu_k stands in two nei
 what is wrong with nu at one moment is fast, while poses tell where it went in the mean, a row is the mean over blocks
 that begin a little later and later: nu_k is then a mean, too, and neighbours share some of the wrench's noise.
 
-Noise in B[nu'] is in a row's slopes and in its residual alike (errors in variables, physics.md). So slopes are worked
-out at what the row and the motion together say of B[nu'] (`row_parts.likeliest`).
+What noise in B[nu'] does, which is in a row's slopes and in its residual alike, is taken off where rows add up
+(`kernels/slope_noise.py`).
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ class MassProducts:
         n = len(theta)
         found, by = np.eye(n + 1), self.jacobian(theta)
         found[:n, :n] = by
-        return row._replace(slopes=row.slopes @ found)
+        return row._replace(slopes=row.slopes @ found, by_rise=row.by_rise @ by)
 
     def told(self, believed: Told) -> Told:
         """What is told of the factors, from what is believed of the products."""

@@ -239,7 +239,7 @@ class ParameterLearner:
             return
         if self.tracker.time[end - 1] <= self._seen_until:
             weighing = weights(self.tracker.time[:end], end - k)
-            self._unfinished = Begun(k, end, weighing, self.tracker.smoothing(weighing.of_motion))
+            self._unfinished = Begun(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))
             self._go_on()
         elif self.time - self._seen_until > LONG_GAP:
             self._drop_link()

@@ -2,7 +2,8 @@
 
 Unknown: the free parameters, the wrenches' lateness (a share of a sample), what is wrong with nu where the last block
 ended, and the noise that it shares with the next one. These two, the link, are handed from row to row, so that
-neighbours' common noise is counted once.
+neighbours' common noise is counted once. What rows add up to is told without what noise in their slopes does
+(`kernels/slope_noise.py`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ...gaussian import Gaussian
 from ..kernels import belief as kernels
 from ..kernels.jit import Indices
 from ..kernels.row_algebra import FilteredRow
+from ..kernels.slope_noise import SlopeNoise
 from .mass_products import MassProducts, Told
 
 LATENESS, LATENESS_STD = -0.25, 0.3
@@ -76,7 +78,7 @@ class RegressionBelief:
         except np.linalg.LinAlgError as error:
             why = "the cart's mass, CoM and inertia are too far apart to be learned; look for numbers not in SI units"
             raise UsageError(f"first guess: {why}") from error
-        self._known = information, information @ np.append(first.mean, LATENESS)
+        self._known, self._noise = _given(information, np.append(first.mean, LATENESS), self._k)
 
     def copy(self) -> Self:
         return shallow(self)
@@ -89,7 +91,7 @@ class RegressionBelief:
 
     def concluded(self) -> Told:
         """The parameters, of which those that are not free are given."""
-        return self._products.told(Told(*kernels.concluded(self._known, self._given, self._free)))
+        return self._products.told(Told(*kernels.concluded(self._known, self._noise, self._given, self._free)))
 
     @property
     def lateness(self) -> float:
@@ -98,14 +100,15 @@ class RegressionBelief:
     @property
     def solved(self) -> Gaussian:
         """The belief of the free parameters, the lateness and the link, if there is one."""
-        information, pull = self._known
+        information, pull = kernels.told(self._known, self._noise)
         covariance = _inverse(information)
         return Gaussian(covariance @ pull, covariance)
 
     def update(self, row: FilteredRow, at: Array) -> Innovation:
         """Takes in a row around parameters (p,)."""
         row, at = self._products.of_row(row, at), self._products.products(at)
-        self._known, told = kernels.absorbed(self._known, row, at, self._free, (KEPT, GATE, ABSURD))
+        known = self._known, self._noise
+        (self._known, self._noise), told = kernels.absorbed(known, row, at, self._free, (KEPT, GATE, ABSURD))
         innovation = Innovation(*told)
         if not innovation.square < ABSURD * self._n:
             self.drop_link()
@@ -130,8 +133,14 @@ class RegressionBelief:
 
     def believe(self, mean: Array, covariance: Array) -> None:
         """Replaces what was believed."""
-        information = _inverse(covariance)
-        self._known = information, information @ mean
+        self._known, self._noise = _given(_inverse(covariance), mean, self._k)
+
+
+def _given(information: Array, mean: Array, k: int) -> tuple[tuple[Array, Array], SlopeNoise]:
+    """A belief whose first k unknowns no row has taught yet."""
+    covariance = _inverse(information)[:k, :k].copy()
+    noise = SlopeNoise(np.zeros((k, k)), np.zeros(1), mean[:k].copy(), covariance, _inverse(covariance))
+    return (information, information @ mean), noise
 
 
 def mixture(beliefs: Sequence[RegressionBelief], shares: Array, told: int) -> RegressionBelief:

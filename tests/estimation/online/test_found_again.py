@@ -60,7 +60,7 @@ def test_a_push_from_outside_leaves_no_belief_behind(has_velocity):
 
 def test_an_offset_for_good_is_believed():
     errors, _ = driven(TROLLEY, 3.0, spoiled=lambda time, pose, random: pose + np.array([0.2, -0.1, 0.0]))
-    np.testing.assert_allclose(errors[150:], np.hypot(0.2, 0.1), atol=0.01)
+    np.testing.assert_allclose(errors[150:], np.hypot(0.2, 0.1), atol=0.02)
 
 
 def jumping(time, pose, random):

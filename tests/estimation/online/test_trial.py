@@ -51,6 +51,8 @@ def row(rise, force):
         after=exact,
         shared=np.zeros((1, 1)),
         curvature=np.zeros((1, 1)),
+        by_rise=np.zeros((1, 1, 1)),
+        quieter=np.zeros((1, 1)),
     )
 
 

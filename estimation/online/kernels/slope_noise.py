@@ -1,0 +1,145 @@
+"""What noise of the motion in rows' slopes does, and what rows tell in spite of it.
+
+The noise e of B[nu'] is in a row's slopes s and in its innovation r alike (errors in variables): `E[s W r]` is not zero
+at the true parameters, which pulls towards zero whatever rows leave free. Two things are done about it.
+
+What is foreseen of e is taken off the slopes (conditional score; Stefanski and Carroll 1987). It is foreseen by the
+innovation, as far as that is not what parameters that are not known yet do; so a bias is left, which is added to the
+score (corrected score; Nakamura 1990). `u = s W r + bias` then is zero in the mean at the true parameters, of whatever
+weights W and guess.
+
+Its slope is not `S = sum of s W s` but `J = S - N`, of which N is what noise alone adds. So rows have Godambe's
+information `J C^-1 J` (Godambe 1960), where C is how u varies: S, and what is not known of N while there are few rows,
+times how far off parameters may be. In a direction in which J does not stand out of what is not known of N, it is
+nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from .jit import Indices, row_compiled
+from .matrices import congruence, product, solved, times, turned, without
+from .row_algebra import RATE, FilteredRow
+from .row_parts import STANDS_OUT
+
+ASKED = 1e-3
+"""Share of the first information below which a direction counts as not asked by rows."""
+
+
+class SlopeNoise(NamedTuple):
+    """What noise in slopes has added to the `information` (k, k) since a belief was given: its mean (k,), covariance
+    (k, k) and information `first` (k, k). `squares` (1,) is the sum over rows of the squares of what each added, in
+    `first` variances."""
+
+    information: Array
+    squares: Array
+    mean: Array
+    covariance: Array
+    first: Array
+
+
+class Rid(NamedTuple):
+    """What is added to a row's slopes (n, k - 1), the bias (k - 1,) that its score has then, to be added, too, and what
+    noise that is left in them adds to the information (k - 1, k - 1)."""
+
+    slopes: Array
+    bias: Array
+    information: Array
+
+
+@row_compiled
+def after_row(noise: SlopeNoise, added: Array, kept: float) -> SlopeNoise:
+    """After a row which added to the information (k - 1, k - 1)."""
+    information, squares, size = kept * noise.information, kept**2 * noise.squares, 0.0
+    for i in range(len(added)):
+        for j in range(len(added)):
+            information[i, j] += added[i, j]
+            size += added[i, j] * noise.covariance[i, j]
+    squares[0] += size**2
+    return SlopeNoise(information, squares, noise.mean, noise.covariance, noise.first)
+
+
+@row_compiled
+def rid(
+    row: FilteredRow, free: Indices, motion: tuple[Array, Array], spreads: tuple[Array, Array], innovation: Array
+) -> Rid:
+    """What is foreseen of a row's noise of B[nu'], of which rows before tell a covariance (n, n) and a mean (n,) that is
+    taken off, is removed. The innovation (n,) has the first covariance (n, n) if parameters are known, the second as
+    they are."""
+    (covariance, foreseen), (alone, spread) = motion, spreads
+    usual = alone + row.quieter
+    by_wrench = product(covariance, turned(row.ends)) / -RATE
+    gain = turned(solved(spread + row.quieter, turned(by_wrench)))
+    taken = foreseen + times(gain, innovation)
+    across = product(gain, turned(by_wrench))
+    left = covariance - across - turned(across) + congruence(gain, usual)
+    weight = solved(alone, np.eye(len(alone)))
+    uneven = product(weight, turned(by_wrench) - product(usual, turned(gain)))
+    n, m = len(innovation), len(free)
+    found = Rid(np.zeros((n, m)), np.zeros(m), np.zeros((m, m)))
+    noisy, weighed = np.zeros((m, n, n)), np.zeros((m, n, n))
+    for q in range(m):
+        by = row.by_rise[:, :, free[q]].copy()
+        noisy[q] = product(by, left)
+        weighed[q] = product(weight, by)
+        found.slopes[:, q] = times(by, taken)
+        found.bias[q] = (uneven * by).sum()
+        for i in range(q + 1):
+            found.information[q, i] = found.information[i, q] = (noisy[i] * weighed[q]).sum()
+    return found
+
+
+@row_compiled
+def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Array]:
+    """The information that rows have in spite of noise in their slopes, and its product with the mean, from what they
+    have with it; k unknowns, and others beside."""
+    k, (information, pull) = len(noise.mean), belief
+    most = (noise.information * noise.covariance).sum()
+    if not most > 0.0:
+        return belief
+    if len(pull) > k:
+        information, pull = without(information, pull, k, len(pull))
+    size = np.sqrt(np.diag(noise.first))
+    by_size = np.outer(size, size)
+    rows = (information - (1.0 - ASKED) * noise.first) / by_size
+    root = _root_of_inverse(rows)
+    share, turn = np.linalg.eigh(congruence(turned(root), noise.information / by_size))
+    directions = product(root, turn)
+    asked = product(rows, directions)
+    score = times(turned(directions), (pull - times(information - noise.information, noise.mean)) / size)
+    first = np.diag(congruence(turned(asked), noise.covariance * by_size))
+    lost, missed = np.zeros((k, k)), np.zeros(k)
+    for i in range(k):
+        noisy = max(share[i], 0.0)
+        slope = max(1.0 - noisy, 0.0)
+        chance = STANDS_OUT**2 * 2.0 * noise.squares[0] / most**2 * noisy**2
+        weight = max(1.0 - chance / max(slope**2, 1e-300), 0.0)
+        varies = 1.0 + noisy + noise.squares[0] / most * noisy * (1.0 + noisy * first[i] / most)
+        for a in range(k):
+            missed[a] += (1.0 - weight * slope / varies) * asked[a, i] * score[i]
+            for b in range(k):
+                lost[a, b] += (1.0 - weight * slope**2 / varies) * asked[a, i] * asked[b, i]
+    lost *= by_size
+    missed = missed * size + times(lost - noise.information, noise.mean)
+    found, more = belief[0].copy(), belief[1].copy()
+    for a in range(k):
+        more[a] -= missed[a]
+        for b in range(k):
+            found[a, b] -= lost[a, b]
+    return found, more
+
+
+@row_compiled
+def _root_of_inverse(matrix: Array) -> Array:
+    """R of `R Rᵀ`, the inverse."""
+    size, turn = np.linalg.eigh(matrix)
+    for i in range(len(size)):
+        for j in range(len(size)):
+            turn[j, i] /= math.sqrt(max(size[i], 1e-9))
+    return turn
