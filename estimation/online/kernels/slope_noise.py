@@ -69,9 +69,9 @@ def after_row(noise: SlopeNoise, added: Array, kept: float) -> SlopeNoise:
 def rid(
     row: FilteredRow, free: Indices, motion: tuple[Array, Array], spreads: tuple[Array, Array], innovation: Array
 ) -> Rid:
-    """What is foreseen of a row's noise of B[nu'], of which rows before tell a covariance (n, n) and a mean (n,) that is
-    taken off, is removed. The innovation (n,) has the first covariance (n, n) if parameters are known, the second as
-    they are."""
+    """What is foreseen of a row's noise of B[nu'] is taken off; rows before tell its covariance (n, n), and the mean
+    (n,) of what takes it off. The innovation (n,) has the first covariance (n, n) if parameters are known, the second
+    as they are."""
     (covariance, foreseen), (alone, spread) = motion, spreads
     usual = alone + row.quieter
     by_wrench = product(covariance, turned(row.ends)) / -RATE
