@@ -27,18 +27,14 @@ LEAST_SHARE = 1e-9
 
 
 @row_entry
-def told(belief: Belief, noise: SlopeNoise) -> Belief:
-    """What rows tell, noise in their slopes taken off."""
-    return told_by(belief, noise)
-
-
-@row_entry
-def concluded(belief: Belief, noise: SlopeNoise, theta: Array, free: Indices) -> tuple[Array, Array, Array]:
-    """Parameters (p,), of which those that are `free` are as believed; their covariance (p, p), and a root of it
-    (p, f)."""
-    information, pull = told_by(belief, noise)
-    f, p, covariance = len(free), len(theta), inverse(information)
-    mean, factor = times(covariance, pull), covariance[:f, :f].copy()
+def concluded(
+    belief: Belief, noise: SlopeNoise, theta: Array, free: Indices
+) -> tuple[Belief, tuple[Array, Array, Array]]:
+    """What rows tell, noise in their slopes taken off; and parameters (p,), of which those that are `free` are as
+    believed then, with their covariance (p, p), and a root of it (p, f)."""
+    told = told_by(belief, noise)
+    f, p, covariance = len(free), len(theta), inverse(told[0])
+    mean, factor = times(covariance, told[1]), covariance[:f, :f].copy()
     found, whole, root = theta.copy(), np.zeros((p, p)), np.zeros((p, f))
     factorise(factor, f)
     for a in range(f):
@@ -47,7 +43,7 @@ def concluded(belief: Belief, noise: SlopeNoise, theta: Array, free: Indices) ->
             whole[free[a], free[b]] = covariance[a, b]
             if b <= a:
                 root[free[a], b] = factor[a, b]
-    return found, whole, root
+    return told, (found, whole, root)
 
 
 @row_entry

@@ -91,7 +91,11 @@ class RegressionBelief:
 
     def concluded(self) -> Told:
         """The parameters, of which those that are not free are given."""
-        return self._products.told(Told(*kernels.concluded(self._known, self._noise, self._given, self._free)))
+        return self._products.told(Told(*self._concluded[1]))
+
+    @property
+    def _concluded(self) -> tuple[kernels.Belief, tuple[Array, Array, Array]]:
+        return kernels.concluded(self._known, self._noise, self._given, self._free)
 
     @property
     def lateness(self) -> float:
@@ -100,7 +104,7 @@ class RegressionBelief:
     @property
     def solved(self) -> Gaussian:
         """The belief of the free parameters, the lateness and the link, if there is one."""
-        information, pull = kernels.told(self._known, self._noise)
+        information, pull = self._concluded[0]
         covariance = _inverse(information)
         return Gaussian(covariance @ pull, covariance)
 

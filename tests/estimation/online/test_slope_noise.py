@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 
-from estimation.online.kernels.belief import told
 from estimation.online.kernels.row_parts import STANDS_OUT
-from estimation.online.kernels.slope_noise import SlopeNoise
+from estimation.online.kernels.slope_noise import SlopeNoise, told_by
+
+
+@njit
+def told(belief, noise):
+    return told_by(belief, noise)
 
 
 def since(noise, squares, mean, covariance):
