@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -9,17 +10,18 @@ import numpy as np
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 
-PERIOD, COUNT, SPEED = 0.02, 160, 0.5
-"""s, samples, m/s: long enough for what looks at two seconds of rows."""
+PERIOD, COUNT, SPEED, TURNS = 0.02, 160, 0.5, 4.0
+"""s, samples, m/s and rad/s: long enough for what looks at two seconds of rows, and with forces that tell a mass."""
 
 
 def made_up_push(cart: CartModel, arms: Sequence[str]) -> Iterator[Measurement]:
-    """At a constant speed along the first of the cart's free directions, by the wrench that the model wants."""
-    n = cart.constraints.n_free
-    nu = SPEED * np.eye(n)[0]
-    along = cart.basis_b @ nu
-    fx, fy, tau = cart.planar_wrench(cart.required_wrench(cart.state(velocity=nu), np.zeros(n))) / len(arms)
-    wrenches = dict.fromkeys(arms, np.array([fx, fy, 0.0, 0.0, 0.0, tau]))
+    """Faster and slower along the first of the cart's free directions, by the wrench that the model wants."""
+    along = SPEED * np.eye(cart.constraints.n_free)[0]
     contacts = dict.fromkeys(arms, np.array([0.0, 0.0, 1.0]))
-    for i in range(COUNT):
-        yield Measurement(i * PERIOD, i * PERIOD * along, along, wrenches, contacts)
+    for time in (PERIOD * np.arange(COUNT)).tolist():
+        turned = TURNS * time
+        nu, rise = (1.0 + math.sin(turned)) * along, TURNS * math.cos(turned) * along
+        fx, fy, tau = cart.planar_wrench(cart.required_wrench(cart.state(velocity=nu), rise)) / len(arms)
+        wrenches = dict.fromkeys(arms, np.array([fx, fy, 0.0, 0.0, 0.0, tau]))
+        way = time + (1.0 - math.cos(turned)) / TURNS
+        yield Measurement(time, way * cart.basis_b @ along, cart.basis_b @ nu, wrenches, contacts)

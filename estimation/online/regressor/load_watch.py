@@ -81,12 +81,12 @@ class LoadWatch:
         self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
 
     def settle(self, time: float, trial: Trial) -> None:
-        """How far a load that was thought of is told. Of a push that does not end nothing more is thought until rows
-        fit again."""
+        """How far a load that was thought of is told. Whatever surprised speaks against the model, but for another
+        floor. Of a push that does not end nothing more is thought until rows fit again."""
         self._is_tried = trial.is_told and not trial.is_over
         if trial.is_over:
             self._unfit = 0 if trial.is_endless else None
-        if trial.is_over and (trial.is_loaded or trial.has_push):
+        if trial.is_over and not trial.is_on_another_floor:
             self._resets = self._resets.one_more(time, is_load=trial.is_loaded)
         self._say()
 

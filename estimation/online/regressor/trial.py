@@ -149,6 +149,12 @@ class Trial:
         return bool(sure and self.changed[sure - 1].is_load)
 
     @property
+    def is_on_another_floor(self) -> bool:
+        """Surely."""
+        sure = self._sure
+        return bool(sure and not self.changed[sure - 1].is_load)
+
+    @property
     def is_pushed(self) -> bool:
         """Whether there was a push in the last row."""
         return self.pushed.rows == 0

@@ -1,6 +1,7 @@
 """What surprises is a push, a load or another floor: odds against likelihoods written out, and all three in runs."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import FilteredRow
+from estimation.online.regressor.load_watch import LoadWatch
 from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import RegressionBelief, mixture
 from estimation.online.regressor.trial import (
@@ -142,6 +144,25 @@ def test_no_load_is_told_before_it_is_sure():
     undecided = trial([row(0.1, 2.02)] * (SETTING_IN + 2))
     assert undecided.belief.parameters.mean[0] == pytest.approx(undecided.pushed.belief.parameters.mean[0])
     assert undecided.belief.parameters.covariance[0, 0] > undecided.pushed.belief.parameters.covariance[0, 0]
+
+
+def test_what_surprises_thrice_speaks_against_the_model():
+    """Told apart or not; but not another floor."""
+    load = trial([row(0.5, 13.0)] * LEAST)
+    unsure = trial([row(1e-6, 0.0)] * LONGEST)
+    floor = replace(load, changed=tuple(one._replace(is_load=False) for one in load.changed))
+    assert load.is_loaded
+    assert not unsure.is_loaded
+    assert floor.is_on_another_floor
+    for found, health in ((load, "inconsistent"), (unsure, "inconsistent"), (floor, "ok")):
+        assert found.is_over
+        watch = LoadWatch(1, 1)
+        for time in (1.0, 7.0):
+            watch.settle(time, found)
+            watch.go_on(time + 3.0)
+            assert watch.health == "ok"
+        watch.settle(13.0, found)
+        assert watch.health == health
 
 
 def driven(outside=nothing_outside, load=0.0, seed=0, effects=(), duration=10.0):
