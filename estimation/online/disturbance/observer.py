@@ -27,6 +27,7 @@ from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ...prior import Prior
 from ..first_motion import LOST_AFTER, first_motion
+from ..kernels import observed_motion
 from ..kernels import observed_wrench as kernels
 from ..kernels.observed_wrench import MAX_STEP, Constants
 from ..load_change import load_covariance
@@ -117,7 +118,7 @@ class DisturbanceObserver:
     def seen(self, observed: Observed, pose: Array, velocity: Array) -> Observed:
         """The observed state updated by a pose (3,) and a velocity (3,) in {s}, NaN where they are missing."""
         belief = observed.belief.mean.copy(), observed.belief.covariance.copy()
-        surprised = kernels.see(self._constants, belief, pose, velocity, observed.surprised, self._room)
+        surprised = observed_motion.see(self._constants, belief, pose, velocity, observed.surprised, self._room)
         return observed if surprised < 0 else replace(observed, belief=Gaussian(*belief), surprised=surprised)
 
     def squares(

@@ -12,15 +12,11 @@ from cartgrasp.kernels.dynamics import Point, forward, lifted, rate_alone, taugh
 from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
-from .correction import add_congruence, carved, eliminate, normalised_square, put, wrapped
-from .free_directions import add_creep, raised, to_free
+from .correction import add_congruence, carved, normalised_square, put
+from .free_directions import add_creep, raised
 from .jit import Indices, compiled, entry
 
 MAX_STEP = 0.02
-SURPRISING = 20.5
-"""Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
-in a thousand times."""
-FARTHEST = 1e9
 ROLLS, AGREED, WHOLE = 0, 1, 2
 """nu' of a cart that rolls on; what wrenches alone would make and is there; and what there is."""
 
@@ -190,129 +186,6 @@ def _multiply(left: Array, right: Array, product: Array) -> None:
             if value != 0.0:
                 for k in range(right.shape[1]):
                     product[i, k] += value * right[j, k]
-
-
-@entry
-def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array, surprised: int, room: Array) -> int:
-    """Takes in a pose (3,) and a velocity (3,) in {s}, NaN where they are missing; returns how many samples in a row
-    have surprised by now, or -1 where nothing is there."""
-    (mean, covariance), k = belief, len(c.walk)
-    n, most = len(mean), 3 + k
-    residual, room = room[:most], room[most:]
-    rows, room = room[:most], room[most:]
-    R, room = carved(room, most, most)
-    m = _measured(c, mean, pose, velocity, (residual, rows, R), room)
-    if m == 0:
-        return -1
-    opened, room = carved(room, n, n)
-    square, scale = _square(covariance, (rows[:m], residual[:m], R), room), 1.0
-    surprised = surprised + 1 if square > SURPRISING else 0
-    if surprised > 1:
-        put(covariance, opened)
-        _open(c, surprised * MAX_STEP, opened)
-        square = _square(opened, (rows[:m], residual[:m], R), room)
-        if square <= SURPRISING:
-            put(opened, covariance)
-    if square > SURPRISING:
-        scale = square / SURPRISING
-    _update(mean, covariance, (rows[:m], residual[:m], R), scale, room)
-    return surprised
-
-
-@compiled
-def _open(c: Constants, since: float, opened: Array) -> None:
-    """Adds to a covariance what a usual push may have done that set in so many s ago."""
-    k = len(c.walk)
-    for a in range(k):
-        opened[3 + k + a, 3 + k + a] = max(opened[3 + k + a, 3 + k + a], c.usual[a])
-        rate = c.usual[a] / c.inertias[a] ** 2
-        opened[3 + a, 3 + a] += rate * since**2
-        linear, turning = c.project[a, 0] ** 2 + c.project[a, 1] ** 2, c.project[a, 2] ** 2
-        moved = rate * (since**2 / 2.0) ** 2 / (linear + turning) ** 2
-        for i in range(3):  # x and y alike, since nobody knows where it heads by then
-            opened[i, i] += moved * (turning if i == 2 else linear)
-
-
-@compiled
-def _measured(
-    c: Constants, mean: Array, pose: Array, velocity: Array, out: tuple[Array, Array, Array], room: Array
-) -> int:
-    """Residuals, the numbers of the mean that they are of, and their noise; returns how many there are."""
-    (residual, rows, R), k, m = out, len(c.walk), 0
-    for i in range(3):
-        off = pose[i] - mean[i]
-        off = wrapped(off) if i == 2 and math.isfinite(off) else off
-        if abs(pose[i]) < FARTHEST and abs(off) < FARTHEST:
-            residual[m], rows[m] = off, i
-            m += 1
-    n_pose = m
-    turned, _ = carved(room, k, 3)
-    to_free(c.project, mean[2], turned)
-    for a in range(k):
-        off = -mean[3 + a]
-        for j in range(3):
-            off += turned[a, j] * velocity[j]
-        if abs(off) < FARTHEST:
-            residual[m], rows[m] = off, 3 + a
-            m += 1
-    for p in range(m):
-        for q in range(m):
-            i, j = int(rows[p]), int(rows[q])
-            R[p, q] = 1e-12 if p == q else 0.0
-            if p < n_pose and q < n_pose:
-                R[p, q] += c.pose[i, j]
-            elif p >= n_pose and q >= n_pose:
-                for a in range(3):
-                    for b in range(3):
-                        R[p, q] += turned[i - 3, a] * c.velocity[a, b] * turned[j - 3, b]
-    return m
-
-
-@compiled
-def _spread(covariance: Array, rows: Array, R: Array, scale: float, S: Array) -> None:
-    """The covariance (m, m) of residuals of those numbers of the mean, whose noise is so many times R."""
-    for p in range(len(rows)):
-        for q in range(len(rows)):
-            S[p, q] = covariance[int(rows[p]), int(rows[q])] + scale * R[p, q]
-
-
-@compiled
-def _square(covariance: Array, measured: tuple[Array, Array, Array], room: Array) -> float:
-    """The residual's normalised square."""
-    rows, residual, R = measured
-    S, room = carved(room, len(rows), len(rows))
-    _spread(covariance, rows, R, 1.0, S)
-    return normalised_square(residual, S, room)
-
-
-@compiled
-def _update(mean: Array, covariance: Array, measured: tuple[Array, Array, Array], scale: float, room: Array) -> None:
-    """(18)-(19) and Joseph's form."""
-    (rows, residual, R), n = measured, len(mean)
-    m = len(rows)
-    S, room = carved(room, m, m)
-    gain, room = carved(room, m, n)  # of which the columns are solved for
-    _spread(covariance, rows, R, scale, S)
-    for p in range(m):
-        copy(covariance[int(rows[p])], gain[p])
-    eliminate(S, gain)
-    keep, room = carved(room, n, n)
-    total, room = carved(room, n, n)
-    total[:] = 0.0
-    for i in range(n):
-        for j in range(n):
-            keep[i, j] = 1.0 if i == j else 0.0
-        for p in range(m):
-            mean[i] += gain[p, i] * residual[p]
-            keep[i, int(rows[p])] -= gain[p, i]
-    add_congruence(keep, covariance, total, room)
-    for i in range(n):
-        for j in range(i + 1):
-            value = total[i, j]
-            for p in range(m):
-                for q in range(m):
-                    value += gain[p, i] * scale * R[p, q] * gain[q, j]
-            covariance[i, j] = covariance[j, i] = value
 
 
 @entry

@@ -107,7 +107,7 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
         information, pull = without(information, pull, k, len(pull))
     size = np.sqrt(np.diag(noise.first))
     by_size = np.outer(size, size)
-    rows = (information - (1.0 - ASKED) * noise.first) / by_size
+    rows = _of_rows(information / by_size, (1.0 - ASKED) * noise.first / by_size)
     root = _root_of_inverse(rows)
     share, turn = np.linalg.eigh(congruence(turned(root), noise.information / by_size))
     directions = product(root, turn)
@@ -133,6 +133,17 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
         for b in range(k):
             found[a, b] -= lost[a, b]
     return found, more
+
+
+@row_compiled
+def _of_rows(information: Array, first: Array) -> Array:
+    """What rows have added to what was known first; of that, rows may have faded some, too: then no more is left of it
+    than there is in every direction."""
+    rows = information - first
+    if np.linalg.eigvalsh(rows)[0] > 0.0:
+        return rows
+    left = float(np.linalg.eigvalsh(congruence(turned(_root_of_inverse(first)), information))[0])
+    return information - (1.0 - ASKED) * max(left, 0.0) * first
 
 
 @row_compiled

@@ -16,7 +16,8 @@ from cartgrasp.rigid_body import regressor_b
 from estimation import FilterNoise, Prior
 from estimation.gaussian import Gaussian
 from estimation.online.disturbance.observer import USUAL_PUSH, DisturbanceObserver
-from estimation.online.kernels.observed_wrench import MAX_STEP, SURPRISING
+from estimation.online.kernels.observed_motion import SURPRISING
+from estimation.online.kernels.observed_wrench import MAX_STEP
 from estimation.online.load_change import load_covariance
 
 from ...core.drawn import CONSTRAINTS, SHOPPING_CART, vectors
@@ -131,19 +132,23 @@ def test_seen(kind, surprised, numbers, off, size, missing):
         return  # rounding decides
     now = surprised + 1 if square > SURPRISING else 0
     if now > 1:
-        P, nu = belief.covariance.copy(), np.arange(3, 3 + k)
-        usual = (USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2
-        P[nu + k, nu + k] = np.maximum(P[nu + k, nu + k], usual)
-        rate, since = usual / of._inertias**2, now * MAX_STEP
-        P[nu, nu] += rate * since**2
+        P, since = belief.covariance.copy(), now * MAX_STEP
+        usual = (USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2 * np.eye(k)
+        moments = [[since**2 / 3, since / 2], [since / 2, 1.0]]  # of nu' for a while, and of d
+        to_nu = np.diag(1.0 / of._inertias)
+        lever = np.block([[to_nu, np.zeros((k, k))], [np.zeros((k, k)), np.eye(k)]])
+        P[3:, 3:] += lever @ np.kron(moments, usual) @ lever.T
         ways = np.linalg.pinv(of.cart.basis_b)
         ways = ways / np.square(ways).sum(axis=1, keepdims=True)
-        linear = np.square(ways[:, :2]).sum(axis=1)
-        P[np.arange(3), np.arange(3)] += (since**2 / 2) ** 2 * np.array([rate @ linear] * 2 + [rate @ ways[:, 2] ** 2])
+        squares = np.diagonal(to_nu @ usual @ to_nu) @ np.square(ways)
+        P[np.arange(3), np.arange(3)] += since**4 / 20 * np.array([squares[0] + squares[1]] * 2 + [squares[2]])
         opened = Gaussian(belief.mean, P)
         square = innovation(opened, residual, H, R).nis
-        belief = opened if square <= SURPRISING else belief
-    R = R * max(1.0, square / SURPRISING)
+        if square <= SURPRISING:
+            belief, now = opened, 1
+    news = innovation(belief, residual, H, R)
+    wider = max(1.0, square / SURPRISING)
+    R = R + (wider - 1.0) * news.covariance
     expected = updated(belief, innovation(belief, residual, H, R), H, R)
     scale = np.abs(expected.covariance).max()
     assert found.surprised == now

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numba import njit
 
 from estimation.online.kernels.row_parts import STANDS_OUT
 from estimation.online.kernels.slope_noise import SlopeNoise, told_by
+
+from ...core.drawn import vectors
 
 
 @njit
@@ -67,3 +71,16 @@ def test_what_is_linked_with_the_unknowns_stays_linked():
     found, _ = told((whole, np.ones(3)), since(0.5 * np.eye(2), 0.1, [0.0, 0.0], np.eye(2)))
     np.testing.assert_array_equal(found[2], whole[2])
     assert np.linalg.eigvalsh(found).min() > 0.0
+
+
+@given(numbers=vectors(6, -1.0, 1.0), faded=st.floats(0.05, 0.95))
+def test_where_less_is_left_than_was_known_first_it_stays_positive(numbers, faded):
+    """Rows forget along what they ask, which may be part of the first belief."""
+    along, slopes = numbers[:2] + np.array([1.5, 0.0]), numbers[2:].reshape(2, 2)
+    first = np.array([[2.0, 0.3], [0.3, 1.0]])
+    asked = first @ along
+    information = first - faded * np.outer(asked, asked) / (along @ asked) + 1e-6 * np.eye(2) + slopes @ slopes.T
+    noise = 0.3 * slopes @ slopes.T
+    found, _ = told((information, np.zeros(2)), since(noise, 0.02, [0.0, 0.0], np.linalg.inv(first)))
+    assert np.linalg.eigvalsh(found).min() > 0.0
+    assert np.linalg.eigvalsh(information - found).min() > -1e-9

@@ -1,0 +1,153 @@
+"""`python -m benchmarks.faults [--seeds 0:10000] [--workers 2]`: faults in the controller's loop, drawn at random.
+
+A cart of 24 kg that is guessed at 20 kg, two hands of 60 N and 8 N·m. In the first two seconds of a path one thing goes
+wrong for 0.05 to 0.8 s: poses are gone, or all that is sensed; they are no numbers, jump by a metre, or come 0.2 s
+late; wrenches are not told; an arm gives nothing; or the path asks for more than the hands can give. At no tick may a
+wrench be beyond a limit, or no number. 2 s after the fault the cart has to be at rest, or on its path.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+
+import numpy as np
+
+from cartgrasp.arms import Arm
+from cartgrasp.cli.output import progress
+from cartgrasp.contacts import ContactWrenches
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
+from cartgrasp.studies.parallel import run_all
+from estimation import DisturbedFilter, FilterNoise
+from planning import Caution, Controller, PathReference, chain, pause
+from planning.references import speed_change, turn
+
+TRUTH = CartModel(Inertia(24.0, (0.3, 0.05), 2.2), effects=(ViscousDrag(3.0, 1.2),))
+GUESS = TRUTH.with_inertia(Inertia(20.0, (0.25, 0.0), 2.0))
+FORCE, MOMENT = 60.0, 8.0
+NEAR, SLOW, AFTER = 0.05, 0.02, 2.0
+"""m from the path, m/s and rad/s at rest, s."""
+ODD = (np.nan, np.inf, -np.inf, 1e300, -1e12)
+KINDS = ("no pose", "nothing", "odd", "jumps", "late", "no wrench", "lost arm", "too much asked")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What goes wrong, and from when to when (s)."""
+
+    kind: str
+    begin: float
+    end: float
+
+    @classmethod
+    def drawn(cls, random: np.random.Generator) -> Fault:
+        begin = float(random.uniform(0.5, 1.5))
+        return cls(str(random.choice(KINDS)), begin, begin + float(random.uniform(0.05, 0.8)))
+
+    def acts(self, time: float) -> bool:
+        return self.begin <= time < self.end
+
+    @property
+    def path(self) -> PathReference:
+        """A curve; where too much is asked, with 190 N in the middle of it."""
+        if self.kind != "too much asked":
+            return PathReference(chain(speed_change(0.4), turn(0.3, 0.3), pause(3.0), speed_change(-0.4)))
+        jerk = 8.0 * min(self.end - self.begin, 0.1)
+        first, faster = pause(self.begin), speed_change(jerk, 8.0)
+        return PathReference(chain(speed_change(0.2, 1.0), first, faster, pause(3.0), speed_change(-0.2 - jerk)))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """By how much a wrench was beyond its limit (a share of it, infinite if it is no number), how far the cart was from
+    its path at last (m), and how fast (m/s, rad/s)."""
+
+    kind: str
+    beyond: float
+    off: float
+    speed: float
+
+    @property
+    def is_safe(self) -> bool:
+        return self.beyond <= 1e-6 and (self.off < NEAR or self.speed < SLOW)
+
+
+def run(seed: int) -> Outcome:
+    random = np.random.default_rng([seed, 33])
+    fault = Fault.drawn(random)
+    arms = [
+        Arm(name, [(-0.25, y, 1.0)], force_limit=(FORCE,) * 3, moment_limit=(MOMENT,) * 3)
+        for name, y in (("left", 0.2), ("right", -0.2))
+    ]
+    learner = DisturbedFilter(GUESS, ["left", "right"], noise=FilterNoise(force=1.0, moment=0.05))
+    controller = Controller(GUESS, arms, fault.path, estimator=learner, regrasp=None, caution=Caution())
+    plant, sensors = ModelPlant(TRUTH), Sensors(TRUTH, SensorNoise(force=1.0, moment=0.05), seed)
+    beyond, off = 0.0, np.inf
+    for k in range(round((fault.end + AFTER) / 0.01)):
+        acts = fault.acts(0.01 * k)
+        measured = sensors.motion(plant.time, plant.motion)
+        step = controller.step(_spoiled(fault.kind, measured, random) if acts else measured)
+        beyond = max(beyond, *(_beyond(wrench) for wrench in step.wrenches.values()))
+        given = step.given
+        felt = sensors.wrenches(plant.time, given)
+        if acts and fault.kind == "lost arm":
+            given = ContactWrenches({**given.wrenches, "left": np.zeros(6)}, given.contacts)
+            felt = Measurement(felt.time, wrenches={**felt.wrenches, "left": np.zeros(6)}, contacts=felt.contacts)
+        controller.observe(Measurement(felt.time) if acts and fault.kind == "no wrench" else felt)
+        off = float(np.hypot(*(plant.motion.pose_sb - step.reference.pose_sb)[:2]))
+        plant.step(given, 0.01)
+    return Outcome(fault.kind, beyond, off, float(np.abs(plant.motion.velocity).max()))
+
+
+def _spoiled(kind: str, measured: Measurement, random: np.random.Generator) -> Measurement:
+    """One tick of a fault of the senses."""
+    time, pose, velocity = measured.time, measured.pose, measured.velocity
+    if kind == "no pose":
+        return Measurement(time, None, velocity)
+    if kind == "nothing":
+        return Measurement(time)
+    if kind == "odd":
+        return Measurement(time, np.full(3, random.choice(ODD)), np.full(3, random.choice(ODD)))
+    if kind == "jumps":
+        return Measurement(time, pose + random.normal(0.0, 1.0, 3) * (random.random() < 0.3), velocity)
+    return Measurement(time - 0.2 * (kind == "late"), pose, velocity)
+
+
+def _beyond(wrench: np.ndarray) -> float:
+    """By which share of a limit a wrench (6,) is beyond it."""
+    used = float((np.abs(wrench) / np.repeat([FORCE, MOMENT], 3)).max())
+    return max(used - 1.0, 0.0) if np.isfinite(used) else np.inf
+
+
+def quietly(seed: int) -> Outcome:
+    """A run in which numbers that are none are met on purpose."""
+    with np.errstate(all="ignore"):
+        return run(seed)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser("python -m benchmarks.faults", description=__doc__)
+    parser.add_argument("--seeds", default="0:10000", metavar="A:B")
+    parser.add_argument("--workers", type=int, default=1, metavar="N")
+    options = parser.parse_args()
+    seeds = range(*map(int, options.seeds.split(":")))
+    with progress("faults") as told:
+        found = run_all(quietly, seeds, options.workers, told)
+    print("| fault | runs | safe | beyond a limit, most | m off the path at last: median | p99 | most | unsafe seeds |")
+    print("| --- " * 8 + "|")
+    for kind in KINDS:
+        own = [(seed, one) for seed, one in zip(seeds, found, strict=True) if one.kind == kind]
+        if own:
+            off = np.array([one.off for _, one in own])
+            cells = [kind, len(own), sum(one.is_safe for _, one in own), f"{max(one.beyond for _, one in own):.1e}"]
+            cells += [f"{np.median(off):.3f}", f"{np.quantile(off, 0.99):.3f}", f"{off.max():.3f}"]
+            cells.append(", ".join(str(seed) for seed, one in own if not one.is_safe))
+            print(f"| {' | '.join(map(str, cells))} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
