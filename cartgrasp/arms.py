@@ -17,7 +17,7 @@ from .frames import Array
 from .friction import Friction
 from .joint_torques import JointTorques, PostureSource
 from .reach import Reach
-from .shallow import shallow
+from .shallow_copy import shallow_copy
 from .soft_finger import SoftFinger
 
 FORCES, MOMENTS, WRENCH = (f"({', '.join(WRENCH_NAMES[part])})" for part in (slice(3), slice(3, 6), slice(6)))
@@ -153,13 +153,13 @@ class Arm:
             raise UsageError(f"arm {self.name}: {error}") from error
         if joints is self.joints:
             return self
-        other = shallow(self)
+        other = shallow_copy(self)
         object.__setattr__(other, "joints", joints)
         return other
 
     def without_rate(self) -> Arm:
         """The arm where there is time enough for any change: judgements over seconds are of it."""
-        other = shallow(self)
+        other = shallow_copy(self)
         object.__setattr__(other, "wrench_rate", (np.inf,) * 6)
         return other
 

@@ -16,7 +16,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.checks import LARGEST_FLOAT, brief, check_kind, listed, number, positive
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from .allocation.contradiction import contradiction
 from .contacts.contact_bounds import Candidates
@@ -127,7 +127,7 @@ class WrenchPlanner:
 
     def for_arms(self, names: Sequence[str]) -> Self:
         """A planner like this one, which remembers nothing, for some of its arms."""
-        other = shallow(self)
+        other = shallow_copy(self)
         other._made = replace(self._made, switching_cost=self._made.costs_of(names))
         other._now = TickState(other._made, [arm for arm in self._now.terms.base.arms if arm.name in names])
         return other
@@ -260,7 +260,7 @@ class WrenchPlanner:
 
     def _left_open(self, explained: Callable[[WrenchPlanner], Plan], start: float, near: Near = FORBIDDEN) -> Plan:
         """Infeasible, as is proven, or relaxed to what is near; why, a planner like this one of now says when asked."""
-        then, compiled = shallow(self), self._now.compiled
+        then, compiled = shallow_copy(self), self._now.compiled
         then._now = self._now.as_it_is()
 
         @cache

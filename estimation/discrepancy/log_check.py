@@ -15,8 +15,8 @@ from cartgrasp.model import CartModel
 from ..log_noise.log_noise import noise_of_log
 from ..noise import FilterNoise
 from ..sensor_check import Suspicion
+from ..sensor_check.repeated_rows import without_repeats
 from ..sensor_check.sizes import check_jumps
-from ..sensor_check.stale import without_stale
 from ..weak_form.balances import Balances
 from ..weak_form.integrals import SUPPORT
 from ..weak_form.motion import Motion
@@ -113,7 +113,7 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
     motion, moves, steps = balances.motion, moving(balances), np.diff(log.time)
     check_jumps(balances.log, float(motion.noise.pose[0]))
     _check_together(log, balances, bool(moves.any()))
-    noise, fresh, forward = noise_of_log(balances.log, cart), without_stale(log), motion.velocity[:, 0]
+    noise, fresh, forward = noise_of_log(balances.log, cart), without_repeats(log), motion.velocity[:, 0]
     of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS
     return LogCheck(
         name=log.name,

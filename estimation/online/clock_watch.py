@@ -18,8 +18,8 @@ from ..sensor_check.evidence import probabilities
 from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import UNIT_ODDS
 from .first_motion import LOST_AFTER
+from .measured_motion import usable
 from .rivals import Rivals
-from .seen import usable
 
 TIMES = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "ns": 1e-9}
 """s."""

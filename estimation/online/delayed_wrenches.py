@@ -14,7 +14,7 @@ from typing import Self
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
 from ..health import SensorHealth
@@ -69,7 +69,7 @@ class DelayedWrenches:
         self.core.scale_noise(noise_factors)
 
     def copy(self) -> Self:
-        other = shallow(self)
+        other = shallow_copy(self)
         other.core = self.core.copy()
         return other
 

@@ -18,14 +18,14 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
 from ..health import SensorHealth, by_sensor, said
 from .first_motion import LOST_AFTER
+from .measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from .regressor.parameter_learner import ParameterLearner
 from .schmidt_filter import SchmidtFilter
-from .seen import NOTHING_FELT, NOTHING_SEEN, Seen
 
 
 class LearningFilter:
@@ -53,12 +53,12 @@ class LearningFilter:
         self._move(float(measurement.time), learner.seen, learner.felt)
         motion.learn(learner.theta, learner.covariance)
 
-    def _move(self, time: float, seen: Array, felt: Array = NOTHING_FELT) -> None:
+    def _move(self, time: float, seen: Array, felt: Array = NO_WRENCHES) -> None:
         motion = self.motion
         if not self._started:
             motion.start(time, seen[:3])
             self._started = math.isfinite(seen[2])  # without a heading nobody knows where anything pushes
-            seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
+            seen = np.concatenate([NO_MOTION[:3], seen[3:]])
         elif time - motion.time > LOST_AFTER:
             motion.coast(time)
         motion.advance(time, seen, felt, self.learner.gate_ratio)
@@ -70,7 +70,7 @@ class LearningFilter:
 
     def ahead(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, and learned nothing."""
-        other, seen = shallow(self), Seen()
+        other, seen = shallow_copy(self), MeasuredMotion()
         other.motion = self.motion.copy()
         for sample in samples:
             other._move(sample.time, seen.of(sample))
@@ -102,6 +102,6 @@ class LearningFilter:
         return {sensor: (value, size) for sensor, value, size in found if math.isfinite(value)}
 
     def copy(self) -> Self:
-        other = shallow(self)
+        other = shallow_copy(self)
         other.learner, other.motion = self.learner.copy(), self.motion.copy()
         return other

@@ -11,7 +11,7 @@ from cartgrasp.effects.effect import USUAL_SPREAD
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
 from ..health import no_health
@@ -23,7 +23,7 @@ from .kernels.jit import Indices
 from .kernels.schmidt_block import Considered, new_block, parts
 from .kernels.schmidt_steps import MAX_STEP
 from .kernels.sensor_health import noted
-from .seen import NOTHING_FELT, NOTHING_SEEN
+from .measured_motion import NO_MOTION, NO_WRENCHES
 
 UNKNOWN_FORCE = 100.0
 """N: of a wrench of which nothing is known."""
@@ -79,7 +79,7 @@ class SchmidtFilter:
         return Gaussian(now.mean.copy(), now.own + now.slopes @ now.beside @ now.slopes.T)
 
     def copy(self) -> Self:
-        other = shallow(self)
+        other = shallow_copy(self)
         other._block, other._now = self._block.copy(), None
         other._seen = other._block[:3], other._block[self._nu], other._block[self.cart.memory_slice]
         return other
@@ -120,9 +120,7 @@ class SchmidtFilter:
         now.beside[:], now.theta[:] = covariance[np.ix_(free, free)], theta
         self._theta = theta
 
-    def advance(
-        self, time: float, seen: Array = NOTHING_SEEN, felt: Array = NOTHING_FELT, gate_ratio: float = 0.0
-    ) -> None:
+    def advance(self, time: float, seen: Array = NO_MOTION, felt: Array = NO_WRENCHES, gate_ratio: float = 0.0) -> None:
         """With nothing measured on the way but the last push; then takes in what is `seen` (6,) at that time: pose and
         velocity, NaN where missing; and what is `felt` from then on, from the time of a sample on as in
         `kernels/felt_wrench.py`, with its `gate_ratio`."""

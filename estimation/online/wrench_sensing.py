@@ -20,7 +20,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 from cartgrasp.wheels import GRAVITY
 
 from .kernels.felt_wrench import HELD, MOST_FORCE
@@ -81,7 +81,7 @@ class WrenchSensing:
         self.by_parameters = np.zeros((cart.constraints.n_free, len(cart.parameters)))
 
     def copy(self) -> Self:
-        other = shallow(self)
+        other = shallow_copy(self)
         other._holds, other._last = dict(self._holds), dict(self._last)
         return other
 

@@ -29,7 +29,7 @@ from .heading import of_headings
 from .jumps import jumps
 from .overview import Overview
 from .recorder import frozen, interpolated, quantised, repeated, slow, unread
-from .stale import without_stale
+from .repeated_rows import without_repeats
 from .suspicion import Suspicion
 from .velocities import of_velocities
 from .wrenches import judged
@@ -50,7 +50,7 @@ class Sensors:
 def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
     """Mends and judges poses, velocities and recorders; what wrenches do is seen in balances of the mended log
     (`of_wrenches`)."""
-    fresh = without_stale(log)
+    fresh = without_repeats(log)
     clean, between = interpolated(fresh)
     right, of_speeds = of_velocities(clean)
     headed = () if cart is None else (*of_headings(clean, cart), *frozen(log, cart))

@@ -19,7 +19,7 @@ from cartgrasp.model import CartModel
 from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
 from ..log_noise.marks import marked
 from ..log_noise.resolution import ROUNDING
-from .stale import local_change, repeats_fast
+from .repeated_rows import local_change, repeats_fast
 from .suspicion import Suspicion
 
 STRAIGHT = 1e-3

@@ -15,8 +15,8 @@ from cartgrasp.model import CartModel
 from ..impacts.impacts import impacts
 from ..log_noise.glitches import without_glitches
 from ..noise import FilterNoise
+from ..sensor_check.repeated_rows import without_repeats
 from ..sensor_check.sizes import check_jumps, check_sizes
-from ..sensor_check.stale import without_stale
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, sharp
 from ..weak_form.flights import pieces, unbroken
@@ -47,7 +47,7 @@ class NothingSaidError(Exception):
 
 
 def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[LogPart]:
-    known = without_glitches(without_stale(without_idle_arms(log)), OFF)
+    known = without_glitches(without_repeats(without_idle_arms(log)), OFF)
     check_sizes(known)
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such

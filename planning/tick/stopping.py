@@ -13,7 +13,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ..plan import Plan
 from ..quadratic_program import OPTIMAL
@@ -26,7 +26,7 @@ AS_BELIEVED, BEYOND = "within its limits as it is believed to be", "beyond its l
 def stopping_plan(now: TickState, wrench: ArrayLike, plan: Callable[[ArrayLike, bool], Plan]) -> dict[str, Any] | None:
     """What the fields of a plan are then; `plan` plans a wrench (3,) for what `now` keeps, and looks for the nearest if
     it need not be exact. None where none is found."""
-    before, shares = shallow(now.last), (*SHARES, 0.0) if now.terms.has_margins else (0.0,)
+    before, shares = shallow_copy(now.last), (*SHARES, 0.0) if now.terms.has_margins else (0.0,)
     first = max(0, shares.index(now.stop_share) - 1) if now.stop_share in shares else 0
 
     def kept(share: float | None, wanted: ArrayLike) -> Plan:
@@ -36,7 +36,7 @@ def stopping_plan(now: TickState, wrench: ArrayLike, plan: Callable[[ArrayLike, 
 
     try:
         found, words = kept(None, wrench), BEYOND
-        free, wanted = shallow(now.last), found.cart_wrench
+        free, wanted = shallow_copy(now.last), found.cart_wrench
         if wanted is None:
             return None
         for share in shares[first:]:

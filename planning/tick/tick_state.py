@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ..contacts.contact_cases import CaseSolver
 from ..contacts.switching_cost import SwitchingCost
@@ -92,8 +92,8 @@ class TickState:
 
     def as_it_is(self) -> Self:
         """One that stays as this is now, without kernels."""
-        other = shallow(self)
-        other.terms, other.last, other.compiled = shallow(self.terms), shallow(self.last), None
+        other = shallow_copy(self)
+        other.terms, other.last, other.compiled = shallow_copy(self.terms), shallow_copy(self.last), None
         return other
 
     def renew_solvers(self) -> None:
@@ -120,7 +120,7 @@ class TickState:
 
     def go_back_to(self, last: LastPlan) -> None:
         """As if what was remembered since had not been."""
-        self.last = shallow(last)
+        self.last = shallow_copy(last)
         self.look_back_at(last.wrenches)
 
     def take_arms(self, arms: Sequence[Arm]) -> None:

@@ -25,13 +25,13 @@ import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.motion import Disturbance, Estimate, Measurement
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ...health import Health
 from ..cart_filter import core_of
 from ..delayed_wrenches import InTime, delayed
 from ..given import Given
-from ..seen import usable
+from ..measured_motion import usable
 from ..wrench_sensing import Moving, WrenchSensing
 from .observer import DisturbanceObserver, Observed
 
@@ -87,7 +87,7 @@ class DisturbedLearning:
                 one.scale_noise(noise_factors)
 
     def copy(self) -> Self:
-        other = shallow(self)
+        other = shallow_copy(self)
         other._careful, other._quick = self._careful.copy(), self._quick.copy()
         other._sensing = self._sensing.copy()
         other._open = None if self._open is None else self._open.copy()

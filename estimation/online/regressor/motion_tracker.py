@@ -15,7 +15,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
@@ -140,7 +140,7 @@ class MotionTracker:
         return self._rows[:k, 1 : 1 + self._wrench].copy()
 
     def copy(self) -> Self:
-        other = shallow(self)
+        other = shallow_copy(self)
         other._rows = np.empty_like(self._rows)
         other._rows[: self._n] = self._rows[: self._n]
         return other

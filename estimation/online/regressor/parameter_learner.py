@@ -20,7 +20,7 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement, Motion, ParameterEstimate
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ...gaussian import Gaussian
 from ...health import Health
@@ -32,7 +32,7 @@ from ..disturbance.observer import USUAL_PUSH
 from ..kernels.recorded_moment import DUE, FELT
 from ..kernels.row_algebra import FilteredRow, LeftOut, weights
 from ..load_change import load_covariance, root_of
-from ..seen import NOTHING_FELT, NOTHING_SEEN, Seen
+from ..measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from ..wrench_sensing import Moving, WrenchSensing
 from .disturbance_level import DisturbanceLevel
 from .filtered_row import Block, filtered_row, is_slower, one_disturbance, stands_still
@@ -91,10 +91,10 @@ class ParameterLearner:
         self._memory = FollowedMemory(cart, noise.swivel)
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self.theta = cart.parameters
-        self._seen, self._started, self._has_wrench = Seen(), False, False
+        self._seen, self._started, self._has_wrench = MeasuredMotion(), False, False
         self._unfinished: Unfinished | None = None  # how far a row is worked out
         self.worked = False  # whether something of a row was worked out with the last sample, which takes long
-        self.time, self.seen, self.felt = -math.inf, NOTHING_SEEN, NOTHING_FELT  # of the last measurement
+        self.time, self.seen, self.felt = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
         self._seen_until = -math.inf  # time of the last pose or velocity
         self._conclude()
 
@@ -106,7 +106,7 @@ class ParameterLearner:
         is_seen = self._seen.is_whole or bool(np.isfinite(seen).any())
         if not self._started or time - (self._seen_until if is_seen else self.time) > LONG_GAP:
             self._start(time)
-            seen = np.concatenate([NOTHING_SEEN[:3], seen[3:]])
+            seen = np.concatenate([NO_MOTION[:3], seen[3:]])
         if is_seen:
             self._seen_until = time
         moving = self._moving(time) if sensing.feels_motion else None
@@ -122,7 +122,7 @@ class ParameterLearner:
         if said & FELT:
             self.felt, self._has_wrench = self.tracker.felt, True
         else:
-            self.felt = NOTHING_FELT
+            self.felt = NO_WRENCHES
 
     def note_disturbance(self, acts: bool) -> None:
         """Whether something else pushes in the rows that come next."""
@@ -159,9 +159,9 @@ class ParameterLearner:
         return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.covariance)
 
     def copy(self) -> Self:
-        other = shallow(self)
+        other = shallow_copy(self)
         other.tracker, other._belief = self.tracker.copy(), self._belief.copy()
-        other._watch, other._sensing = shallow(self._watch), self._sensing.copy()
+        other._watch, other._sensing = shallow_copy(self._watch), self._sensing.copy()
         return other
 
     @property

@@ -15,7 +15,7 @@ import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.shallow import shallow
+from cartgrasp.shallow_copy import shallow_copy
 
 from ...gaussian import Gaussian
 from ..kernels import belief as kernels
@@ -81,7 +81,7 @@ class RegressionBelief:
         self._known, self._noise = _given(information, np.append(first.mean, LATENESS), self._k)
 
     def copy(self) -> Self:
-        return shallow(self)
+        return shallow_copy(self)
 
     @property
     def parameters(self) -> Gaussian:

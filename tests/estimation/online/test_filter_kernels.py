@@ -16,9 +16,9 @@ from cartgrasp.wheels import Wheel
 from estimation import FilterNoise, Prior
 from estimation.online.kernels import correction
 from estimation.online.kernels.tracked_motion import PATH_FLOOR
+from estimation.online.measured_motion import MeasuredMotion
 from estimation.online.regressor.motion_tracker import MotionTracker
 from estimation.online.schmidt_filter import SchmidtFilter
-from estimation.online.seen import Seen
 from tests.kernels_called import called
 
 numbers = st.floats(-3, 3, allow_nan=False, allow_infinity=False)
@@ -172,7 +172,7 @@ def test_effects_without_kernels_go_the_same_way(seed, turned):
             if k % 13:
                 pushed(motion, wrench, np.diag([3.0, 1.0]))
             seen = {"pose": pose} if k % 3 == 0 else {"velocity": velocity}
-            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), Seen().of(Measurement(0.0, **seen)))
+            motion.advance(0.013 * (k + 1) + 0.2 * (k // 10), MeasuredMotion().of(Measurement(0.0, **seen)))
     for found, expected in zip(motions[0].now[:-1], motions[1].now[:-1], strict=True):  # without the room
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
 

@@ -26,7 +26,7 @@ SLOW = 0.25
 """Share of a fast row's speed below which a coarse sensor repeats itself, where nothing goes faster."""
 
 
-def without_stale(log: RunLog) -> RunLog:
+def without_repeats(log: RunLog) -> RunLog:
     """The log, with poses and velocities that repeat the ones before as missing samples."""
     velocity = None if log.velocity is None else _without(log.velocity, log.time)
     return replace(log, pose=_without(log.pose, log.time), velocity=velocity)

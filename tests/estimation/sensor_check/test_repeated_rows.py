@@ -13,7 +13,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs.run_log import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.log_check import checked
-from estimation.sensor_check.stale import without_stale
+from estimation.sensor_check.repeated_rows import without_repeats
 from estimation.weak_form.balances import Balances
 from tests.core.drawn import numbers
 
@@ -48,7 +48,7 @@ def repeated(rows, at):
 def test_what_a_recorder_wrote_again_is_missing(seed, at, speed):
     at = {i for i in at if not set(range(i - 10, i)) <= at}
     rows = repeated(moving(seed), at)
-    log = without_stale(log_of(rows, rows if speed else None))
+    log = without_repeats(log_of(rows, rows if speed else None))
     for found in (log.pose, *([log.velocity] if speed else [])):
         assert set(np.flatnonzero(np.isnan(found).any(axis=1))) == at
         np.testing.assert_array_equal(np.delete(found, list(at), axis=0), np.delete(rows, list(at), axis=0))
@@ -58,7 +58,7 @@ def test_what_a_recorder_wrote_again_is_missing(seed, at, speed):
 def test_a_cart_that_rests_is_seen_to_rest(rest, seed):
     rows = moving(seed, 0.0)
     still = np.concatenate([rows[:50], np.repeat(rows[50:51], rest, axis=0), rows[51:]])
-    np.testing.assert_array_equal(without_stale(log_of(still)).pose, still)
+    np.testing.assert_array_equal(without_repeats(log_of(still)).pose, still)
 
 
 @given(resolution=numbers(0.001, 0.02), speed=numbers(0.01, 0.04))
@@ -66,14 +66,14 @@ def test_what_a_sensor_cannot_tell_apart_is_kept(resolution, speed):
     """A cart that crosses a step of an encoder in more than a row."""
     way = np.round(speed * PERIOD * np.arange(ROWS) / resolution) * resolution
     rows = np.column_stack([way, np.zeros((ROWS, 2))])
-    np.testing.assert_array_equal(without_stale(log_of(rows)).pose, rows)
+    np.testing.assert_array_equal(without_repeats(log_of(rows)).pose, rows)
 
 
 def test_what_is_missing_stays_missing():
     rows = moving(3)
     rows[[20, 21, 60]] = np.nan
     rows[22] = rows[19]
-    found = without_stale(log_of(rows)).pose
+    found = without_repeats(log_of(rows)).pose
     assert np.flatnonzero(np.isnan(found).any(axis=1)).tolist() == [20, 21, 22, 60]
 
 
@@ -82,7 +82,7 @@ def test_the_check_counts_them_and_reads_the_noise_of_the_others():
     """Two poses of three are written again, as of a camera at 33 Hz."""
     log, _ = simulate(TRUTH, 3, 30.0, noise=(0.001, 0.002, 1.0))
     held = replace(log, pose=log.pose[np.arange(len(log)) // 3 * 3])
-    whole, twice = (checked(each, CART, Balances.of(without_stale(each), CART)) for each in (log, held))
+    whole, twice = (checked(each, CART, Balances.of(without_repeats(each), CART)) for each in (log, held))
     assert whole.stale_poses == 0
     assert twice.stale_poses == pytest.approx(2 / 3 * len(log), abs=80)  # but those at rest
     assert twice.noise.position == pytest.approx(whole.noise.position, rel=0.25)
@@ -108,4 +108,4 @@ def test_an_encoder_that_rests_is_seen_between_its_steps_too(seed, step, every, 
         way[: ROWS * every].reshape(ROWS, every).mean(axis=1)[:-1] if mean else np.interp(at, np.arange(len(way)), way)
     )
     rows = np.column_stack([coarse, np.zeros((ROWS - 1, 2))])
-    assert np.isnan(without_stale(log_of(rows)).pose[:, 0]).sum() <= 2  # where it starts, it may repeat and then leap
+    assert np.isnan(without_repeats(log_of(rows)).pose[:, 0]).sum() <= 2  # where it starts, it may repeat and then leap

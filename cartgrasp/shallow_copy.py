@@ -7,7 +7,7 @@ from typing import TypeVar
 T = TypeVar("T")
 
 
-def shallow(thing: T) -> T:
+def shallow_copy(thing: T) -> T:
     """Another with the same attributes, in a seventh of `copy.copy`'s time."""
     other = object.__new__(type(thing))
     vars(other).update(vars(thing))

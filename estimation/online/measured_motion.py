@@ -9,7 +9,7 @@ from cartgrasp.checks import LARGEST_NUMBER
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
-NOTHING_SEEN, NOTHING_FELT = np.full(6, np.nan), np.full(1, np.nan)
+NO_MOTION, NO_WRENCHES = np.full(6, np.nan), np.full(1, np.nan)
 
 
 def usable(values: ArrayLike) -> Array:
@@ -19,7 +19,7 @@ def usable(values: ArrayLike) -> Array:
     return numbers
 
 
-class Seen:
+class MeasuredMotion:
     """Room for what is seen, which is filled anew for each measurement."""
 
     def __init__(self) -> None:
