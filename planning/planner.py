@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import LARGEST_FLOAT, brief, check_kind, listed, number, positive
+from cartgrasp.collector import freeze_what_lives
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
 from cartgrasp.shallow_copy import shallow_copy
@@ -139,11 +140,13 @@ class WrenchPlanner:
 
     def warm_up(self) -> None:
         """Does now what would cost at the first call: workspaces, the fallback's import, and compiled kernels, without
-        which planning takes ten times as long: loaded in half a second, or compiled. What it remembers stays."""
+        which planning takes ten times as long: loaded in half a second, or compiled. What it remembers stays. What
+        lives by then is no more looked at by the interpreter's collector of garbage, which would pause for 80 ms."""
         now = self._now
         at_first = dict(zip(now.terms.base.names, now.terms.first, strict=True))
         now.warm_up(lambda: [self.plan((1.0, 0.0, 0.1), contacts) for contacts in (None, None, at_first)])
         solve_with_clarabel(now.program.at(now.terms.first, np.zeros(len(self._to_effective)), now.cost))
+        freeze_what_lives()
 
     def plan(
         self,

@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import ClassVar, Generic, TypeVar
 
 from cartgrasp.checks import brief
+from cartgrasp.collector import freeze_what_lives
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.tracked_point import TrackedPoint
@@ -63,7 +64,8 @@ class OnlineEstimator(ABC, Generic[C]):
 
     def warm_up(self) -> None:
         """Does now, with a filter like this one, what would cost at the first updates: kernels are loaded in a second,
-        or compiled, in a minute, the very first time on a machine. What this one has learned stays."""
+        or compiled, in a minute, the very first time on a machine. What this one has learned stays. What lives by then
+        is no more looked at by the interpreter's collector of garbage, which would pause for 80 ms."""
         import scipy.optimize  # noqa: F401  for estimates that are no body
 
         # Other arguments compile nothing else.
@@ -75,6 +77,7 @@ class OnlineEstimator(ABC, Generic[C]):
         with suppress(CartgraspError):  # what is believed may be far from the push that is made up
             for sample in made_up_push(self.cart, self.arms or ("arm",)):
                 other.update(sample)
+        freeze_what_lives()
 
     @property
     def estimate(self) -> Estimate:
