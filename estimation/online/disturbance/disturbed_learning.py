@@ -99,12 +99,28 @@ class DisturbedLearning:
         if observed is None or disturbance is None:
             return told
         is_kept_back = told.health == Health.NO_WRENCH and disturbance.acts
-        return told._replace(
+        return self._doubted(told)._replace(
             time=observed.time,
             motion=observed.motion(told.motion.memory),
             health=Health.OUTLIERS if is_kept_back else told.health,
             disturbance=disturbance,
         )
+
+    def _doubted(self, told: Estimate) -> Estimate:
+        """What pushes may be a load while one of the others tries that, or the quick one has found one that nobody else
+        has: then it is as unsure what the parameters are as that one is, from what is told."""
+        own, quick, widest = self._careful.learner, self._quick.learner, told.covariance
+        is_found = quick.loaded > max(own.loaded, self.time - PATIENCE)
+        others = [(quick, is_found or (quick.is_trying and self._trying_since > own.loaded))]
+        if self._open is not None:
+            others.append((self._open.learner, self._open.learner.is_trying and self._opened > own.loaded))
+        for other in (one for one, doubts in others if doubts):
+            off = other.theta - own.theta
+            spread = other.told_covariance + np.outer(off, off)
+            widest = spread if widest is None or spread[0, 0] > widest[0, 0] else widest
+        if widest is None or widest is told.covariance:
+            return told
+        return told._replace(parameters=own.reported(widest), covariance=widest)
 
     # --- learning ---------------------------------------------------------------------------------------------
 
@@ -176,7 +192,8 @@ class DisturbedLearning:
         look like it, and goes on to until a load that rolls on could; else where no load would by its inertia. A load
         does not turn nu' round: it explains the part that wrenches alone would make, and that is there."""
         time, k, was = observed.time, observed.k, self._disturbance is not None and self._disturbance.acts
-        squares, known = self._observer.squares(observed, memory, told.model_parameters, told.covariance)
+        unknown = self._careful.learner.covariance
+        squares, known = self._observer.squares(observed, memory, told.model_parameters, unknown)
         rolls, agreed, rigid = squares
         begins, stays = ACTS[k - 1], STAYS[k - 1]
         self._is_sure = rolls > stays if self._is_sure else agreed > begins

@@ -156,7 +156,7 @@ class ParameterLearner:
 
     def estimate(self, motion: Motion, health: Health) -> Estimate:
         """What is known by now, with a motion."""
-        return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.covariance)
+        return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.told_covariance)
 
     def copy(self) -> Self:
         other = shallow_copy(self)
@@ -372,14 +372,23 @@ class ParameterLearner:
             with suppress(DataError):  # where what is believed is beyond numbers, what was stays
                 self.theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
             theta = self.theta
-        self.theta, self._report = theta, None
+        self.theta, self._report, self.told_covariance = theta, None, self._what_is_told()
         self._mass = self.cart.inverse(*self._at_rest, theta).by_acceleration
         self._believe()
+
+    def _what_is_told(self) -> Array:
+        """The covariance (p, p) that people are told: of all that is not excluded."""
+        wide = None if self._trial is None else self._trial.not_excluded
+        return self.covariance if wide is None else wide.concluded().covariance
 
     @property
     def report(self) -> Mapping[str, ParameterEstimate]:
         """What is said of the parameters."""
         if self._report is None:
-            given = self.theta, self.covariance, self._free, self._first_variances
-            self._report = WhenAsked(partial(self.reporter.of_free, *given))
+            self._report = self.reported(self.told_covariance)
         return as_taught(self._report, self._watch.health)
+
+    def reported(self, covariance: Array) -> Mapping[str, ParameterEstimate]:
+        """What would be said of the parameters if they had a covariance (p, p)."""
+        given = self.theta, covariance, self._free, self._first_variances
+        return WhenAsked(partial(self.reporter.of_free, *given))

@@ -183,6 +183,17 @@ class Trial:
         return mixture(beliefs, self._shares, self._told) if self._sure is None else beliefs[self._sure].copy()
 
     @property
+    def not_excluded(self) -> RegressionBelief | None:
+        """All beliefs that are, as one, in which they count alike: what is said to people. Rows tell apart what models
+        make of them, and no model is so right. None where one is left."""
+        if self._sure is not None:
+            return None
+        odds = self._odds
+        alike = np.where(odds > odds.max() - DECIDED, 1.0, 0.0)
+        beliefs = [self.pushed.belief, *(one.belief for one in self.changed)]
+        return mixture(beliefs, alike / alike.sum(), self._told)
+
+    @property
     def _told(self) -> int:
         """Which of them is meanwhile: the likeliest without a load."""
         loads = np.array([False, *(one.is_load for one in self.changed)])

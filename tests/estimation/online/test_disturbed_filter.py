@@ -14,9 +14,13 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import body_to_world
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.simulation.closed_loop import Loop, run
+from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.simulation.outside import Push, PushedPlant
+from cartgrasp.studies.disturbances import LOAD, OURS, Case, controller
+from cartgrasp.studies.disturbances import SENSORS as STUDIED
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
 from estimation.online.disturbance.observer import SETTLED, USUAL_PERIOD, DisturbanceObserver
+from estimation.parameter_report import IDENTIFIABLE_SHARE
 from planning import Controller, PathReference, chain, pause
 from planning.references import speed_change, turn
 
@@ -52,8 +56,6 @@ def test_its_answer_to_a_step_and_its_deviation_are_those_of_a_butterworth_filte
 
 def pushed_in_mujoco(force, prior, guess=CART):
     """What is told of it while it coasts, and from 1 s on is pushed by a force (N)."""
-    from cartgrasp.simulation.mujoco_plant import MujocoPlant
-
     plant = MujocoPlant(CART, velocity=[0.5, 0.0])
     sensors, learner = Sensors(CART, SENSORS, 3), DisturbedFilter(guess, ["hand"], noise=NOISE, prior=prior)
     point, found = np.array([-0.25, 0.0, 0.4]), []
@@ -237,3 +239,18 @@ def test_a_load_too_small_to_be_seen_as_a_push_is_not_mixed_into_the_old_one(see
     off = np.abs(mass.value - np.where(time < 22.0, 80.0, 95.0)) > 3.5 * mass.std
     assert 0.01 * (off & (mass.std < 3.5))[time > 22.0].sum() < 4.0
     assert abs(mass.value[-1] - 95.0) < 3.0 * mass.std[-1]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [6444, 6447, 6448])
+def test_what_may_be_a_load_leaves_nothing_sure(seed):
+    """Loads that look like a push, or another floor, for seconds: for a second at most a mass may be sure and wrong."""
+    case, sensors = Case(LOAD, seed), Sensors(Case(LOAD, seed).cart, STUDIED, seed)
+    record = run(Loop(controller(case.guess, OURS), PushedPlant(MujocoPlant(case.cart), case.outside), sensors))
+    mass, time = record.parameters["mass"], record.time
+    (load,) = (effect for effect in case.cart.effects if isinstance(effect, PayloadChange))
+    off = np.abs(mass.value - case.cart.phi_at(time)[:, 0])
+    is_sure = (mass.std < IDENTIFIABLE_SHARE * mass.std[0]) & (np.array(record.healths) == "ok")
+    wrong = is_sure & (off > 4.0 * mass.std) & (time > load.time)
+    assert time[wrong].max() < load.time + 1.2
+    assert off[-1] < 3.0 * mass.std[-1]
