@@ -28,7 +28,8 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
         noise: Standard deviations of the sensors, in their units; those of `FilterNoise()` unless given.
         prior: How sure the first guess is; `Prior()` and what the cart's file says unless given.
         yaws: Of the contact frames against {b}, rad, by arm; 0 unless given.
-        response: s until a push is followed to 5 %; parameters are as much behind.
+        response: s until a push is followed to 5 % by what learns, and parameters are as much behind; what is told
+            follows in 0.6 of it.
 
     Raises:
         UsageError: An argument is of the wrong kind or out of bounds.

@@ -27,6 +27,7 @@ from cartgrasp.frames import Array
 from cartgrasp.motion import Disturbance, Estimate, Measurement
 from cartgrasp.shallow_copy import shallow_copy
 
+from ...gaussian import Gaussian
 from ...health import Health
 from ..cart_filter import core_of
 from ..delayed_wrenches import InTime, delayed
@@ -38,6 +39,9 @@ from .observer import DisturbanceObserver, Observed
 ACTS, STAYS = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
 """By dimension, of the normalised square: chi-squared with one, two and three components is beyond the first once in a
 thousand times, and beyond the second, below which a disturbance is over, once in twenty."""
+QUICKER = 0.6
+"""Share of the response in which what is told, and fed forward, follows. It is noisier, which arms bear; what learns
+hears the slower one."""
 LASTS = 0.4
 """s until the last row in which a sample counts is worked out."""
 PATIENCE = 10.0
@@ -51,6 +55,7 @@ class DisturbedLearning:
         cart, arms, noise, prior, yaws = made_of
         self.cart, self.prior, self.response = cart, prior, response
         self._observer = DisturbanceObserver(cart, noise, response, prior)
+        self._ahead = DisturbanceObserver(cart, noise, QUICKER * response, prior)
         unseen = self._observer.deviation * math.sqrt(response)
         self._careful = delayed(core_of(made_of, unseen=unseen), cart)
         self._quick = delayed(core_of(made_of), cart)
@@ -60,7 +65,7 @@ class DisturbedLearning:
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._waiting: tuple[Measurement, ...] = ()
         self._known: Estimate | None = None
-        self._observed: Observed | None = None
+        self._observed: tuple[Observed, Observed] | None = None  # and by the quicker one
         self._disturbance: Disturbance | None = None
         self._is_sure, self._is_total_known = False, True
         self._since = self._until = -math.inf  # when the disturbance set in that acts now, and when one acted last
@@ -100,8 +105,8 @@ class DisturbedLearning:
             return told
         is_kept_back = told.health == Health.NO_WRENCH and disturbance.acts
         return self._doubted(told)._replace(
-            time=observed.time,
-            motion=observed.motion(told.motion.memory),
+            time=observed[0].time,
+            motion=observed[0].motion(told.motion.memory),
             health=Health.OUTLIERS if is_kept_back else told.health,
             disturbance=disturbance,
         )
@@ -166,31 +171,34 @@ class DisturbedLearning:
         pose, velocity = (
             np.full(3, np.nan) if part is None else usable(part) for part in (measurement.pose, measurement.velocity)
         )
-        observed, theta = self._observed, told.model_parameters
-        if observed is None:
+        if self._observed is None:
             if not np.isfinite(pose).all():
                 return
-            observed = self._observer.start(measurement.time, pose)
-        memory = told.motion.memory if told.motion.memory is not None else np.zeros(0)
-        observed = self._observer.advanced(observed, measurement.time, memory, theta)
+            start = self._observer.start(measurement.time, pose)
+            self._observed = start, start
+        theta, memory = told.model_parameters, told.motion.memory
+        memory = memory if memory is not None else np.zeros(0)
         moves = bool(np.isfinite(pose).any() or np.isfinite(velocity).any())
-        if moves:
-            observed = self._observer.seen(observed, pose, velocity)
+        observed = []
+        for observer, was in zip((self._observer, self._ahead), self._observed, strict=True):
+            now = observer.advanced(was, measurement.time, memory, theta)
+            observed.append(observer.seen(now, pose, velocity) if moves else now)
         self._sensing.note_contacts(measurement)
         if measurement.wrenches:
-            sensed = self._sensing.sense(measurement, theta, Moving(observed.state(memory), measurement.time))
+            sensed = self._sensing.sense(measurement, theta, Moving(observed[0].state(memory), measurement.time))
             was_known, self._is_total_known = self._is_total_known, sensed is not None
             if sensed is not None:
-                observed = observed if was_known else self._observer.forgotten(observed)
-                observed = self._observer.pushed(observed, sensed.value, sensed.covariance)
-        self._observed = observed
+                observed = [one if was_known else self._observer.forgotten(one) for one in observed]
+                observed = [self._observer.pushed(one, sensed.value, sensed.covariance) for one in observed]
+        self._observed = observed[0], observed[1]
         if self._disturbance is None or moves:
-            self._conclude(observed, told, memory)
+            self._conclude(observed[0], observed[1].wrench, told, memory)
 
-    def _conclude(self, observed: Observed, told: Estimate, memory: Array) -> None:
-        """Whether the disturbance acts, where all arms tell what they give. It does for sure where no usual load would
-        look like it, and goes on to until a load that rolls on could; else where no load would by its inertia. A load
-        does not turn nu' round: it explains the part that wrenches alone would make, and that is there."""
+    def _conclude(self, observed: Observed, ahead: Gaussian, told: Estimate, memory: Array) -> None:
+        """Whether the disturbance acts, which is told as it is `ahead`, where all arms tell what they give. It does for
+        sure where no usual load would look like it, and goes on to until a load that rolls on could; else where no load
+        would by its inertia. A load does not turn nu' round: it explains the part that wrenches alone would make, and
+        that is there."""
         time, k, was = observed.time, observed.k, self._disturbance is not None and self._disturbance.acts
         unknown = self._careful.learner.covariance
         squares, known = self._observer.squares(observed, memory, told.model_parameters, unknown)
@@ -200,4 +208,5 @@ class DisturbedLearning:
         acts = self._is_total_known and (self._is_sure or rigid > (stays if was else begins))
         if acts:
             self._since, self._until = (self._since if was else time), time
-        self._disturbance = Disturbance(observed.wrench.mean, known, acts)
+        known = known + ahead.covariance - observed.wrench.covariance
+        self._disturbance = Disturbance(ahead.mean, known, acts)
