@@ -13,6 +13,9 @@ learns from all that there is, until its trial (`regressor/trial.py`) is over. I
 
 And what is noise to what learns may be a load that is too small to be seen as a push. One that learns with the noise of
 the sensors alone, as a `CartFilter` does, finds it soon. Its word is taken where nothing was kept back meanwhile.
+
+While one of the others tries a load, or has found one that nobody else has, parameters are told as unsure as that one
+is. What is told of the disturbance, and fed forward, comes from a quicker observer than the one that learning hears.
 """
 
 from __future__ import annotations
