@@ -37,10 +37,9 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
     if surprised > 1:
         put(covariance, opened)
         _open(c, surprised * MAX_STEP, opened)
-        square = _square(opened, (rows[:m], residual[:m], R), room)
-        if square <= SURPRISING:
+        if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISING:
             put(opened, covariance)
-            surprised = 1
+            surprised, square = 1, 0.0
     if square > SURPRISING:
         _widen(covariance, rows[:m], square / SURPRISING, R)
     _update(mean, covariance, (rows[:m], residual[:m], R), room)

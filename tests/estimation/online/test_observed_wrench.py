@@ -143,9 +143,8 @@ def test_seen(kind, surprised, numbers, off, size, missing):
         squares = np.diagonal(to_nu @ usual @ to_nu) @ np.square(ways)
         P[np.arange(3), np.arange(3)] += since**4 / 20 * np.array([squares[0] + squares[1]] * 2 + [squares[2]])
         opened = Gaussian(belief.mean, P)
-        square = innovation(opened, residual, H, R).nis
-        if square <= SURPRISING:
-            belief, now = opened, 1
+        if innovation(opened, residual, H, R).nis <= SURPRISING:
+            belief, now, square = opened, 1, 0.0
     news = innovation(belief, residual, H, R)
     wider = max(1.0, square / SURPRISING)
     R = R + (wider - 1.0) * news.covariance
