@@ -97,7 +97,7 @@ class _Run:
         self.held = self._held(state)
         self.at: Ints = np.array([0, tick.TRACK, 1, -1, 0])
         self.statuses = ["optimal"] * len(self.course.time)
-        self.known = [Known(0, core.learner.theta, core.learner.covariance)]
+        self.known = [Known(0, core.learner.theta, core.learner.told_covariance)]
 
     # --- to the end -------------------------------------------------------------------------------------------
 
@@ -123,7 +123,7 @@ class _Run:
         self.core.motion.learn(learner.theta, learner.covariance)
         if learner.theta is not self.known[-1].theta:
             self.held.theta[:], self.held.believed[:] = learner.theta, learner.believed
-            self.known.append(Known(k, learner.theta, learner.covariance))
+            self.known.append(Known(k, learner.theta, learner.told_covariance))
 
     def _plan(self) -> None:
         """A wrench whose plan isn't proven by the kernels alone."""

