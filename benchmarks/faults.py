@@ -26,6 +26,8 @@ from estimation import DisturbedFilter, FilterNoise
 from planning import Caution, Controller, PathReference, chain, pause
 from planning.references import speed_change, turn
 
+from .sealed.__main__ import seeds
+
 TRUTH = CartModel(Inertia(24.0, (0.3, 0.05), 2.2), effects=(ViscousDrag(3.0, 1.2),))
 GUESS = TRUTH.with_inertia(Inertia(20.0, (0.25, 0.0), 2.0))
 FORCE, MOMENT = 60.0, 8.0
@@ -63,8 +65,8 @@ class Fault:
 
 @dataclass(frozen=True)
 class Outcome:
-    """By how much a wrench was beyond its limit (a share of it, infinite if it is no number), how far the cart was from
-    its path at last (m), and how fast (m/s, rad/s)."""
+    """By how much a wrench was beyond its limit (N or N·m, infinite if it is no number), how far the cart was from its
+    path at last (m), and how fast (m/s, rad/s)."""
 
     kind: str
     beyond: float
@@ -118,29 +120,29 @@ def _spoiled(kind: str, measured: Measurement, random: np.random.Generator) -> M
 
 
 def _beyond(wrench: np.ndarray) -> float:
-    """By which share of a limit a wrench (6,) is beyond it."""
-    used = float((np.abs(wrench) / np.repeat([FORCE, MOMENT], 3)).max())
-    return max(used - 1.0, 0.0) if np.isfinite(used) else np.inf
+    """By how much (N or N·m) a wrench (6,) is beyond its limit."""
+    if not np.isfinite(wrench).all():
+        return np.inf
+    return max(float((np.abs(wrench) - np.repeat([FORCE, MOMENT], 3)).max()), 0.0)
 
 
 def quietly(seed: int) -> Outcome:
     """A run in which numbers that are none are met on purpose."""
-    with np.errstate(all="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
         return run(seed)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.faults", description=__doc__)
-    parser.add_argument("--seeds", default="0:10000", metavar="A:B")
+    parser.add_argument("--seeds", type=seeds, default=range(10_000), metavar="A:B")
     parser.add_argument("--workers", type=int, default=1, metavar="N")
     options = parser.parse_args()
-    seeds = range(*map(int, options.seeds.split(":")))
     with progress("faults") as told:
-        found = run_all(quietly, seeds, options.workers, told)
-    print("| fault | runs | safe | beyond a limit, most | m off the path at last: median | p99 | most | unsafe seeds |")
+        found = run_all(quietly, options.seeds, options.workers, told)
+    print("| fault | runs | safe | beyond a limit, N | m off the path at last: median | p99 | most | unsafe seeds |")
     print("| --- " * 8 + "|")
     for kind in KINDS:
-        own = [(seed, one) for seed, one in zip(seeds, found, strict=True) if one.kind == kind]
+        own = [(seed, one) for seed, one in zip(options.seeds, found, strict=True) if one.kind == kind]
         if own:
             off = np.array([one.off for _, one in own])
             cells = [kind, len(own), sum(one.is_safe for _, one in own), f"{max(one.beyond for _, one in own):.1e}"]

@@ -107,8 +107,12 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
         information, pull = without(information, pull, k, len(pull))
     size = np.sqrt(np.diag(noise.first))
     by_size = np.outer(size, size)
-    rows = _of_rows(information / by_size, noise.first / by_size)
-    root = _root_of_inverse(rows)
+    added, known = information / by_size, noise.first / by_size
+    rows = added - (1.0 - ASKED) * known
+    root, least = _root_of_inverse(rows)
+    if not least > 0.0:
+        rows = added - (1.0 - ASKED) * _left_of(known, added)
+        root, _ = _root_of_inverse(rows)
     share, turn = np.linalg.eigh(congruence(turned(root), noise.information / by_size))
     directions = product(root, turn)
     asked = product(rows, directions)
@@ -136,27 +140,24 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
 
 
 @row_compiled
-def _of_rows(information: Array, first: Array) -> Array:
-    """What rows have added to what was known first; rows may have faded some of that, too: then no more is left of it
-    in a direction than there is."""
-    rows = information - (1.0 - ASKED) * first
-    if np.linalg.eigvalsh(rows)[0] > 0.0:
-        return rows
-    root = _root_of_inverse(first)
+def _left_of(first: Array, information: Array) -> Array:
+    """What is left of what was known first, of which rows may have faded some, too: no more of it in a direction than
+    there is."""
+    root, _ = _root_of_inverse(first)
     size, turn = np.linalg.eigh(congruence(turned(root), information))
     along, left = product(first, product(root, turn)), np.zeros(first.shape)
     for i in range(len(size)):
         for a in range(len(size)):
             for b in range(len(size)):
                 left[a, b] += min(size[i], 1.0) * along[a, i] * along[b, i]
-    return information - (1.0 - ASKED) * left
+    return left
 
 
 @row_compiled
-def _root_of_inverse(matrix: Array) -> Array:
-    """R of `R Rᵀ`, the inverse."""
+def _root_of_inverse(matrix: Array) -> tuple[Array, float]:
+    """R of `R Rᵀ`, the inverse; and the smallest eigenvalue of the matrix, which is positive where it has one."""
     size, turn = np.linalg.eigh(matrix)
     for i in range(len(size)):
         for j in range(len(size)):
             turn[j, i] /= math.sqrt(max(size[i], 1e-9))
-    return turn
+    return turn, size[0]

@@ -140,7 +140,7 @@ class Trial:
             return self.rows >= LONGEST
         if sure == 0:
             return self.pushed.rows >= OVER or self.still >= LEAST or self.rows >= LONGEST
-        return not self.changed[sure - 1].is_load or self.rows + self.still >= LEAST
+        return self.is_on_another_floor or self.rows + self.still >= LEAST
 
     @property
     def is_loaded(self) -> bool:
@@ -177,7 +177,7 @@ class Trial:
     @property
     def belief(self) -> RegressionBelief:
         """The one that is left, or all as one; another each time, which may be changed."""
-        beliefs = [self.pushed.belief, *(one.belief for one in self.changed)]
+        beliefs = self._beliefs
         if self.is_endless:
             return mixture(beliefs, np.full(len(beliefs), 1.0 / len(beliefs)), 0)
         return mixture(beliefs, self._shares, self._told) if self._sure is None else beliefs[self._sure].copy()
@@ -190,8 +190,11 @@ class Trial:
             return None
         odds = self._odds
         alike = np.where(odds > odds.max() - DECIDED, 1.0, 0.0)
-        beliefs = [self.pushed.belief, *(one.belief for one in self.changed)]
-        return mixture(beliefs, alike / alike.sum(), self._told)
+        return mixture(self._beliefs, alike / alike.sum(), self._told)
+
+    @property
+    def _beliefs(self) -> list[RegressionBelief]:
+        return [self.pushed.belief, *(one.belief for one in self.changed)]
 
     @property
     def _told(self) -> int:
