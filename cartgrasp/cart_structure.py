@@ -7,7 +7,7 @@ share what doesn't depend on them (`SharedProperty`).
 from __future__ import annotations
 
 from abc import ABC
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -110,13 +110,13 @@ class CartStructure(ABC):
     @cached_property
     def force_effects(self) -> tuple[tuple[ForceEffect, slice, slice], ...]:
         """Each with its slices of the parameters and of the memory."""
-        found, start = [], 0
-        for effect, where in zip(self.effects, self._slices, strict=True):
-            if isinstance(effect, ForceEffect):
-                size = len(effect.memory_names(self.wheel_set))
-                found.append((effect, where, slice(start, start + size)))
-                start += size
-        return tuple(found)
+        each = zip(self.effects, self._slices, self._memories, strict=True)
+        return tuple((effect, own, memory) for effect, own, memory in each if isinstance(effect, ForceEffect))
+
+    @property
+    def memory_drivers(self) -> tuple[ForceEffect, ...]:
+        """The effects that say how the memory moves, in its order."""
+        return tuple(effect for i in self._drivers if isinstance(effect := self.effects[i], ForceEffect))
 
     @cached_property
     def inertia_effects(self) -> tuple[tuple[InertiaEffect, slice], ...]:
@@ -181,22 +181,30 @@ class CartStructure(ABC):
     def parameter_names(self) -> tuple[str, ...]:
         return PHI_NAMES + tuple(key for effect in self.effects for key in effect.keys)
 
+    def drives(self, effect: Effect) -> bool:
+        """Whether an effect of the cart says how its memory moves."""
+        return any(driver is effect for driver in self.memory_drivers)
+
     @SharedProperty
     def memory_names(self) -> tuple[str, ...]:
-        return tuple(n for effect, _, _ in self.force_effects for n in effect.memory_names(self.wheel_set))
+        return tuple(n for effect in self.memory_drivers for n in effect.memory_names(self.wheel_set))
+
+    @property
+    def memory_key(self) -> Hashable:
+        """What the memory along a motion depends on: carts with the same key remember the same."""
+        own = tuple((e.memory_names(self.wheel_set), e.memory_numbers) for e in self.memory_drivers)
+        return own, self.wheels, self.basis_b.tobytes()
 
     @SharedProperty
     def memory_spread(self) -> Array:
         """How far (k,) the true memory may be from the first."""
-        spreads = [effect.memory_spread(self.wheel_set) for effect, _, _ in self.force_effects]
+        spreads = [effect.memory_spread(self.wheel_set) for effect in self.memory_drivers]
         return np.concatenate([np.zeros(0), *spreads])
 
     @SharedProperty
     def memory_is_seen(self) -> Array:
         """Mask (k,) of the memories that the motion alone determines."""
-        return np.array(
-            [e.memory_is_seen for e, _, own in self.force_effects for _ in range(own.start, own.stop)], bool
-        )
+        return np.array([e.memory_is_seen for e in self.memory_drivers for _ in e.memory_names(self.wheel_set)], bool)
 
     @SharedProperty
     def state_names(self) -> tuple[str, ...]:
@@ -209,6 +217,27 @@ class CartStructure(ABC):
     @SharedProperty
     def memory_slice(self) -> slice:
         return slice(self.velocity_slice.stop, len(self.state_names))
+
+    @SharedProperty
+    def _memories(self) -> tuple[slice, ...]:
+        """What is each effect's of the memory. Effects that name the same memory share it."""
+        slices, taken, start = [], dict[tuple[str, ...], slice](), 0
+        for effect in self.effects:
+            names = effect.memory_names(self.wheel_set) if isinstance(effect, ForceEffect) else ()
+            own = taken.setdefault(names, slice(start, start + len(names)))
+            start = max(start, own.stop)
+            slices.append(own)
+        return tuple(slices)
+
+    @SharedProperty
+    def _drivers(self) -> tuple[int, ...]:
+        """Which effects say how the memory moves: of those that share one, the first that drives it, or the first."""
+        found = dict[int, int]()
+        for drives in (True, False):
+            for i, (effect, own) in enumerate(zip(self.effects, self._memories, strict=True)):
+                if own.stop > own.start and isinstance(effect, ForceEffect) and effect.drives_memory is drives:
+                    found.setdefault(own.start, i)
+        return tuple(found[start] for start in sorted(found))
 
     @SharedProperty
     def _slices(self) -> tuple[slice, ...]:
@@ -226,5 +255,5 @@ class CartStructure(ABC):
                 f"model: velocity has shape {velocity.shape}, but this cart's {self.constraints.n_free} numbers"
             )
         velocity_b = self.basis_b @ velocity
-        memory: Sequence[Array] = [e.first_memory(self.wheel_set, velocity_b) for e, _, _ in self.force_effects]
+        memory: Sequence[Array] = [e.first_memory(self.wheel_set, velocity_b) for e in self.memory_drivers]
         return np.concatenate([np.asarray(pose_sb, float), velocity, *memory])

@@ -38,7 +38,8 @@ def foreign_sums(
     for effect, where, own in forces:
         given = situation, memory[..., own], parameters[..., where]
         _add(wrench, effect.wrench_b(*given), (slice(None), own, where))
-        _add(rate, effect.memory_rate(*given), (own, own, where))
+        if cart.drives(effect):
+            _add(rate, effect.memory_rate(*given), (own, own, where))
     return block
 
 

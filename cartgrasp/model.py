@@ -263,7 +263,7 @@ class CartModel(CartStructure):
 
         forces = [(e, s, own) for e, s, own in self.force_effects if isinstance(e, CompiledForce)]
         changes = [(e, s) for e, s in self.inertia_effects if isinstance(e, CompiledInertia)]
-        packed = [PackedEffect(e.name, s, own, e.constants, e.stuck_root) for e, s, own in forces]
+        packed = [PackedEffect(e.name, s, own, e.constants, e.stuck_root, self.drives(e)) for e, s, own in forces]
         packed += [PackedEffect(e.name, s, slice(0, 0)) for e, s in changes]
         sizes = len(self.memory_names), len(self.parameters)
         return CompiledDynamics(packed, self.wheel_set, self.basis_b, sizes, SMOOTHING_SPEED)

@@ -44,11 +44,13 @@ class WheelSet:
     """The wheels of a cart."""
 
     wheels: tuple[Wheel, ...]
+    are_listed: bool = True
 
     @classmethod
     def of(cls, wheels: Sequence[Wheel], rolls_along_x: bool) -> WheelSet:
         """The listed wheels, or one that carries the whole weight at {b}'s origin where none is listed."""
-        return cls(tuple(wheels) or (Wheel(FIXED if rolls_along_x else CASTER, 0.0, 0.0),))
+        alone = (Wheel(FIXED if rolls_along_x else CASTER, 0.0, 0.0),)
+        return cls(tuple(wheels), True) if wheels else cls(alone, False)
 
     @cached_property
     def positions(self) -> Array:
@@ -59,6 +61,10 @@ class WheelSet:
     def spans_floor(self) -> bool:
         """Whether the wheels stand in more than one line, so that they carry a moment about any."""
         return bool(np.linalg.matrix_rank(self.positions - self.positions.mean(axis=0), tol=1e-9) == 2)
+
+    @property
+    def lists_casters(self) -> bool:
+        return self.are_listed and bool(self.is_caster.any())
 
     @cached_property
     def is_caster(self) -> np.ndarray:

@@ -31,6 +31,7 @@ REASONS: dict[str, dict[str, str]] = {
     "weak_form.motion": {
         "GRID_STEP": "grid",
         "MOST_POINTS": "refuses a log",
+        "MOST_KEPT": "memory",
         "FINEST_STEP": "grid",
         "KNOT_STEPS": "knots of splines",
         "SAMPLES_PER_KNOT": "knots of splines",

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from ..wheels import DEFAULT_TRAIL, WheelSet
-from .compiled import CompiledForce
 from .effect import Parameter
+from .wheel_force import WheelForce
 
 SMOOTHING_RATE = 0.2
 """rad/s: below it swivel friction fades to zero."""
@@ -33,7 +33,7 @@ FORM = 0.05
 
 @final
 @dataclass(frozen=True)
-class CasterRealignment(CompiledForce):
+class CasterRealignment(WheelForce):
     """Swivel friction `swivel_torque` (N·m, each) of casters with `trail` (m; 0: as listed in wheels), that stand `x`
     (m) ahead of where they are listed."""
 
@@ -58,5 +58,11 @@ class CasterRealignment(CompiledForce):
     def constants(self) -> tuple[float, ...]:
         return (SMOOTHING_RATE,)
 
+    drives_memory: ClassVar[bool] = True
+
+    @property
+    def memory_numbers(self) -> tuple[float, ...]:
+        return self.trail, self.x
+
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
-        return tuple(f"{self.key}.heading{i + 1}" for i in range(len(wheels.pivots)))
+        return super().memory_names(wheels) if wheels.lists_casters else (f"{self.key}.heading",)

@@ -221,6 +221,14 @@ class ForceEffect(Effect):
     memory_is_seen: ClassVar[bool] = False
     """Whether the motion alone tells its memory, such as a way; else it may be another than it is believed to be."""
 
+    drives_memory: ClassVar[bool] = True
+    """Whether it says how its memory moves where another effect has the same one."""
+
+    @property
+    def memory_numbers(self) -> tuple[float, ...]:
+        """The numbers on which its memory along a motion depends."""
+        return tuple(self.values.tolist())
+
     @abstractmethod
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         """The wrench (..., 3) it applies to the cart, with partials."""

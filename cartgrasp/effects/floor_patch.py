@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from .compiled import CompiledForce
 from .effect import Gate, Parameter
+from .wheel_force import WheelForce
 
 EDGE = 0.005
 """m: a wheel's share inside goes from 12 % to 88 % within twice this."""
@@ -21,7 +21,7 @@ EDGE = 0.005
 
 @final
 @dataclass(frozen=True)
-class FloorPatch(CompiledForce):
+class FloorPatch(WheelForce):
     """Extra rolling resistance between `x_min` and `x_max`, `y_min` and `y_max` (m, in {s})."""
 
     x_min: float = 0.0

@@ -186,6 +186,10 @@ class LearnedForce(CompiledForce):
         rounded = ROUNDED * _shortest(x), ROUNDED * _shortest(y)
         return (*map(float, form), *rounded, TURN, float(count), *lists)
 
+    @property
+    def memory_numbers(self) -> tuple[float, ...]:
+        return float(OF.index(self.of)), self.lever
+
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
         return (f"{self.key}.way",) if self.of in WAYS else ()
 

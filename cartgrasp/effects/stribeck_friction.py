@@ -12,15 +12,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from .compiled import CompiledForce
 from .effect import Parameter
+from .wheel_force import WheelForce
 
 SPEEDS = (0.03, 0.06, 0.12, 0.25)
 
 
 @final
 @dataclass(frozen=True)
-class StribeckFriction(CompiledForce):
+class StribeckFriction(WheelForce):
     """Drag of at most `breakaway` (N), gone at some times `speed` (m/s)."""
 
     breakaway: float = 0.0

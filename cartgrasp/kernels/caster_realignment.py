@@ -7,6 +7,7 @@ import math
 
 from cartgrasp.frames import Array
 
+from .casters import Caster, heading_rate, settled_heading
 from .jit import compiled
 from .situation import Own, Parts, Situation
 from .smooth import smooth_sign
@@ -16,7 +17,7 @@ from .smooth import smooth_sign
 def wrench(at: Situation, own: Own, out: Parts) -> None:
     torque, has_trail = own.parameters[0], own.parameters[1] > 0.0
     for k in range(len(own.memory)):
-        trail = _trail(at, own, k)
+        trail = _caster(at, own, k).trail
         rate, by_velocity, by_heading, by_trail, by_x = _swivel(at, own, k)
         slip, slope = smooth_sign(rate, own.constants[0])
         strength = -torque / trail * slip
@@ -52,7 +53,7 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
 @compiled
 def stiction(at: Situation, own: Own, columns: Array) -> int:
     for k in range(len(own.memory)):
-        trail, rate = _trail(at, own, k), _swivel(at, own, k)[0]
+        trail, rate = _caster(at, own, k).trail, _swivel(at, own, k)[0]
         slip, _ = smooth_sign(rate, own.constants[0])
         side, _ = _side(at, own, k)
         for i in range(3):
@@ -64,44 +65,30 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
 def settled(at: Situation, own: Own, memory: Array) -> None:
     """Each caster trails its pivot, at the turn nearest to the heading."""
     for k in range(len(own.memory)):
-        along, across = _pivot_velocity(at, own, k)
-        turn = math.atan2(across, along) - own.memory[k]
-        memory[k] = own.memory[k] + turn - 2.0 * math.pi * math.floor((turn + math.pi) / (2.0 * math.pi))
+        memory[k] = settled_heading(at, _caster(at, own, k))
 
 
 @compiled
-def _trail(at: Situation, own: Own, k: int) -> float:
-    return float(own.parameters[1] if own.parameters[1] > 0.0 else at.pivots[k, 2])
-
-
-@compiled
-def _place(at: Situation, own: Own, k: int) -> tuple[float, float]:
-    return at.pivots[k, 0] + own.parameters[2], at.pivots[k, 1]
-
-
-@compiled
-def _pivot_velocity(at: Situation, own: Own, k: int) -> tuple[float, float]:
-    u, w, r = at.velocity[0], at.velocity[1], at.velocity[2]
-    x, y = _place(at, own, k)
-    return u - y * r, w + x * r
+def _caster(at: Situation, own: Own, k: int) -> Caster:
+    trail = own.parameters[1] if own.parameters[1] > 0.0 else at.pivots[k, 2]
+    return Caster(at.pivots[k, 0] + own.parameters[2], at.pivots[k, 1], trail, own.memory[k])
 
 
 @compiled
 def _swivel(at: Situation, own: Own, k: int) -> tuple[float, tuple[float, float, float], float, float, float]:
     """delta', and its partials by velocity, delta, the trail and x."""
-    (x, y), trail = _place(at, own, k), _trail(at, own, k)
-    sine, cosine = math.sin(own.memory[k]), math.cos(own.memory[k])
-    along, across = _pivot_velocity(at, own, k)
-    slip, turning = cosine * across - sine * along, at.velocity[2]
-    by_velocity = (-sine / trail, cosine / trail, (sine * y + cosine * x) / trail - 1.0)
-    by_heading, by_trail = -(cosine * along + sine * across) / trail, -slip / trail**2
-    return slip / trail - turning, by_velocity, by_heading, by_trail, turning * cosine / trail
+    caster = _caster(at, own, k)
+    rate, by_velocity, by_heading = heading_rate(at, caster)
+    turning = at.velocity[2]
+    by_x = turning * math.cos(caster.heading) / caster.trail
+    return rate, by_velocity, by_heading, -(rate + turning) / caster.trail, by_x
 
 
 @compiled
 def _side(at: Situation, own: Own, k: int) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Wrench of a unit side force at the patch, and its partial by heading. The force is across the trail, so the
     trail enters the moment whole."""
-    (x, y), trail = _place(at, own, k), _trail(at, own, k)
-    sine, cosine = math.sin(own.memory[k]), math.cos(own.memory[k])
-    return (-sine, cosine, x * cosine + y * sine - trail), (-cosine, -sine, y * cosine - x * sine)
+    caster = _caster(at, own, k)
+    sine, cosine = math.sin(caster.heading), math.cos(caster.heading)
+    side = (-sine, cosine, caster.x * cosine + caster.y * sine - caster.trail)
+    return side, (-cosine, -sine, caster.y * cosine - caster.x * sine)

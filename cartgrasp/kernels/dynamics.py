@@ -228,7 +228,7 @@ def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
         kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
         own = own_of(m, e, point)
         add_wrench(kind, at, own, _parts(m.wrench, m.effects[e], len(m.memory_rate)))
-        if end > begin:
+        if m.effects[e, 7] == 1:
             add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
 
 
@@ -255,7 +255,7 @@ def sum_memory_rates(m: Workspace, point: Point, at: Situation) -> None:
     """Sums the memories' rates alone, without the other sums that `sum_effects` fills."""
     for e in range(len(m.effects)):
         kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
-        if end > begin:
+        if m.effects[e, 7] == 1:
             own = own_of(m, e, point)
             add_memory_rate(kind, at, own, _parts(m.memory_rate[begin:end], m.effects[e], len(m.memory_rate)))
 

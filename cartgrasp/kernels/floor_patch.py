@@ -17,7 +17,7 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
     coefficient = own.parameters[4]
     for wheel in range(len(at.wheels)):
         share, by_edge, swing = _inside(at, own, wheel)
-        unit = drag(at, wheel, coefficient * share, out)
+        unit = drag(at, own, wheel, coefficient * share, out)
         along = (-(by_edge[0] + by_edge[1]), -(by_edge[2] + by_edge[3]))
         turned = along[1] * swing[0] - along[0] * swing[1]
         for i in range(3):
@@ -35,7 +35,7 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
 def stiction(at: Situation, own: Own, columns: Array) -> int:
     for wheel in range(len(at.wheels)):
         share, _, _ = _inside(at, own, wheel)
-        hold(at, wheel, own.parameters[4] * share, columns)
+        hold(at, own, wheel, own.parameters[4] * share * at.loads[wheel], columns)
     return 2 * len(at.wheels)
 
 

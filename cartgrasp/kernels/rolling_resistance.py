@@ -1,4 +1,4 @@
-"""`effects/rolling_resistance.py`: parameter coefficient."""
+"""`effects/rolling_resistance.py`: parameter coefficient; a heading of each listed caster."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .situation import Own, Parts, Situation
 @compiled
 def wrench(at: Situation, own: Own, out: Parts) -> None:
     for wheel in range(len(at.wheels)):
-        unit = drag(at, wheel, own.parameters[0], out)
+        unit = drag(at, own, wheel, own.parameters[0], out)
         for i in range(3):
             out.by_parameters[i, 0] -= unit[i] * at.loads[wheel]
 
@@ -20,5 +20,5 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
 @compiled
 def stiction(at: Situation, own: Own, columns: Array) -> int:
     for wheel in range(len(at.wheels)):
-        hold(at, wheel, own.parameters[0], columns)
+        hold(at, own, wheel, own.parameters[0] * at.loads[wheel], columns)
     return 2 * len(at.wheels)

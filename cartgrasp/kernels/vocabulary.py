@@ -20,6 +20,7 @@ from . import (
     viscous_drag,
     wheel_drag_imbalance,
 )
+from .casters import add_heading_rates, settle_headings
 from .jit import compiled
 from .situation import Own, Parts, Situation
 
@@ -107,7 +108,9 @@ def add_wrench(kind: int, at: Situation, own: Own, out: Parts) -> None:
 
 @compiled
 def add_memory_rate(kind: int, at: Situation, own: Own, out: Parts) -> None:
-    if kind == CASTER_REALIGNMENT:
+    if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
+        add_heading_rates(at, own.memory, out)
+    elif kind == CASTER_REALIGNMENT:
         caster_realignment.memory_rate(at, own, out)
     elif kind == LOAD_SLOSH:
         load_slosh.memory_rate(at, own, out)
@@ -134,7 +137,9 @@ def add_stiction(kind: int, at: Situation, own: Own, columns: Array) -> int:
 
 @compiled
 def settle(kind: int, at: Situation, own: Own, memory: Array) -> None:
-    if kind == CASTER_REALIGNMENT:
+    if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
+        settle_headings(at, own.memory, memory)
+    elif kind == CASTER_REALIGNMENT:
         caster_realignment.settled(at, own, memory)
     elif kind == LOAD_SLOSH:
         load_slosh.settled(at, own, memory)

@@ -16,7 +16,7 @@ from .situation import SWUNG
 from .vocabulary import KINDS
 
 N_SIZES = 7
-N_EFFECT = 7
+N_EFFECT = 8
 """Whole numbers of an effect."""
 N_PHI = 4
 POSE, VELOCITY, PHI, MEMORY = 1, 4, 7, 11
@@ -26,18 +26,20 @@ N_WRENCH = SWUNG + 1
 
 
 class PackedEffect(NamedTuple):
-    """An effect with a kernel: its name, where its parameters and memory begin and end, its constants, and the root of
-    how long its stiction keeps its value (1: told as it is)."""
+    """An effect with a kernel: its name, where its parameters and memory begin and end, its constants, the root of how
+    long its stiction keeps its value (1: told as it is), and whether it says how its memory moves."""
 
     name: str
     parameters: slice
     memory: slice
     constants: tuple[float, ...] = ()
     root: float = 1.0
+    drives: bool = True
 
 
 class Workspace(NamedTuple):
-    """`effects` (e, 7): kind, first and last + 1 of the parameters, of the memory and of the `constants` (c,); the
+    """`effects` (e, 8): kind, first and last + 1 of the parameters, of the memory and of the `constants` (c,), and 1
+    for those that say how their memory moves; the
     `roots` (e,) of how long their stiction keeps its value; `wheels` (n, 3) and `pivots` (k, 3) as in `Situation`;
     `basis` (3, f).
 
@@ -86,7 +88,8 @@ def pack(
             raise UsageError(f"effects: {effect.name} has no kernel; {cure}")
     for row, effect in zip(ints[N_SIZES:].reshape(-1, N_EFFECT), effects, strict=True):
         own, memory, begin, end = effect.parameters, effect.memory, end, end + len(effect.constants)
-        row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop, begin, end
+        drives = effect.drives and memory.stop > memory.start
+        row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop, begin, end, drives
     roots = [effect.root for effect in effects]
     given = np.concatenate([common, constants, roots, table.ravel(), pivots.ravel(), basis.ravel()])
     room = sums_size(nm, p) + 6 * len(table) + nf * nf + n * (4 + n + 3 + p)

@@ -44,7 +44,8 @@ def _wrench_rows(cart: CartModel, motion: TrueMotion, noise: Array) -> tuple[Arr
     n, f = motion.velocity.shape
     nu, pose = ((x[1:] + x[:-1]) / 2 for x in (motion.velocity, motion.pose))
     acceleration = np.diff(motion.velocity, axis=0) / motion.period
-    found = cart.inverse(np.hstack([pose, nu]), acceleration)
+    memory = cart.memory_along(pose, nu, motion.period * np.arange(n - 1))
+    found = cart.inverse(np.hstack([pose, nu, memory]), acceleration)
     white = np.linalg.inv(np.linalg.cholesky(noise))
     kept = np.flatnonzero(motion.used)
     by_mean, by_rate = (

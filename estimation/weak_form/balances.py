@@ -199,8 +199,7 @@ class Balances:
 
     def _state(self, cart: CartModel) -> Array:
         motion = self.motion
-        memory = cart.memory_along(motion.pose, motion.velocity, motion.time)
-        return np.hstack([motion.pose, motion.velocity, memory])
+        return np.hstack([motion.pose, motion.velocity, motion.memory(cart)])
 
     def residual(self, cart: CartModel) -> tuple[Array, Array]:
         """Residual (k, c), and how much of it a unit of each parameter takes away (k, c, p)."""

@@ -3,7 +3,9 @@ momentum."""
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +19,9 @@ from ..noise import FilterNoise
 from .sensor_noise import MotionNoise
 from .splines import Samples, SplineBasis, SplineFit
 from .steps import between_steps
+
+MOST_KEPT = 16
+"""Memories of effects that are kept for a motion."""
 
 GRID_STEP = 0.01
 """Step (s) of the grid, where samples come as often as that."""
@@ -81,6 +86,24 @@ class Motion:
         time, pose, seen = grid
         tracked = cls(time, pose, *_freed(cart, twists), seen, *noise, twists, np.zeros(3))
         return tracked.of_body(cart)
+
+    def memory(self, cart: CartModel, faster: Array | None = None) -> Array:
+        """What a cart's effects remember (n, k) along this motion, or along one that is `faster` by (f,). Fits change
+        numbers on which it does not depend, so it is kept."""
+        if not cart.memory_names or not cart.is_compiled:
+            return cart.memory_along(self.pose, self.velocity + (0.0 if faster is None else faster), self.time)
+        key = cart.memory_key, None if faster is None else faster.tobytes()
+        if key not in self._memories:
+            velocity = self.velocity if faster is None else self.velocity + faster
+            if len(self._memories) == MOST_KEPT:
+                del self._memories[next(iter(self._memories))]
+            self._memories[key] = cart.memory_along(self.pose, velocity, self.time)
+        return self._memories[key]
+
+    @cached_property
+    def _memories(self) -> dict[Hashable, Array]:
+        """What carts remember along this motion, by what that depends on."""
+        return {}
 
     def of_body(self, cart: CartModel) -> Motion:
         """Motion with {b} where a cart has it in the frame that was tracked."""

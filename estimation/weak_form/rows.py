@@ -218,7 +218,7 @@ def _poised_error(balances: Balances, cart: CartModel) -> Array:
     turned[-1] = motion.rate_std[2]
     given = []
     for deviations in (0.0, *POISED_BY, *(-one for one in POISED_BY)):
-        memory = cart.memory_along(motion.pose, motion.velocity + deviations * turned, motion.time)
+        memory = motion.memory(cart, deviations * turned)
         given.append(_effects_at(balances, cart, np.hstack([motion.pose, motion.velocity, memory])))
     error = np.ptp(given, axis=0) / 2
     later = max(1, round(STAYS_POISED / motion.step))

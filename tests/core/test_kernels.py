@@ -133,7 +133,7 @@ def test_another_packages_kernel_may_call_it():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: CART.rate(np.zeros(5), np.zeros(3)), r"state has 5 numbers .* have 9 and \d+"),
+        (lambda: CART.rate(np.zeros(5), np.zeros(3)), r"state has 5 numbers .* have 7 and \d+"),
         (lambda: CART.rate(CART.state(), np.zeros(3), np.zeros(4)), r"parameters 4, but"),
         (lambda: CART.rate(CART.state(), np.zeros(2)), "wrench has 2 numbers"),
         (lambda: CART.required_wrench(CART.state(), np.zeros(3)), "acceleration has 3 numbers"),

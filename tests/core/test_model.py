@@ -144,8 +144,7 @@ def test_names_follow_the_parts():
     assert len(CART.parameter_names) == len(CART.parameters)
     assert CART.state_names == (
         *("x", "y", "theta", "u", "r"),
-        *("caster_realignment.heading1", "caster_realignment.heading2"),
-        *("caster_realignment.stiff.heading1", "caster_realignment.stiff.heading2"),
+        *("caster1.heading", "caster2.heading"),
     )
     assert len(CART.state()) == len(CART.state_names)
 

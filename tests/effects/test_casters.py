@@ -145,12 +145,12 @@ def test_its_own_trail_stands_for_the_listed_ones():
     own = CartModel(INERTIA, effects=(CasterRealignment(TORQUE, trail=0.06),), wheels=HOSPITAL_BED)
     state = at_heading(listed, [0.3, -0.2, 1.0, 2.0], [0.5, 0.1])
     np.testing.assert_allclose(own.rate(state, np.zeros(3)).value, listed.rate(state, np.zeros(3)).value)
-    assert listed.memory_names == tuple(f"caster_realignment.heading{k}" for k in (1, 2, 3, 4))
+    assert listed.memory_names == tuple(f"caster{k}.heading" for k in (1, 2, 3, 4))
 
 
 @given(heading=numbers(-3.0, 3.0), u=numbers(0.3, 1.0), r=numbers(-0.5, 0.5))
 def test_settles_where_the_trail_model_takes_it(heading, u, r):
-    """Against the heading integrated over 40 trails of travel; the turn itself holds the wheel back by r b / v."""
+    """Against the heading integrated over 40 trails of travel."""
     cart = one_caster()
     state = at_heading(cart, heading, [u, 0.0, r])
 
@@ -159,4 +159,4 @@ def test_settles_where_the_trail_model_takes_it(heading, u, r):
 
     ended = solve_ivp(rate, (0.0, 40 * TRAIL / u), [heading], rtol=1e-8).y[0, -1]
     settled = cart.settled_memory(state, cart.parameters)[0]
-    assert settled == pytest.approx(ended, abs=1.1 * abs(r) * TRAIL / u + 1e-3)
+    assert settled == pytest.approx(ended, abs=1e-3)

@@ -24,6 +24,7 @@ from cartgrasp.wheels import GRAVITY, Wheel
 from tests.core.drawn import CONSTRAINTS, SHOPPING_CART, numbers, vectors
 
 MASS = 24.0
+TRAIL = SHOPPING_CART[2].trail
 RAIL = CONSTRAINTS["rail"]
 
 
@@ -47,13 +48,16 @@ def coast(cart, speed, times, stop=None):
     return solve_ivp(rate, (0, times[-1]), state, t_eval=times, events=events, method="DOP853", rtol=1e-9, atol=1e-12)
 
 
-def force_at(effect, u, w=0.0, r=0.0, *, wheels=(), phi=None, constraints=None):
+def force_at(effect, u, w=0.0, r=0.0, *, wheels=(), phi=None, constraints=None, headings=()):
     cart = CartModel(Inertia(MASS, (0.0, 0.0), 2.0), constraints or RollingConstraints(None), (effect,), wheels)
     parameters = cart.parameters.copy()
     if phi is not None:
         parameters[:4] = phi
     velocity = {3: [u, w, r], 2: [u, r], 1: [u]}[cart.constraints.n_free]
-    return cart.effect_wrench(cart.state(velocity=velocity), parameters)
+    state = cart.state(velocity=velocity)
+    if len(headings):
+        state[cart.memory_slice] = headings
+    return cart.effect_wrench(state, parameters)
 
 
 @given(drag=numbers(0.5, 50), speed=numbers(-2, 2), yaw_rate=numbers(-2, 2))
@@ -134,21 +138,27 @@ def test_stribeck_friction_fades_in_every_direction_alike(direction, ratio):
     velocity=vectors(3, -0.3, 0.3),
     speed=numbers(0.05, 0.2),
     by_wheels=numbers(0, 1),
+    headings=vectors(2, -3, 3),
 )
-def test_stribeck_friction_of_wheels_is_shared_as_their_loads(com, velocity, speed, by_wheels):
-    """By one complex number a wheel: forces at their places, whose moments are those of crossed vectors."""
+def test_stribeck_friction_of_wheels_is_shared_as_their_loads(com, velocity, speed, by_wheels, headings):
+    """By one complex number a wheel: forces at their places, whose moments are those of crossed vectors. Each wheel's
+    speed is that of its place along its heading."""
     phi = phi_from_physical(MASS, 0.36 + com[0], com[1], 2.0)
     loads = CartModel(Inertia(MASS, (0.0, 0.0), 2.0), wheels=SHOPPING_CART).wheel_set.loads(phi)
     u, w, r = velocity
     expected = np.zeros(3)
     parts = [(by_wheels * load / loads.sum(), wheel) for load, wheel in zip(loads, SHOPPING_CART, strict=True)]
-    for share, wheel in [*parts, (1 - by_wheels, Wheel("caster", 0.0, 0.0))]:
-        place = complex(wheel.x, wheel.y)
+    turned = iter(np.exp(1j * headings))
+    for share, wheel in [*parts, (1 - by_wheels, None)]:
+        place = complex(wheel.x, wheel.y) if wheel else 0.0j
         rolls = complex(u, w) + 1j * r * place
-        rolls = rolls if wheel.kind == "caster" else complex(rolls.real, 0.0)
+        if wheel:
+            heading = next(turned) if wheel.kind == "caster" else 1.0
+            rolls = (rolls * np.conj(heading)).real * heading
         force = -6.0 * share * np.exp(-((abs(rolls) / speed) ** 2)) * rolls / np.hypot(abs(rolls), SMOOTHING_SPEED)
         expected += [force.real, force.imag, (place.conjugate() * force).imag]
-    force = force_at(StribeckFriction(6.0, speed, by_wheels), u, w, r, wheels=SHOPPING_CART, phi=phi)
+    effect = StribeckFriction(6.0, speed, by_wheels)
+    force = force_at(effect, u, w, r, wheels=SHOPPING_CART, phi=phi, headings=headings)
     np.testing.assert_allclose(force, expected, rtol=0, atol=1e-12)
 
 
@@ -186,12 +196,16 @@ def test_rolling_cart_stops_after_u2_by_2cg():
 
 @given(yaw_rate=numbers(0.5, 2))
 def test_rolling_resistance_of_a_turn_on_the_spot(yaw_rate):
-    """Each wheel rolls along its circle: fixed ones at y = ±h have the lever h, casters their distance."""
+    """Each wheel rolls along its circle: fixed ones at y = ±h have the lever h; casters that have swung round that of
+    their patch, which is closer by the trail."""
     phi = phi_from_physical(MASS, 0.3, 0.0, 2.0)
     front = MASS * GRAVITY * 0.3 / 0.72
     back = MASS * GRAVITY - front
-    force = force_at(RollingResistance(0.03), 0.0, 0.0, yaw_rate, wheels=SHOPPING_CART, phi=phi)
-    expected = -0.03 * (back * 0.27 + front * np.hypot(0.72, 0.2))
+    distance = np.hypot(0.72, 0.2)
+    inwards = np.arcsin(TRAIL / distance)  # the wheel's axle points at the middle of the circle
+    headings = [np.arctan2(0.72, -y) - inwards for y in (0.2, -0.2)]
+    force = force_at(RollingResistance(0.03), r=yaw_rate, u=0.0, wheels=SHOPPING_CART, phi=phi, headings=headings)
+    expected = -0.03 * (back * 0.27 + front * np.sqrt(distance**2 - TRAIL**2))
     np.testing.assert_allclose(force[2], expected, rtol=2e-4)  # (s / 0.135)² / 2
 
 

@@ -93,12 +93,13 @@ def test_the_force_on_the_wheels_is_that_of_the_floor_reaction():
     cart = CartModel(Inertia(24.0, (0.3, 0.1), 2.0), RollingConstraints(0.2), effects, SHOPPING_CART, com_height=0.4)
     soft = cart.with_effect(LateralSlip(500.0))
     random = np.random.default_rng(4)
-    states, pushes = random.normal(size=(6, 5)), 20 * random.normal(size=(6, 6))
+    states = np.stack([cart.state(random.normal(size=3), random.normal(size=2)) for _ in range(6)])
+    pushes = 20 * random.normal(size=(6, 6))
     planar = pushes[:, [0, 1, 5]]
     together = soft.rate(states, planar)
     for i, (state, push) in enumerate(zip(states, pushes, strict=True)):
         creep = (soft.state_rate(state, planar[i]) - cart.state_rate(state, planar[i]))[:2]
-        lateral = FloorReaction.of(cart, Motion(state[:3], state[3:])).lateral(push)
+        lateral = FloorReaction.of(cart, Motion(state[:3], state[3:5])).lateral(push)
         expected = -abs(state[3]) * lateral / 500.0 * np.array([-np.sin(state[2]), np.cos(state[2])])
         np.testing.assert_allclose(creep, expected, rtol=1e-9, atol=1e-12)
         alone = soft.rate(state, planar[i])

@@ -4,8 +4,6 @@ Where they differ by structure, and by how much, is said beside each tolerance:
 
 - the wheels' spin resists a forward push like 0.1 % more mass;
 - the model smooths Coulomb friction below 2 mm/s of rolling and `SMOOTHING_RATE` of swivelling, MuJoCo none;
-- in MuJoCo a caster's rolling resistance acts along its wheel, in the model along its pivot's velocity. They
-  differ while the caster trails into line, some trails of travel, so carts that start at rest differ more;
 - an axle drifts outwards in a curve by 1 ms times u r (`mujoco_cart.py`), 1-2 mm in these runs.
 """
 
@@ -246,40 +244,14 @@ def test_a_curve_without_coulomb_friction(seed):
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("begin", "bound"), [(0.6, 0.02), (0.0, 0.15)])
-def test_a_curve_with_rolling_resistance(seed, begin, bound):
-    """The gap is the casters' lag, as the next test shows; most of it comes from a start at rest."""
+@pytest.mark.parametrize("begin", [0.0, 0.6])
+def test_a_curve_with_rolling_resistance(seed, begin):
+    """Casters drag along their own headings, also those of a cart that starts at rest: 5 mm again."""
     cart, forces = rolling_cart(seed), curve(18.0, 3.0)
     ours = integrated(cart, forces, 5.0, velocity=(begin, 0.0))
     theirs = push(MujocoPlant(cart, velocity=(begin, 0.0)), forces, 5.0)
-    assert apart(ours, theirs) < bound
-    np.testing.assert_allclose(theirs[:, 3], ours[:, 3], atol=0.004)
-
-
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("begin", [0.0, 0.6])
-def test_a_curve_with_rolling_resistance_along_the_wheels(seed, begin):
-    """With the drag of each caster put along its wheel, by hand, the engines agree to 5 mm again."""
-    cart, forces = rolling_cart(seed), curve(18.0, 3.0)
-    smooth = cart.without_effect("rolling_resistance")
-    loads = 0.02 * cart.wheel_set.loads(cart.inertia.phi)
-    (x, y), n_casters = cart.wheel_set.positions.T, 2
-
-    def rate(time, state):
-        heading = np.concatenate([np.zeros(len(x) - n_casters), state[-n_casters:]])
-        c, s = np.cos(heading), np.sin(heading)
-        u, r = state[3:5]
-        along, across = c * (u - y * r) + s * x * r, c * x * r - s * (u - y * r)
-        drag = -loads * along / np.hypot(along, 2e-4)
-        wrench_b = np.array(forces(time)) + np.array([c, s, x * s - y * c]) @ drag
-        return np.concatenate([smooth.rate(state[:5], wrench_b).value, (across / TRAIL - r)[-n_casters:]])
-
-    times = CONTROL * np.arange(1, 501)
-    state = np.concatenate([smooth.state(velocity=(begin, 0.0)), np.zeros(n_casters)])
-    solution = solve_ivp(rate, (0, 5.0), state, method="LSODA", t_eval=times, rtol=1e-7, atol=1e-9, max_step=0.05)
-    theirs = push(MujocoPlant(cart, velocity=(begin, 0.0)), forces, 5.0)
-    assert apart(solution.y.T, theirs) < 0.005
-    np.testing.assert_allclose(theirs[:, 3:], solution.y.T[:, 3:5], atol=0.003)
+    assert apart(ours, theirs) < 0.005
+    np.testing.assert_allclose(theirs[:, 3:], ours[:, 3:5], atol=0.003)
 
 
 def test_a_curve_with_the_axle_off_the_origin():

@@ -12,6 +12,7 @@ from cartgrasp.effects import (
     CasterRealignment,
     ForceBias,
     LearnedForce,
+    LoadSlosh,
     PayloadChange,
     RollingResistance,
     ViscousDrag,
@@ -102,6 +103,10 @@ CASES = {
     "casters nobody knows of": {
         "truth": CartModel(Inertia(30.0, (0.36, 0.05), 2.6), effects=WITH_CASTERS, wheels=WHEELS)
     },
+    "casters that both know of": {
+        "truth": CartModel(Inertia(30.0, (0.36, 0.05), 2.6), effects=WITH_CASTERS, wheels=WHEELS),
+        "guess": CartModel(Inertia(20.0, (0.3, 0.0), 2.0), effects=WITH_CASTERS, wheels=WHEELS),
+    },
     "a load is put on": {"truth": CartModel(Inertia(22.0, (0.32, 0.02), 2.1), effects=LOADED, wheels=WHEELS)},
     "weak arms": {"arms": arms(force=7.0), "duration": 2.5},
     "back and forth": {
@@ -157,7 +162,7 @@ def test_what_is_left_to_the_other_loop():
     given = scenario(0)
     assert covers(given)
     biased = replace(given.truth, effects=(*given.truth.effects, ForceBias(fx=1.0)))
-    casters = replace(given.guess, effects=WITH_CASTERS)
+    swinging = replace(given.guess, effects=(*WITH_CASTERS, LoadSlosh(1.0)))
     for changes in (
         {"estimation": FIRST_GUESS},
         {"estimation": PAPER},
@@ -165,7 +170,7 @@ def test_what_is_left_to_the_other_loop():
         *({"contacts": way} for way in ("least-effort", "teach", "schedule")),
         {"contacts": "periodic", "regrasp": RegraspTimes()},
         {"truth": biased},
-        {"guess": casters},
+        {"guess": swinging},
         {"arms": tuple(Arm(arm.name, arm.contacts, wrench_rate=(100.0,) * 6) for arm in given.arms)},
         {"arms": tuple(Arm(arm.name, arm.contacts, joints=AnyPosture()) for arm in given.arms)},
     ):

@@ -20,6 +20,7 @@ from planning.tick.compiled_allocation import CompiledAllocation
 
 from ...bounce import walls_of
 from ...compiled_dynamics import STABLE
+from ...effects.wheel_force import WheelForce
 from ...errors import PlantError
 from ...frames import Array, body_to_world
 from ...inertia import N_PHI, physical_jacobian
@@ -53,7 +54,8 @@ def covers(scenario: Scenario) -> bool:
     steered = guess.constraints.n_rows == 1 and truth.rolling == guess.rolling and scenario.period <= LONGEST_PERIOD
     plain_arms = all(arm.reach is None and arm.postures is None for arm in scenario.arms)
     still = plain_arms and not any(np.isfinite(arm.wrench_rate).any() for arm in scenario.arms)
-    if not (plain and steered and still) or guess.memory_names:
+    headings_alone = all(isinstance(effect, WheelForce) for effect in guess.memory_drivers)
+    if not (plain and steered and still and headings_alone):
         return False
     return _allocation(scenario) is not None
 
@@ -159,9 +161,9 @@ class _Run:
 
     def _held(self, state: Array) -> Held:
         s, f, N, P = self.scenario, self.scenario.guess.constraints.n_free, len(state), self.scenario.truth.parameters
-        n, p = 3 + f, len(s.guess.parameters)
+        n, p, k = len(s.guess.state_names), len(s.guess.parameters), len(s.guess.memory_names)
         dynamics = s.guess.dynamics
-        widest = max(f * (1 + n + f + p), dynamics.n_sums + 3 * dynamics.most_stictions)
+        widest = max(f * (1 + n + f + p) + k * (1 + n + p), dynamics.n_sums + k + 3 * dynamics.most_stictions)
         given = np.concatenate([np.zeros(N + 1), P, np.zeros(3 + 2)])[None]
         return Held(
             state=state,

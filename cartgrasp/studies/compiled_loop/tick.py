@@ -71,12 +71,13 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
     d, law = unpack_driven(blocks.driven, blocks.plan), course.law
     asked, states, told = held.asked, held.states, held.told
     error = error_b(course.pose[k], d.mean[:3], law[0])
-    nu, wanted, rate = d.mean[3:], course.velocity[k], course.acceleration[k]
+    nu, wanted, rate = d.mean[3 : 3 + course.basis.shape[1]], course.velocity[k], course.acceleration[k]
     reference = ((wanted[0], wanted[1]), (rate[0], rate[1]))
     u, r = steered(error, law[1], (nu[0], nu[1]), reference, (law[2], law[3], law[4], law[5]))
     n, p, f = len(d.mean), len(held.theta), len(nu)
     for row in range(2):
-        copy(d.mean, states[row, :n])
+        copy(d.mean[: 3 + f], states[row, : 3 + f])
+        states[row, 3 + f : n] = 0.0  # nobody sees where casters point
         copy(held.theta, states[row, n + 1 :])
         states[row, n] = course.time[k]
     copy(states[0], asked[0, : n + 1 + p])
@@ -87,7 +88,7 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
         if abs(wanted[a]) > steering.STILL:
             states[1, 3 + a] = wanted[a]
     entries.effects(blocks.cart, blocks.cart_ints, states, told)
-    first, width = N_PHI + N_PHI * p, MEMORY + p
+    first, width = N_PHI + N_PHI * p, MEMORY + n - 3 - f + p
     for i in range(3):
         drag = told[0, first + i * width] - told[1, first + i * width]
         u += drag * course.basis[i, 0]

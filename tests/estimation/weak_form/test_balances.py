@@ -7,12 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cartgrasp.effects import FloorPatch, FloorSlope, ForceScale, RollingResistance, ViscousDrag
+from cartgrasp.effects import (
+    CasterRealignment,
+    FloorPatch,
+    FloorSlope,
+    ForceScale,
+    LoadSlosh,
+    RollingResistance,
+    ViscousDrag,
+)
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.weak_form.balances import Balances
+from estimation.weak_form.motion import motion_of
 from estimation.weak_form.rows import Errors
 
 from ..discrepancy.logs import circles, straight
@@ -186,3 +195,21 @@ def test_a_lever_is_a_moment_in_proportion_to_the_force():
     force = balances.residual(cart.without_effect(drag.key))[0][:, 0] - balances.residual(cart)[0][:, 0]
     assert found[:, 1, 0] == pytest.approx(-force, abs=1e-9)
     assert (found[:, [0, 2]] == 0.0).all()
+
+
+def test_what_effects_remember_is_kept_for_a_motion_and_is_what_it_is():
+    """Of a few carts, each twice; and of more than are kept."""
+    motion = motion_of(weaving(TRUE), cart_of(TRUE))
+    wheels = (Wheel("fixed", 0.0, 0.27), Wheel("caster", 0.7, 0.2, 0.05))
+    carts = [
+        CartModel(Inertia(24.0, (0.28, 0.05), 2.2), effects=(effect,), wheels=wheels)
+        for effect in (RollingResistance(0.01), CasterRealignment(0.3, trail=0.09), LoadSlosh(2.0, 1.3))
+    ]
+    carts += [carts[0].with_parameters(2 * carts[0].parameters)]
+    carts += [carts[2].without_effect("load_slosh").with_effect(LoadSlosh(2.0, 0.5 + 0.1 * i)) for i in range(20)]
+    for faster in (None, np.array([0.1, -0.2])):
+        for cart in (*carts, *carts):
+            velocity = motion.velocity if faster is None else motion.velocity + faster
+            along = cart.memory_along(motion.pose, velocity, motion.time)
+            np.testing.assert_array_equal(motion.memory(cart, faster), along)
+    assert motion.memory(carts[3]) is motion.memory(carts[0])
