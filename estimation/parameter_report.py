@@ -37,7 +37,6 @@ class ParameterReport:
         bounds = list(limits or ((mass, np.inf), unlimited, unlimited, (inertia, np.inf)))
         bounds += [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
         lower, upper = np.array(bounds).T
-        self._form = np.array([0.0] * N_PHI + [p.form for effect in cart.effects for p in effect.parameters])
         self._lower, self._upper = lower + AT * self._prior_std, upper - AT * self._prior_std
 
     def of(self, theta: Array, covariance: Array, share: Array) -> dict[str, ParameterEstimate]:
@@ -66,7 +65,6 @@ class ParameterReport:
         std = np.sqrt(np.maximum(((to_report @ covariance) * to_report).sum(axis=-1), 0.0))
         values = np.array(theta)
         values[..., :N_PHI] = physical_from_phi(theta[..., :N_PHI])
-        std = np.where(std > 0.0, np.hypot(std, self._form * values), 0.0)
         if self.cart.constraints.no_rotation:
             body = self.cart.inertia
             values[..., 1:N_PHI] = *body.com, body.about_com

@@ -82,7 +82,6 @@ ASSUMPTIONS = (
         "discrepancy.findings.certainty",
         {
             "SIZE_SHARE": "of an effect's size, what its form leaves open",
-            "CASTER_SHARE": "the same of rolling resistance on casters",
             "LEAST_TIME": "half a sample: no onset is known better",
             "LEAST_PLACE": "what an edge of the floor is: none is known better",
             "FORM_SHARE": "of a length, what the form of its effect leaves open",

@@ -27,8 +27,6 @@ SMOOTHING_RATE = 0.2
 """rad/s: below it swivel friction fades to zero."""
 USUAL_X = 0.8
 """m."""
-FORM = 0.05
-"""MuJoCo's casters, whose wheels creep and whose friction is smooth in another way, resist by that much less."""
 
 
 @final
@@ -43,7 +41,7 @@ class CasterRealignment(WheelForce):
 
     name: ClassVar[str] = "caster_realignment"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0, form=FORM),
+        Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0),
         Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False, grid=(DEFAULT_TRAIL,)),
         Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(USUAL_X,)),
     )

@@ -39,8 +39,7 @@ class Parameter:
     """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
     uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly. What `is_by_mass`
     acts as its product with the mass. A search for an effect that nobody has named begins at the values of `grid`, or
-    at `absent`. `form` is the share of its value by which it is off where the true law is a little otherwise: no data
-    tell it better."""
+    at `absent`."""
 
     name: str
     unit: str
@@ -51,7 +50,6 @@ class Parameter:
     estimated: bool = True
     is_by_mass: bool = False
     grid: tuple[float, ...] = ()
-    form: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ give. Neighbours share them."""
 REST_SPEED, SWING_WAY = 0.05, 0.2
 """Speed (m/s) below which the paper learns nothing either; distance (m) of some four usual trails."""
 ON_CASTERS = 0.5
-"""Share of a cart's weight that casters carry."""
+"""Share of a cart's weight that casters carry where none are listed."""
 SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
 """Width (m) of a wheel's print and a carpet's rim; share of a push's duration in which it rises. Time (s) in which a
 load is put on."""
@@ -164,7 +164,7 @@ class Errors:
 def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Array]:
     """What a model may be off by (n, f), but for noise: at rest, where anything may hold a cart; near it, where Coulomb
     friction takes whatever value holds things; and what its forms may be wrong by at most everywhere, and where casters
-    that swing round after a reversal drag nobody knows where."""
+    that swing round after a reversal turn the cart; those that are not listed drag nobody knows where."""
     free = cart.constraints.n_free
     levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
     speed, weight = balances.turning_speed, FRICTION * G * cart.inertia.mass
@@ -175,8 +175,10 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
     swung = np.zeros_like(effects)
     if free > 1:
         swinging = _swinging(balances)
-        dry = _dry(cart)
-        swung = ON_CASTERS * swinging[:, None] * np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
+        if not cart.wheel_set.lists_casters:
+            dry = _dry(cart)
+            drags = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
+            swung = ON_CASTERS * swinging[:, None] * drags
         swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
     forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + swung**2)
     dry = np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + turning_back(balances, cart) ** 2)

@@ -9,7 +9,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect, RollingResistance, SensorEffect
+from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
@@ -49,8 +49,6 @@ SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
 """Steps of differences by a setting: by its unit, else as a share of its value."""
 SIZE_SHARE = 0.03
 """Share of an effect's size that its form leaves open, which no length of a log makes less."""
-CASTER_SHARE = 0.05
-"""The same share of rolling resistance on casters: they swing round, and touch the floor behind their pivots."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,14 +182,12 @@ class Certainty:
 
     @property
     def _left_open(self) -> Array:
-        """Standard deviations (p,) that forms of added effects leave open: shares of how far these are from absent."""
+        """Standard deviations (p,) that forms of added effects leave open: a share of how far these are from absent."""
         known, found = {effect.key for effect in self.model.guess.effects}, [0.0] * N_PHI
-        has_casters = self.cart.constraints.n_free > 1 and bool(self.cart.wheel_set.is_caster.any())
         for effect in self.cart.effects:
-            share = CASTER_SHARE if has_casters and isinstance(effect, RollingResistance) else SIZE_SHARE
             for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True):
                 is_new = effect.key not in known and parameter.estimated
-                found.append(share * abs(value - parameter.absent) if is_new else 0.0)
+                found.append(SIZE_SHARE * abs(value - parameter.absent) if is_new else 0.0)
         return np.array(found)
 
     @property
