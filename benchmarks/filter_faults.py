@@ -1,5 +1,5 @@
-"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|demo]`: what the online filter says of
-sensors that are not as told, and whether its deviations hold.
+"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|demo|reversals]`: what the online
+filter says of sensors that are not as told, and whether its deviations hold.
 
 `faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
 a third to three times the mass, driven along straight and curved paths from any heading. Each log goes through the
@@ -7,6 +7,7 @@ filter as it is and with a fault in it. A fault is told where health is not `ok`
 stands beside it; on a sound log any suspicion is an alarm.
 
 `noise`: velocities 0.3 to 3 times as noisy as declared. `demo`: errors of the demo's runs over their deviations.
+`reversals`: the demo's cart straight forth and back, which leaves casters poised.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from cartgrasp.studies.estimators import HANDS, PATHS, SENSORS, Job, drive_cart,
 from estimation import CartFilter
 from estimation.gaussian import normalised_square
 from estimation.log_noise.log_noise import noise_of_log
+from planning.references import chain, straight
 
 from .sensor_faults import Fault, poses, wrenches
 
@@ -85,6 +87,8 @@ QUIET = "quiet"
 """Sensors of forces with which a run tells the mass to much less than 3 %."""
 LEAST_NOISE, MOST_NOISE = 0.3, 3.0
 NEES, MASS, UNSOUND = 2.0, 0.03, 0.9
+SURE = 0.05
+"""Standard deviation of a mass that is sure, as a share of it."""
 
 
 @dataclass(frozen=True)
@@ -291,12 +295,34 @@ def demo(seeds: Sequence[int]) -> list[str]:
     return lines
 
 
-PARTS = {"faults": (faults, 100), "noise": (noise, 100), "demo": (demo, 30)}
+def reversals(seeds: Sequence[int]) -> list[str]:
+    """Of ticks after 5 s: shares by what health is told, and of those that are sure of a mass that is three deviations
+    off or more."""
+    stretches = chain(*(straight(1.5 * way, 0.5) for way in 5 * (1.0, -1.0)))
+    lines = [
+        "| seed | ok | load_changed | inconsistent | else | sure and off | mass at the end, kg |",
+        "|" + " --- |" * 7,
+    ]
+    for seed in seeds:
+        record = replace(shopping_cart.scenario(seed=seed), stretches=stretches, duration=None).run()
+        later, mass = record.log.time > 5.0, record.parameters["mass"]
+        assert mass.truth is not None
+        healths = np.array([str(health) for health in record.healths])[later]
+        off, sure = np.abs(mass.value - mass.truth), mass.std < SURE * mass.value
+        shares = [np.mean(healths == name) for name in ("ok", "load_changed", "inconsistent")]
+        wrong = np.mean((sure & (off > 3.0 * mass.std))[later])
+        cells = [f"{100 * share:.0f} %" for share in (*shares, 1.0 - sum(shares), wrong)]
+        lines.append(f"| {seed} | {' | '.join(cells)} | {mass.value[-1]:.2f} ± {mass.std[-1]:.2f} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+PARTS = {"faults": (faults, 100), "noise": (noise, 100), "demo": (demo, 30), "reversals": (reversals, 10)}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.filter_faults", description=__doc__)
-    parser.add_argument("--seeds", default=None, metavar="A:B", help="100 from 0 on, and 30 of the demo")
+    parser.add_argument("--seeds", default=None, metavar="A:B", help="from 0 on: 100, 30 of the demo, 10 of reversals")
     parser.add_argument("--only", choices=PARTS, help="one part alone")
     options = parser.parse_args()
     for name, (part, usual) in PARTS.items():

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from benchmarks.filter_faults import FAULTS, IN_TIME, MASS, NEES, drawn, noise, told
+from benchmarks.filter_faults import FAULTS, IN_TIME, MASS, NEES, drawn, noise, reversals, told
 
 
 @pytest.mark.some(1)
@@ -42,3 +42,12 @@ def test_loud_velocities_leave_the_filter_consistent():
     assert runs == "1"
     assert float(nees) < NEES
     assert abs(float(off.removesuffix(" %"))) < 100 * MASS
+
+
+def test_straight_reversals_are_a_line_for_each_run():
+    """Its shares are those of all ticks, and the mass at the end is about right, whatever casters do."""
+    *_, row = reversals([3])
+    _, seed, *shares, _, mass, _ = (cell.strip() for cell in row.split("|"))
+    assert seed == "3"
+    assert abs(sum(float(share.removesuffix(" %")) for share in shares) - 100.0) <= 2.0
+    assert abs(float(mass.split()[0]) - 29.7) < 1.5
