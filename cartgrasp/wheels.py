@@ -49,8 +49,9 @@ class WheelSet:
     @classmethod
     def of(cls, wheels: Sequence[Wheel], rolls_along_x: bool) -> WheelSet:
         """The listed wheels, or one that carries the whole weight at {b}'s origin where none is listed."""
-        alone = (Wheel(FIXED if rolls_along_x else CASTER, 0.0, 0.0),)
-        return cls(tuple(wheels), True) if wheels else cls(alone, False)
+        if wheels:
+            return cls(tuple(wheels))
+        return cls((Wheel(FIXED if rolls_along_x else CASTER, 0.0, 0.0),), are_listed=False)
 
     @cached_property
     def positions(self) -> Array:

@@ -45,6 +45,7 @@ class CasterRealignment(WheelForce):
         Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False, grid=(DEFAULT_TRAIL,)),
         Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(USUAL_X,)),
     )
+    drives_memory: ClassVar[bool] = True
     stuck_for: ClassVar[float] = 4.0
     signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
 
@@ -55,8 +56,6 @@ class CasterRealignment(WheelForce):
     @property
     def constants(self) -> tuple[float, ...]:
         return (SMOOTHING_RATE,)
-
-    drives_memory: ClassVar[bool] = True
 
     @property
     def memory_numbers(self) -> tuple[float, ...]:

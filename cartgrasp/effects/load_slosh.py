@@ -50,6 +50,10 @@ class LoadSlosh(CompiledForce):
     )
     signature: ClassVar[str] = "a forward force that swings on at one frequency after each change of speed"
 
+    @property
+    def memory_numbers(self) -> tuple[float, ...]:
+        return self.frequency, self.damping
+
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
         return (f"{self.key}.displacement", f"{self.key}.speed")
 

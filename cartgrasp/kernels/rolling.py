@@ -16,6 +16,9 @@ from .casters import pivot_velocity
 from .jit import compiled
 from .situation import Own, Parts, Situation
 
+Place = tuple[float, float, int]
+"""x and y of a wheel in {b}, m, and which of the headings that an effect remembers is its; -1 for none."""
+
 
 class Rolling(NamedTuple):
     """Direction in which a wheel rolls, shorter than 1 near standstill; its speed, and that smoothed; the direction's
@@ -34,7 +37,7 @@ class Rolling(NamedTuple):
 def drag(at: Situation, own: Own, wheel: int, coefficient: float, out: Parts) -> tuple[float, float, float]:
     """Adds the drag of one wheel with partials by velocity, phi and heading; returns the wrench (3,) of a unit force
     along its rolling."""
-    x, y, k = at.wheels[wheel, 0], at.wheels[wheel, 1], caster_of(at, own, wheel)
+    x, y, k = place_of(at, own, wheel)
     way = rolling(at, own, wheel)
     unit = (way.x, way.y, x * way.y - y * way.x)
     force = coefficient * at.loads[wheel]
@@ -43,11 +46,7 @@ def drag(at: Situation, own: Own, wheel: int, coefficient: float, out: Parts) ->
         out.value[i] -= force * unit[i]
         for j in range(4):
             out.by_phi[i, j] -= coefficient * unit[i] * at.carried[wheel, j]
-    if k >= 0:
-        turned = way.by_heading
-        out.by_memory[0, k] -= force * turned[0]
-        out.by_memory[1, k] -= force * turned[1]
-        out.by_memory[2, k] -= force * (x * turned[1] - y * turned[0])
+    add_by_heading((x, y, k), force, way.by_heading, out)
     return unit
 
 
@@ -66,15 +65,25 @@ def add_by_velocity(
 
 
 @compiled
+def add_by_heading(place: Place, force: float, turned: tuple[float, float], out: Parts) -> None:
+    """Adds what a drag changes by with the wheel's heading: `force` (N) times the partials of its direction."""
+    x, y, k = place
+    if k >= 0:
+        out.by_memory[0, k] -= force * turned[0]
+        out.by_memory[1, k] -= force * turned[1]
+        out.by_memory[2, k] -= force * (x * turned[1] - y * turned[0])
+
+
+@compiled
 def hold(at: Situation, own: Own, wheel: int, level: float, columns: Array) -> None:
     """Writes the wrenches that one wheel may give near standstill, of `level` (N): one along its heading, or two."""
-    x, y = at.wheels[wheel, 0], at.wheels[wheel, 1]
+    x, y, k = place_of(at, own, wheel)
     way = rolling(at, own, wheel)
     level *= 1.0 - way.x**2 - way.y**2
-    if at.wheels[wheel, 2] == 1.0 and caster_of(at, own, wheel) < 0:
+    if at.wheels[wheel, 2] == 1.0 and k < 0:
         hold_anywhere(x, y, level, columns[2 * wheel : 2 * wheel + 2])
         return
-    cosine, sine = _heading(at, own, wheel)
+    cosine, sine = _heading(own, k)
     columns[2 * wheel, 0], columns[2 * wheel, 1] = cosine * level, sine * level
     columns[2 * wheel, 2] = (x * sine - y * cosine) * level
 
@@ -86,30 +95,28 @@ def hold_anywhere(x: float, y: float, level: float, columns: Array) -> None:
 
 
 @compiled
-def caster_of(at: Situation, own: Own, wheel: int) -> int:
-    """Which of the headings that an effect remembers is that of a wheel; -1 for none."""
-    if at.wheels[wheel, 2] == 0.0 or len(own.memory) == 0:
-        return -1
-    k = 0
-    for other in range(wheel):
-        if at.wheels[other, 2] == 1.0:
-            k += 1
-    return k
+def place_of(at: Situation, own: Own, wheel: int) -> Place:
+    k = -1
+    if at.wheels[wheel, 2] == 1.0 and len(own.memory) > 0:
+        k = 0
+        for other in range(wheel):
+            if at.wheels[other, 2] == 1.0:
+                k += 1
+    return at.wheels[wheel, 0], at.wheels[wheel, 1], k
 
 
 @compiled
-def _heading(at: Situation, own: Own, wheel: int) -> tuple[float, float]:
+def _heading(own: Own, k: int) -> tuple[float, float]:
     """Cosine and sine of a wheel's heading in {b}."""
-    k = caster_of(at, own, wheel)
     return (math.cos(own.memory[k]), math.sin(own.memory[k])) if k >= 0 else (1.0, 0.0)
 
 
 @compiled
 def rolling(at: Situation, own: Own, wheel: int) -> Rolling:
-    x, y = at.wheels[wheel, 0], at.wheels[wheel, 1]
-    if at.wheels[wheel, 2] == 1.0 and caster_of(at, own, wheel) < 0:
+    x, y, k = place_of(at, own, wheel)
+    if at.wheels[wheel, 2] == 1.0 and k < 0:
         return rolling_anywhere(at, x, y)
-    (along, across), (cosine, sine) = pivot_velocity(at, x, y), _heading(at, own, wheel)
+    (along, across), (cosine, sine) = pivot_velocity(at, x, y), _heading(own, k)
     speed, slip = cosine * along + sine * across, cosine * across - sine * along
     norm = math.sqrt(speed**2 + at.smoothing_speed**2)
     sign, slope = speed / norm, at.smoothing_speed**2 / norm**3

@@ -11,7 +11,17 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .rolling import Rolling, add_by_velocity, caster_of, hold, hold_anywhere, rolling, rolling_anywhere
+from .rolling import (
+    Place,
+    Rolling,
+    add_by_heading,
+    add_by_velocity,
+    hold,
+    hold_anywhere,
+    place_of,
+    rolling,
+    rolling_anywhere,
+)
 from .situation import Own, Parts, Situation
 
 
@@ -26,8 +36,7 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
         return
     for wheel in range(len(at.wheels)):
         share = at.loads[wheel] / total
-        place = at.wheels[wheel, 0], at.wheels[wheel, 1], caster_of(at, own, wheel)
-        unit = _drag(rolling(at, own, wheel), place, by_wheels * share, own, out)
+        unit = _drag(rolling(at, own, wheel), place_of(at, own, wheel), by_wheels * share, own, out)
         for i in range(3):
             out.by_parameters[i, 2] -= breakaway * share * unit[i]
             for j in range(4):
@@ -51,12 +60,10 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
 
 
 @compiled
-def _drag(
-    way: Rolling, place: tuple[float, float, int], share: float, own: Own, out: Parts
-) -> tuple[float, float, float]:
-    """Adds a share of the drag, that of what rolls so at x and y, and remembers its heading at the third number, with
-    partials by velocity, heading, breakaway and speed; returns what it would take of each newton of all of it, (3,)."""
-    x, y, k = place
+def _drag(way: Rolling, place: Place, share: float, own: Own, out: Parts) -> tuple[float, float, float]:
+    """Adds a share of the drag, that of what rolls so at a place, with partials by velocity, heading, breakaway and
+    speed; returns what it would take of each newton of all of it, (3,)."""
+    x, y, _ = place
     fade, fading = _fade(way, own), own.parameters[1]
     unit = (fade * way.x, fade * way.y, fade * (x * way.y - y * way.x))
     force = own.parameters[0] * share
@@ -72,12 +79,9 @@ def _drag(
         out.value[i] -= force * unit[i]
         out.by_parameters[i, 0] -= share * unit[i]
         out.by_parameters[i, 1] -= force * unit[i] * by_speed
-    if k >= 0:
-        less = 2.0 * way.speed * way.speed_by_heading / fading**2
-        turned_x, turned_y = fade * (way.by_heading[0] - less * way.x), fade * (way.by_heading[1] - less * way.y)
-        out.by_memory[0, k] -= force * turned_x
-        out.by_memory[1, k] -= force * turned_y
-        out.by_memory[2, k] -= force * (x * turned_y - y * turned_x)
+    less = 2.0 * way.speed * way.speed_by_heading / fading**2
+    turned = (way.by_heading[0] - less * way.x, way.by_heading[1] - less * way.y)
+    add_by_heading(place, force * fade, turned, out)
     return unit
 
 

@@ -87,14 +87,14 @@ class Motion:
         tracked = cls(time, pose, *_freed(cart, twists), seen, *noise, twists, np.zeros(3))
         return tracked.of_body(cart)
 
-    def memory(self, cart: CartModel, faster: Array | None = None) -> Array:
+    def memory(self, cart: CartModel, faster: Array | float = 0.0) -> Array:
         """What a cart's effects remember (n, k) along this motion, or along one that is `faster` by (f,). Fits change
         numbers on which it does not depend, so it is kept."""
+        velocity = self.velocity + faster
         if not cart.memory_names or not cart.is_compiled:
-            return cart.memory_along(self.pose, self.velocity + (0.0 if faster is None else faster), self.time)
-        key = cart.memory_key, None if faster is None else faster.tobytes()
+            return cart.memory_along(self.pose, velocity, self.time)
+        key = cart.memory_key, np.asarray(faster).tobytes() if np.any(faster) else b""
         if key not in self._memories:
-            velocity = self.velocity if faster is None else self.velocity + faster
             if len(self._memories) == MOST_KEPT:
                 del self._memories[next(iter(self._memories))]
             self._memories[key] = cart.memory_along(self.pose, velocity, self.time)

@@ -26,7 +26,7 @@ HIDDEN = "rolling_resistance"
 def first(tmp_path_factory):
     """A cart that resists, pushed straight on, slowly: its log, its file, and what comes out of it."""
     folder = tmp_path_factory.mktemp("first")
-    scene, random = draw_case(HIDDEN, 0, "straight", "try "), np.random.default_rng(0)
+    scene, random = draw_case(HIDDEN, 1, "straight", "try "), np.random.default_rng(1)
     write_log(recorded(scene, FIRST, random), folder / "one.csv")
     (folder / "cart.yaml").write_text(cart_file(scene.world, scene.believed, True), encoding="utf-8")
     return SimpleNamespace(folder=folder, scene=scene, random=random)
@@ -49,7 +49,7 @@ def test_what_is_run_next_tells_rivals_apart(capsys, first, asked):
     (effect,) = asked["effects"]
     names = {effect["name"], *effect["confusable_with"]}
     assert HIDDEN in names
-    assert len(names) > 1
+    assert len(names) > 2
     reference = read_reference(first.folder / "next.yaml")
     assert reference.duration <= 12.0
     told = asked["next_reference"]

@@ -207,9 +207,11 @@ def test_what_effects_remember_is_kept_for_a_motion_and_is_what_it_is():
     ]
     carts += [carts[0].with_parameters(2 * carts[0].parameters)]
     carts += [carts[2].without_effect("load_slosh").with_effect(LoadSlosh(2.0, 0.5 + 0.1 * i)) for i in range(20)]
-    for faster in (None, np.array([0.1, -0.2])):
+    for faster in (0.0, np.array([0.1, -0.2])):
         for cart in (*carts, *carts):
-            velocity = motion.velocity if faster is None else motion.velocity + faster
-            along = cart.memory_along(motion.pose, velocity, motion.time)
+            along = cart.memory_along(motion.pose, motion.velocity + faster, motion.time)
             np.testing.assert_array_equal(motion.memory(cart, faster), along)
-    assert motion.memory(carts[3]) is motion.memory(carts[0])
+    assert motion.memory(carts[3]) is motion.memory(carts[0], np.zeros(2))
+    assert motion.memory(carts[2].with_parameters(carts[2].parameters * [1, 1, 1, 1, 3, 1, 1])) is motion.memory(
+        carts[2]
+    )

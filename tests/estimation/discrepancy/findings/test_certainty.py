@@ -40,7 +40,7 @@ def test_deviations_are_those_of_errors(drawn):
     assert (size > 0.15).all()
 
 
-@pytest.mark.parametrize("wheels", [(), (Wheel("caster", 0.6, 0.2),)], ids=["none listed", "a caster"])
+@pytest.mark.parametrize("wheels", [(), (Wheel("fixed", 0.0, 0.0),), (Wheel("caster", 0.6, 0.2),)])
 def test_forms_leave_open_a_share_of_what_was_added(wheels):
     """And nothing of what the file has."""
     guess = replace(cart_of(TRUE), wheels=wheels)
