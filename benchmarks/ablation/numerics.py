@@ -26,8 +26,8 @@ REASONS: dict[str, dict[str, str]] = {
     "weak_form.fit": {
         "ROUNDS": "of Gauss-Newton",
         "SETTLED": "of Gauss-Newton",
-        "MOST_STEP": "of Gauss-Newton",
     },
+    "weak_form.linearized": {"TOLD": "rounding"},
     "weak_form.motion": {
         "GRID_STEP": "grid",
         "MOST_POINTS": "refuses a log",

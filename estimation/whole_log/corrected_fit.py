@@ -10,23 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import eigh
 
-from cartgrasp.effects import ConstraintEffect
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
-from cartgrasp.model import CartModel
 
 from ..discrepancy.search.model import Model
 from ..weak_form.balances import Balances
-from ..weak_form.fit import coordinates, jacobian, with_coordinates
+from ..weak_form.coordinates import bounds, coordinates, jacobian, with_coordinates
+from ..weak_form.linearized import Linearized
 
 ROUNDS, SETTLED = 12, 0.02
-"""Steps, and standard deviations by which the last moves a parameter at most."""
-MOST_STEP = 1.0
-"""Largest change of a logarithm in one step."""
+"""Most rounds in which rows are made linear; standard deviations by which the last moves a coordinate at most."""
 MOST_NOISE = 0.5
 """Largest share of noise in the squares of a combination: one with more tells less than it hides."""
 LEAST_VARIANCE = 1e-300
@@ -61,10 +59,9 @@ class CorrectedFit:
         mass = self.with_mass
         z = coordinates(self.model.cart)
         z[self.free] += mass[: len(self.free)] * np.log1p(bracket)
+        cart = with_coordinates(self.model.cart, np.clip(z, *bounds(self.model.cart)))
         covariance = self.covariance + bracket**2 * np.outer(mass, mass)
-        return replace(
-            self, model=replace(self.model, cart=_bounded(self.model.cart, z)[0]), covariance=np.asarray(covariance)
-        )
+        return replace(self, model=replace(self.model, cart=cart), covariance=np.asarray(covariance))
 
     def physical(self) -> tuple[Array, Array]:
         """Mass, CoM, inertia and the effects' values, and their standard deviations (p,); of what is not estimated, as
@@ -97,30 +94,27 @@ def corrected(model: Model) -> CorrectedFit:
     generator = np.random.default_rng(0)
     draws = int(np.clip(DRAWN_ROWS // len(model.rows), 1, MOST_DRAWS))
     noisy = [tuple(b.with_more_noise(model.cart, generator) for b in model.logs) for _ in range(draws)]
-    before = 0.0
+    before, own = 0.0, np.flatnonzero(model.prior.free)
     for _ in range(ROUNDS):
         equations = _Equations.of(model, noisy)
-        step, covariance = equations.step()
-        model, at_bound = _stepped(model, step)
-        own = np.flatnonzero(model.prior.free)
-        moved = np.abs(step[: len(own)]) / _deviations(covariance, len(own)) * ~at_bound[own]
-        most = float(moved.max(initial=0.0))
+        found = equations.told().most_likely()
+        moved = np.abs(coordinates(found.cart) - coordinates(model.cart))[own] / _deviations(found.covariance, len(own))
+        model = replace(model, cart=found.resized())
+        most = float((moved * ~found.at_bound[own]).max(initial=0.0))
         if most * min(most / before if before else 1.0, 1.0) < SETTLED:
             break
         before = most
-    return CorrectedFit(model, equations.scatter(covariance), covariance[0] / covariance[0, 0], at_bound)
+    covariance = found.covariance
+    return CorrectedFit(model, equations.scatter(covariance), covariance[0] / covariance[0, 0], found.at_bound)
 
 
 @dataclass(frozen=True, eq=False)
 class _Equations:
-    """At a model's cart: sums of products (b, q + 1, q + 1) of its rows by block, less what noise adds, and of that
-    noise; the first guess's pull (q,) and information (q, q)."""
+    """At a model's cart: sums of products (b, q + 1, q + 1) of its rows by block, and of the noise in them."""
 
     model: Model
     sums: Array
     noise: Array
-    prior_pull: Array
-    prior_information: Array
 
     @classmethod
     def of(cls, model: Model, noisy: Sequence[tuple[Balances, ...]]) -> _Equations:
@@ -130,37 +124,27 @@ class _Equations:
         for logs in noisy:
             drawn = replace(model, logs=logs).rows - model.rows
             noise += np.tensordot(weight, model.folds.sums(drawn), (0, 0)) / len(noisy)
-        information, here, free = model.prior_std**-2.0, np.eye(sums.shape[-1]), len(model.moved)
+        here, free = np.eye(sums.shape[-1]), len(model.moved)
         here[:free, -1] = -model.moved  # rows have what is left at the prior's mean
-        sums, noise = here.T @ sums @ here, here.T @ noise @ here
-        pull = np.zeros(len(information))
-        pull[:free] = -model.moved * information[:free]
-        return cls(model, sums, noise, pull, np.diag(information))
+        return cls(model, here.T @ sums @ here, here.T @ noise @ here)
 
-    def _told(self) -> tuple[Array, Array]:
-        """Combinations of unknowns (q, r) that rows tell, and all (q, q), in which information is one."""
-        q = len(self.prior_pull)
-        whole, noise = (each.sum(axis=0)[:q, :q] for each in (self.sums, self.noise))
-        share, basis = eigh(noise, whole + self.prior_information)
-        return np.where(share < MOST_NOISE, 1.0, 0.0), np.asarray(basis)
+    @cached_property
+    def _onto_told(self) -> Array:
+        """Projection (q, q) on combinations of unknowns that rows tell."""
+        whole, noise = (each.sum(axis=0)[:-1, :-1] for each in (self.sums, self.noise))
+        share, basis = eigh(noise, whole + np.diag(self.model.prior_std**-2.0))
+        return np.asarray((basis * (share < MOST_NOISE)) @ np.linalg.inv(basis))
 
-    def step(self) -> tuple[Array, Array]:
-        """The step to take (q,), and its covariance (q, q)."""
-        q = len(self.prior_pull)
-        told, basis = self._told()
-        clean = (self.sums - self.noise).sum(axis=0)
-        prior = basis.T @ self.prior_information @ basis
-        information = np.outer(told, told) * (basis.T @ clean[:q, :q] @ basis) + prior
-        pull = told * (basis.T @ clean[:q, q]) + basis.T @ self.prior_pull
-        covariance = basis @ np.linalg.inv(information) @ basis.T
-        return np.asarray(basis @ np.linalg.solve(information, pull)), np.asarray(covariance)
+    def told(self) -> Linearized:
+        """What rows tell, without what noise adds."""
+        clean, onto, model = (self.sums - self.noise).sum(axis=0), self._onto_told, self.model
+        information, pull = onto.T @ clean[:-1, :-1] @ onto, onto.T @ clean[:-1, -1]
+        return Linearized(model.cart, model.prior, information, pull, model.prior_std[len(model.moved) :])
 
     def scatter(self, covariance: Array) -> Array:
         """The covariance, no smaller than what runs scatter (a sandwich estimator, White 1980, with clusters)."""
-        q = len(self.prior_pull)
-        told, basis = self._told()
-        clean = self.sums - self.noise
-        pulls = clean[:, :q, q] @ (basis * told) @ np.linalg.inv(basis)
+        q = len(covariance)
+        pulls = (self.sums - self.noise)[:, :-1, -1] @ self._onto_told
         groups = _runs(self.model)
         clusters = np.array([pulls[groups == group].sum(axis=0) for group in np.unique(groups)])
         count = len(clusters)
@@ -180,24 +164,3 @@ def _runs(model: Model) -> np.ndarray:
     forward = [balances.integrated(balances.motion.velocity[:, 0]) for balances in model.logs]
     total = np.bincount(model.folds.block, np.concatenate(forward), len(model.folds.stretches))
     return np.asarray(2 * model.folds.stretches + (total > 0))
-
-
-def _stepped(model: Model, step: Array) -> tuple[Model, np.ndarray]:
-    free = np.flatnonzero(model.prior.free)
-    z = coordinates(model.cart)
-    z[free] += step[: len(free)]
-    first = coordinates(model.cart)
-    for i in (0, 3):
-        z[i] = first[i] + np.clip(z[i] - first[i], -MOST_STEP, MOST_STEP)
-    cart, at_bound = _bounded(model.cart, z)
-    sizes = step[len(free) : len(free) + len(cart.constraint_effects)]
-    scaled = {e.key: e.scaled(1.0 + float(s)) for e, s in zip(cart.constraint_effects, sizes, strict=True)}
-    effects = tuple(scaled.get(e.key, e) if isinstance(e, ConstraintEffect) else e for e in cart.effects)
-    return replace(model, cart=replace(cart, effects=effects)), at_bound
-
-
-def _bounded(cart: CartModel, z: Array) -> tuple[CartModel, np.ndarray]:
-    """The cart at coordinates (p,) within bounds, and which (p,) met one."""
-    lower = np.concatenate([np.full(N_PHI, -np.inf), *([p.lower for p in e.parameters] for e in cart.effects)])
-    upper = np.concatenate([np.full(N_PHI, np.inf), *([p.upper for p in e.parameters] for e in cart.effects)])
-    return with_coordinates(cart, np.clip(z, lower, upper)), (z <= lower) | (z >= upper)

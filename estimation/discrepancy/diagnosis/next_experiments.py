@@ -16,7 +16,7 @@ from cartgrasp.information import WrenchNoise
 
 from ...experiments.proposal import Experiment, Proposal, Question
 from ...experiments.separation import Belief, Hands
-from ...weak_form.fit import jacobian
+from ...weak_form.coordinates import jacobian
 from ..findings.rivals import rivals
 from ..search.candidates import amplitudes_of
 from ..search.gains import CONFUSABLE, WORTH, added, every_family

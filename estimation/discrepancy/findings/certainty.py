@@ -19,7 +19,7 @@ from cartgrasp.motion import ParameterEstimate
 
 from ...prior import Prior, report_names, report_units
 from ...weak_form.band import Band
-from ...weak_form.fit import coordinates, with_coordinates
+from ...weak_form.coordinates import coordinates, with_coordinates
 from ...weak_form.score import Score
 from ..search.gains import absent, added
 from ..search.laws import Law

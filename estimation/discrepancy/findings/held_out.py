@@ -16,7 +16,7 @@ from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, band_in
-from ...weak_form.fit import coordinates, with_coordinates
+from ...weak_form.coordinates import coordinates, with_coordinates
 from ..search.model import Model
 from .fast_noise import fast_noise
 from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts

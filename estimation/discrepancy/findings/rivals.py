@@ -9,7 +9,7 @@ import numpy as np
 from cartgrasp.effects import Effect
 from cartgrasp.frames import Array
 
-from ...weak_form.fit import coordinates
+from ...weak_form.coordinates import coordinates
 from ..search.attempts import Attempt, Refit, Step
 from ..search.gains import CONFUSABLE
 from ..search.laws import Law

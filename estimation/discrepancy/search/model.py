@@ -17,7 +17,8 @@ from cartgrasp.model import CartModel
 from ...log_noise.log_noise import MAD_TO_STD
 from ...prior import Prior, report_names
 from ...weak_form.balances import Balances
-from ...weak_form.fit import Nuisance, ParameterPrior, coordinates, fit, jacobian
+from ...weak_form.coordinates import ParameterPrior, coordinates, jacobian
+from ...weak_form.fit import Nuisance, fit
 from ...weak_form.motion import Motion
 from ...weak_form.rows import Errors, excess_noise
 from ...weak_form.score import Folds, Score, scored
@@ -354,10 +355,8 @@ class Model:
         base = self.late(delay) if delay != self.lateness else self
         model = replace(base, cart=cart, at_bound=None)
         prior = self._prior_of(cart)
-        found, beside = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
-        changed = {e.key: e.scaled(1.0 + float(size)) for e, size in zip(cart.constraint_effects, beside, strict=False)}
-        effects = tuple(changed.get(e.key, e) for e in found.cart.effects)
-        return replace(model, cart=replace(found.cart, effects=effects), at_bound=found.at_bound)
+        found = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
+        return replace(model, cart=found.resized(), at_bound=found.at_bound)
 
 
 def lateness(cart: CartModel, logs: Sequence[Balances]) -> float:

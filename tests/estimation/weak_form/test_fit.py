@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
-from estimation.weak_form.fit import coordinates, jacobian, with_coordinates
+from estimation.weak_form.coordinates import coordinates, jacobian, with_coordinates
 
 from .motions import TRUE, cart_of, noisy, weaving
 

@@ -1,0 +1,136 @@
+"""The most likely cart where rows are linear in its parameters: mass, first moments and inertia about {b}, and those of
+effects.
+
+Coordinates of physical carts are not linear in them: where the inertia about {b} is known better than the CoM, carts
+that are as likely lie on a bend, across which Gauss-Newton steps to and fro. So the least of the quadratic form over
+all physical carts is found to the end, which asks nothing more of a log.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+
+from .coordinates import ParameterPrior, bounds, coordinates, jacobian, parameters_at, slopes_at, with_coordinates
+
+TOLD = 1e-9
+"""Least information that counts, as a share of the prior's: rounding leaves some, of either sign."""
+
+
+@dataclass(frozen=True, eq=False)
+class MostLikely:
+    """A cart, what is unknown beside it (q,), the covariance (f + q, f + q) of its free coordinates and of that, and
+    which (p,) coordinates stand at a bound and so are not estimated."""
+
+    cart: CartModel
+    beside: Array
+    covariance: Array
+    at_bound: np.ndarray
+
+    def resized(self) -> CartModel:
+        """The cart with constraint effects of the sizes that come first in what is beside it."""
+        sizes = zip(self.cart.constraint_effects, self.beside.tolist(), strict=False)
+        resized = {effect.key: effect.scaled(1.0 + size) for effect, size in sizes}
+        return replace(self.cart, effects=tuple(resized.get(effect.key, effect) for effect in self.cart.effects))
+
+
+@dataclass(frozen=True, eq=False)
+class Linearized:
+    """Rows at a cart: information (f + q, f + q) and pull (f + q,) of its free coordinates, then of what is unknown
+    beside them, which has standard deviations (q,)."""
+
+    cart: CartModel
+    prior: ParameterPrior
+    information: Array
+    pull: Array
+    beside_std: Array
+
+    def most_likely(self) -> MostLikely:
+        """The most likely cart, from this one on."""
+        free, prior = self.free, self.prior
+        lower, upper = (bound[free] for bound in bounds(self.cart))
+        mean, std = prior.mean[free], prior.std[free]
+
+        def residual(z: Array) -> Array:
+            return np.append(self._root @ self._away(z) - self._aim, (z - mean) / std)
+
+        def slopes(z: Array) -> Array:
+            return np.vstack([self._root @ self._slopes(z), np.diag(1.0 / std)])
+
+        start = np.clip(coordinates(self.cart)[free], lower, upper)
+        scale = np.sqrt(np.diagonal(np.linalg.inv(slopes(start).T @ slopes(start))))
+        with np.errstate(over="ignore", invalid="ignore"):  # of steps that are too long, and are tried shorter
+            found = least_squares(residual, start, slopes, (lower, upper), "dogbox", x_scale=scale)
+        at_bound = np.zeros(len(prior.free), dtype=bool)
+        at_bound[free] = found.active_mask != 0
+        beside = self._beside @ (self.pull[len(free) :] - self._across.T @ self._away(found.x))
+        return MostLikely(
+            with_coordinates(self.cart, self._at(found.x)), beside, self._covariance(found.x, at_bound[free]), at_bound
+        )
+
+    def _covariance(self, z: Array, at_bound: np.ndarray) -> Array:
+        """Covariance (f + q, f + q) at free coordinates (f,)."""
+        std = np.append(self.prior.std[self.free], self.beside_std)
+        by, known = np.eye(len(std)), np.flatnonzero(~np.append(at_bound, np.zeros(len(self.beside_std), dtype=bool)))
+        by[: len(z), : len(z)] = self._slopes(z)
+        information, covariance = by.T @ self.information @ by + np.diag(std**-2.0), np.diag(std**2)
+        covariance[np.ix_(known, known)] = np.linalg.inv(information[np.ix_(known, known)])
+        return covariance
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """Numbers (f,) of the coordinates that are estimated."""
+        return np.flatnonzero(self.prior.free)
+
+    def _at(self, z: Array) -> Array:
+        """All coordinates (p,), of which (f,) are free."""
+        whole = coordinates(self.cart)
+        whole[self.free] = z
+        return whole
+
+    def _away(self, z: Array) -> Array:
+        """How far (f,) free coordinates would have gone where rows are, were they linear in them."""
+        return np.asarray(self._to_coordinates @ (parameters_at(self._at(z)) - self.cart.parameters))
+
+    def _slopes(self, z: Array) -> Array:
+        """Partials (f, f) of `_away`."""
+        return np.asarray(self._to_coordinates @ slopes_at(self._at(z))[:, self.free])
+
+    @cached_property
+    def _to_coordinates(self) -> Array:
+        return np.asarray(np.linalg.inv(jacobian(self.cart))[self.free])
+
+    @cached_property
+    def _across(self) -> Array:
+        return self.information[: len(self.free), len(self.free) :]
+
+    @cached_property
+    def _beside(self) -> Array:
+        """Covariance (q, q) of what is unknown beside the coordinates, were these known."""
+        f = len(self.free)
+        return np.asarray(np.linalg.inv(self.information[f:, f:] + np.diag(self.beside_std**-2.0)))
+
+    @cached_property
+    def _roots(self) -> tuple[Array, Array]:
+        """What rows tell, whatever is beside: a root (r, f) of the information, and where it leads (r,)."""
+        f, std = len(self.free), self.prior.std[self.free]
+        information = self.information[:f, :f] - self._across @ self._beside @ self._across.T
+        pull = self.pull[:f] - self._across @ self._beside @ self.pull[f:]
+        share, basis = np.linalg.eigh(std[:, None] * information * std)
+        told = share > TOLD
+        root = np.sqrt(share[told])[:, None] * basis[:, told].T
+        return root / std, basis[:, told].T @ (std * pull) / np.sqrt(share[told])
+
+    @property
+    def _root(self) -> Array:
+        return self._roots[0]
+
+    @property
+    def _aim(self) -> Array:
+        return self._roots[1]
