@@ -36,10 +36,10 @@ USUAL_SPREAD = 0.5
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's
-    uncertainty. Where and when something acts is not `estimated` online: it enters far from linearly. What `is_by_mass`
-    acts as its product with the mass. A search for an effect that nobody has named begins at the values of `grid`, or
-    at `absent`."""
+    """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's uncertainty.
+    Where and when something acts is not `estimated` online: it enters far from linearly. What is `optional` is, where
+    it is not absent. What `is_by_mass` acts as its product with the mass. A search for an effect that nobody has named
+    begins at the values of `grid`, or at `absent`."""
 
     name: str
     unit: str
@@ -48,6 +48,7 @@ class Parameter:
     upper: float = np.inf
     absent: float = 0.0
     estimated: bool = True
+    optional: bool = False
     is_by_mass: bool = False
     grid: tuple[float, ...] = ()
 
@@ -235,6 +236,10 @@ class ForceEffect(Effect):
     def wall(self) -> Wall | None:
         """Where the cart bounces at once; None where it does nowhere."""
         return None
+
+    def sharper(self, factor: float) -> Self:
+        """The effect whose dry friction fades at a speed that is lower by a factor; itself, where that hardly shows."""
+        return self
 
     def quickness(self, mass: float) -> float:
         """How fast (1/s) it may change the motion of a cart of this mass (kg) where it sets in; 0 where nothing sets in

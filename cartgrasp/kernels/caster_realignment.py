@@ -1,9 +1,10 @@
-"""`effects/caster_realignment.py`: parameters swivel_torque, trail, x; a heading a pivot; the constant is
-`SMOOTHING_RATE`."""
+"""`effects/caster_realignment.py`: parameters swivel_torque, trail, x, scrub_torque; a heading a pivot; the
+constant is `smoothing_rate`."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from cartgrasp.frames import Array
 
@@ -13,52 +14,75 @@ from .situation import Own, Parts, Situation
 from .smooth import smooth_sign
 
 
+class Turning(NamedTuple):
+    """A caster's turning rate, rad/s, and its partials by velocity, heading, the trail and x."""
+
+    rate: float
+    by_velocity: tuple[float, float, float]
+    by_heading: float
+    by_trail: float
+    by_x: float
+
+
 @compiled
 def wrench(at: Situation, own: Own, out: Parts) -> None:
-    torque, has_trail = own.parameters[0], own.parameters[1] > 0.0
     for k in range(len(own.memory)):
-        trail = _caster(at, own, k).trail
-        rate, by_velocity, by_heading, by_trail, by_x = _swivel(at, own, k)
-        slip, slope = smooth_sign(rate, own.constants[0])
-        strength = -torque / trail * slip
-        by_rate = -torque / trail * slope
-        side, turned = _side(at, own, k)
-        for i in range(3):
-            out.value[i] += strength * side[i]
-            for j in range(3):
-                out.by_velocity[i, j] += by_rate * by_velocity[j] * side[i]
-            out.by_memory[i, k] += by_rate * by_heading * side[i] + strength * turned[i]
-            out.by_parameters[i, 0] -= slip / trail * side[i]
-            if has_trail:
-                out.by_parameters[i, 1] += (by_rate * by_trail - strength / trail) * side[i]
-            out.by_parameters[i, 2] += by_rate * by_x * side[i]
+        swivel, scrub = _swivel(at, own, k), _scrub(at, own, k)
+        _add_friction(at, own, k, 0, swivel, out)
+        _add_friction(at, own, k, 3, scrub, out)
+
+
+@compiled
+def _add_friction(at: Situation, own: Own, k: int, which: int, turning: Turning, out: Parts) -> None:
+    """Adds the wrench of the k-th caster's friction against `turning`, of which the torque is parameter number `which`.
+    Of the swivel's, a force at the patch; of the tyre's, which the floor turns, too, at the pivot."""
+    torque, has_trail, trail = own.parameters[which], own.parameters[1] > 0.0, _caster(at, own, k).trail
+    slip, slope = smooth_sign(turning.rate, own.constants[0])
+    strength, by_rate = -torque / trail * slip, -torque / trail * slope
+    side, turned = _side(at, own, k, trail if which == 0 else 0.0)
+    for i in range(3):
+        out.value[i] += strength * side[i]
+        for j in range(3):
+            out.by_velocity[i, j] += by_rate * turning.by_velocity[j] * side[i]
+        out.by_memory[i, k] += by_rate * turning.by_heading * side[i] + strength * turned[i]
+        out.by_parameters[i, which] -= slip / trail * side[i]
         if has_trail:
-            out.by_parameters[2, 1] -= strength
-        out.by_parameters[2, 2] += strength * side[1]
+            out.by_parameters[i, 1] += (by_rate * turning.by_trail - strength / trail) * side[i]
+        out.by_parameters[i, 2] += by_rate * turning.by_x * side[i]
+    if has_trail and which == 0:
+        out.by_parameters[2, 1] -= strength
+    out.by_parameters[2, 2] += strength * side[1]
 
 
 @compiled
 def memory_rate(at: Situation, own: Own, out: Parts) -> None:
     for k in range(len(own.memory)):
-        rate, by_velocity, by_heading, by_trail, by_x = _swivel(at, own, k)
-        out.value[k] += rate
+        swivel = _swivel(at, own, k)
+        out.value[k] += swivel.rate
         for j in range(3):
-            out.by_velocity[k, j] += by_velocity[j]
-        out.by_memory[k, k] += by_heading
+            out.by_velocity[k, j] += swivel.by_velocity[j]
+        out.by_memory[k, k] += swivel.by_heading
         if own.parameters[1] > 0.0:
-            out.by_parameters[k, 1] += by_trail
-        out.by_parameters[k, 2] += by_x
+            out.by_parameters[k, 1] += swivel.by_trail
+        out.by_parameters[k, 2] += swivel.by_x
 
 
 @compiled
 def stiction(at: Situation, own: Own, columns: Array) -> int:
-    for k in range(len(own.memory)):
-        trail, rate = _caster(at, own, k).trail, _swivel(at, own, k)[0]
-        slip, _ = smooth_sign(rate, own.constants[0])
-        side, _ = _side(at, own, k)
-        for i in range(3):
-            columns[k, i] = own.parameters[0] / trail * (1.0 - slip * slip) * side[i]
-    return len(own.memory)
+    n = len(own.memory)
+    for k in range(n):
+        _stick(at, own, k, 0, _swivel(at, own, k), columns[k])
+        _stick(at, own, k, 3, _scrub(at, own, k), columns[n + k])
+    return 2 * n
+
+
+@compiled
+def _stick(at: Situation, own: Own, k: int, which: int, turning: Turning, column: Array) -> None:
+    trail = _caster(at, own, k).trail
+    slip, _ = smooth_sign(turning.rate, own.constants[0])
+    side, _ = _side(at, own, k, trail if which == 0 else 0.0)
+    for i in range(3):
+        column[i] = own.parameters[which] / trail * (1.0 - slip * slip) * side[i]
 
 
 @compiled
@@ -75,20 +99,30 @@ def _caster(at: Situation, own: Own, k: int) -> Caster:
 
 
 @compiled
-def _swivel(at: Situation, own: Own, k: int) -> tuple[float, tuple[float, float, float], float, float, float]:
-    """delta', and its partials by velocity, delta, the trail and x."""
+def _swivel(at: Situation, own: Own, k: int) -> Turning:
+    """delta' of the k-th caster."""
     caster = _caster(at, own, k)
     rate, by_velocity, by_heading = heading_rate(at, caster)
-    turning = at.velocity[2]
-    by_x = turning * math.cos(caster.heading) / caster.trail
-    return rate, by_velocity, by_heading, -(rate + turning) / caster.trail, by_x
+    by_x = at.velocity[2] * math.cos(caster.heading) / caster.trail
+    return Turning(rate, by_velocity, by_heading, -(rate + at.velocity[2]) / caster.trail, by_x)
 
 
 @compiled
-def _side(at: Situation, own: Own, k: int) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Wrench of a unit side force at the patch, and its partial by heading. The force is across the trail, so the
-    trail enters the moment whole."""
+def _scrub(at: Situation, own: Own, k: int) -> Turning:
+    """r + delta', at which the k-th caster turns on the floor."""
+    swivel = _swivel(at, own, k)
+    ahead, across, turned = swivel.by_velocity
+    by_velocity = (ahead, across, turned + 1.0)
+    return Turning(swivel.rate + at.velocity[2], by_velocity, swivel.by_heading, swivel.by_trail, swivel.by_x)
+
+
+@compiled
+def _side(
+    at: Situation, own: Own, k: int, behind: float
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Wrench of a unit side force so far (m) behind the pivot, and its partial by heading. The force is across the
+    trail, so that distance enters the moment whole."""
     caster = _caster(at, own, k)
     sine, cosine = math.sin(caster.heading), math.cos(caster.heading)
-    side = (-sine, cosine, caster.x * cosine + caster.y * sine - caster.trail)
+    side = (-sine, cosine, caster.x * cosine + caster.y * sine - behind)
     return side, (-cosine, -sine, caster.y * cosine - caster.x * sine)

@@ -54,6 +54,7 @@ class Mechanisms:
     angular_damping: float = 0.0
     rolling_coefficient: float = 0.0
     swivel_torque: float = 0.0
+    scrub_torque: float = 0.0
     trail: float = 0.0
     casters_x: float = 0.0
     load_times: tuple[float, ...] = ()
@@ -70,10 +71,10 @@ def _rolling_resistance(has: Mechanisms, effect: RollingResistance) -> Mechanism
 
 
 def _caster_realignment(has: Mechanisms, effect: CasterRealignment) -> Mechanisms:
-    if has.swivel_torque and (has.trail, has.casters_x) != (effect.trail, effect.x):
+    if (has.swivel_torque or has.scrub_torque) and (has.trail, has.casters_x) != (effect.trail, effect.x):
         raise PlantError(f"MuJoCo plant: {effect.key}: casters have two trails or places; give each effect the same")
-    torque = has.swivel_torque + effect.swivel_torque
-    return replace(has, swivel_torque=torque, trail=effect.trail, casters_x=effect.x)
+    swivel, scrub = has.swivel_torque + effect.swivel_torque, has.scrub_torque + effect.scrub_torque
+    return replace(has, swivel_torque=swivel, scrub_torque=scrub, trail=effect.trail, casters_x=effect.x)
 
 
 def _payload_change(has: Mechanisms, effect: PayloadChange) -> Mechanisms:
@@ -103,7 +104,7 @@ def mechanisms_of(cart: CartModel) -> Mechanisms:
             known = ", ".join(kind.name for kind in MECHANISMS)
             raise PlantError(f"MuJoCo plant: {effect.key}: no counterpart in MuJoCo; it knows {known} and sensors")
         found = MECHANISMS[type(effect)](found, effect)
-    if cart.constraints.n_rows == 2 and found.swivel_torque:
+    if cart.constraints.n_rows == 2 and (found.swivel_torque or found.scrub_torque):
         raise PlantError("MuJoCo plant: caster_realignment: a cart on a rail has no casters here")
     return found
 
@@ -213,9 +214,8 @@ class MujocoCart:
             spec.add_actuator(name=f"wrench{i}", target="origin", trntype=site, gear=gear).set_to_motor()
         self._add_base(chassis, time)
         self._set_chassis_inertia(chassis, time)
-        resistances = self.mechanisms.rolling_coefficient * RADIUS * self.static_loads(time)
-        for i, resistance in enumerate(resistances[: len(self.wheels)]):
-            self._add_wheel(spec, chassis, i, resistance)
+        for i, load in enumerate(self.static_loads(time)[: len(self.wheels)]):
+            self._add_wheel(spec, chassis, i, load)
         model = spec.compile()
         self._set_arrays(model)
         return model
@@ -242,7 +242,7 @@ class MujocoCart:
         chassis.mass, chassis.ipos = rest.mass, [*rest.com, vertical / rest.mass]
         chassis.inertia = [tilting, tilting, rest.about_com]
 
-    def _add_wheel(self, spec: Any, chassis: Any, i: int, resistance: float) -> None:
+    def _add_wheel(self, spec: Any, chassis: Any, i: int, load: float) -> None:
         wheel, light, name = self.wheels[i], self.wheel_mass, f"wheel{i}"
         hinge = mujoco.mjtJoint.mjJNT_HINGE
         holder, place = chassis, [wheel.x, wheel.y, RADIUS]
@@ -253,12 +253,15 @@ class MujocoCart:
             _set_friction_loss(swivel, self.mechanisms.swivel_torque)
         body = holder.add_body(name=name, pos=place)
         _set_disc(body, light)
-        _set_friction_loss(body.add_joint(name=f"roll{i}", type=hinge, axis=[0, 1, 0]), resistance)
+        rolling = body.add_joint(name=f"roll{i}", type=hinge, axis=[0, 1, 0])
+        _set_friction_loss(rolling, self.mechanisms.rolling_coefficient * RADIUS * load)
         ball = mujoco.mjtGeom.mjGEOM_SPHERE
         body.add_geom(name=name, type=ball, size=[RADIUS, 0, 0], contype=0, conaffinity=0)
         pair = spec.add_pair(geomname1="floor", geomname2=name, condim=3, solref=FLOOR_SOLREF)
         pair.solimp, pair.solreffriction = FLOOR_SOLIMP, FRICTION_SOLREF
         pair.friction = [SLIDING_FRICTION, SLIDING_FRICTION, 0, 0, 0]
+        if wheel.kind == CASTER and self.mechanisms.scrub_torque:
+            pair.condim, pair.friction[2] = 4, self.mechanisms.scrub_torque / load
 
     def _set_arrays(self, model: mujoco.MjModel) -> None:
         """What a spec can't say: damping of single degrees of freedom, and equally stiff contacts."""

@@ -25,8 +25,8 @@ TOLD = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class MostLikely:
-    """A cart, what is unknown beside it (q,), the covariance (f + q, f + q) of its free coordinates and of that, and
-    which (p,) coordinates stand at a bound and so are not estimated."""
+    """A cart, what is unknown beside it (q,), the covariance (f + q, f + q) of its free coordinates and of that as if
+    there were no bounds, and which (p,) coordinates stand at one."""
 
     cart: CartModel
     beside: Array
@@ -70,18 +70,15 @@ class Linearized:
         at_bound = np.zeros(len(prior.free), dtype=bool)
         at_bound[free] = found.active_mask != 0
         beside = self._beside @ (self.pull[len(free) :] - self._across.T @ self._away(found.x))
-        return MostLikely(
-            with_coordinates(self.cart, self._at(found.x)), beside, self._covariance(found.x, at_bound[free]), at_bound
-        )
+        cart = with_coordinates(self.cart, self._at(found.x))
+        return MostLikely(cart, beside, self._covariance(found.x), at_bound)
 
-    def _covariance(self, z: Array, at_bound: np.ndarray) -> Array:
-        """Covariance (f + q, f + q) at free coordinates (f,)."""
+    def _covariance(self, z: Array) -> Array:
+        """Covariance (f + q, f + q) at free coordinates (f,), as if there were no bounds."""
         std = np.append(self.prior.std[self.free], self.beside_std)
-        by, known = np.eye(len(std)), np.flatnonzero(~np.append(at_bound, np.zeros(len(self.beside_std), dtype=bool)))
+        by = np.eye(len(std))
         by[: len(z), : len(z)] = self._slopes(z)
-        information, covariance = by.T @ self.information @ by + np.diag(std**-2.0), np.diag(std**2)
-        covariance[np.ix_(known, known)] = np.linalg.inv(information[np.ix_(known, known)])
-        return covariance
+        return np.asarray(np.linalg.inv(by.T @ self.information @ by + np.diag(std**-2.0)))
 
     @cached_property
     def free(self) -> np.ndarray:

@@ -60,6 +60,22 @@ def test_the_force_is_across_the_wheel_at_its_patch(place, delta, trail):
     assert abs(strength) <= TORQUE / trail
 
 
+@given(place=vectors(2, -0.8, 0.8), delta=numbers(-3.0, 3.0), trail=numbers(0.02, 0.2), velocity=velocities())
+def test_a_tyre_takes_its_torque_times_how_fast_the_caster_turns_on_the_floor(place, delta, trail, velocity):
+    """Force and torque of the floor on the wheel, whose patch only rolls; its fork turns at r + delta'."""
+    scrub, cart = 0.07, one_caster(*place, trail, constraints=RollingConstraints(None))
+    cart = replace(cart, effects=(CasterRealignment(scrub_torque=scrub),))
+    state = at_heading(cart, delta, velocity)
+    turning = velocity[2] + cart.rate(state, np.zeros(3)).value[-1]
+    slip = turning / np.hypot(turning, SMOOTHING_RATE)
+    assert cart.effect_wrench(state) @ velocity == pytest.approx(-scrub * slip * turning, abs=1e-9)
+    across = np.array([-np.sin(delta), np.cos(delta)])
+    force = -scrub / trail * slip * across
+    patch = place - trail * np.array([np.cos(delta), np.sin(delta)])
+    moment = patch[0] * force[1] - patch[1] * force[0] - scrub * slip
+    np.testing.assert_allclose(cart.effect_wrench(state), [*force, moment], atol=1e-9)
+
+
 @given(x=numbers(-0.8, 0.8), ahead=numbers(-0.8, 0.8), delta=numbers(-3, 3), velocity=velocities())
 def test_casters_ahead_of_where_they_are_listed_are_as_those_that_are_listed_there(x, ahead, delta, velocity):
     there = one_caster(x + ahead)

@@ -76,7 +76,11 @@ CONTRACT = {
     "external_push": {"start": "s", "duration": "s", "force": "N", "moment": "N·m"},
     "end_stop": {"position": "m", "restitution": "-", "stiffness": "N/m", "damping": "N·s/m"},
 }
-BEYOND_CONTRACT = {"stribeck_friction": {"by_wheels": "-"}, "caster_realignment": {"x": "m"}, "end_stop": {"side": "-"}}
+BEYOND_CONTRACT = {
+    "stribeck_friction": {"by_wheels": "-"},
+    "caster_realignment": {"x": "m", "scrub_torque": "N·m"},
+    "end_stop": {"side": "-"},
+}
 COULOMB = {
     *("rolling_resistance", "stribeck_friction", "floor_patch", "caster_realignment", "wheel_drag_imbalance"),
 }
@@ -136,7 +140,8 @@ def test_a_force_acts_somewhere(kind):
 @every_fixed_effect
 def test_speaks_the_contracts_language(kind):
     assert {p.name: p.unit for p in kind.parameters} == CONTRACT.get(kind.name, {}) | BEYOND_CONTRACT.get(kind.name, {})
-    assert [f.name for f in fields(kind) if f.name != "label"] == [p.name for p in kind.parameters]
+    own = [p.name for p in kind.parameters] + [setting.name for setting in kind.settings]
+    assert [f.name for f in fields(kind) if f.name != "label"] == own
     assert len(kind.signature.split()) > 4
     for parameter in kind.parameters:
         assert parameter.typical > 0

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import chi2
 
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import CasterRealignment, ForceBias, RollingResistance, ViscousDrag, caster_realignment
+from cartgrasp.effects import CasterRealignment, ForceBias, RollingResistance, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia, physical_from_phi
 from cartgrasp.model import CartModel
@@ -353,13 +353,11 @@ def test_an_unknown_name_in_the_prior_is_refused(online):
 
 @pytest.mark.parametrize("torque", [0.05, 0.1, 0.4, 0.8])
 @pytest.mark.parametrize("smoothing", [0.05, 0.1, 0.2])
-def test_a_caster_believed_turned_round_is_not_believed_for_long(monkeypatch, torque, smoothing):
+def test_a_caster_believed_turned_round_is_not_believed_for_long(torque, smoothing):
     """A heading against the way is an equilibrium too, and no force tells it from the stable one. With no moment at all
     round-off decides the sign of its variance, and a moment that is no more than round-off is not trusted."""
-    monkeypatch.setattr(caster_realignment, "SMOOTHING_RATE", smoothing)
-    cart = CartModel(
-        Inertia(24.0, (0.3, 0.0), 2.0), effects=(CasterRealignment(torque),), wheels=(Wheel("caster", 0.7, 0.0, 0.05),)
-    )
+    casters, wheels = CasterRealignment(torque, smoothing_rate=smoothing), (Wheel("caster", 0.7, 0.0, 0.05),)
+    cart = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), effects=(casters,), wheels=wheels)
     watching = CartFilter(cart, ["hand"], noise=NOISE)
     for i in range(300):
         watching.update(Measurement(0.01 * i, np.array([0.005 * i, 0.0, 0.0]), np.array([0.5, 0.0, 0.0])))
