@@ -119,7 +119,6 @@ ASSUMPTIONS = (
             "FILE_SHARE": "prior of an effect of the file, of its value",
             "FILE_LEAST": "prior of an effect of the file, of its usual size",
             "FORM_LEVER": "how far from where the model says a force may act",
-            "FORM_SHARPNESS": "how well it is known at which speed dry friction fades",
             "TIMING_STD": "of a step, how late a sensor's samples may be",
         },
     ),

@@ -21,18 +21,17 @@ is ahead, and not behind, hardly shows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import ClassVar, Self, final
+from dataclasses import dataclass
+from typing import ClassVar, final
 
-import numpy as np
-
-from ..errors import SettingError
 from ..wheels import DEFAULT_TRAIL, WheelSet
-from .effect import Parameter, Setting
+from .effect import Parameter
 from .wheel_force import WheelForce
 
 SMOOTHING_RATE = 0.2
-"""rad/s: usual `smoothing_rate`. Coulomb's friction has none; the smaller it is, the stiffer is the model."""
+"""rad/s: usual `smoothing_rate`."""
+SHARPEST = 0.01
+"""rad/s: Coulomb's friction has none; the smaller it is, the stiffer is the model."""
 USUAL_X = 0.8
 """m."""
 
@@ -56,27 +55,17 @@ class CasterRealignment(WheelForce):
         Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False, grid=(DEFAULT_TRAIL,)),
         Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(USUAL_X,)),
         Parameter("scrub_torque", "N·m", typical=0.05, lower=0.0, optional=True),
+        Parameter(
+            "smoothing_rate", "rad/s", 0.1, SHARPEST, 1.0, absent=SMOOTHING_RATE, optional=True, grid=(SMOOTHING_RATE,)
+        ),
     )
-    settings: ClassVar[tuple[Setting, ...]] = (Setting("smoothing_rate"),)
     drives_memory: ClassVar[bool] = True
     stuck_for: ClassVar[float] = 4.0
     signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0.0 < self.smoothing_rate < np.inf:
-            raise SettingError(self.key, "smoothing_rate", f"{self.smoothing_rate} is not positive; give rad/s")
-
     def grids(self, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
         """Nobody looks for casters that are listed."""
         return ((),) * len(self.parameters) if wheels.is_caster.any() else super().grids(wheels)
-
-    @property
-    def constants(self) -> tuple[float, ...]:
-        return (self.smoothing_rate,)
-
-    def sharper(self, factor: float) -> Self:
-        return replace(self, smoothing_rate=self.smoothing_rate / factor)
 
     @property
     def memory_numbers(self) -> tuple[float, ...]:

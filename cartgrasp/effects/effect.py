@@ -237,10 +237,6 @@ class ForceEffect(Effect):
         """Where the cart bounces at once; None where it does nowhere."""
         return None
 
-    def sharper(self, factor: float) -> Self:
-        """The effect whose dry friction fades at a speed that is lower by a factor; itself, where that hardly shows."""
-        return self
-
     def quickness(self, mass: float) -> float:
         """How fast (1/s) it may change the motion of a cart of this mass (kg) where it sets in; 0 where nothing sets in
         that was not to be seen before."""

@@ -1,5 +1,5 @@
-"""`effects/caster_realignment.py`: parameters swivel_torque, trail, x, scrub_torque; a heading a pivot; the
-constant is `smoothing_rate`."""
+"""`effects/caster_realignment.py`: parameters swivel_torque, trail, x, scrub_torque, smoothing_rate; a heading
+a pivot."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _add_friction(at: Situation, own: Own, k: int, which: int, turning: Turning,
     """Adds the wrench of the k-th caster's friction against `turning`, of which the torque is parameter number `which`.
     Of the swivel's, a force at the patch; of the tyre's, which the floor turns, too, at the pivot."""
     torque, has_trail, trail = own.parameters[which], own.parameters[1] > 0.0, _caster(at, own, k).trail
-    slip, slope = smooth_sign(turning.rate, own.constants[0])
+    slip, slope = smooth_sign(turning.rate, own.parameters[4])
     strength, by_rate = -torque / trail * slip, -torque / trail * slope
     side, turned = _side(at, own, k, trail if which == 0 else 0.0)
     for i in range(3):
@@ -46,6 +46,7 @@ def _add_friction(at: Situation, own: Own, k: int, which: int, turning: Turning,
             out.by_velocity[i, j] += by_rate * turning.by_velocity[j] * side[i]
         out.by_memory[i, k] += by_rate * turning.by_heading * side[i] + strength * turned[i]
         out.by_parameters[i, which] -= slip / trail * side[i]
+        out.by_parameters[i, 4] -= by_rate * turning.rate / own.parameters[4] * side[i]
         if has_trail:
             out.by_parameters[i, 1] += (by_rate * turning.by_trail - strength / trail) * side[i]
         out.by_parameters[i, 2] += by_rate * turning.by_x * side[i]
@@ -79,7 +80,7 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
 @compiled
 def _stick(at: Situation, own: Own, k: int, which: int, turning: Turning, column: Array) -> None:
     trail = _caster(at, own, k).trail
-    slip, _ = smooth_sign(turning.rate, own.constants[0])
+    slip, _ = smooth_sign(turning.rate, own.parameters[4])
     side, _ = _side(at, own, k, trail if which == 0 else 0.0)
     for i in range(3):
         column[i] = own.parameters[which] / trail * (1.0 - slip * slip) * side[i]

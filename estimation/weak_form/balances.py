@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect, ForceEffect, ForceScale, SensorEffect
+from cartgrasp.effects import ConstraintEffect, Effect, ForceScale, SensorEffect
 from cartgrasp.effects.effect import Gate, InertiaEffect
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.inertia import N_PHI
@@ -187,23 +187,6 @@ class Balances:
             return np.asarray(np.eye(self.n_balances(cart))[place] * force[:, None])
 
         return self.integrals.by_parts(moments, is_thin=True)[..., None]
-
-    def sharpness(self, cart: CartModel, effect: ForceEffect) -> Array:
-        """What the residual (k, c, 1) lacks for each unit of the logarithm by which friction of a force effect of the
-        cart fades at lower speeds than the model says."""
-        beside = tuple(e for e in cart.effects if isinstance(e, InertiaEffect | ConstraintEffect))
-        factor = 2.0**0.5
-        sharp, dull = (
-            replace(cart, effects=(*beside, e)) for e in (effect.sharper(factor), effect.sharper(1 / factor))
-        )
-        state = self.of_body(cart)._state(sharp)
-
-        def more(at: slice) -> Array:
-            time = self.motion.time[at]
-            wrench = sharp.effect_wrench(state[at], time=time) - dull.effect_wrench(state[at], time=time)
-            return self._on_all(wrench @ cart.basis_b / np.log(factor**2))
-
-        return self.integrals.by_parts(more, is_thin=True)[..., None]
 
     # --- balances ----------------------------------------------------------------------------------------------
 

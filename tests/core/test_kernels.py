@@ -137,7 +137,7 @@ def test_another_packages_kernel_may_call_it():
         (lambda: CART.rate(CART.state(), np.zeros(3), np.zeros(4)), r"parameters 4, but"),
         (lambda: CART.rate(CART.state(), np.zeros(2)), "wrench has 2 numbers"),
         (lambda: CART.required_wrench(CART.state(), np.zeros(3)), "acceleration has 3 numbers"),
-        (lambda: EFFECTS[3].wrench_b(AT_REST, np.zeros(3), EFFECTS[3].values), r"\(3, 4\) numbers, but \(2, 4\)"),
+        (lambda: EFFECTS[3].wrench_b(AT_REST, np.zeros(3), EFFECTS[3].values), r"\(3, 5\) numbers, but \(2, 5\)"),
         (lambda: EFFECTS[4].phi_change(0.0, np.zeros(3)), "payload_change: 3 parameters, but 4 are needed"),
     ],
 )

@@ -33,8 +33,6 @@ SIZE_STD = 10.0
 FILE_SHARE, FILE_LEAST = 0.25, 0.05
 """Prior standard deviation of an effect of the cart file: share of its value there, and at least a share of its usual
 size."""
-FORM_SHARPNESS = 0.7
-"""Prior standard deviation of the logarithm of the speed at which dry friction fades: a factor of two."""
 FORM_LEVER = 0.05
 """Prior standard deviation (m) of where an effect's force acts, about where the model says."""
 TIMING_STD = 0.3
@@ -190,22 +188,19 @@ class Model:
 
     @cached_property
     def nuisance(self) -> Nuisance:
-        """Sizes of constraint effects, laws, levers of effects' forces, how sharply their friction fades, and how late
-        each log's wrenches are."""
+        """Sizes of constraint effects, laws, levers of effects' forces, and how late each log's wrenches are."""
         cart, found = self.cart, []
         constraints = cart.constraint_effects
         forces = [e for e, _, _ in cart.force_effects] if cart.constraints.n_free > 1 else []
-        smooth = [e for e, _, _ in cart.force_effects if e.sharper(2.0) is not e]
         for i, balances in enumerate(self.logs):
             parts = [balances.columns(cart.without_effect(e.key), e) for e in constraints]
             parts += [law.columns(balances, cart) for law in self.laws]
             parts += [balances.lever(cart, e) for e in forces]
-            parts += [balances.sharpness(cart, e) for e in smooth]
             timing = np.zeros((len(balances.used), balances.n_balances(cart), len(self.logs)))
             timing[..., i] = balances.timing(cart)
             found.append(np.concatenate([*parts, timing], axis=2))
         std = [np.ones(len(constraints)), *(law.std for law in self.laws), np.full(len(forces), FORM_LEVER)]
-        std += [np.full(len(smooth), FORM_SHARPNESS), TIMING_STD * np.array([b.sample_step for b in self.logs])]
+        std.append(TIMING_STD * np.array([balances.sample_step for balances in self.logs]))
         return Nuisance(tuple(found), np.concatenate(std))
 
     @cached_property
