@@ -62,9 +62,10 @@ class Prior:
 
     def free(self, cart: CartModel) -> np.ndarray:
         """Indices of the parameters (p,) `(phi | effects' values)` that are estimated. Of a body of which only a part
-        is known, what is known is as good as sure (`deviations`). What is optional, and absent, is not."""
+        is known, what is known is as good as sure (`deviations`). What is optional, and absent or nonlinear, is
+        not."""
         each = ((p, v) for effect in cart.effects for p, v in zip(effect.parameters, effect.values, strict=True))
-        unasked = [parameter.optional and value == parameter.absent for parameter, value in each]
+        unasked = [p.optional and (value == p.absent or bool(p.grid)) for p, value in each]
         fixed = self.held(cart) | np.array([False] * N_PHI + unasked)
         if not fixed[:N_PHI].all():
             fixed[1:N_PHI] = cart.constraints.no_rotation

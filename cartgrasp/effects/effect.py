@@ -38,8 +38,8 @@ USUAL_SPREAD = 0.5
 class Parameter:
     """A parameter of an effect. `typical` is the usual distance from `absent`, and the first guess's uncertainty.
     Where and when something acts is not `estimated` online: it enters far from linearly. What is `optional` is, where
-    it is not absent. What `is_by_mass` acts as its product with the mass. A search for an effect that nobody has named
-    begins at the values of `grid`, or at `absent`."""
+    it is not absent and has no `grid`; fits of logs estimate it. What `is_by_mass` acts as its product with the mass. A
+    search for an effect that nobody has named begins at the values of `grid`, or at `absent`."""
 
     name: str
     unit: str

@@ -260,7 +260,7 @@ class MujocoCart:
         pair = spec.add_pair(geomname1="floor", geomname2=name, condim=3, solref=FLOOR_SOLREF)
         pair.solimp, pair.solreffriction = FLOOR_SOLIMP, FRICTION_SOLREF
         pair.friction = [SLIDING_FRICTION, SLIDING_FRICTION, 0, 0, 0]
-        if wheel.kind == CASTER and self.mechanisms.scrub_torque:
+        if wheel.kind == CASTER and self.mechanisms.scrub_torque and load > 0.0:
             pair.condim, pair.friction[2] = 4, self.mechanisms.scrub_torque / load
 
     def _set_arrays(self, model: mujoco.MjModel) -> None:
