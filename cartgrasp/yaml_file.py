@@ -120,7 +120,7 @@ def plain(value: Any) -> Any:
 
 def dump_yaml(document: CommentedMap) -> str:
     yaml = YAML(typ="rt")
-    yaml.width = 110
+    yaml.width = 160
     yaml.indent(mapping=2, sequence=4, offset=2)
     stream = io.StringIO()
     yaml.dump(document, stream)

@@ -199,7 +199,8 @@ def balances_of(balances: Balances, cart: CartModel) -> Known | None:
     casters = (CasterRealignment(),) if any(wheel.kind == CASTER for wheel in cart.wheels) else ()
     taken = {effect.name for effect in cart.effects}
     more: list[Effect] = [e for e in (ViscousDrag(), *RICH, WheelDragImbalance(), *casters) if e.name not in taken]
-    columns = [balances.columns(cart, e) for e in more if free > 1 or not isinstance(e, WheelDragImbalance)]
+    more = [e for e in more if free > 1 or not isinstance(e, WheelDragImbalance)]
+    columns = [balances.columns(cart, e)[..., [not p.optional for p in e.parameters]] for e in more]
     whole = np.concatenate([slopes, *columns], axis=2)
     own = [0, 0, 3][:: 1 if free == 3 else 2] if free > 1 else [0]
     found = [_beside(whole[:, i], signals[:, i], column) for i, column in enumerate(own)]
