@@ -27,7 +27,7 @@ REASONS: dict[str, dict[str, str]] = {
         "ROUNDS": "of Gauss-Newton",
         "SETTLED": "of Gauss-Newton",
     },
-    "weak_form.linearized": {"TOLD": "rounding"},
+    "weak_form.linearized": {"ROUNDING": "rounding"},
     "weak_form.motion": {
         "GRID_STEP": "grid",
         "MOST_POINTS": "refuses a log",

@@ -56,7 +56,14 @@ class CasterRealignment(WheelForce):
         Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(USUAL_X,)),
         Parameter("scrub_torque", "N·m", typical=0.05, lower=0.0, optional=True),
         Parameter(
-            "smoothing_rate", "rad/s", 0.1, SHARPEST, 1.0, absent=SMOOTHING_RATE, optional=True, grid=(SMOOTHING_RATE,)
+            "smoothing_rate",
+            "rad/s",
+            typical=0.1,
+            lower=SHARPEST,
+            upper=1.0,
+            absent=SMOOTHING_RATE,
+            optional=True,
+            grid=(SMOOTHING_RATE,),
         ),
     )
     drives_memory: ClassVar[bool] = True

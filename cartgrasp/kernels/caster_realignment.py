@@ -27,9 +27,9 @@ class Turning(NamedTuple):
 @compiled
 def wrench(at: Situation, own: Own, out: Parts) -> None:
     for k in range(len(own.memory)):
-        swivel, scrub = _swivel(at, own, k), _scrub(at, own, k)
+        swivel = _swivel(at, own, k)
         _add_friction(at, own, k, 0, swivel, out)
-        _add_friction(at, own, k, 3, scrub, out)
+        _add_friction(at, own, k, 3, _on_floor(at, swivel), out)
 
 
 @compiled
@@ -72,8 +72,9 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
 def stiction(at: Situation, own: Own, columns: Array) -> int:
     n = len(own.memory)
     for k in range(n):
-        _stick(at, own, k, 0, _swivel(at, own, k), columns[k])
-        _stick(at, own, k, 3, _scrub(at, own, k), columns[n + k])
+        swivel = _swivel(at, own, k)
+        _stick(at, own, k, 0, swivel, columns[k])
+        _stick(at, own, k, 3, _on_floor(at, swivel), columns[n + k])
     return 2 * n
 
 
@@ -109,9 +110,8 @@ def _swivel(at: Situation, own: Own, k: int) -> Turning:
 
 
 @compiled
-def _scrub(at: Situation, own: Own, k: int) -> Turning:
-    """r + delta', at which the k-th caster turns on the floor."""
-    swivel = _swivel(at, own, k)
+def _on_floor(at: Situation, swivel: Turning) -> Turning:
+    """r + delta', at which a caster turns on the floor, from delta'."""
     ahead, across, turned = swivel.by_velocity
     by_velocity = (ahead, across, turned + 1.0)
     return Turning(swivel.rate + at.velocity[2], by_velocity, swivel.by_heading, swivel.by_trail, swivel.by_x)

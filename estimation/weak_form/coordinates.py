@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.inertia import N_PHI, physical_from_phi
+from cartgrasp.inertia import N_PHI, phi_from_physical, physical_from_phi, physical_jacobian
 from cartgrasp.model import CartModel
 
 
@@ -38,18 +38,14 @@ def with_coordinates(cart: CartModel, z: Array) -> CartModel:
 
 def parameters_at(z: Array) -> Array:
     """Parameters (p,) at coordinates (p,)."""
-    mass, x, y, inertia = np.exp(z[0]), z[1], z[2], np.exp(z[3])
-    return np.concatenate([mass * np.array([1.0, x, y, x**2 + y**2]) + [0.0, 0.0, 0.0, inertia], z[N_PHI:]])
+    return np.append(phi_from_physical(np.exp(z[0]), z[1], z[2], np.exp(z[3])), z[N_PHI:])
 
 
 def slopes_at(z: Array) -> Array:
     """Jacobian (p, p) of the parameters with respect to coordinates (p,)."""
-    mass, x, y, inertia = np.exp(z[0]), z[1], z[2], np.exp(z[3])
     found = np.eye(len(z))
-    found[:N_PHI, 0] = mass * np.array([1.0, x, y, x**2 + y**2])
-    found[1, 1], found[3, 1] = mass, 2.0 * mass * x
-    found[2, 2], found[3, 2] = mass, 2.0 * mass * y
-    found[3, 3] = inertia
+    by_physical = np.linalg.inv(physical_jacobian(parameters_at(z)[:N_PHI]))
+    found[:N_PHI, :N_PHI] = by_physical * [np.exp(z[0]), 1.0, 1.0, np.exp(z[3])]
     return found
 
 

@@ -19,7 +19,7 @@ from cartgrasp.model import CartModel
 
 from .coordinates import ParameterPrior, bounds, coordinates, jacobian, parameters_at, slopes_at, with_coordinates
 
-TOLD = 1e-9
+ROUNDING = 1e-9
 """Least information that counts, as a share of the prior's: rounding leaves some, of either sign."""
 
 
@@ -56,15 +56,17 @@ class Linearized:
         free, prior = self.free, self.prior
         lower, upper = (bound[free] for bound in bounds(self.cart))
         mean, std = prior.mean[free], prior.std[free]
+        root, aim = self._roots()
 
         def residual(z: Array) -> Array:
-            return np.append(self._root @ self._away(z) - self._aim, (z - mean) / std)
+            return np.append(root @ self._away(z) - aim, (z - mean) / std)
 
         def slopes(z: Array) -> Array:
-            return np.vstack([self._root @ self._slopes(z), np.diag(1.0 / std)])
+            return np.vstack([root @ self._slopes(z), np.diag(1.0 / std)])
 
         start = np.clip(coordinates(self.cart)[free], lower, upper)
-        scale = np.sqrt(np.diagonal(np.linalg.inv(slopes(start).T @ slopes(start))))
+        first = slopes(start)
+        scale = np.sqrt(np.diagonal(np.linalg.inv(first.T @ first)))
         with np.errstate(over="ignore", invalid="ignore"):  # of steps that are too long, and are tried shorter
             found = least_squares(residual, start, slopes, (lower, upper), "dogbox", x_scale=scale)
         at_bound = np.zeros(len(prior.free), dtype=bool)
@@ -113,21 +115,12 @@ class Linearized:
         f = len(self.free)
         return np.asarray(np.linalg.inv(self.information[f:, f:] + np.diag(self.beside_std**-2.0)))
 
-    @cached_property
     def _roots(self) -> tuple[Array, Array]:
         """What rows tell, whatever is beside: a root (r, f) of the information, and where it leads (r,)."""
         f, std = len(self.free), self.prior.std[self.free]
         information = self.information[:f, :f] - self._across @ self._beside @ self._across.T
         pull = self.pull[:f] - self._across @ self._beside @ self.pull[f:]
         share, basis = np.linalg.eigh(std[:, None] * information * std)
-        told = share > TOLD
+        told = share > ROUNDING
         root = np.sqrt(share[told])[:, None] * basis[:, told].T
         return root / std, basis[:, told].T @ (std * pull) / np.sqrt(share[told])
-
-    @property
-    def _root(self) -> Array:
-        return self._roots[0]
-
-    @property
-    def _aim(self) -> Array:
-        return self._roots[1]

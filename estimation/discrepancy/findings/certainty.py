@@ -19,7 +19,7 @@ from cartgrasp.motion import ParameterEstimate
 
 from ...prior import Prior, report_names, report_units
 from ...weak_form.band import Band
-from ...weak_form.coordinates import coordinates, with_coordinates
+from ...weak_form.coordinates import bounds, coordinates, with_coordinates
 from ...weak_form.score import Score
 from ..search.gains import absent, added
 from ..search.laws import Law
@@ -192,11 +192,9 @@ class Certainty:
 
     @property
     def _at_bound(self) -> np.ndarray:
-        found = np.zeros(len(self.model.cart.parameters), dtype=bool)
-        limits = [(p.lower, p.upper) for effect in self.cart.effects for p in effect.parameters]
-        values = self.cart.parameters[N_PHI:]
-        found[N_PHI:] = [v <= low or v >= high for v, (low, high) in zip(values, limits, strict=True)]
-        return found
+        lower, upper = bounds(self.cart)
+        z = coordinates(self.cart)
+        return np.asarray((z <= lower) | (z >= upper))
 
     @cached_property
     def settings(self) -> Mapping[str, float]:

@@ -32,7 +32,7 @@ def cost(linearized, rows, left, z, beside):
 
 
 def least_cost(linearized, rows, left, start):
-    """What a simplex and then quasi-Newton find, from several places."""
+    """What quasi-Newton finds, from several places."""
     free = np.flatnonzero(linearized.prior.free)
     lower, upper = (
         np.append(b[free], np.full(len(linearized.beside_std), e))
