@@ -123,6 +123,7 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.search.periods": {
         "SCANNED": "grid of periods",
         "OF": "words",
+        "HARMONICS": "grid of laws",
         "OVERSAMPLED": "grid of a Fourier transform",
         "KNOWN": "effort",
         "LIKELY": "effort",
@@ -191,8 +192,6 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_CELLS": "grid of places",
         "RIM": "grid of places",
         "LEAST_LEVER": "hands that are nearer push at {b}'s x",
-        "HARMONICS": "grid of laws",
-        "TURNS": "grid of laws",
         "NEARBY": "grid of laws",
         "EXACT": "effort",
         "LARGEST": "what ran away in an integrator",

@@ -1,5 +1,5 @@
 """Forces and moments that repeat after a period in time, way or place: found by a Fourier transform of what pulls at a
-model, then by columns."""
+model, summed over harmonics of each period (as pulsars are searched for; de Jager et al., 1989), then by columns."""
 
 from __future__ import annotations
 
@@ -20,10 +20,12 @@ from .laws import AT_HANDS, Law, both_ways
 SCANNED = (("time", 0.0, 0.25, 4.0), ("way", 0.0, 0.25, 2.5), ("x", 0.0, 0.3, 2.0), ("y", np.pi / 2, 0.3, 2.0))
 """Variables of a course, which way they go in the world, and between which periods a law is looked for."""
 OF = {"time": "time", "way": "travelled_distance", "x": "place", "y": "place"}
-OVERSAMPLED = 16
-"""Points of a Fourier transform's grid in the shortest period."""
-KNOWN, LIKELY = 24, 40
-"""Periods of a scan of which the information is worked out, and then the gain."""
+HARMONICS = (1, 2, 4, 8)
+"""Numbers of harmonics of a law: a pulse has more of the higher ones than of the first."""
+OVERSAMPLED = 8
+"""Points of a Fourier transform's grid in the shortest period of a harmonic."""
+KNOWN, LIKELY = 24, 16
+"""Frequencies of a scan of which the information is worked out, and periods of which then the gain is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +36,6 @@ class Scan:
     effect: LearnedForce
     place: str
     frequencies: Array
-
-    @property
-    def longest(self) -> float:
-        """The longest period."""
-        return float(1 / self.frequencies[0])
 
     def law(self, period: float, harmonics: int = 1, has_mean: bool = False) -> Law:
         """Law of so many harmonics, about nought or a mean."""
@@ -55,27 +52,38 @@ class Scan:
             getattr(course, self.variable) - self.effect.lever * course.heading * (self.variable == "way")
         )
 
-    def columns(self, chosen: np.ndarray, course: Course, balances: Balances, cart: CartModel) -> Array:
-        """Raw columns (k, c, v, 2) of cosines and sines of the chosen frequencies."""
+    def columns(self, frequencies: Array, harmonics: int, course: Course, balances: Balances, cart: CartModel) -> Array:
+        """Raw columns (k, c, v, 2 h) of cosines and sines of frequencies (v,) and so many harmonics of each."""
         variable, unit = self.of(course), self._unit(course, cart.constraints.n_free)
         pushed = np.flatnonzero(unit.any(axis=0))
+        turns = 2 * np.pi * np.multiply.outer(frequencies, np.arange(1, harmonics + 1))
 
         def waves(at: slice) -> Array:
-            phase = 2 * np.pi * self.frequencies[chosen] * variable[at, None]
-            return np.asarray(
-                unit[at][:, pushed, None, None] * np.stack([np.cos(phase), np.sin(phase)], axis=2)[:, None]
-            )
+            phase = variable[at, None, None] * turns
+            both = np.concatenate([np.cos(phase), np.sin(phase)], axis=2)
+            return np.asarray(unit[at][:, pushed, None, None] * both[:, None])
 
-        found = np.zeros((len(balances.used), balances.n_balances(cart), len(chosen), 2))
+        found = np.zeros((len(balances.used), balances.n_balances(cart), len(frequencies), 2 * harmonics))
         found[:, pushed] = balances.integrals.by_parts(waves, is_thin=True)
         return found
 
-    def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> Array:
-        """How much pulls (n, f) of the residual on forces and moments along the courses go with each frequency (v,):
-        by a fast Fourier transform of pulls over the variable, each shared by the two nearest of its grid's points."""
-        step = 1 / (OVERSAMPLED * self.frequencies[-1])
+    @property
+    def spacing(self) -> float:
+        """From one frequency to the next."""
+        return float(self.frequencies[1] - self.frequencies[0])
+
+    @property
+    def highest(self) -> float:
+        """The highest frequency of a harmonic."""
+        return float(HARMONICS[-1] * self.frequencies[-1])
+
+    def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> tuple[Array, Array]:
+        """How much pulls (n, f) of the residual on forces and moments along the courses go with each of frequencies
+        (v,), up to the highest, and these: by a fast Fourier transform of pulls over the variable, each shared by the
+        two nearest of its grid's points."""
+        step = 1 / (OVERSAMPLED * self.highest)
         first = min(float(self.of(c).min()) for c in courses)
-        count = round(1 / (step * float(np.diff(self.frequencies[:2])[0])))
+        count = round(1 / (step * self.spacing))
         total = np.zeros(count)
         for course, pull in zip(courses, pulls, strict=True):
             at = (self.of(course) - first) / step
@@ -83,8 +91,19 @@ class Scan:
             signal = (pull * self._unit(course, pull.shape[1])).sum(axis=1)
             for where, share in ((low, 1 - (at - low)), (low + 1, at - low)):
                 total += np.bincount(where % count, weights=signal * share, minlength=count)
-        found = np.abs(np.fft.rfft(total)) ** 2
-        return np.asarray(np.interp(self.frequencies, np.fft.rfftfreq(count, step), found), dtype=float)
+        return np.asarray(np.abs(np.fft.rfft(total)) ** 2), np.asarray(np.fft.rfftfreq(count, step), dtype=float)
+
+    def combs(self, gains: Array, frequencies: Array) -> list[tuple[float, float, int]]:
+        """Gains, frequencies and numbers of harmonics at which the sum of harmonics' own gains (v,) at frequencies (v,)
+        is larger than at both neighbours: a harmonic's peak is as many times narrower as its number says."""
+        found = list[tuple[float, float, int]]()
+        for harmonics in HARMONICS:
+            each = np.arange(self.frequencies[0], self.frequencies[-1], self.spacing / harmonics)
+            total = sum(np.interp(k * each, frequencies, gains) for k in range(1, harmonics + 1))
+            beside = np.pad(total, 1, constant_values=-np.inf)
+            peaks = np.flatnonzero((total >= beside[:-2]) & (total >= beside[2:]))
+            found += [(float(total[i]), float(each[i]), harmonics) for i in peaks]
+        return found
 
     def _unit(self, course: Course, free: int) -> Array:
         """What a unit of the force gives in the free directions (n, f)."""
@@ -125,8 +144,8 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> lis
     return found
 
 
-Found = tuple[float, Scan, float]
-"""A gain, the scan that has it, and its period."""
+Found = tuple[float, Scan, float, int]
+"""A gain, the scan that has it, its period and number of harmonics."""
 
 
 def scanned(
@@ -137,25 +156,30 @@ def scanned(
     whitened: Callable[[Sequence[Array]], Array],
     hands: float = 0.0,
 ) -> tuple[list[Found], int]:
-    """Best period of one harmonic in each scan, and the number of periods scanned. It is among those with most power
-    for the information that whitened columns have."""
+    """Best period in each scan, and the number of those scanned. It is among those of which the powers of all harmonics
+    are largest for the information that whitened columns have."""
     found, count = list[Found](), 0
     courses = [Course.along(balances.motion) for balances in logs]
 
-    def columns(scan: Scan, chosen: np.ndarray) -> Array:
-        """Whitened columns (v, k, c, 2)."""
-        raw = [scan.columns(chosen, course, b, cart) for course, b in zip(courses, logs, strict=True)]
+    def columns(scan: Scan, frequencies: Array, harmonics: int) -> Array:
+        """Whitened columns (v, k, c, 2 h)."""
+        raw = [scan.columns(frequencies, harmonics, course, b, cart) for course, b in zip(courses, logs, strict=True)]
         white = whitened([one.reshape(*one.shape[:2], -1) for one in raw])
-        return np.moveaxis(white.reshape(*white.shape[:2], len(chosen), 2), 2, 0)
+        return np.moveaxis(white.reshape(*white.shape[:2], len(frequencies), 2 * harmonics), 2, 0)
 
     for scan in scans(courses, cart, hands):
-        v = len(scan.frequencies)
-        count += v
-        known = np.unique(np.linspace(0, v - 1, KNOWN).astype(int))
-        information = np.interp(np.arange(v), known, (columns(scan, known) ** 2).sum(axis=(1, 2, 3)))
-        likely = scan.power(courses, pulls) / np.maximum(information, 1e-300)
-        chosen = np.argsort(-likely)[:LIKELY]
-        gains = gain(columns(scan, chosen), np.full(2, scan.effect.parameters[0].typical))
-        best = int(np.argmax(gains))
-        found.append((float(gains[best]), scan, float(1 / scan.frequencies[chosen[best]])))
+        std = scan.effect.parameters[0].typical
+        power, frequencies = scan.power(courses, pulls)
+        known = np.geomspace(scan.frequencies[0], scan.highest, KNOWN)
+        information = np.interp(frequencies, known, (columns(scan, known, 1) ** 2).sum(axis=(1, 2, 3)))
+        own = power / (information + 2 / std**2) - np.log1p(std**2 * information / 2)
+        combs = sorted(scan.combs(own, frequencies), reverse=True)[:LIKELY]
+        count += len(scan.frequencies) * sum(HARMONICS)
+        best = list[Found]()
+        for harmonics in {harmonics for _, _, harmonics in combs}:
+            chosen = np.array([frequency for _, frequency, each in combs if each == harmonics])
+            gains = gain(columns(scan, chosen, harmonics), np.full(2 * harmonics, std))
+            at = int(np.argmax(gains))
+            best.append((float(gains[at]), scan, float(1 / chosen[at]), harmonics))
+        found += sorted(best, key=lambda one: -one[0])[:1]
     return found, count

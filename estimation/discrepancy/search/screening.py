@@ -20,7 +20,7 @@ from ...weak_form.score import log_evidence
 from .candidates import Family, amplitudes_of
 from .laws import Law, seen_values, smooth_laws
 from .model import Model
-from .periods import scanned
+from .periods import HARMONICS, scanned
 
 KEPT = 3
 """Variants of a candidate whose score is worked out."""
@@ -34,8 +34,6 @@ CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
 """Size of a cell (m), most cells along an axis, and rim (m) around all wheels' tracks."""
 LEAST_LEVER = 0.02
 """Least lever (m): hands that are nearer push at {b}'s x."""
-HARMONICS, TURNS = (1, 2, 4, 6), (1, 2, 3)
-"""Numbers of harmonics of a law; and which of them may be the strongest."""
 NEARBY, EXACT = 0.5, 0.02
 """Most periods in a log that a scan may be off by; and how exactly the period is told, as a share of that."""
 LARGEST = 1e12
@@ -198,11 +196,10 @@ class Screen:
         yield from ((law, 1) for law in self.smooth_laws())
         periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened, self._hands)
         periods.sort(key=lambda one: -one[0])
-        for _, scan, period in periods[:KEPT]:
-            best = float(self.tuned(scan.law(period)).period or period)
-            for harmonics, turns, has_mean in product(HARMONICS, TURNS, (False, True)):
-                if turns <= harmonics and turns * best <= scan.longest:
-                    yield scan.law(turns * best, harmonics, has_mean), count
+        for _, scan, period, harmonics in periods[:KEPT]:
+            best = float(self.tuned(scan.law(period, harmonics)).period or period)
+            for each, has_mean in product(HARMONICS, (False, True)):
+                yield scan.law(best, each, has_mean), count
 
     def smooth_laws(self) -> list[Law]:
         """Laws of what varies slowly that the model does not have."""
@@ -236,7 +233,7 @@ class Screen:
         """The law at the period nearby that gains most."""
         if law.period is None:
             return law
-        width = NEARBY * law.period / self._cycles(law)
+        width = NEARBY * law.period / (self._cycles(law) * max(law.effects[0].harmonics))
         best = minimize_scalar(
             lambda period: -self.of_law(law.repeating(period)),
             bounds=(law.period - width, law.period + width),

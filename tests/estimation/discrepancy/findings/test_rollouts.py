@@ -62,12 +62,12 @@ def slow_noise(n, columns, time_constant, seed):
     return noise
 
 
-def recorded(seed, force, slow):
-    """A log with white wrench noise of `force` (N), and slow noise of `slow` (N)."""
+def recorded(seed, force, slow, memory):
+    """A log with white wrench noise of `force` (N), and slow noise of `slow` (N) that remembers for `memory` (s)."""
     log = simulate_two_hands(TRUTH, seed, 24.0, noise=(0.0004, 0.005, force))
     scale, arms = slow * np.array([1.0, 1.0, 1.0, 0.05, 0.05, 0.05]), {}
     for k, (name, arm) in enumerate(log.arms.items()):
-        arms[name] = ArmLog(arm.contact, arm.wrench + scale * slow_noise(len(log), 6, 0.04, 100 + 2 * seed + k))
+        arms[name] = ArmLog(arm.contact, arm.wrench + scale * slow_noise(len(log), 6, memory, 100 + 2 * seed + k))
     return replace(log, arms=arms)
 
 
@@ -99,11 +99,13 @@ def misses(balances, log):
 
 @pytest.mark.long
 @pytest.mark.some(1)
-@pytest.mark.parametrize(("force", "slow"), [(1.0, 0.0), (3.0, 0.0), (0.5, 3.0)])
-def test_the_floor_is_what_a_true_model_does(force, slow):
+@pytest.mark.parametrize(
+    ("force", "slow", "memory"), [(1.0, 0.0, 0.04), (3.0, 0.0, 0.04), (0.5, 3.0, 0.04), (0.5, 3.0, 0.07)]
+)
+def test_the_floor_is_what_a_true_model_does(force, slow, memory):
     true, floors = [], []
     for seed in range(6):
-        log = recorded(seed, force, slow)
+        log = recorded(seed, force, slow, memory)
         balances = Balances.of(log, CART)
         true += misses(balances, log)
         floors.append(floor_rollouts(Model.started([balances], CART)).gaps()[HORIZONS.index(1.0)])

@@ -8,17 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.effects import LearnedForce, ViscousDrag
+from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.findings.certainty import Certainty
-from estimation.discrepancy.search.course import Course
 from estimation.discrepancy.search.gains import worth
 from estimation.discrepancy.search.laws import smooth_laws
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.periods import OF, Scan
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate
@@ -162,24 +160,6 @@ def test_a_drag_that_grows_with_something_is_found(name):
     assert law["of"] == name.split(",")[0].replace(" ", "_")
     assert "drag" in law["acts_on"]
     assert found.verdict == "explained"
-
-
-@pytest.mark.parametrize(("variable", "lever"), [("time", 0.0), ("way", 0.0), ("way", 0.3), ("x", 0.0)])
-def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
-    """Against sines and cosines at each frequency, of a motion to and fro whose samples crowd where it turns."""
-    random, time = np.random.default_rng(0), np.linspace(0.0, 20.0, 2001)
-    way, heading = 3.0 * np.sin(0.7 * time), 0.8 * np.sin(0.3 * time)
-    place = np.column_stack([way * np.cos(heading), way * np.sin(heading)])
-    course = Course(time, way, np.abs(way), heading, np.gradient(way), np.zeros(2001), place, np.abs(way))
-    pull = random.standard_normal((2001, 2))
-    acts_on = "world_force" if variable == "x" else "forward_force"
-    scan = Scan(variable, LearnedForce(acts_on, OF[variable], lever=lever, period=1.0), "", np.arange(0.5, 4.0, 0.02))
-    weight = pull[:, 0] - lever * pull[:, 1]
-    weight = weight * (np.cos(heading) if variable == "x" else 1.0)
-    phase = 2j * np.pi * (getattr(course, variable) - lever * heading)
-    direct = np.abs(np.exp(scan.frequencies[:, None] * phase) @ weight) ** 2
-    assert scan.power([course], [pull]) == pytest.approx(direct, abs=0.12 * direct.max())
-    assert np.argmax(scan.power([course], [pull])) == pytest.approx(np.argmax(direct), abs=1)
 
 
 @pytest.mark.long
