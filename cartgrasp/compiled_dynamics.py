@@ -74,10 +74,21 @@ class CompiledDynamics:
     def inverse(self, point: Point, acceleration: Array, foreign: Array | None = None) -> tuple[Array, ...]:
         """What `kernels.dynamics.Inverse` holds, with leading axes."""
         f, k, n, p = self.n_free, self.n_memory, self.n_state, self.n_parameters
-        shapes = ((f,), (f, n), (f, f), (f, p), (k,), (k, n), (k, p))
-        size = f * (1 + n + f + p) + k * (1 + n + p)
-        if acceleration.shape[-1] != f:
-            raise UsageError(f"model: acceleration has {acceleration.shape[-1]} numbers, but this cart's has {f}")
+        return self._inverse(point, acceleration, foreign, ((f,), (f, f), (f, p), (f, n), (k,), (k, n), (k, p)))
+
+    def taught(self, point: Point, acceleration: Array, foreign: Array | None = None) -> tuple[Array, ...]:
+        """The reduced wrench (..., f), and its partials by acceleration (..., f, f) and parameters (..., f, p)."""
+        f, p = self.n_free, self.n_parameters
+        return self._inverse(point, acceleration, foreign, ((f,), (f, f), (f, p)))
+
+    def _inverse(
+        self, point: Point, acceleration: Array, foreign: Array | None, shapes: Sequence[tuple[int, ...]]
+    ) -> tuple[Array, ...]:
+        if acceleration.shape[-1] != self.n_free:
+            raise UsageError(
+                f"model: acceleration has {acceleration.shape[-1]} numbers, but this cart's has {self.n_free}"
+            )
+        size = sum(math.prod(shape) for shape in shapes)
         return split(self._ask(entries.inverses, self._given(point, (acceleration,), foreign), size), shapes)
 
     def memories(self, point: Point) -> Array:

@@ -47,13 +47,13 @@ class StateRate:
 
 @dataclass(frozen=True)
 class InverseDynamics:
-    """The reduced wrench `Sᵀ wrench_b` (..., f) that an acceleration takes, its partials by state (..., f, n), nu'
-    (..., f, f) and parameters (..., f, p); and the memory's rate (..., k) with its partials."""
+    """The reduced wrench `Sᵀ wrench_b` (..., f) that an acceleration takes, its partials by nu' (..., f, f), parameters
+    (..., f, p) and state (..., f, n); and the memory's rate (..., k) with its partials."""
 
     wrench: Array
-    by_state: Array
     by_acceleration: Array
     by_parameters: Array
+    by_state: Array
     memory_rate: Array
     memory_rate_by_state: Array
     memory_rate_by_parameters: Array
@@ -135,6 +135,12 @@ class CartModel(CartStructure):
         """Inverse dynamics at nu' = `acceleration` (..., n_free), with analytic partials."""
         point = self._point(state, parameters, time)
         return InverseDynamics(*self.dynamics.inverse(point, np.asarray(acceleration), self._foreign(point)))
+
+    def inverse_by_parameters(self, state: Array, acceleration: Array, time: Any = 0.0) -> tuple[Array, Array]:
+        """The reduced wrench (..., f) and its partials (..., f, p) by the parameters, for less time than `inverse`."""
+        point = self._point(state, None, time)
+        wrench, _, slopes = self.dynamics.taught(point, np.asarray(acceleration), self._foreign(point))
+        return wrench, slopes
 
     def required_wrench(
         self, state: Array, acceleration: Array, parameters: Array | None = None, time: Any = 0.0

@@ -35,13 +35,13 @@ class Point(NamedTuple):
 
 
 class Inverse(NamedTuple):
-    """The reduced wrench (f,), its partials by state (f, n), nu' (f, f) and parameters (f, p), and the memory's rate
+    """The reduced wrench (f,), its partials by nu' (f, f), parameters (f, p) and state (f, n), and the memory's rate
     (k,) with partials by state (k, n) and parameters (k, p)."""
 
     wrench: Array
-    by_state: Array
     by_acceleration: Array
     by_parameters: Array
+    by_state: Array
     memory_rate: Array
     memory_rate_by_state: Array
     memory_rate_by_parameters: Array
@@ -156,9 +156,9 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
     rest[:] = 0.0
     out = Inverse(
         rest,
-        by_state[3:free],
         mass,
         by_parameters[3:free],
+        by_state[3:free],
         value[free:],
         by_state[free:],
         by_parameters[free:],

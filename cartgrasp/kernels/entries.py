@@ -21,6 +21,7 @@ from .dynamics import (
     stictions,
     sum_effects,
     sum_memory_rates,
+    taught,
 )
 from .floor import react
 from .jit import Ints, compiled, entry
@@ -63,20 +64,23 @@ def rates(floats: Array, ints: Ints, given: Array, found: Array) -> None:
 
 @entry
 def inverses(floats: Array, ints: Ints, given: Array, found: Array) -> None:
-    """Given nu' (f,) too: `Inverse`, its parts one after the other."""
+    """Given nu' (f,) too: `Inverse`, its parts one after the other, or the first three of them."""
     m, _ = unpack(floats, ints)
     n, p = _sizes(ints)
     f, k = m.basis.shape[1], len(m.memory_rate)
     for i in range(len(given)):
         point, acceleration = _point(given[i], n, p, f)
         out, at = found[i], f
-        by_state, at = out[at : at + f * n].reshape((f, n)), at + f * n
         by_acceleration, at = out[at : at + f * f].reshape((f, f)), at + f * f
         by_parameters, at = out[at : at + f * p].reshape((f, p)), at + f * p
+        if at == len(out):
+            taught(m, point, acceleration, (out[:f], by_acceleration, by_parameters))
+            continue
+        by_state, at = out[at : at + f * n].reshape((f, n)), at + f * n
         rate, at = out[at : at + k], at + k
         rate_by_state, at = out[at : at + k * n].reshape((k, n)), at + k * n
         rate_by_parameters = out[at : at + k * p].reshape((k, p))
-        parts = Inverse(out[:f], by_state, by_acceleration, by_parameters, rate, rate_by_state, rate_by_parameters)
+        parts = Inverse(out[:f], by_acceleration, by_parameters, by_state, rate, rate_by_state, rate_by_parameters)
         inverse(m, point, acceleration, parts)
 
 

@@ -23,7 +23,7 @@ from cartgrasp.effects.effect import Gate, InertiaEffect
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.inertia import N_PHI
 from cartgrasp.logs import RunLog
-from cartgrasp.model import CartModel, InverseDynamics
+from cartgrasp.model import CartModel
 from cartgrasp.wheels import WheelSet
 
 from ..noise import FilterNoise
@@ -328,26 +328,25 @@ class Balances:
         wrench, slopes = self._inverse(cart, state, part)
         if self.reference is not None:
             return wrench + self._scale(cart) * self._reference_noise[part], slopes
-        noise = self._momentum_noise(cart, part)
-        slopes[..., :N_PHI] += noise.by_parameters
-        return wrench + noise.wrench, slopes
+        noise, by_body = self._momentum_noise(cart, part)
+        slopes[..., :N_PHI] += by_body
+        return wrench + noise, slopes
 
     def _inverse(self, cart: CartModel, state: Array, at: slice | np.ndarray) -> tuple[Array, Array]:
         """The reduced wrench and its slopes along the smooth motion alone, of states at points of the grid."""
-        found = cart.inverse(state[at], self.motion.smooth_acceleration[at], time=self.motion.time[at])
-        return found.wrench, found.by_parameters
+        return cart.inverse_by_parameters(state[at], self.motion.smooth_acceleration[at], self.motion.time[at])
 
     @cached_property
     def _reference_noise(self) -> Array:
         if self.reference is None:
             return np.zeros(0)
         parts = _chunks(len(self.motion.time))
-        return np.concatenate([self._momentum_noise(self.reference, part).wrench for part in parts])
+        return np.concatenate([self._momentum_noise(self.reference, part)[0] for part in parts])
 
-    def _momentum_noise(self, cart: CartModel, part: slice) -> InverseDynamics:
+    def _momentum_noise(self, cart: CartModel, part: slice) -> tuple[Array, Array]:
         """The wrench, and its slopes, that a cart's body takes for the noise of the acceleration."""
         body, motion = replace(cart, effects=()), self.motion
-        return body.inverse(body.state(), motion.acceleration[part] - motion.smooth_acceleration[part])
+        return body.inverse_by_parameters(body.state(), motion.acceleration[part] - motion.smooth_acceleration[part])
 
     def _sideways(self, cart: CartModel, effect: ConstraintEffect) -> Array:
         state, whole = self.state(cart), cart.with_effect(effect)

@@ -101,6 +101,18 @@ def test_inverse_dynamics_broadcast():
             np.testing.assert_array_equal(getattr(together, name)[i, j], value)
 
 
+def test_what_parameters_change_alone_is_that_of_all_partials():
+    generator = np.random.default_rng(3)
+    states_ = CART.state(velocity=[0.5, 0.1]) + 0.1 * generator.normal(size=(7, len(CART.state())))
+    accelerations = generator.normal(size=(7, 2))
+    whole = CART.inverse(states_, accelerations, time=2.5)
+    wrench, by_parameters = CART.inverse_by_parameters(states_, accelerations, 2.5)
+    np.testing.assert_array_equal(wrench, whole.wrench)
+    np.testing.assert_array_equal(by_parameters, whole.by_parameters)
+    with pytest.raises(UsageError, match="acceleration has 3 numbers, but this cart's has 2"):
+        CART.inverse_by_parameters(states_[0], np.zeros(3))
+
+
 @pytest.mark.long
 def test_another_packages_kernel_may_call_it():
     """It counts references, as kernels here do not."""
