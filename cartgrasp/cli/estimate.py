@@ -122,7 +122,7 @@ def _print(result: Replay, prior: Prior) -> None:
 def print_parameters(
     title: str, parameters: Mapping[str, ParameterEstimate], taught: str, health: str = Health.OK
 ) -> None:
-    """A table; `taught` heads its last column."""
+    """A table, without what stands as the cart's file has it; `taught` heads its last column."""
     rows = [
         [
             name,
@@ -132,5 +132,6 @@ def print_parameters(
             taught_word(p.identifiable, health),
         ]
         for name, p in parameters.items()
+        if p.std > 0
     ]
     print_table(title, ["parameter", "value", "sd", "unit", taught], rows)

@@ -57,7 +57,7 @@ class ShownRun:
             contacts={arm: log.contact for arm, log in arms.items()},
             wrenches={arm: np.asarray(record.wrenches.get(arm, log.wrench)) for arm, log in arms.items()},
             reference_pose=record.reference_pose,
-            parameters=record.parameters,
+            parameters=_estimated(record.parameters),
             com_covariance=record.com_covariance,
             caster_headings=trailing_headings(record.pose, record.cart) if headings is None else headings,
             statuses=record.statuses,
@@ -164,4 +164,9 @@ def _parameters(estimates: Sequence[Estimate]) -> dict[str, Series]:
     for name, last in estimates[-1].parameters.items():
         values, deviations = np.array([[e.parameters[name].value, e.parameters[name].std] for e in estimates]).T
         found[name] = Series(values, deviations, None, last.unit)
-    return found
+    return _estimated(found)
+
+
+def _estimated(parameters: Mapping[str, Series]) -> dict[str, Series]:
+    """Without those that stand as the cart's file has them."""
+    return {name: series for name, series in parameters.items() if series.std.any()}

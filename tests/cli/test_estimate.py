@@ -193,8 +193,17 @@ def test_the_table_for_people(capsys, tmp_path, weaving):
     estimate(capsys, tmp_path, weaving[:50])
     answer = run(capsys, "estimate", tmp_path / "run.csv", "--cart", tmp_path / "cart.yaml")
     assert answer.status == 0
-    assert "viscous_drag.linear" in answer.out
+    assert [line.split()[0] for line in answer.out.splitlines()[3:9]] == PARAMETERS
     assert "50 rows over 0.49 s; its sensors were not judged: 0.49 s at 100 Hz are too short" in answer.err
+
+
+def test_the_table_leaves_out_what_stands_as_the_file_has_it(capsys, tmp_path, weaving):
+    cart = GUESS + "  caster_realignment: {swivel_torque: 0.3, trail: 0.06}\n"
+    told = parameters(estimate(capsys, tmp_path, weaving[:50], cart=cart))
+    stands = {name for name, one in told.items() if one["std"] == 0.0}
+    assert "caster_realignment.trail" in stands
+    answer = run(capsys, "estimate", tmp_path / "run.csv", "--cart", tmp_path / "cart.yaml")
+    assert {name for name in told if name in answer.out} == told.keys() - stands
 
 
 def test_refusals_are_one_line(capsys, tmp_path, weaving):

@@ -36,6 +36,16 @@ def test_the_spread_of_the_centre_of_mass_is_that_of_draws():
     assert estimate()._replace(covariance=None).com_covariance is None
 
 
+def test_what_stands_as_the_file_has_it_is_no_estimate(record: RunRecord):
+    told = estimate()
+    trail = ParameterEstimate(0.05, 0.0, "m", False)
+    both = told._replace(parameters={**told.parameters, "caster_realignment.trail": trail})
+    assert set(ShownRun.of_log(record.log, record.cart, [both] * len(record.time)).parameters) == {"mass"}
+    held = replace(record.parameters["mass"], std=0 * record.parameters["mass"].std)
+    shown = ShownRun.of_record(replace(record, parameters={**record.parameters, "held": held}))
+    assert set(shown.parameters) == set(record.parameters)
+
+
 def test_a_log_shows_what_the_record_of_its_run_does(record: RunRecord, shown: ShownRun):
     told = ShownRun.of_log(record.log, record.cart, [estimate()] * len(record.time))
     np.testing.assert_allclose(told.velocity_b[200:], shown.velocity_b[200:], atol=0.02)
