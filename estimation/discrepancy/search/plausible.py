@@ -42,9 +42,9 @@ MOST = {
 """Bounds between which a setting of what bears the name lies."""
 LEVERS = {"wheel_drag_imbalance": ("moment", "force")}
 """No wheel drives: the moment of wheels that drag unlike is at most the drag times half a track."""
-ESSENTIAL = {"wheel_drag_imbalance": "moment", "pose_offset": "x", "caster_realignment": "swivel_torque"}
-"""What makes an effect what its name says: without it, the wheels of an axle drag alike, a frame that is turned, or
-beside {b}, is one whose wheels, or hands, are, and tyres that scrub do so while nothing realigns."""
+ESSENTIAL = {"wheel_drag_imbalance": "moment", "pose_offset": "x"}
+"""What makes an effect what its name says: without it, the wheels of an axle drag alike, and a frame that is turned, or
+beside {b}, is one whose wheels, or hands, are."""
 TOLD = 2.0
 """Standard deviations by which what is essential must be beyond nought."""
 SPARE = 1.5
